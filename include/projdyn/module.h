@@ -1,0 +1,174 @@
+/* projdyn for authors of constraints and solvers: the tables a module fills.
+ *
+ * A constraint type gives, for every element, rows of a sparse selector G, a weight w and the
+ * projection p of the selected u = G x (one 3-vector per row) onto the manifold of the constraint;
+ * optionally the tangent J = dp/du. Core derives energy, gradient, Hessian products, block diagonal
+ * and assembly from these:
+ *
+ *     E(x)  = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum w/2 |G x - p|^2
+ *     H     = M/h^2 + sum w G' ((1 - eps)(I - J) + eps I) G      eps = 1: classic Projective Dynamics
+ *
+ * Callbacks work on a range of elements [first, last), write only what belongs to these, may run on
+ * any thread and in any order, keep no state of their own and never fail.
+ */
+#ifndef PROJDYN_MODULE_H
+#define PROJDYN_MODULE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#define PDYN_ABI 1u
+
+/* ---- parameters: core reads, checks and documents them -------------------------------------- */
+
+typedef enum pdyn_param_kind {
+    PDYN_REAL,     /* double */
+    PDYN_INT,      /* int */
+    PDYN_BOOL,     /* bool */
+    PDYN_VECTOR,   /* double[3] */
+    PDYN_VERTICES, /* pdyn_vertices: chosen points of the body */
+    PDYN_PATH,     /* pdyn_path: displacement over time */
+} pdyn_param_kind;
+
+typedef struct pdyn_vertices {
+    int count;
+    const int *index; /* count, counted from the body's first point, ascending */
+} pdyn_vertices;
+
+typedef struct pdyn_path { /* piecewise linear; the first and last values hold outside */
+    int count;
+    const double *key; /* count x 4: s, m, m, m; times ascending */
+} pdyn_path;
+
+typedef struct pdyn_param {
+    const char *name;
+    pdyn_param_kind kind;
+    size_t offset;      /* in the parameter struct */
+    bool required;      /* no default: the scene must give it */
+    double def;         /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and each entry of PDYN_VECTOR */
+    double min, max;    /* bounds, inclusive, of the same */
+    const char *unit;   /* "N/m", "1" for a ratio, "" where there is none */
+    const char *doc;
+} pdyn_param;
+
+/* ---- what a module sees of a body ----------------------------------------------------------- */
+
+typedef struct pdyn_body {
+    const char *name;
+    int first, count;    /* its particles in the system */
+    const double *rest;  /* count x 3: rest positions, m */
+    const double *mass;  /* count, kg */
+    double radius;       /* m, particle radius; 0 for a surface */
+    double rest_density; /* kg/m^3; 0 for a surface */
+    double area_density; /* kg/m^2; 0 for particles */
+    /* the rest is empty for a body of particles; vertices count from the body's first */
+    int triangles;
+    const int *triangle; /* triangles x 3 */
+    const double *vertex_area; /* count: a third of the adjacent triangles' areas, m^2 */
+    int edges;
+    const int *edge;          /* edges x 2, ascending */
+    const double *edge_area;  /* edges: area of the one or two adjacent triangles, m^2 */
+    const double *edge_cotan; /* edges: half the sum of the opposite angles' cotangents */
+    const bool *on_border;    /* count: the vertex lies on an open border */
+    const int *ring_start;    /* count + 1: where a vertex' edges begin in ring_edge */
+    const int *ring_edge;     /* the edges at each vertex, ascending */
+} pdyn_body;
+
+/* ---- rows tier ------------------------------------------------------------------------------ */
+
+typedef struct pdyn_batch { /* one constraint type on one body; core owns all arrays */
+    const pdyn_body *body;
+    int elements;
+    const int *element_row; /* elements + 1: first row of each element */
+    const int *row_entry;   /* rows + 1: first entry of each row */
+    int *column;            /* entries: particle in the system */
+    double *coefficient;    /* entries */
+    double *weight;         /* elements, N/m, >= 0 */
+    void *data;             /* elements x data_size: the type's own */
+    double time;            /* s, at the end of the step */
+    const double *u;        /* rows x 3: G x */
+    double *p;              /* rows x 3: the projection of u */
+    const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
+} pdyn_batch;
+
+/* ---- operator tier: for a constraint that is too large for generic rows ---------------------- */
+
+typedef void pdyn_range_fn(void *arg, int first, int last, int block);
+
+typedef struct pdyn_core pdyn_core; /* core's own; opaque to modules */
+
+typedef struct pdyn_services { /* what core offers to an operator */
+    pdyn_core *core;
+    /* Runs fn over [0, count) in blocks of `grain`; blocks may run in parallel. */
+    void (*parallel_for)(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg);
+    void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);
+} pdyn_services;
+
+/* Points that take part in SPH sums: particles of the system first, then static boundary points. */
+typedef struct pdyn_neighbours {
+    double support;        /* m: pairs closer than this are all listed */
+    int particles;         /* of the system */
+    int points;            /* particles + boundary points */
+    const double *volume;  /* points, m^3: rest volume; 0 for what takes no part */
+    const double *boundary_x; /* (points - particles) x 3 */
+    const int *start;      /* particles + 1: first neighbour of each */
+    const int *boundary_start; /* particles: first boundary neighbour; they end at start[i + 1] */
+    const int *index;      /* the neighbours; particles ascending, then boundary points ascending */
+    const int *mirror;     /* for a particle pair (i, j): where (j, i) stands in index */
+    unsigned revision;     /* moves when the lists do */
+} pdyn_neighbours;
+
+typedef struct pdyn_operator {
+    /* Returns the operator's state or NULL without memory. */
+    void *(*create)(const void *params, const pdyn_body *body, const pdyn_services *services);
+    void (*free)(void *self);
+    /* New neighbour lists (also the first). false: no memory. */
+    bool (*neighbours)(void *self, const pdyn_neighbours *lists);
+    /* Local step at x: returns the energy, adds the gradient to `gradient` (particles x 3). */
+    double (*local)(void *self, const double *x, double *gradient);
+    /* y += w G' ((1 - eps)(I - J) + eps I) G u at the x of the last local step. */
+    void (*apply)(void *self, double eps, const double *u, double *y);
+    /* One-sided constraints: takes the active set from the linear model at x + d, so that `apply` and
+     * `diagonal` work with it until the next local step, and adds to y the change of the model's
+     * gradient from x to x + d. Returns how many constraints changed sides. NULL: none can. */
+    int (*predict)(void *self, double eps, const double *d, double *y);
+    /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
+    void (*diagonal)(void *self, double eps, double *blocks);
+    /* Fresh measures at the end of a step: density of every particle, kg/m^3. NULL: none. */
+    void (*density)(void *self, const double *x, double *density);
+    /* Changes velocities after the step (viscosity). NULL: none. */
+    void (*velocity)(void *self, const double *x, double *v);
+} pdyn_operator;
+
+/* ---- the constraint table ------------------------------------------------------------------- */
+
+enum { /* pdyn_constraint_type.flags */
+    PDYN_ANCHORED = 1,    /* its force on the particles does not sum to zero (pins, walls) */
+    PDYN_ON_SURFACE = 2,  /* needs a body with triangles */
+    PDYN_ON_PARTICLES = 4,/* needs a body of particles */
+    PDYN_REACTION = 8,    /* what it carries is reported as pin reaction */
+};
+
+typedef struct pdyn_constraint_type {
+    const char *name, *summary;
+    unsigned flags;
+    size_t params_size;
+    const pdyn_param *params; /* ends with a name of NULL */
+    size_t data_size;         /* bytes of the type's own data per element */
+    /* Number of elements on this body. */
+    int (*elements)(const void *params, const pdyn_body *body);
+    /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. */
+    int rows, width;
+    void (*shape)(const void *params, const pdyn_batch *batch, int element, int *rows, int *width);
+    /* Fill column, coefficient and data. */
+    void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
+    void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
+    void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
+    /* J of the elements one after the other, that of `first` at J[0]: (3 rows)^2 numbers each,
+     * symmetric, eigenvalues in [0, 1] (clamp: H must stay positive). J comes zeroed. NULL: J = 0. */
+    void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
+    /* NULL: core derives everything from the rows above. */
+    const pdyn_operator *op;
+} pdyn_constraint_type;
+
+#endif

@@ -1,0 +1,39 @@
+/* The few 3-vector operations that modules and core share. */
+#ifndef PROJDYN_VEC3_H
+#define PROJDYN_VEC3_H
+
+#include <math.h>
+
+static inline double vec3_dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+static inline double vec3_length(const double *a) { return sqrt(vec3_dot(a, a)); }
+static inline double vec3_distance(const double *a, const double *b) {
+    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return vec3_length(d);
+}
+
+/* y += s a */
+static inline void vec3_add(double *y, double s, const double *a) {
+    for (int k = 0; k < 3; k++) y[k] += s * a[k];
+}
+
+/* y = A a, A 3 x 3 by rows */
+static inline void vec3_multiply(double *y, const double *A, const double *a) {
+    for (int k = 0; k < 3; k++) y[k] = vec3_dot(A + 3 * k, a);
+}
+
+/* The projection of a 3-vector onto the sphere of radius `length`, and its tangent, clamped to a
+ * contraction: J = min(1, length/|u|) (I - n n'). A zero vector stays where it is. */
+static inline void vec3_project_length(double *p, const double *u, double length) {
+    double l = vec3_length(u), s = l > 0.0 ? length / l : 0.0;
+    for (int k = 0; k < 3; k++) p[k] = s * u[k];
+}
+static inline void vec3_tangent_length(double *J, const double *u, double length) {
+    double l = vec3_length(u), s = length < l ? length / l : 1.0;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++)
+            J[3 * a + b] = l > 0.0 ? s * ((a == b) - u[a] * u[b] / (l * l)) : 0.0;
+}
+
+#endif

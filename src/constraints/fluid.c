@@ -1,0 +1,494 @@
+/* The fluid: a density constraint for every fluid particle i over itself and its neighbours j
+ * (Weiler, Koschier, Bender 2016, eq. 6-9),
+ *
+ *     C_i(x) = max(0, sum_j V_j W(x_i - x_j) - 1),      V: rest volumes, of boundary samples too
+ *
+ * with u all particles of the constraint. The projection is the paper's Newton iteration on the
+ * copies p, from p = u:  p <- p - C grad C / |grad C|^2  until C < projection_tolerance. Its tangent
+ * is J = I - n n', n = grad C / |grad C|, so that the newton step couples the fluid along the normals
+ * of the constraints; eps = 1 is the paper's D = I, a diagonal.
+ *
+ * Operator tier: a row for every particle of every constraint would be some 30 rows a particle. What
+ * is kept instead: the kernel gradient of every listed pair, and the displacement u - p of every
+ * constraint. Both passes of the product run over the pairs of a particle and write only to it.
+ * Cloth points have a volume and neighbours, but no constraint of their own; static boundary samples
+ * enter the density alone (Akinci et al. 2012). Memory: 48 bytes per listed neighbour and 96 per
+ * particle of the system. */
+#include "../core/kernel.h"
+#include "projdyn/module.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { GRAIN = 128, MAX_NEWTON = 20 };
+
+struct params {
+    double stiffness, viscosity, projection_tolerance;
+};
+
+static const pdyn_param params[] = {
+    {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), false, 1e7, 0, 1e15, "N/m",
+     "weight of the density constraint: force per distance from the uncompressed state"},
+    {"viscosity", PDYN_REAL, offsetof(struct params, viscosity), false, 0.02, 0, 1, "1",
+     "XSPH: how much of the velocity difference to the neighbours a step takes away"},
+    {"projection_tolerance", PDYN_REAL, offsetof(struct params, projection_tolerance), false, 1e-6,
+     1e-14, 1, "1", "relative density error at which the projection of a constraint ends"},
+    {0}};
+
+struct fluid {
+    const pdyn_services *services;
+    const pdyn_neighbours *lists;
+    struct params params;
+    struct kernel kernel;
+    int first, count;      /* the fluid's particles in the system */
+    int particles;         /* of the system */
+    double rest_density;   /* kg/m^3 */
+    size_t pairs;          /* capacity of what is kept per listed neighbour */
+    double *pair_gradient; /* pairs x 3: grad W(x_i - x_j), 1/m^4 */
+    double *pair_shift;    /* pairs x 3: u - p of x_j in constraint i, m */
+    double *self_gradient; /* particles x 3: the gradient of C_i with respect to x_i, 1/m */
+    double *self_shift;    /* particles x 3: u - p of x_i in constraint i, m */
+    double *value;         /* particles: C_i, negative where there is room */
+    double *stiffness;     /* particles: w / |grad C_i|^2, N m */
+    bool *active;          /* particles: C_i counts, at x or where `predict` looked */
+    double *flux;          /* particles: stiffness_i (grad C_i . u), N; 0 where not active */
+    double *members;       /* particles: in how many constraints a particle takes part */
+    double *partial;       /* a partial energy for each parallel block */
+};
+
+struct call { /* arguments of a parallel loop */
+    struct fluid *f;
+    const double *in, *x;
+    double *out;
+    double eps;
+};
+
+static bool is_fluid(const struct fluid *f, int i) { return i >= f->first && i < f->first + f->count; }
+
+static void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, const double *in,
+                          const double *x, double *out, double eps) {
+    struct call call = {f, in, x, out, eps};
+    f->services->parallel_for(f->services->core, count, GRAIN, fn, &call);
+}
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+static void *resize(struct fluid *f, void *block, size_t old_count, size_t count) {
+    return f->services->allocate(f->services->core, block, old_count * sizeof(double),
+                                 count * sizeof(double));
+}
+
+static void release(void *self) {
+    struct fluid *f = self;
+    size_t n = (size_t)f->particles;
+    resize(f, f->pair_gradient, 3 * f->pairs, 0);
+    resize(f, f->pair_shift, 3 * f->pairs, 0);
+    resize(f, f->self_gradient, 3 * n, 0);
+    resize(f, f->self_shift, 3 * n, 0);
+    resize(f, f->value, n, 0);
+    resize(f, f->stiffness, n, 0);
+    f->services->allocate(f->services->core, f->active, n * sizeof(bool), 0);
+    resize(f, f->flux, n, 0);
+    resize(f, f->members, n, 0);
+    resize(f, f->partial, n / GRAIN + 1, 0);
+    f->services->allocate(f->services->core, f, sizeof *f, 0);
+}
+
+static void *create(const void *par, const pdyn_body *body, const pdyn_services *services) {
+    struct fluid *f = services->allocate(services->core, NULL, 0, sizeof *f);
+    if (!f) return NULL;
+    f->services = services;
+    f->params = *(const struct params *)par;
+    f->kernel = kernel_make(4.0 * body->radius);
+    f->first = body->first, f->count = body->count;
+    f->rest_density = body->rest_density;
+    return f;
+}
+
+static bool reserve_particles(struct fluid *f, int particles) {
+    size_t n = (size_t)particles;
+    f->particles = particles;
+    f->self_gradient = resize(f, NULL, 0, 3 * n);
+    f->self_shift = resize(f, NULL, 0, 3 * n);
+    f->value = resize(f, NULL, 0, n);
+    f->stiffness = resize(f, NULL, 0, n);
+    f->active = f->services->allocate(f->services->core, NULL, 0, n * sizeof(bool));
+    f->flux = resize(f, NULL, 0, n);
+    f->members = resize(f, NULL, 0, n);
+    f->partial = resize(f, NULL, 0, n / GRAIN + 1);
+    return f->self_gradient && f->self_shift && f->value && f->stiffness && f->active && f->flux
+        && f->members && f->partial;
+}
+
+static bool neighbours(void *self, const pdyn_neighbours *lists) {
+    struct fluid *f = self;
+    size_t pairs = (size_t)lists->start[lists->particles];
+    f->lists = lists;
+    if (!f->particles && !reserve_particles(f, lists->particles)) return false;
+    if (pairs <= f->pairs) return true;
+    resize(f, f->pair_gradient, 3 * f->pairs, 0);
+    resize(f, f->pair_shift, 3 * f->pairs, 0);
+    f->pairs = pairs + pairs / 4; /* room, so that a warmed-up step allocates nothing */
+    f->pair_gradient = resize(f, NULL, 0, 3 * f->pairs);
+    f->pair_shift = resize(f, NULL, 0, 3 * f->pairs);
+    return f->pair_gradient && f->pair_shift;
+}
+
+/* ---- local step ------------------------------------------------------------------------------ */
+
+/* The kernel gradients of i's particle pairs at x. */
+static void pair_gradients(struct fluid *f, const double *x, int i) {
+    const pdyn_neighbours *l = f->lists;
+    int members = is_fluid(f, i);
+    for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+        const double *a = x + 3 * i, *b = x + 3 * l->index[s];
+        double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]}, r = vec3_length(d);
+        double slope = kernel_slope(&f->kernel, r);
+        for (int k = 0; k < 3; k++) f->pair_gradient[3 * s + k] = slope * d[k];
+        members += is_fluid(f, l->index[s]) && r < f->kernel.support;
+    }
+    f->members[i] = members;
+}
+
+/* C_i at the copies p = x - shift (NULL: x), and its gradient with respect to p_i. */
+static double density_of(const struct fluid *f, const double *x, int i, bool shifted, double gradient[3],
+                         double *squares) {
+    const pdyn_neighbours *l = f->lists;
+    const double *V = l->volume;
+    double c = V[i] * kernel_value(&f->kernel, 0.0) - 1.0, p[3];
+    memcpy(p, x + 3 * i, sizeof p);
+    if (shifted) vec3_add(p, -1.0, f->self_shift + 3 * i);
+    memset(gradient, 0, 3 * sizeof *gradient);
+    *squares = 0.0;
+    for (int s = l->start[i]; s < l->start[i + 1]; s++) {
+        int j = l->index[s], fixed = j - l->particles;
+        const double *q = fixed >= 0 ? l->boundary_x + 3 * fixed : x + 3 * j;
+        double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+        if (shifted && fixed < 0) vec3_add(d, 1.0, f->pair_shift + 3 * s);
+        double r = vec3_length(d), slope = V[j] * kernel_slope(&f->kernel, r);
+        c += V[j] * kernel_value(&f->kernel, r);
+        vec3_add(gradient, slope, d);
+        if (fixed < 0) *squares += slope * slope * r * r;
+    }
+    *squares += vec3_dot(gradient, gradient);
+    return c;
+}
+
+/* shift += t grad C at the copies p = x - shift */
+static void move_copies(struct fluid *f, const double *x, int i, double t, const double gradient[3]) {
+    const pdyn_neighbours *l = f->lists;
+    double p[3];
+    memcpy(p, x + 3 * i, sizeof p);
+    vec3_add(p, -1.0, f->self_shift + 3 * i);
+    for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+        const double *q = x + 3 * l->index[s];
+        double *shift = f->pair_shift + 3 * s;
+        double d[3] = {p[0] - q[0] + shift[0], p[1] - q[1] + shift[1], p[2] - q[2] + shift[2]};
+        vec3_add(shift, -t * l->volume[l->index[s]] * kernel_slope(&f->kernel, vec3_length(d)), d);
+    }
+    vec3_add(f->self_shift + 3 * i, t, gradient);
+}
+
+/* Newton's iteration on constraint i; returns |u - p|^2. */
+static double project_constraint(struct fluid *f, const double *x, int i) {
+    const pdyn_neighbours *l = f->lists;
+    double *shift = f->self_shift + 3 * i, gradient[3], squares, distance = 0.0;
+    int pairs = l->boundary_start[i] - l->start[i];
+    double c = density_of(f, x, i, false, f->self_gradient + 3 * i, &squares);
+    memset(shift, 0, 3 * sizeof *shift);
+    memset(f->pair_shift + 3 * l->start[i], 0, 3 * (size_t)pairs * sizeof *shift);
+    f->value[i] = c;
+    f->stiffness[i] = squares > 0.0 ? f->params.stiffness / squares : 0.0;
+    f->active[i] = c > 0.0 && squares > 0.0;
+    if (!f->active[i]) return 0.0;
+    memcpy(gradient, f->self_gradient + 3 * i, sizeof gradient);
+    for (int k = 0; k < MAX_NEWTON && squares > 0.0; k++) {
+        move_copies(f, x, i, c / squares, gradient);
+        if (c < f->params.projection_tolerance) break;
+        c = density_of(f, x, i, true, gradient, &squares);
+        if (c < f->params.projection_tolerance) break;
+    }
+    for (int s = 3 * l->start[i]; s < 3 * l->boundary_start[i]; s++)
+        distance += f->pair_shift[s] * f->pair_shift[s];
+    return distance + vec3_dot(shift, shift);
+}
+
+static void local_project(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct fluid *f = c->f;
+    double energy = 0.0;
+    for (int i = first; i < last; i++) {
+        pair_gradients(f, c->x, i);
+        if (is_fluid(f, i)) energy += 0.5 * f->params.stiffness * project_constraint(f, c->x, i);
+    }
+    f->partial[block] = energy;
+}
+
+/* The shifts that all constraints of a particle want. */
+static void local_gather(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct fluid *f = c->f;
+    const pdyn_neighbours *l = f->lists;
+    for (int i = first; i < last; i++) {
+        double sum[3] = {0};
+        if (is_fluid(f, i)) vec3_add(sum, 1.0, f->self_shift + 3 * i);
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++)
+            if (f->active[l->index[s]]) vec3_add(sum, 1.0, f->pair_shift + 3 * l->mirror[s]);
+        vec3_add(c->out + 3 * i, f->params.stiffness, sum);
+    }
+}
+
+static double local(void *self, const double *x, double *gradient) {
+    struct fluid *f = self;
+    for_particles(f, f->particles, local_project, NULL, x, NULL, 0.0);
+    for_particles(f, f->particles, local_gather, NULL, x, gradient, 0.0);
+    double energy = 0.0;
+    for (int b = 0; b * GRAIN < f->particles; b++) energy += f->partial[b];
+    return energy;
+}
+
+/* ---- the product: a divergence, then a pressure gradient -------------------------------------- */
+
+/* grad C_i . u over all particles of constraint i */
+static double divergence(const struct fluid *f, int i, const double *u) {
+    const pdyn_neighbours *l = f->lists;
+    double sum = vec3_dot(f->self_gradient + 3 * i, u + 3 * i);
+    for (int s = l->start[i]; s < l->boundary_start[i]; s++)
+        sum -= l->volume[l->index[s]] * vec3_dot(f->pair_gradient + 3 * s, u + 3 * l->index[s]);
+    return sum;
+}
+
+static void apply_divergence(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct fluid *f = c->f;
+    for (int i = f->first + first; i < f->first + last; i++)
+        f->flux[i] = f->active[i] ? (1.0 - c->eps) * f->stiffness[i] * divergence(f, i, c->in) : 0.0;
+}
+
+/* The flux of the linear model max(0, C_i + grad C_i . d) beyond that at d = 0, and its active set. */
+static void predict_divergence(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct fluid *f = c->f;
+    double changed = 0.0;
+    for (int i = f->first + first; i < f->first + last; i++) {
+        double there = f->value[i] + divergence(f, i, c->in);
+        bool active = there > 0.0 && f->stiffness[i] > 0.0;
+        changed += active != f->active[i];
+        f->active[i] = active;
+        f->flux[i] = (1.0 - c->eps) * f->stiffness[i] * (fmax(0.0, there) - fmax(0.0, f->value[i]));
+    }
+    f->partial[block] = changed;
+}
+
+static void apply_gradient(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct fluid *f = c->f;
+    const pdyn_neighbours *l = f->lists;
+    double w = c->eps * f->params.stiffness;
+    for (int i = first; i < last; i++) {
+        double sum[3] = {0};
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++)
+            vec3_add(sum, f->flux[l->index[s]], f->pair_gradient + 3 * s);
+        double *y = c->out + 3 * i;
+        vec3_add(y, l->volume[i], sum);
+        vec3_add(y, f->flux[i], f->self_gradient + 3 * i);
+        vec3_add(y, w * f->members[i], c->in + 3 * i);
+    }
+}
+
+static void apply(void *self, double eps, const double *u, double *y) {
+    struct fluid *f = self;
+    for_particles(f, f->count, apply_divergence, u, NULL, NULL, eps);
+    for_particles(f, f->particles, apply_gradient, u, NULL, y, eps);
+}
+
+static int predict(void *self, double eps, const double *d, double *y) {
+    struct fluid *f = self;
+    for_particles(f, f->count, predict_divergence, d, NULL, NULL, eps);
+    for_particles(f, f->particles, apply_gradient, d, NULL, y, eps);
+    double changed = 0.0;
+    for (int b = 0; b * GRAIN < f->count; b++) changed += f->partial[b];
+    return (int)changed;
+}
+
+static void add_outer_product(double *block, double scale, const double *a) {
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    for (int k = 0; k < 6; k++) block[k] += scale * a[row[k]] * a[column[k]];
+}
+
+static void diagonal_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct fluid *f = c->f;
+    const pdyn_neighbours *l = f->lists;
+    for (int i = first; i < last; i++) {
+        double *D = c->out + 6 * i, V = l->volume[i], undamped = 1.0 - c->eps;
+        if (f->active[i]) add_outer_product(D, undamped * f->stiffness[i], f->self_gradient + 3 * i);
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++)
+            if (f->active[l->index[s]])
+                add_outer_product(D, undamped * V * V * f->stiffness[l->index[s]], f->pair_gradient + 3 * s);
+        double damped = c->eps * f->params.stiffness * f->members[i];
+        D[0] += damped, D[3] += damped, D[5] += damped;
+    }
+}
+
+static void diagonal(void *self, double eps, double *blocks) {
+    struct fluid *f = self;
+    for_particles(f, f->particles, diagonal_blocks, NULL, NULL, blocks, eps);
+}
+
+/* ---- measures and viscosity ------------------------------------------------------------------ */
+
+static void measure_density(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    double gradient[3], squares;
+    for (int i = c->f->first + first; i < c->f->first + last; i++)
+        c->out[i] = c->f->rest_density * (1.0 + density_of(c->f, c->x, i, false, gradient, &squares));
+}
+
+static void density(void *self, const double *x, double *out) {
+    struct fluid *f = self;
+    for_particles(f, f->count, measure_density, NULL, x, out, 0.0);
+}
+
+/* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair is
+ * the same on both sides, so momentum stays. self_shift is free at this point of a step. */
+static void viscosity_change(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct fluid *f = c->f;
+    const pdyn_neighbours *l = f->lists;
+    for (int i = f->first + first; i < f->first + last; i++) {
+        double *change = f->self_shift + 3 * i;
+        memset(change, 0, 3 * sizeof *change);
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+            int j = l->index[s];
+            if (!is_fluid(f, j)) continue;
+            double w = f->params.viscosity * l->volume[j]
+                * kernel_value(&f->kernel, vec3_distance(c->x + 3 * i, c->x + 3 * j));
+            for (int k = 0; k < 3; k++) change[k] += w * (c->in[3 * j + k] - c->in[3 * i + k]);
+        }
+    }
+}
+
+static void velocity(void *self, const double *x, double *v) {
+    struct fluid *f = self;
+    if (f->params.viscosity == 0.0) return;
+    for_particles(f, f->count, viscosity_change, v, x, NULL, 0.0);
+    for (int i = f->first; i < f->first + f->count; i++) vec3_add(v + 3 * i, 1.0, f->self_shift + 3 * i);
+}
+
+static const pdyn_operator op = {
+    .create = create,
+    .free = release,
+    .neighbours = neighbours,
+    .local = local,
+    .apply = apply,
+    .predict = predict,
+    .diagonal = diagonal,
+    .density = density,
+    .velocity = velocity,
+};
+
+/* ---- the same as rows: for assembly, and to check the operator against ------------------------- */
+
+static int elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->count;
+}
+
+static void shape(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
+    (void)par;
+    int i = b->body->first + element;
+    *rows = 1 + b->neighbours->boundary_start[i] - b->neighbours->start[i];
+    *width = 1;
+}
+
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        int row = b->element_row[e], i = b->body->first + e;
+        b->column[row] = i;
+        for (int r = row + 1; r < b->element_row[e + 1]; r++)
+            b->column[r] = b->neighbours->index[b->neighbours->start[i] + r - row - 1];
+        for (int r = row; r < b->element_row[e + 1]; r++) b->coefficient[r] = 1.0;
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
+}
+
+/* C of element e with its copies at p (rows x 3, its own first), and grad C into g, rows x 3. */
+static double row_density(const pdyn_batch *b, int e, const double *p, double *g) {
+    const pdyn_neighbours *l = b->neighbours;
+    struct kernel kernel = kernel_make(4.0 * b->body->radius);
+    int i = b->body->first + e, moving = l->boundary_start[i] - l->start[i];
+    double c = l->volume[i] * kernel_value(&kernel, 0.0) - 1.0;
+    memset(g, 0, 3 * sizeof *g);
+    for (int k = 0; k < l->start[i + 1] - l->start[i]; k++) {
+        int j = l->index[l->start[i] + k];
+        const double *q = k < moving ? p + 3 * (1 + k) : l->boundary_x + 3 * (j - l->particles);
+        double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]}, r = vec3_length(d);
+        double slope = l->volume[j] * kernel_slope(&kernel, r);
+        c += l->volume[j] * kernel_value(&kernel, r);
+        vec3_add(g, slope, d);
+        for (int a = 0; k < moving && a < 3; a++) g[3 * (1 + k) + a] = -slope * d[a];
+    }
+    return c;
+}
+
+static double squares_of(const double *g, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += g[k] * g[k];
+    return sum;
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    double tolerance = ((const struct params *)par)->projection_tolerance, g[3 * 2048];
+    for (int e = first; e < last; e++) {
+        int n = 3 * (b->element_row[e + 1] - b->element_row[e]);
+        double *p = b->p + 3 * b->element_row[e];
+        memcpy(p, b->u + 3 * b->element_row[e], (size_t)n * sizeof *p);
+        if (n > 3 * 2048) continue;
+        double c = row_density(b, e, p, g), squares = squares_of(g, n);
+        for (int k = 0; k < MAX_NEWTON && c > (k ? tolerance : 0.0) && squares > 0.0; k++) {
+            for (int a = 0; a < n; a++) p[a] -= c / squares * g[a];
+            c = row_density(b, e, p, g), squares = squares_of(g, n);
+        }
+    }
+}
+
+/* J = I - n n' where the constraint is active, otherwise I */
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par;
+    double g[3 * 2048];
+    for (int e = first; e < last; e++) {
+        int n = 3 * (b->element_row[e + 1] - b->element_row[e]);
+        double c = n > 3 * 2048 ? 0.0 : row_density(b, e, b->u + 3 * b->element_row[e], g);
+        double squares = c > 0.0 ? squares_of(g, n) : 0.0;
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                J[i * n + j] = (i == j) - (squares > 0.0 ? g[i] * g[j] / squares : 0.0);
+        J += n * n;
+    }
+}
+
+const pdyn_constraint_type pdyn_constraint_fluid = {
+    .name = "fluid",
+    .summary = "an incompressible liquid: SPH density at most the rest density",
+    .flags = PDYN_ON_PARTICLES,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .elements = elements,
+    .shape = shape,
+    .select = select,
+    .weight = weight,
+    .project = project,
+    .tangent = tangent,
+    .op = &op,
+};

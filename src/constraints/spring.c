@@ -1,0 +1,67 @@
+/* Springs along the edges of a mesh (Liu, Bargteil, O'Brien, Kavan 2013): u is the edge vector, its
+ * projection has the rest length. The stiffness of an edge follows from the stretching stiffness of
+ * the sheet and the area that the edge stands for (Van Gelder 1998): k = Y (A_1 + A_2) / L^2. */
+#include "projdyn/module.h"
+#include "projdyn/vec3.h"
+
+struct params {
+    double stretching_stiffness;
+};
+
+static const pdyn_param params[] = {
+    {"stretching_stiffness", PDYN_REAL, offsetof(struct params, stretching_stiffness), true, 0, 0, 1e12,
+     "N/m", "tension per strain of the sheet: Young's modulus times thickness"},
+    {0}};
+
+static int elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->edges;
+}
+
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        const int *edge = b->body->edge + 2 * e;
+        for (int k = 0; k < 2; k++) {
+            b->column[2 * e + k] = b->body->first + edge[k];
+            b->coefficient[2 * e + k] = k ? 1.0 : -1.0;
+        }
+        ((double *)b->data)[e]
+            = vec3_distance(b->body->rest + 3 * edge[0], b->body->rest + 3 * edge[1]);
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    const struct params *q = par;
+    const double *length = b->data;
+    for (int e = first; e < last; e++)
+        b->weight[e] = q->stretching_stiffness * b->body->edge_area[e] / (length[e] * length[e]);
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    const double *length = b->data;
+    for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
+}
+
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par;
+    const double *length = b->data;
+    for (int e = first; e < last; e++, J += 9) vec3_tangent_length(J, b->u + 3 * e, length[e]);
+}
+
+const pdyn_constraint_type pdyn_constraint_spring = {
+    .name = "spring",
+    .summary = "stretching of a sheet along the edges of its mesh",
+    .flags = PDYN_ON_SURFACE,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .data_size = sizeof(double),
+    .elements = elements,
+    .rows = 1,
+    .width = 2,
+    .select = select,
+    .weight = weight,
+    .project = project,
+    .tangent = tangent,
+};

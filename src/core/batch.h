@@ -1,0 +1,61 @@
+/* A batch: one constraint type on one body. The rows tier is worked out here, from what the type's
+ * callbacks give; the operator tier is passed through. Either way a batch can do three things:
+ * the local step, the product with its part of the Hessian, and the block diagonal of that part. */
+#ifndef PDYN_BATCH_H
+#define PDYN_BATCH_H
+
+#include "context.h"
+#include "neighbours.h"
+#include "projdyn/module.h"
+
+struct batch {
+    pdyn_context *context;
+    const pdyn_constraint_type *type;
+    const void *params;
+    pdyn_batch view; /* what the type sees; arrays owned here */
+    void *op;        /* operator tier: the type's state */
+    double eps;      /* damping of the current linearisation */
+    double energy;   /* J, at the last local step */
+
+    /* rows tier */
+    int rows, entries;
+    double *flux;         /* rows x 3: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
+    size_t *block_start;  /* elements + 1 */
+    double *block;        /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
+                             NULL until eps is below 1 for the first time */
+    double *partial;      /* a partial energy for each parallel block */
+    int *entry_element, *entry_row; /* entries: where they belong */
+    int touch_first, touch_count;   /* the rows touch only these particles of the system */
+    int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
+    int *touch_entry;               /* entries: numbers of entries, ascending for each particle */
+};
+
+/* `rows_only`: use the rows even where the type has an operator (assembly and tests do). */
+pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type, const void *params,
+                         const pdyn_body *body, const pdyn_services *services,
+                         const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
+void batch_free(struct batch *batch);
+
+/* The neighbour lists have changed. */
+pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
+
+/* Local step at x (particles x 3): projects, sets batch->energy, adds to the gradient, in N. */
+void batch_local(struct batch *batch, const double *x, double time, double *gradient);
+
+/* Fixes the tangent at the x of the last local step, damped with eps in [0, 1]. */
+pdyn_status batch_linearise(struct batch *batch, double eps);
+
+/* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
+void batch_apply(struct batch *batch, const double *u, double *y);
+
+/* Adds the change of the gradient from x to x + d in the linear model, and takes the active set of
+ * one-sided constraints from there; returns how many of these changed sides. */
+int batch_predict(struct batch *batch, const double *d, double *y);
+
+/* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
+void batch_diagonal(struct batch *batch, double *blocks);
+
+/* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */
+void batch_block(const struct batch *batch, int k, int m, double B[9]);
+
+#endif

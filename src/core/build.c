@@ -1,0 +1,302 @@
+/* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver. */
+#include "registry.h"
+#include "sampling.h"
+#include "sim.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { SKIN_PERCENT = 10 }; /* of the support: about a third more pairs, lists kept where little moves */
+
+/* ---- what a module may call ------------------------------------------------------------------ */
+
+static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg) {
+    pool_for(((pdyn_context *)core)->pool, count, grain, fn, arg);
+}
+static void *service_allocate(pdyn_core *core, void *block, size_t old_size, size_t new_size) {
+    return context_resize((pdyn_context *)core, block, old_size, new_size);
+}
+pdyn_services sim_services(pdyn_context *context) {
+    return (pdyn_services){(pdyn_core *)context, service_for, service_allocate};
+}
+
+/* ---- bodies ---------------------------------------------------------------------------------- */
+
+/* The rest positions of all bodies, one after the other. */
+static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
+    pdyn_context *c = sim->context;
+    sim->bodies = sim->scene.bodies;
+    sim->body = NEW_ARRAY(c, sim->bodies, pdyn_body);
+    sim->topology = NEW_ARRAY(c, sim->bodies, struct topology);
+    if (!sim->body || !sim->topology) return PDYN_NO_MEMORY;
+    for (int b = 0; b < sim->bodies; b++) {
+        struct scene_body *from = &sim->scene.body[b];
+        pdyn_body *body = &sim->body[b];
+        *body = (pdyn_body){.name = from->name, .first = all->count, .radius = from->radius,
+                            .rest_density = from->rest_density, .area_density = from->area_density};
+        pdyn_status status = PDYN_OK;
+        for (int k = 0; status == PDYN_OK && k < from->boxes; k++)
+            status = sample_box_volume(c, &from->box[k], from->radius, all);
+        if (status == PDYN_OK && from->is_surface)
+            status = sample_points(c, from->mesh.vertex, from->mesh.vertices, all);
+        if (status != PDYN_OK) return status;
+        body->count = all->count - body->first;
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all) {
+    pdyn_context *c = sim->context;
+    int n = sim->system.particles = all->count;
+    double **vectors[] = {&sim->x,     &sim->v,         &sim->x_next, &sim->gradient,   &sim->trial,
+                          &sim->trial_gradient, &sim->direction, &sim->negative, &sim->correction,
+                          &sim->system.s};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        if (!(*vectors[k] = NEW_ARRAY(c, 3 * (size_t)n, double))) return PDYN_NO_MEMORY;
+    sim->rest = NEW_ARRAY(c, 3 * (size_t)n, double);
+    sim->density = NEW_ARRAY(c, n, double);
+    sim->system.mass = NEW_ARRAY(c, n, double);
+    sim->system.partial = NEW_ARRAY(c, n, double);
+    if (!sim->rest || !sim->density || !sim->system.mass || !sim->system.partial) return PDYN_NO_MEMORY;
+    memcpy(sim->x, all->x, 3 * (size_t)n * sizeof *sim->x);
+    memcpy(sim->rest, all->x, 3 * (size_t)n * sizeof *sim->rest);
+    return PDYN_OK;
+}
+
+static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
+    const struct scene_body *from = &sim->scene.body[b];
+    struct topology *t = &sim->topology[b];
+    pdyn_body *body = &sim->body[b];
+    pdyn_status status = topology_build(sim->context, &from->mesh, t);
+    if (status != PDYN_OK) return status;
+    body->triangles = from->mesh.triangles, body->triangle = from->mesh.triangle;
+    body->vertex_area = t->vertex_area, body->edges = t->edges, body->edge = t->edge;
+    body->edge_area = t->edge_area, body->edge_cotan = t->edge_cotan, body->on_border = t->on_border;
+    body->ring_start = t->ring_start, body->ring_edge = t->ring_edge;
+    return PDYN_OK;
+}
+
+static pdyn_status fill_bodies(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) {
+        const struct scene_body *from = &sim->scene.body[b];
+        pdyn_body *body = &sim->body[b];
+        double *mass = sim->system.mass + body->first, spacing = 2.0 * body->radius;
+        pdyn_status status = from->is_surface ? describe_surface(sim, b) : PDYN_OK;
+        if (status != PDYN_OK) return status;
+        body->rest = sim->rest + 3 * (size_t)body->first, body->mass = mass;
+        for (int i = 0; i < body->count; i++) {
+            mass[i] = from->is_surface ? body->area_density * body->vertex_area[i]
+                                       : body->rest_density * spacing * spacing * spacing;
+            memcpy(sim->v + 3 * (size_t)(body->first + i), from->velocity, sizeof from->velocity);
+            sim->density[body->first + i] = body->rest_density;
+        }
+    }
+    return PDYN_OK;
+}
+
+/* ---- neighbours: fluid, cloth and walls ------------------------------------------------------- */
+
+/* The body whose constraint works on SPH sums, or NULL. */
+static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints; k++)
+            if (sim->scene.body[b].constraint[k].type->op) return &sim->body[b];
+    return NULL;
+}
+
+/* A box holds fluid up to its faces: the samples lie so far outside that a lattice of particles which
+ * touches the faces, half a spacing from them, has its rest density there (0.999 at a wall, 1.000 along
+ * an edge, 1.004 in a corner, by summing the kernel). */
+static const double wall_offset = 0.6; /* spacings */
+
+static pdyn_status sample_solids(struct pdyn_sim *sim, double spacing) {
+    for (int k = 0; k < sim->scene.solids; k++) {
+        const struct scene_solid *solid = &sim->scene.solid[k];
+        struct scene_box walls = solid->box;
+        for (int a = 0; a < 3; a++) {
+            walls.min[a] -= wall_offset * spacing;
+            walls.max[a] += wall_offset * spacing;
+        }
+        pdyn_status status = solid->is_box
+            ? sample_box_surface(sim->context, &walls, solid->open, spacing, &sim->boundary)
+            : sample_mesh_surface(sim->context, &solid->mesh, spacing, &sim->boundary);
+        if (status != PDYN_OK) return status;
+    }
+    return PDYN_OK;
+}
+
+/* A sheet is watertight while its points stay close enough for the fluid to feel no hole. */
+static void check_spacing(const struct pdyn_sim *sim, const pdyn_body *sheet, double spacing) {
+    double longest = 0.0;
+    for (int e = 0; e < sheet->edges; e++)
+        longest = fmax(longest, vec3_distance(sheet->rest + 3 * sheet->edge[2 * e],
+                                              sheet->rest + 3 * sheet->edge[2 * e + 1]));
+    if (longest > 1.45 * spacing)
+        context_log(sim->context, PDYN_LOG_WARNING,
+                    "body \"%s\": its longest edge is %.3g m, the spacing of the fluid particles %.3g m; fluid "
+                    "will leak through edges longer than 1.45 spacings: use a finer mesh or larger particles",
+                    sheet->name, longest, spacing);
+}
+
+static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, double *volume,
+                                bool *centre) {
+    double spacing = 2.0 * fluid->radius;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        for (int i = body->first; body == fluid && i < body->first + body->count; i++)
+            volume[i] = spacing * spacing * spacing, centre[i] = true;
+        if (!body->triangles) continue;
+        check_spacing(sim, body, spacing);
+        pdyn_status status = neighbours_surface_volumes(sim->context, body->count, body->rest,
+                                                        2.0 * spacing, volume + body->first);
+        if (status != PDYN_OK) return status;
+    }
+    return neighbours_surface_volumes(sim->context, sim->boundary.count, sim->boundary.x, 2.0 * spacing,
+                                      volume + sim->system.particles);
+}
+
+static pdyn_status find_neighbours(struct pdyn_sim *sim) {
+    const pdyn_body *fluid = fluid_body(sim);
+    if (!fluid) return PDYN_OK;
+    int n = sim->system.particles;
+    pdyn_status status = sample_solids(sim, 2.0 * fluid->radius);
+    if (status != PDYN_OK) return status;
+    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.count, double);
+    bool *centre = NEW_ARRAY(sim->context, n, bool);
+    status = volume && centre ? fill_volumes(sim, fluid, volume, centre) : PDYN_NO_MEMORY;
+    if (status == PDYN_OK)
+        status = neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x, volume,
+                                   4.0 * fluid->radius, 0.01 * SKIN_PERCENT, &sim->neighbours);
+    if (status == PDYN_OK) status = neighbours_update(sim->neighbours, sim->x);
+    FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
+    FREE_ARRAY(sim->context, centre, n);
+    return status;
+}
+
+/* ---- constraints and solver ------------------------------------------------------------------ */
+
+static pdyn_status make_batches(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
+    int count = 0;
+    for (int b = 0; b < sim->bodies; b++) count += sim->scene.body[b].constraints;
+    sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
+    if (count && !sys->batch) return PDYN_NO_MEMORY;
+    sys->capacity = count;
+    sys->neighbours = sim->neighbours;
+    if (lists) sys->lists = lists->revision;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints; k++) {
+            const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
+            pdyn_status status = batch_create(sim->context, c->type, c->params, &sim->body[b],
+                                              &sim->services, lists, false, &sys->batch[sys->batches]);
+            if (status != PDYN_OK) return status;
+            sys->batches++;
+            sys->changing |= c->type->op != NULL;
+            sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
+        }
+    return PDYN_OK;
+}
+
+static pdyn_status choose_solver(struct pdyn_sim *sim) {
+    const struct scene_settings *set = &sim->scene.settings;
+    const char *name = set->solver_type, *reason = "as the scene asks";
+    if (!strcmp(name, "auto")) {
+        bool direct = !set->newton && !sim->system.changing;
+        name = direct ? "cholesky" : "cg";
+        reason = direct ? "the matrix is constant: it is factored once for each length of step"
+            : sim->system.changing ? "the fluid's constraints change every step"
+                                   : "the matrix of the newton step changes in every iteration";
+    }
+    sim->solver = registry_solver(name);
+    if (!sim->solver)
+        return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
+    sim->solver_reason = reason;
+    if (sim->solver->direct && (sim->system.changing || set->newton))
+        context_log(sim->context, PDYN_LOG_WARNING,
+                    "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
+                    "iteration, %s; \"cg\" needs no factor",
+                    name, sim->system.changing ? "fluid" : "newton step",
+                    set->newton ? "with 3 unknowns a particle" : "after a new analysis where neighbours change");
+    sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
+    if (!sim->solver_state) return PDYN_NO_MEMORY;
+    return sim->solver->create(sim->solver_state, sim->context, &sim->system);
+}
+
+/* ---- the life of a simulation ---------------------------------------------------------------- */
+
+static pdyn_status build(struct pdyn_sim *sim) {
+    struct points all = {0};
+    sim->services = sim_services(sim->context);
+    sim->system.context = sim->context;
+    pdyn_status status = place_bodies(sim, &all);
+    if (status == PDYN_OK) status = allocate_state(sim, &all);
+    points_free(sim->context, &all);
+    if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) status = find_neighbours(sim);
+    if (status == PDYN_OK) status = make_batches(sim);
+    sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
+    if (status == PDYN_OK) status = choose_solver(sim);
+    return status;
+}
+
+static pdyn_status load(pdyn_context *context, const char *path, const char *text, const char *const *set,
+                        int count, pdyn_sim **out) {
+    if (!context || !path || !out || count < 0 || (count && !set)) return PDYN_BAD_CALL;
+    struct pdyn_sim *sim = *out = NULL;
+    sim = NEW_ARRAY(context, 1, struct pdyn_sim);
+    if (!sim) return PDYN_NO_MEMORY;
+    sim->context = context;
+    pdyn_status status = scene_read(context, path, text, set, count, &sim->scene);
+    if (status == PDYN_OK) status = build(sim);
+    if (status != PDYN_OK) {
+        pdyn_free(sim);
+        return status;
+    }
+    *out = sim;
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set, int count,
+                      pdyn_sim **out) {
+    return load(context, path, NULL, set, count, out);
+}
+
+pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
+                           const char *const *set, int count, pdyn_sim **out) {
+    return text ? load(context, name, text, set, count, out) : PDYN_BAD_CALL;
+}
+
+static void free_system(struct pdyn_sim *sim) {
+    pdyn_context *c = sim->context;
+    struct system *sys = &sim->system;
+    for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
+    FREE_ARRAY(c, sys->batch, sys->capacity);
+    FREE_ARRAY(c, sys->s, 3 * (size_t)sys->particles);
+    FREE_ARRAY(c, sys->mass, sys->particles);
+    FREE_ARRAY(c, sys->partial, sys->particles);
+}
+
+void pdyn_free(pdyn_sim *sim) {
+    if (!sim) return;
+    pdyn_context *c = sim->context;
+    size_t n3 = 3 * (size_t)sim->system.particles;
+    if (sim->solver_state) {
+        sim->solver->free(sim->solver_state);
+        context_resize(c, sim->solver_state, sim->solver->state_size, 0);
+    }
+    double *vectors[] = {sim->x, sim->v, sim->x_next, sim->gradient, sim->trial, sim->trial_gradient,
+                         sim->direction, sim->negative, sim->correction, sim->rest};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        context_resize(c, vectors[k], n3 * sizeof(double), 0);
+    FREE_ARRAY(c, sim->density, sim->system.particles);
+    free_system(sim);
+    neighbours_free(sim->neighbours);
+    points_free(c, &sim->boundary);
+    for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
+    FREE_ARRAY(c, sim->topology, sim->bodies);
+    FREE_ARRAY(c, sim->body, sim->bodies);
+    scene_free(c, &sim->scene);
+    FREE_ARRAY(c, sim, 1);
+}

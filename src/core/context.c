@@ -1,0 +1,111 @@
+#include "context.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+const char *pdyn_version(void) { return PROJDYN_VERSION; }
+
+const char *pdyn_status_text(pdyn_status status) {
+    static const struct {
+        pdyn_status status;
+        const char *text;
+    } table[] = {
+#define STATUS_ROW(name, value, text) {name, text},
+        PDYN_STATUS_LIST(STATUS_ROW)
+#undef STATUS_ROW
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        if (table[i].status == status) return table[i].text;
+    return "unknown status";
+}
+
+static void *libc_allocate(void *user, void *block, size_t old_size, size_t new_size) {
+    (void)user, (void)old_size;
+    if (new_size) return realloc(block, new_size);
+    free(block);
+    return NULL;
+}
+
+pdyn_options pdyn_default_options(void) {
+    return (pdyn_options){.threads = 0, .allocate = libc_allocate};
+}
+
+pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
+    if (!out) return PDYN_BAD_CALL;
+    *out = NULL;
+    pdyn_options chosen = options ? *options : pdyn_default_options();
+    if (!chosen.allocate) chosen.allocate = libc_allocate;
+    if (chosen.threads < 0 || chosen.threads > 1024) return PDYN_BAD_CALL;
+    if (!chosen.threads) {
+        long cores = sysconf(_SC_NPROCESSORS_ONLN);
+        chosen.threads = cores < 1 ? 1 : cores > 64 ? 64 : (int)cores;
+    }
+    pdyn_context *context = chosen.allocate(chosen.allocate_user, NULL, 0, sizeof *context);
+    if (!context) return PDYN_NO_MEMORY;
+    memset(context, 0, sizeof *context);
+    context->options = chosen;
+    pthread_mutex_init(&context->memory_lock, NULL);
+    context->pool = pool_create(chosen.threads);
+    if (!context->pool) {
+        pdyn_destroy(context);
+        return PDYN_NO_MEMORY;
+    }
+    *out = context;
+    return PDYN_OK;
+}
+
+void pdyn_destroy(pdyn_context *context) {
+    if (!context) return;
+    if (context->pool) pool_destroy(context->pool);
+    pthread_mutex_destroy(&context->memory_lock);
+    context->options.allocate(context->options.allocate_user, context, sizeof *context, 0);
+}
+
+const char *pdyn_last_error(const pdyn_context *context) { return context ? context->error : ""; }
+int pdyn_thread_count(const pdyn_context *context) { return context->options.threads; }
+size_t pdyn_bytes_in_use(const pdyn_context *context) { return context->bytes; }
+size_t pdyn_peak_bytes(const pdyn_context *context) { return context->peak_bytes; }
+
+void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t new_size) {
+    if (!block && !new_size) return NULL;
+    const pdyn_options *o = &context->options;
+    void *moved = o->allocate(o->allocate_user, block, old_size, new_size);
+    if (new_size && !moved) return NULL;
+    if (new_size > old_size) memset((char *)moved + old_size, 0, new_size - old_size);
+    pthread_mutex_lock(&context->memory_lock);
+    context->bytes += new_size - old_size;
+    if (context->bytes > context->peak_bytes) context->peak_bytes = context->bytes;
+    pthread_mutex_unlock(&context->memory_lock);
+    return moved;
+}
+
+void *context_array(pdyn_context *context, size_t count, size_t size) {
+    if (!count) return NULL;
+    void *block = count > SIZE_MAX / size ? NULL : context_resize(context, NULL, 0, count * size);
+    if (!block) context_no_memory(context);
+    return block;
+}
+
+pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(context->error, sizeof context->error, format, args);
+    va_end(args);
+    return status;
+}
+
+pdyn_status context_no_memory(pdyn_context *context) {
+    return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)", context->bytes);
+}
+
+void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...) {
+    if (!context->options.log) return;
+    char message[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    context->options.log(context->options.log_user, level, message);
+}

@@ -1,0 +1,81 @@
+#include "grid.h"
+
+#include <math.h>
+#include <string.h>
+
+pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct grid *grid) {
+    *grid = (struct grid){.cell = cell, .capacity = capacity, .buckets = 1};
+    while (grid->buckets < capacity) grid->buckets *= 2;
+    grid->start = NEW_ARRAY(context, grid->buckets + 1, int);
+    grid->id = NEW_ARRAY(context, capacity, int);
+    grid->key = NEW_ARRAY(context, capacity, uint64_t);
+    grid->x = NEW_ARRAY(context, 3 * (size_t)capacity, double);
+    grid->bucket = NEW_ARRAY(context, capacity, int);
+    if (grid->start && (!capacity || (grid->id && grid->key && grid->x && grid->bucket))) return PDYN_OK;
+    grid_free(context, grid);
+    return PDYN_NO_MEMORY;
+}
+
+void grid_free(pdyn_context *context, struct grid *grid) {
+    FREE_ARRAY(context, grid->start, grid->buckets + 1);
+    FREE_ARRAY(context, grid->id, grid->capacity);
+    FREE_ARRAY(context, grid->key, grid->capacity);
+    FREE_ARRAY(context, grid->x, 3 * (size_t)grid->capacity);
+    FREE_ARRAY(context, grid->bucket, grid->capacity);
+}
+
+static void cell_of(const struct grid *grid, const double *x, int cell[3]) {
+    for (int a = 0; a < 3; a++) cell[a] = (int)floor(x[a] / grid->cell);
+}
+
+static bool in_range(const struct grid *grid, const double *x) {
+    double bound = (double)GRID_RANGE * grid->cell;
+    return fabs(x[0]) < bound && fabs(x[1]) < bound && fabs(x[2]) < bound;
+}
+
+pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
+                      const double *x) {
+    grid->points = points;
+    int *end = grid->start + 1; /* shifted by one, so that filling turns starts into ends */
+    memset(grid->start, 0, (size_t)(grid->buckets + 1) * sizeof *grid->start);
+    for (int k = 0; k < points; k++) {
+        const double *at = x + 3 * (size_t)(id ? id[k] : k);
+        if (!in_range(grid, at))
+            return context_fail(context, PDYN_DIVERGED,
+                                "point %d is at (%g, %g, %g): the simulation has diverged or something "
+                                "left the scene",
+                                id ? id[k] : k, at[0], at[1], at[2]);
+        int cell[3];
+        cell_of(grid, at, cell);
+        grid->bucket[k] = grid_bucket(grid, grid_key(cell[0], cell[1], cell[2]));
+        if (grid->bucket[k] + 1 < grid->buckets) end[grid->bucket[k] + 1]++;
+    }
+    for (int b = 1; b < grid->buckets; b++) end[b] += end[b - 1];
+    for (int k = 0; k < points; k++) {
+        int source = id ? id[k] : k, slot = end[grid->bucket[k]]++, cell[3];
+        cell_of(grid, x + 3 * (size_t)source, cell);
+        grid->id[slot] = source;
+        grid->key[slot] = grid_key(cell[0], cell[1], cell[2]);
+        memcpy(grid->x + 3 * (size_t)slot, x + 3 * (size_t)source, 3 * sizeof *x);
+    }
+    return PDYN_OK;
+}
+
+int grid_query(const struct grid *grid, const double *at, double radius, int self, const bool *keep,
+               int *list) {
+    int cell[3], found = 0;
+    cell_of(grid, at, cell);
+    for (int n = 0; n < 27; n++) {
+        uint64_t key = grid_key(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1);
+        int bucket = grid_bucket(grid, key);
+        for (int s = grid->start[bucket]; s < grid->start[bucket + 1]; s++) {
+            const double *x = grid->x + 3 * (size_t)s;
+            double dx = x[0] - at[0], dy = x[1] - at[1], dz = x[2] - at[2];
+            if (grid->key[s] != key || dx * dx + dy * dy + dz * dz >= radius * radius) continue;
+            if (grid->id[s] == self || (keep && !keep[grid->id[s]])) continue;
+            if (list) list[found] = grid->id[s];
+            found++;
+        }
+    }
+    return found;
+}

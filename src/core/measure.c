@@ -1,0 +1,72 @@
+#include "measure.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+double measure_weight(const struct pdyn_sim *sim) {
+    double g = vec3_length(sim->scene.settings.gravity), sum = 0.0;
+    for (int i = 0; i < sim->system.particles; i++) sum += sim->system.mass[i] * sim->system.mass[i];
+    return (g > 0.0 ? g : 9.81) * sqrt(sum);
+}
+
+pdyn_status measure_end(struct pdyn_sim *sim) {
+    const struct system *sys = &sim->system;
+    for (int k = 0; k < 3 * sys->particles; k++)
+        if (!isfinite(sim->x_next[k]))
+            return context_fail(sim->context, PDYN_DIVERGED, "step %ld at %g s: particle %d has no finite "
+                                "position; the state is that of the step before",
+                                sim->steps + 1, sim->time, k / 3);
+    for (int b = 0; b < sys->batches; b++)
+        if (sys->batch[b]->op && sys->batch[b]->type->op->density)
+            sys->batch[b]->type->op->density(sys->batch[b]->op, sim->x_next, sim->density);
+    return PDYN_OK;
+}
+
+static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
+    double sum = 0.0, count = 0.0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (body->rest_density == 0.0) continue;
+        for (int i = body->first; i < body->first + body->count; i++, count++) {
+            double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);
+            sum += error;
+            info->density_error_max = fmax(info->density_error_max, error);
+        }
+    }
+    info->density_error_mean = count > 0.0 ? sum / count : 0.0;
+}
+
+static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
+    const struct system *sys = &sim->system;
+    for (int i = 0; i < sys->particles; i++) {
+        const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
+        info->kinetic_energy += 0.5 * sys->mass[i] * vec3_dot(v, v);
+        info->potential_energy -= sys->mass[i] * vec3_dot(sim->scene.settings.gravity, x);
+        vec3_add(info->momentum, sys->mass[i], v);
+    }
+    for (int b = 0; b < sys->batches; b++) info->constraint_energy += sys->batch[b]->energy;
+}
+
+/* What a pin must carry is the gradient of everything else at its point: the whole gradient less the
+ * pin's own part. At a solved step that is the force in the pin; before, it shows what is missing. */
+static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
+    const struct system *sys = &sim->system;
+    for (int b = 0; b < sys->batches; b++) {
+        const struct batch *pin = sys->batch[b];
+        if (!(pin->type->flags & PDYN_REACTION)) continue;
+        for (int i = 0; i < pin->touch_count; i++)
+            for (int t = pin->touch_start[i]; t < pin->touch_start[i + 1]; t++) {
+                int k = pin->touch_entry[t];
+                if (t == pin->touch_start[i])
+                    vec3_add(info->pin_reaction, 1.0, sim->gradient + 3 * (pin->touch_first + i));
+                vec3_add(info->pin_reaction, -pin->view.coefficient[k], pin->flux + 3 * pin->entry_row[k]);
+            }
+    }
+}
+
+void measure_step(struct pdyn_sim *sim, pdyn_step_info *info) {
+    density_errors(sim, info);
+    energies(sim, info);
+    pin_reaction(sim, info);
+}

@@ -1,0 +1,17 @@
+/* The accuracy and physics of a step, measured rather than assumed. */
+#ifndef PDYN_MEASURE_H
+#define PDYN_MEASURE_H
+
+#include "sim.h"
+
+/* |M g| in N, with 9.81 m/s^2 where the scene has no gravity: what a step residual is relative to. */
+double measure_weight(const struct pdyn_sim *sim);
+
+/* Density of the coming state x_next, which was that of the last local step; fails where it cannot be
+ * a state. */
+pdyn_status measure_end(struct pdyn_sim *sim);
+
+/* Fills density errors, energies, momentum and pin reaction of the state just accepted. */
+void measure_step(struct pdyn_sim *sim, pdyn_step_info *info);
+
+#endif

@@ -1,0 +1,92 @@
+/* Wavefront OBJ: vertices and polygons; names, materials, normals and the like are passed over. */
+#include "mesh_file.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+
+/* A comment ends the line. */
+static struct mesh_word next_word(struct mesh_file *file) {
+    struct mesh_word word = mesh_file_word(file);
+    if (*word.text == '#') word.length = 0;
+    return word;
+}
+
+static pdyn_status read_vertex(struct mesh_file *file) {
+    double x[3], extra;
+    for (int k = 0; k < 3; k++) {
+        struct mesh_word word = next_word(file);
+        if (!mesh_word_number(word, x + k))
+            return mesh_file_expected(file, "3 coordinates after 'v'", word);
+    }
+    for (struct mesh_word word; (word = next_word(file)).length;) /* a weight or a colour */
+        if (!mesh_word_number(word, &extra)) return mesh_file_expected(file, "a number", word);
+    return mesh_file_vertex(file, x);
+}
+
+static bool read_integer(const char **at, const char *end, long *value) {
+    if (*at == end || isspace((unsigned char)**at)) return false;
+    char *stop;
+    *value = strtol(*at, &stop, 10);
+    bool read = stop != *at;
+    *at = stop;
+    return read;
+}
+
+/* The v of v, v/t, v//n or v/t/n. */
+static bool read_corner(struct mesh_word word, long *vertex) {
+    const char *at = word.text, *end = at + word.length;
+    long ignored;
+    if (!read_integer(&at, end, vertex)) return false;
+    if (at == end) return true;
+    if (*at++ != '/') return false;
+    bool texture = read_integer(&at, end, &ignored);
+    if (at == end) return texture;
+    return *at++ == '/' && read_integer(&at, end, &ignored) && at == end;
+}
+
+static pdyn_status read_face(struct mesh_file *file) {
+    mesh_file_begin_face(file);
+    for (struct mesh_word word; (word = next_word(file)).length;) {
+        long vertex;
+        if (!read_corner(word, &vertex))
+            return mesh_file_expected(file, "a face corner v, v/t, v//n or v/t/n", word);
+        long index = vertex < 0 ? file->vertices + vertex : vertex - 1;
+        if (index < 0 || index >= file->vertices)
+            return mesh_file_fail(file,
+                                  "the face uses vertex %ld, but %d are given so far (from 1 on, "
+                                  "or backwards from -1)",
+                                  vertex, file->vertices);
+        pdyn_status status = mesh_file_corner(file, (int)index);
+        if (status != PDYN_OK) return status;
+    }
+    return mesh_file_end_face(file);
+}
+
+static const struct {
+    const char *name;
+    pdyn_status (*read)(struct mesh_file *file); /* NULL: of no interest here */
+} keywords[] = {
+    {"v", read_vertex},  {"f", read_face},   {"vt", NULL},     {"vn", NULL},
+    {"vp", NULL},        {"l", NULL},        {"p", NULL},      {"o", NULL},
+    {"g", NULL},         {"s", NULL},        {"mg", NULL},     {"usemtl", NULL},
+    {"mtllib", NULL},    {"usemap", NULL},   {"maplib", NULL}, {"bevel", NULL},
+    {"c_interp", NULL},  {"d_interp", NULL}, {"lod", NULL},    {"shadow_obj", NULL},
+    {"trace_obj", NULL},
+};
+
+static pdyn_status read_line(struct mesh_file *file) {
+    struct mesh_word word = next_word(file);
+    if (!word.length) return PDYN_OK;
+    for (size_t k = 0; k < sizeof keywords / sizeof *keywords; k++)
+        if (mesh_word_is(word, keywords[k].name))
+            return keywords[k].read ? keywords[k].read(file) : PDYN_OK;
+    return mesh_file_expected(file, "v, f or another keyword of OBJ", word);
+}
+
+pdyn_status mesh_obj_parse(struct mesh_file *file) {
+    file->first_index = 1;
+    pdyn_status status = PDYN_OK;
+    for (; status == PDYN_OK && !mesh_file_at_end(file); mesh_file_next_line(file))
+        status = read_line(file);
+    return status;
+}

@@ -1,0 +1,372 @@
+/* PLY: a header that describes elements and their properties, then their values as text or as
+ * bytes. Wanted are x, y, z of "vertex" and the list of corners of "face"; the rest is skipped. */
+#include "mesh_file.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- types of numbers ----------------------------------------------------------------------- */
+
+static double from_int8(uint64_t bits) { return (int8_t)bits; }
+static double from_int16(uint64_t bits) { return (int16_t)bits; }
+static double from_int32(uint64_t bits) { return (int32_t)bits; }
+static double from_unsigned(uint64_t bits) { return (double)bits; }
+static double from_float(uint64_t bits) {
+    uint32_t low = (uint32_t)bits;
+    float value;
+    memcpy(&value, &low, sizeof value);
+    return value;
+}
+static double from_double(uint64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+struct type {
+    const char *name, *alias;
+    size_t size;
+    double (*decode)(uint64_t bits);
+    bool whole;
+    double min, max; /* of a whole number */
+};
+static const struct type types[] = {
+    {"char", "int8", 1, from_int8, true, INT8_MIN, INT8_MAX},
+    {"uchar", "uint8", 1, from_unsigned, true, 0, UINT8_MAX},
+    {"short", "int16", 2, from_int16, true, INT16_MIN, INT16_MAX},
+    {"ushort", "uint16", 2, from_unsigned, true, 0, UINT16_MAX},
+    {"int", "int32", 4, from_int32, true, INT32_MIN, INT32_MAX},
+    {"uint", "uint32", 4, from_unsigned, true, 0, UINT32_MAX},
+    {"float", "float32", 4, from_float, false, 0, 0},
+    {"double", "float64", 8, from_double, false, 0, 0},
+};
+
+/* ---- formats: how a number is written ------------------------------------------------------- */
+
+static bool is_whole(double value, double min, double max) {
+    return value >= min && value <= max && value == floor(value);
+}
+
+/* false: there is none; `found` is what stands there instead. */
+static bool read_text(struct mesh_file *file, const struct type *type, double *value,
+                      struct mesh_word *found) {
+    *found = mesh_file_word(file);
+    return mesh_word_number(*found, value) &&
+           (!type->whole || is_whole(*value, type->min, type->max));
+}
+
+static bool read_bytes(struct mesh_file *file, const struct type *type, bool big, double *value) {
+    file->last = file->at;
+    if ((size_t)(file->data + file->size - file->at) < type->size) return false;
+    uint64_t bits = 0;
+    for (size_t k = 0; k < type->size; k++)
+        bits = bits << 8 | (unsigned char)file->at[big ? k : type->size - 1 - k];
+    file->at += type->size;
+    *value = type->decode(bits);
+    return true;
+}
+
+static bool read_little(struct mesh_file *file, const struct type *type, double *value,
+                        struct mesh_word *found) {
+    *found = (struct mesh_word){0};
+    return read_bytes(file, type, false, value);
+}
+
+static bool read_big(struct mesh_file *file, const struct type *type, double *value,
+                     struct mesh_word *found) {
+    *found = (struct mesh_word){0};
+    return read_bytes(file, type, true, value);
+}
+
+struct format {
+    const char *name;
+    bool binary;
+    bool (*read)(struct mesh_file *file, const struct type *type, double *value,
+                 struct mesh_word *found);
+};
+static const struct format formats[] = {
+    {"ascii", false, read_text},
+    {"binary_little_endian", true, read_little},
+    {"binary_big_endian", true, read_big},
+};
+
+/* ---- the header ----------------------------------------------------------------------------- */
+
+enum { SLOT_X, SLOT_Y, SLOT_Z, SLOT_CORNERS, SLOT_NONE, SLOTS };
+enum { VERTEX_SLOTS = 1 << SLOT_X | 1 << SLOT_Y | 1 << SLOT_Z };
+
+static const struct {
+    const char *element, *property;
+    int slot;
+} wanted[] = {
+    {"vertex", "x", SLOT_X},
+    {"vertex", "y", SLOT_Y},
+    {"vertex", "z", SLOT_Z},
+    {"face", "vertex_indices", SLOT_CORNERS},
+    {"face", "vertex_index", SLOT_CORNERS},
+};
+enum { WANTED = sizeof wanted / sizeof *wanted };
+
+struct property {
+    struct mesh_word name;
+    const struct type *type;
+    const struct type *length; /* of a list; NULL: not a list */
+    int slot;
+};
+
+struct element {
+    struct mesh_word name;
+    int64_t count;
+    size_t first, properties;
+    int slots; /* bits: what it gives of the wanted */
+};
+
+struct ply {
+    struct mesh_file *file;
+    const struct format *format;
+    struct mesh_array element, property;
+    size_t elements, properties;
+    int slots;
+    bool header_done;
+};
+
+static int shown(struct mesh_word word) { return word.length < 40 ? (int)word.length : 40; }
+
+static pdyn_status read_format(struct ply *ply) {
+    struct mesh_word name = mesh_file_word(ply->file);
+    for (size_t k = 0; k < sizeof formats / sizeof *formats; k++)
+        if (mesh_word_is(name, formats[k].name)) ply->format = &formats[k];
+    if (!ply->format)
+        return mesh_file_expected(ply->file,
+                                  "format ascii, binary_little_endian or binary_big_endian", name);
+    struct mesh_word version = mesh_file_word(ply->file);
+    return mesh_word_is(version, "1.0") ? PDYN_OK
+                                        : mesh_file_expected(ply->file, "version 1.0", version);
+}
+
+static pdyn_status read_element(struct ply *ply) {
+    struct element element = {.name = mesh_file_word(ply->file), .first = ply->properties};
+    if (!element.name.length) return mesh_file_expected(ply->file, "an element name", element.name);
+    struct mesh_word count = mesh_file_word(ply->file);
+    double value;
+    if (!mesh_word_number(count, &value) || !is_whole(value, 0, 1e15))
+        return mesh_file_expected(ply->file, "a number of elements", count);
+    element.count = (int64_t)value;
+    if (!mesh_file_reserve(ply->file, &ply->element, (ply->elements + 1) * sizeof element))
+        return PDYN_NO_MEMORY;
+    ((struct element *)ply->element.data)[ply->elements++] = element;
+    return PDYN_OK;
+}
+
+static const struct type *find_type(struct mesh_word word) {
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++)
+        if (mesh_word_is(word, types[k].name) || mesh_word_is(word, types[k].alias))
+            return &types[k];
+    return NULL;
+}
+
+/* Finds what a property is wanted for. */
+static pdyn_status assign_slot(struct ply *ply, struct element *element, struct property *p) {
+    p->slot = SLOT_NONE;
+    for (int k = 0; k < WANTED; k++)
+        if (mesh_word_is(element->name, wanted[k].element) &&
+            mesh_word_is(p->name, wanted[k].property))
+            p->slot = wanted[k].slot;
+    if (p->slot == SLOT_NONE) return PDYN_OK;
+    if ((p->slot == SLOT_CORNERS) != (p->length != NULL))
+        return mesh_file_fail(ply->file, "expected property '%.*s' to be %s", shown(p->name),
+                              p->name.text, p->length ? "a number, found a list" : "a list");
+    if (p->length && !p->type->whole)
+        return mesh_file_fail(ply->file, "expected a list of integers, found %s", p->type->name);
+    if (ply->slots & 1 << p->slot)
+        return mesh_file_fail(ply->file, "property '%.*s' is given twice", shown(p->name),
+                              p->name.text);
+    ply->slots |= 1 << p->slot;
+    element->slots |= 1 << p->slot;
+    return PDYN_OK;
+}
+
+static pdyn_status read_property(struct ply *ply) {
+    if (!ply->elements)
+        return mesh_file_fail(ply->file, "expected an element before its properties");
+    struct property property = {0};
+    struct mesh_word word = mesh_file_word(ply->file);
+    if (mesh_word_is(word, "list")) {
+        word = mesh_file_word(ply->file);
+        property.length = find_type(word);
+        if (!property.length || !property.length->whole)
+            return mesh_file_expected(ply->file, "an integer type for the list's length", word);
+        word = mesh_file_word(ply->file);
+    }
+    property.type = find_type(word);
+    if (!property.type) return mesh_file_expected(ply->file, "a type such as float or int", word);
+    property.name = mesh_file_word(ply->file);
+    if (!property.name.length)
+        return mesh_file_expected(ply->file, "a property name", property.name);
+    struct element *element = (struct element *)ply->element.data + ply->elements - 1;
+    pdyn_status status = assign_slot(ply, element, &property);
+    if (status != PDYN_OK) return status;
+    if (!mesh_file_reserve(ply->file, &ply->property, (ply->properties + 1) * sizeof property))
+        return PDYN_NO_MEMORY;
+    ((struct property *)ply->property.data)[ply->properties++] = property;
+    element->properties++;
+    return PDYN_OK;
+}
+
+static pdyn_status end_header(struct ply *ply) {
+    ply->header_done = true;
+    return PDYN_OK;
+}
+
+static pdyn_status read_header_line(struct ply *ply) {
+    static const struct {
+        const char *name;
+        pdyn_status (*read)(struct ply *ply); /* NULL: the line is passed over */
+    } keywords[] = {{"format", read_format},     {"element", read_element},
+                    {"property", read_property}, {"end_header", end_header},
+                    {"comment", NULL},           {"obj_info", NULL}};
+    struct mesh_word word = mesh_file_word(ply->file);
+    size_t k = 0, n = sizeof keywords / sizeof *keywords;
+    while (k < n && !mesh_word_is(word, keywords[k].name)) k++;
+    if (k == n)
+        return mesh_file_expected(ply->file, "format, element, property, comment or end_header",
+                                  word);
+    if (!keywords[k].read) return PDYN_OK;
+    pdyn_status status = keywords[k].read(ply);
+    if (status != PDYN_OK) return status;
+    word = mesh_file_word(ply->file);
+    return word.length ? mesh_file_expected(ply->file, "the end of the line", word) : PDYN_OK;
+}
+
+/* Compares what the header claims with the bytes that follow, before anything is made of it. */
+static pdyn_status check_header(const struct ply *ply) {
+    if (!ply->format) return mesh_file_fail(ply->file, "expected a format line in the header");
+    for (int k = 0; k < WANTED; k++)
+        if (!(ply->slots & 1 << wanted[k].slot))
+            return mesh_file_fail(ply->file, "expected property '%s' of element '%s' in the header",
+                                  wanted[k].property, wanted[k].element);
+    const struct element *element = ply->element.data;
+    const struct property *property = ply->property.data;
+    size_t left = (size_t)(ply->file->data + ply->file->size - ply->file->at);
+    for (size_t e = 0; e < ply->elements; e++) {
+        struct mesh_word name = element[e].name;
+        if (!element[e].properties)
+            return mesh_file_fail(ply->file, "element '%.*s' has no properties", shown(name),
+                                  name.text);
+        size_t bytes = 0; /* of one at least; in text a digit and a blank for each number */
+        for (size_t k = 0; k < element[e].properties; k++) {
+            const struct property *p = property + element[e].first + k;
+            bytes += !ply->format->binary ? 2 : p->length ? p->length->size : p->type->size;
+        }
+        double need = (double)element[e].count * (double)bytes;
+        if (need > (double)left + !ply->format->binary)
+            return mesh_file_fail(ply->file,
+                                  "%" PRId64 " of element '%.*s' take at least %.0f bytes, but "
+                                  "%zu are left in the file",
+                                  element[e].count, shown(name), name.text, need, left);
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status read_header(struct ply *ply) {
+    struct mesh_file *file = ply->file;
+    struct mesh_word magic = mesh_file_word(file);
+    if (!mesh_word_is(magic, "ply")) return mesh_file_expected(file, "'ply'", magic);
+    pdyn_status status = PDYN_OK;
+    while (status == PDYN_OK && !ply->header_done) {
+        mesh_file_next_line(file);
+        status = read_header_line(ply);
+    }
+    if (status != PDYN_OK) return status;
+    mesh_file_next_line(file);
+    return check_header(ply);
+}
+
+/* ---- the values ----------------------------------------------------------------------------- */
+
+struct place { /* for messages */
+    const struct element *element;
+    int64_t number; /* counted from 0 */
+};
+
+static pdyn_status read_value(const struct ply *ply, struct place place, const struct property *p,
+                              const struct type *type, double *value) {
+    struct mesh_word found;
+    if (ply->format->read(ply->file, type, value, &found)) return PDYN_OK;
+    char what[200];
+    struct mesh_word name = place.element->name;
+    snprintf(what, sizeof what, "%s for '%.*s' of %.*s %" PRId64 " (of %" PRId64 ")", type->name,
+             shown(p->name), p->name.text, shown(name), name.text, place.number,
+             place.element->count);
+    return mesh_file_expected(ply->file, what, found);
+}
+
+static pdyn_status add_corner(struct mesh_file *file, double vertex) {
+    if (vertex >= 0 && vertex < file->vertices) return mesh_file_corner(file, (int)vertex);
+    return mesh_file_fail(file, "the face uses vertex %.0f, but %d are given so far (from 0 on)",
+                          vertex, file->vertices);
+}
+
+static pdyn_status read_list(const struct ply *ply, struct place place, const struct property *p) {
+    double length, value;
+    pdyn_status status = read_value(ply, place, p, p->length, &length);
+    if (status != PDYN_OK) return status;
+    if (length < 0)
+        return mesh_file_fail(ply->file, "expected a list length of 0 or more, found %.0f", length);
+    bool face = p->slot == SLOT_CORNERS;
+    if (face) mesh_file_begin_face(ply->file);
+    for (int64_t k = 0; k < (int64_t)length && status == PDYN_OK; k++) {
+        status = read_value(ply, place, p, p->type, &value);
+        if (status == PDYN_OK && face) status = add_corner(ply->file, value);
+    }
+    return status == PDYN_OK && face ? mesh_file_end_face(ply->file) : status;
+}
+
+/* Goes to the next word, over ends of lines too, or to the end of the file. */
+static void skip_blank(struct mesh_file *file) {
+    struct mesh_word word;
+    while (!(word = mesh_file_word(file)).length && !mesh_file_at_end(file))
+        mesh_file_next_line(file);
+    file->at = word.text;
+}
+
+static pdyn_status read_entry(const struct ply *ply, struct place place) {
+    const struct element *element = place.element;
+    const struct property *p = (const struct property *)ply->property.data + element->first;
+    const struct property *end = p + element->properties;
+    double slot[SLOTS];
+    pdyn_status status = PDYN_OK;
+    if (!ply->format->binary) skip_blank(ply->file);
+    for (; p < end && status == PDYN_OK; p++)
+        status = p->length ? read_list(ply, place, p)
+                           : read_value(ply, place, p, p->type, slot + p->slot);
+    if (status == PDYN_OK && element->slots == VERTEX_SLOTS)
+        status = mesh_file_vertex(ply->file, slot + SLOT_X);
+    if (status != PDYN_OK || ply->format->binary) return status;
+    struct mesh_word more = mesh_file_word(ply->file);
+    return more.length ? mesh_file_expected(ply->file, "the end of the line", more) : PDYN_OK;
+}
+
+static pdyn_status read_values(const struct ply *ply) {
+    ply->file->binary = ply->format->binary;
+    const struct element *element = ply->element.data;
+    for (size_t e = 0; e < ply->elements; e++)
+        for (int64_t k = 0; k < element[e].count; k++) {
+            pdyn_status status = read_entry(ply, (struct place){element + e, k});
+            if (status != PDYN_OK) return status;
+        }
+    skip_blank(ply->file);
+    if (mesh_file_at_end(ply->file)) return PDYN_OK;
+    return mesh_file_fail(ply->file, "expected the end of the file after the last element");
+}
+
+pdyn_status mesh_ply_parse(struct mesh_file *file) {
+    struct ply ply = {.file = file};
+    pdyn_status status = read_header(&ply);
+    if (status == PDYN_OK) status = read_values(&ply);
+    context_resize(file->context, ply.element.data, ply.element.bytes, 0);
+    context_resize(file->context, ply.property.data, ply.property.bytes, 0);
+    return status;
+}

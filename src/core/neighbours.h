@@ -1,0 +1,30 @@
+/* Neighbour lists for SPH sums. Lists hold every pair closer than the support plus a skin at the
+ * time they were built, so they stay complete until some particle has moved by half the skin. Pairs
+ * are those of a centre (a particle that needs sums) with any other taking part, both ways. */
+#ifndef PDYN_NEIGHBOURS_H
+#define PDYN_NEIGHBOURS_H
+
+#include "context.h"
+#include "projdyn/module.h"
+
+struct neighbours;
+
+/* volume: points (particles, then boundary), 0 for a particle that takes no part; centre: particles.
+ * All arrays are copied. skin: a part of the support, >= 0.
+ * Memory: 101 bytes per particle, 68 per boundary point and 8 per listed neighbour (about 55 of these). */
+pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre, int boundary,
+                              const double *boundary_x, const double *volume, double support,
+                              double skin, struct neighbours **out);
+void neighbours_free(struct neighbours *neighbours);
+
+/* Makes the lists complete at x (particles x 3). They are rebuilt, and the revision moves, only where
+ * they have to be. A position that is not finite or beyond 1e6 supports gives PDYN_DIVERGED. */
+pdyn_status neighbours_update(struct neighbours *neighbours, const double *x);
+
+const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
+
+/* Rest volumes of points sampled on a surface, 1 / sum_k W (Akinci et al. 2012), m^3. */
+pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
+                                       double support, double *volume);
+
+#endif

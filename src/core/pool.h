@@ -1,0 +1,22 @@
+/* A pthread pool with one job: run a function over [0, count) in blocks of a fixed grain.
+ *
+ * The grain is a constant of the call site, so the blocks, and with them every partial sum, are the
+ * same for any number of threads. Work that fits one block runs on the caller without waking anyone. */
+#ifndef PDYN_POOL_H
+#define PDYN_POOL_H
+
+#include "projdyn/module.h"
+
+struct pool;
+
+struct pool *pool_create(int threads); /* NULL: no memory or no threads */
+void pool_destroy(struct pool *pool);
+int pool_threads(const struct pool *pool);
+
+/* Returns when every block is done. Not to be called from within a block. */
+void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *arg);
+
+/* Number of blocks that pool_for makes. */
+static inline int pool_blocks(int count, int grain) { return (count + grain - 1) / grain; }
+
+#endif

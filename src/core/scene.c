@@ -1,0 +1,551 @@
+#include "scene.h"
+
+#include "near.h"
+#include "params.h"
+#include "registry.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_PARTICLES = 1 << 27, NAMES = 64, HINT = 768 };
+
+/* What is known while a scene is read. */
+struct reader {
+    pdyn_context *context;
+    struct scene *scene;
+    size_t folder;             /* bytes of the file's name up to its last '/' */
+    double particles;          /* so far, in all bodies */
+    bool operator_used;        /* a body has a constraint with an operator of its own */
+    struct scene_body *body;   /* being read */
+    struct scene_solid *solid; /* being read */
+};
+
+typedef pdyn_status read_fn(struct reader *r, const struct json_at *at, int index);
+
+/* ---- words ----------------------------------------------------------------------------------- */
+
+static pdyn_status copy_text(pdyn_context *context, const char *text, char **out) {
+    *out = NEW_ARRAY(context, strlen(text) + 1, char);
+    if (!*out) return PDYN_NO_MEMORY;
+    strcpy(*out, text);
+    return PDYN_OK;
+}
+
+static void free_text(pdyn_context *context, char **text) {
+    if (*text) FREE_ARRAY(context, *text, strlen(*text) + 1);
+}
+
+/* Fails with what is known instead of the word at `at`. */
+static pdyn_status fail_word(const struct json_at *at, const char *what, const char *const *names,
+                             int count) {
+    char word[NAMES], hint[HINT] = "";
+    text_clip(word, sizeof word, json_string_value(at->value));
+    text_hint(hint, sizeof hint, word, names, count);
+    return json_fail(at, "unknown %s \"%s\"%s", what, word, hint);
+}
+
+/* The index of the word among `names`; a missing word is the first. */
+static pdyn_status read_choice(const struct json_at *at, const char *what,
+                               const char *const *names, int count, int *out) {
+    *out = 0;
+    if (!at->value) return PDYN_OK;
+    if (!json_is_string(at->value)) return json_expected(at, what);
+    for (int k = 0; k < count; k++)
+        if (!strcmp(json_string_value(at->value), names[k])) return *out = k, PDYN_OK;
+    return fail_word(at, what, names, count);
+}
+
+static bool is_name(const char *text) {
+    size_t length = strlen(text);
+    return length >= 1 && length <= 64 &&
+           length ==
+               strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
+}
+
+static bool is_taken(const struct scene *scene, const char *name) {
+    for (int b = 0; b < scene->bodies; b++)
+        if (scene->body[b].name && !strcmp(scene->body[b].name, name)) return true;
+    for (int s = 0; s < scene->solids; s++)
+        if (scene->solid[s].name && !strcmp(scene->solid[s].name, name)) return true;
+    return false;
+}
+
+/* The name of a body or solid; without one, its kind and index. */
+static pdyn_status read_name(struct reader *r, const struct json_at *owner, const char *kind,
+                             int index, char **out) {
+    char number[NAMES];
+    struct json_at at = json_member(owner, "name");
+    const char *name = json_string_value(at.value);
+    snprintf(number, sizeof number, "%s%d", kind, index);
+    if (!at.value) name = number;
+    else if (!name || !is_name(name))
+        return json_expected(&at, "a name of 1 to 64 letters, digits, '_' and '-'");
+    if (!strcmp(name, "boundary"))
+        return json_fail(&at, "the name \"boundary\" is reserved for the files of the solids");
+    if (is_taken(r->scene, name))
+        return json_fail(&at, "the name \"%s\" is already taken by another body or solid", name);
+    return copy_text(r->context, name, out);
+}
+
+/* Exactly one of two keys. */
+static pdyn_status check_one_of(const struct json_at *at, const char *a, const char *b) {
+    bool has_a = json_object_get(at->value, a), has_b = json_object_get(at->value, b);
+    if (has_a != has_b) return PDYN_OK;
+    return json_fail(at, "expected exactly one of \"%s\" and \"%s\", found %s", a, b,
+                     has_a ? "both" : "neither");
+}
+
+/* Calls `read` for every element of an array; a missing array has none. */
+static pdyn_status read_each(struct reader *r, const struct json_at *array, read_fn *read) {
+    pdyn_status status = PDYN_OK;
+    for (size_t k = 0; k < json_array_size(array->value) && status == PDYN_OK; k++) {
+        struct json_at element = json_element(array, k);
+        status = read(r, &element, (int)k);
+    }
+    return status;
+}
+
+/* The length of an array that may be missing. */
+static pdyn_status read_count(const struct json_at *array, const char *what, int *out) {
+    *out = 0;
+    if (array->value && !json_is_array(array->value)) return json_expected(array, what);
+    if (json_array_size(array->value) > MOST_PARTICLES)
+        return json_fail(array, "more than %d elements", MOST_PARTICLES);
+    *out = (int)json_array_size(array->value);
+    return PDYN_OK;
+}
+
+/* ---- settings -------------------------------------------------------------------------------- */
+
+static pdyn_status read_general(struct reader *r, const struct json_at *root) {
+    struct scene_settings *set = &r->scene->settings;
+    struct json_at name = json_member(root, "name"), gravity = json_member(root, "gravity");
+    if (name.value && !json_is_string(name.value)) return json_expected(&name, "a text");
+    pdyn_status status =
+        copy_text(r->context, name.value ? json_string_value(name.value) : "", &r->scene->name);
+    if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, set);
+    set->gravity[1] = -9.81;
+    if (status == PDYN_OK && gravity.value)
+        status = params_reals(&gravity, 3, -1e6, 1e6, "m/s^2", set->gravity);
+    return status;
+}
+
+static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
+    static const char *const none[] = {NULL}, *const excluded[] = {"maximum", "minimum", "cfl"};
+    struct scene_settings *set = &r->scene->settings;
+    pdyn_status status =
+        at->value ? params_check_keys(at, settings_time_step_params, none) : PDYN_OK;
+    if (status == PDYN_OK) status = params_read(at, settings_time_step_params, NULL, set);
+    if (status != PDYN_OK) return status;
+    for (int k = 0; set->h_fixed > 0.0 && k < 3; k++) {
+        struct json_at other = json_member(at, excluded[k]);
+        if (other.value)
+            return json_fail_at_key(&other, "\"%s\" has no meaning beside \"fixed\"", excluded[k]);
+    }
+    if (set->h_fixed > 0.0 || set->h_min <= set->h_max) return PDYN_OK;
+    return json_fail(at, "expected a minimum of at most the maximum, found %.10g and %.10g s",
+                     set->h_min, set->h_max);
+}
+
+static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"type", "step", NULL}, *const steps[] = {"newton",
+                                                                                  "projective"};
+    const char *types[NAMES] = {"auto"};
+    struct json_at type = json_member(at, "type"), step = json_member(at, "step");
+    struct scene_settings *set = &r->scene->settings;
+    int count = 1, chosen_type = 0, chosen_step = 0;
+    for (int k = 0; registry_solvers()[k] && count < NAMES; k++)
+        types[count++] = registry_solvers()[k]->name;
+    pdyn_status status =
+        at->value ? params_check_keys(at, settings_solver_params, others) : PDYN_OK;
+    if (status == PDYN_OK) status = params_read(at, settings_solver_params, NULL, set);
+    if (status == PDYN_OK) status = read_choice(&type, "solver", types, count, &chosen_type);
+    if (status == PDYN_OK) status = read_choice(&step, "step", steps, 2, &chosen_step);
+    set->newton = chosen_step == 0;
+    snprintf(set->solver_type, sizeof set->solver_type, "%s", types[chosen_type]);
+    return status;
+}
+
+/* ---- meshes ---------------------------------------------------------------------------------- */
+
+struct transform {
+    double scale[3], rotate[3], translate[3];
+};
+
+static const pdyn_param transform_params[] = {
+    {"rotate", PDYN_VECTOR, offsetof(struct transform, rotate), false, 0, -1e6, 1e6, "degrees", ""},
+    {"translate", PDYN_VECTOR, offsetof(struct transform, translate), false, 0, -1e6, 1e6, "m", ""},
+    {0}};
+
+/* One number for all directions, or three. */
+static pdyn_status read_scale(const struct json_at *at, double least, double scale[3]) {
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < 3; k++) scale[k] = 1.0;
+    if (json_is_array(at->value)) return params_reals(at, 3, least, 1e6, "1", scale);
+    if (at->value) status = params_real(at, least, 1e6, "1", &scale[0]);
+    scale[1] = scale[2] = scale[0];
+    return status;
+}
+
+static pdyn_status read_transform(const struct json_at *owner, double least,
+                                  struct transform *out) {
+    struct json_at scale = json_member(owner, "scale");
+    pdyn_status status = read_scale(&scale, least, out->scale);
+    if (status == PDYN_OK && !(out->scale[0] * out->scale[1] * out->scale[2] != 0.0))
+        status = json_expected(&scale, "a scale that is not 0");
+    if (status == PDYN_OK) status = params_read(owner, transform_params, NULL, out);
+    return status;
+}
+
+/* Scales, turns about x, then y, then z, and moves. */
+static void place(const struct transform *t, struct mesh *mesh) {
+    for (int v = 0; v < mesh->vertices; v++) {
+        double *x = mesh->vertex + 3 * v;
+        for (int a = 0; a < 3; a++) x[a] *= t->scale[a];
+        for (int a = 0; a < 3; a++) {
+            double angle = fmod(t->rotate[a], 360.0) * (acos(-1.0) / 180.0);
+            double *p = &x[(a + 1) % 3], *q = &x[(a + 2) % 3], before = *p;
+            *p = cos(angle) * before - sin(angle) * *q;
+            *q = sin(angle) * before + cos(angle) * *q;
+        }
+        vec3_add(x, 1.0, t->translate);
+    }
+}
+
+/* A mesh from a file beside the scene. */
+static pdyn_status read_mesh(struct reader *r, const struct json_at *at, struct mesh *mesh) {
+    const char *name = json_string_value(at->value);
+    if (!name) return json_expected(at, "the name of a mesh file, .obj or .ply");
+    size_t folder = *name == '/' ? 0 : r->folder, size = folder + strlen(name) + 1;
+    char *path = NEW_ARRAY(r->context, size, char);
+    if (!path) return PDYN_NO_MEMORY;
+    memcpy(path, r->scene->file, folder);
+    strcpy(path + folder, name);
+    pdyn_status status = json_wrap(at, mesh_read(r->context, path, mesh));
+    FREE_ARRAY(r->context, path, size);
+    return status;
+}
+
+/* ---- bodies ---------------------------------------------------------------------------------- */
+
+static const pdyn_param body_params[] = {{"velocity", PDYN_VECTOR,
+                                          offsetof(struct scene_body, velocity), false, 0, -1e6,
+                                          1e6, "m/s", ""},
+                                         {0}};
+
+static const pdyn_param particles_params[] = {
+    {"radius", PDYN_REAL, offsetof(struct scene_body, radius), true, 0, 1e-6, 1e3, "m", ""},
+    {"rest_density", PDYN_REAL, offsetof(struct scene_body, rest_density), false, 1000, 1e-3, 1e6,
+     "kg/m^3", ""},
+    {0}};
+
+static const pdyn_param surface_params[] = {{"area_density", PDYN_REAL,
+                                             offsetof(struct scene_body, area_density), true, 0,
+                                             1e-6, 1e6, "kg/m^2", ""},
+                                            {0}};
+
+static pdyn_status count_particles(struct reader *r, const struct json_at *at, double count) {
+    r->particles += count;
+    if (r->particles <= MOST_PARTICLES) return PDYN_OK;
+    return json_fail(at, "expected at most %d particles in the scene, found %.10g so far",
+                     MOST_PARTICLES, r->particles);
+}
+
+/* Counts as sample_box_volume does. */
+static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
+    static const char *const keys[] = {"box", NULL};
+    struct scene_body *body = r->body;
+    struct scene_box *box = &body->box[index];
+    struct json_at inner = json_member(at, "box");
+    double count = 1.0;
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = params_box(&inner, box);
+    for (int a = 0; a < 3 && status == PDYN_OK; a++) {
+        double edge = box->max[a] - box->min[a];
+        double along = floor(edge / (2.0 * body->radius) * (1.0 + 1e-12) + 1e-9);
+        count *= along;
+        if (along < 1.0)
+            status = json_fail(
+                &inner,
+                "expected edges of at least %.10g m (twice the radius), found %.10g m along %c",
+                2.0 * body->radius, edge, "xyz"[a]);
+    }
+    return status == PDYN_OK ? count_particles(r, &inner, count) : status;
+}
+
+static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"fill", NULL};
+    struct scene_body *body = r->body;
+    struct json_at fill = json_member(at, "fill");
+    int boxes = 0;
+    pdyn_status status = params_check_keys(at, particles_params, others);
+    if (status == PDYN_OK) status = params_read(at, particles_params, NULL, body);
+    if (status == PDYN_OK) status = read_count(&fill, "an array of boxes to fill", &boxes);
+    if (status == PDYN_OK && !boxes) status = json_expected(&fill, "at least one box to fill");
+    if (status != PDYN_OK) return status;
+    body->box = NEW_ARRAY(r->context, boxes, struct scene_box);
+    if (!body->box) return PDYN_NO_MEMORY;
+    body->boxes = boxes;
+    return read_each(r, &fill, read_fill);
+}
+
+static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct mesh *mesh) {
+    static const char *const keys[] = {"size", "vertices", NULL};
+    struct json_at size_at = json_member(at, "size"), vertices_at = json_member(at, "vertices");
+    double size[2];
+    int vertices[2];
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
+    if (status == PDYN_OK && json_array_size(vertices_at.value) != 2)
+        status = json_expected(&vertices_at, "an array of 2 whole numbers");
+    for (size_t k = 0; k < 2 && status == PDYN_OK; k++) {
+        struct json_at element = json_element(&vertices_at, k);
+        status = params_int(&element, 2, MOST_PARTICLES, &vertices[k]);
+    }
+    if (status == PDYN_OK)
+        status = count_particles(r, &vertices_at, (double)vertices[0] * vertices[1]);
+    return status == PDYN_OK ? json_wrap(at, mesh_grid(r->context, size, vertices, mesh)) : status;
+}
+
+static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+    struct scene_body *body = r->body;
+    struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    struct transform transform;
+    body->is_surface = true;
+    pdyn_status status = params_check_keys(at, surface_params, others);
+    if (status == PDYN_OK) status = check_one_of(at, "grid", "mesh");
+    if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
+    if (status == PDYN_OK) status = read_transform(at, 1e-6, &transform);
+    if (status != PDYN_OK) return status;
+    if (grid.value) status = read_grid(r, &grid, &body->mesh);
+    else status = read_mesh(r, &mesh, &body->mesh);
+    if (status == PDYN_OK && mesh.value) status = count_particles(r, &mesh, body->mesh.vertices);
+    if (status != PDYN_OK) return status;
+    place(&transform, &body->mesh);
+    status = mesh_check(r->context, &body->mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_cloth(r->context, &body->mesh, "as placed");
+    return json_wrap(grid.value ? &grid : &mesh, status);
+}
+
+/* ---- constraints ----------------------------------------------------------------------------- */
+
+static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_type **out) {
+    const char *names[NAMES];
+    int count = 0;
+    for (int k = 0; registry_constraints()[k] && count < NAMES; k++)
+        names[count++] = registry_constraints()[k]->name;
+    if (!json_is_string(at->value)) return json_expected(at, "the name of a constraint");
+    *out = registry_constraint(json_string_value(at->value));
+    return *out ? PDYN_OK : fail_word(at, "constraint", names, count);
+}
+
+/* Whether this body may have a constraint of this type. */
+static pdyn_status check_type(const struct reader *r, const struct json_at *at,
+                              const struct scene_body *body, int index) {
+    const pdyn_constraint_type *type = body->constraint[index].type;
+    for (int k = 0; k < index; k++)
+        if (body->constraint[k].type == type)
+            return json_fail(at, "a second \"%s\" constraint on body \"%s\"", type->name,
+                             body->name);
+    if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
+        return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
+    if (type->flags & PDYN_ON_PARTICLES && body->is_surface)
+        return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
+    if (type->op && r->operator_used)
+        return json_fail(
+            at, "only one body may have a \"%s\" constraint; put all boxes into its \"fill\"",
+            type->name);
+    return PDYN_OK;
+}
+
+static pdyn_status read_constraint(struct reader *r, const struct json_at *at, int index) {
+    static const char *const others[] = {"type", NULL};
+    struct scene_body *body = r->body;
+    struct scene_constraint *constraint = &body->constraint[index];
+    struct json_at name = json_member(at, "type");
+    const pdyn_constraint_type *type = NULL;
+    if (!json_is_object(at->value)) return json_expected(at, "an object");
+    pdyn_status status = find_type(&name, &type);
+    if (status != PDYN_OK) return status;
+    constraint->type = type;
+    status = check_type(r, &name, body, index);
+    if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
+    if (status != PDYN_OK) return status;
+    r->operator_used |= type->op != NULL;
+    constraint->params = context_array(r->context, type->params_size, 1);
+    if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
+    return params_read(at, type->params, body->is_surface ? &body->mesh : NULL, constraint->params);
+}
+
+static pdyn_status read_constraints(struct reader *r, const struct json_at *array) {
+    struct scene_body *body = r->body;
+    int count;
+    pdyn_status status = read_count(array, "an array of constraints", &count);
+    if (status != PDYN_OK || !count) return status;
+    body->constraint = NEW_ARRAY(r->context, count, struct scene_constraint);
+    if (!body->constraint) return PDYN_NO_MEMORY;
+    body->constraints = count;
+    return read_each(r, array, read_constraint);
+}
+
+static pdyn_status read_body(struct reader *r, const struct json_at *at, int index) {
+    static const char *const others[] = {"name", "particles", "surface", "constraints", NULL};
+    struct scene_body *body = r->body = &r->scene->body[index];
+    struct json_at particles = json_member(at, "particles"), surface = json_member(at, "surface");
+    struct json_at constraints = json_member(at, "constraints");
+    pdyn_status status = params_check_keys(at, body_params, others);
+    if (status == PDYN_OK) status = read_name(r, at, "body", index, &body->name);
+    if (status == PDYN_OK) status = check_one_of(at, "particles", "surface");
+    if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
+    if (status != PDYN_OK) return status;
+    status = particles.value ? read_particles(r, &particles) : read_surface(r, &surface);
+    return status == PDYN_OK ? read_constraints(r, &constraints) : status;
+}
+
+/* ---- solids ---------------------------------------------------------------------------------- */
+
+static pdyn_status read_open_side(struct reader *r, const struct json_at *at, int index) {
+    static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z"};
+    struct scene_solid *solid = r->solid;
+    int side;
+    (void)index;
+    pdyn_status status = read_choice(at, "side", sides, 6, &side);
+    if (status == PDYN_OK && solid->open >> side & 1u)
+        status = json_fail(at, "the side \"%s\" stands here twice", sides[side]);
+    if (status == PDYN_OK) solid->open |= 1u << side;
+    return status;
+}
+
+static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
+                              const struct json_at *box) {
+    static const char *const others[] = {"scale", "rotate", "translate"};
+    struct json_at open = json_member(owner, "open");
+    int sides;
+    r->solid->is_box = true;
+    for (int k = 0; k < 3; k++) {
+        struct json_at other = json_member(owner, others[k]);
+        if (other.value) return json_fail_at_key(&other, "\"%s\" needs a \"mesh\"", others[k]);
+    }
+    pdyn_status status = params_box(box, &r->solid->box);
+    if (status == PDYN_OK) status = read_count(&open, "an array of sides like \"+y\"", &sides);
+    if (status == PDYN_OK) status = read_each(r, &open, read_open_side);
+    if (status == PDYN_OK && r->solid->open == 0x3F)
+        status = json_fail(&open, "all six sides are open: no wall is left");
+    return status;
+}
+
+static pdyn_status read_shape(struct reader *r, const struct json_at *owner,
+                              const struct json_at *mesh) {
+    struct transform transform;
+    struct json_at open = json_member(owner, "open");
+    if (open.value) return json_fail_at_key(&open, "\"open\" needs a \"box\"");
+    pdyn_status status = read_transform(owner, -1e6, &transform);
+    if (status == PDYN_OK) status = read_mesh(r, mesh, &r->solid->mesh);
+    if (status != PDYN_OK) return status;
+    place(&transform, &r->solid->mesh);
+    return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
+}
+
+static pdyn_status read_solid(struct reader *r, const struct json_at *at, int index) {
+    static const char *const keys[] = {"name",  "box",    "open",      "mesh",
+                                       "scale", "rotate", "translate", NULL};
+    struct scene_solid *solid = r->solid = &r->scene->solid[index];
+    struct json_at box = json_member(at, "box"), mesh = json_member(at, "mesh");
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = read_name(r, at, "solid", index, &solid->name);
+    if (status == PDYN_OK) status = check_one_of(at, "box", "mesh");
+    if (status != PDYN_OK) return status;
+    return box.value ? read_walls(r, at, &box) : read_shape(r, at, &mesh);
+}
+
+/* ---- the scene ------------------------------------------------------------------------------- */
+
+static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = read_count(array, "an array of bodies", &count);
+    if (status == PDYN_OK && !count) status = json_expected(array, "at least one body");
+    if (status != PDYN_OK) return status;
+    r->scene->body = NEW_ARRAY(r->context, count, struct scene_body);
+    if (!r->scene->body) return PDYN_NO_MEMORY;
+    r->scene->bodies = count;
+    return read_each(r, array, read_body);
+}
+
+static pdyn_status read_solids(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = read_count(array, "an array of solids", &count);
+    if (status != PDYN_OK || !count) return status;
+    r->scene->solid = NEW_ARRAY(r->context, count, struct scene_solid);
+    if (!r->scene->solid) return PDYN_NO_MEMORY;
+    r->scene->solids = count;
+    return read_each(r, array, read_solid);
+}
+
+static pdyn_status read_all(struct reader *r, const struct json_at *root) {
+    static const char *const others[] = {"$schema", "name",   "gravity", "time_step",
+                                         "solver",  "bodies", "solids",  NULL};
+    struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
+    struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
+    pdyn_status status = params_check_keys(root, settings_general_params, others);
+    if (status == PDYN_OK) status = read_general(r, root);
+    if (status == PDYN_OK) status = read_time_step(r, &time_step);
+    if (status == PDYN_OK) status = read_solver(r, &solver);
+    if (status == PDYN_OK) status = read_bodies(r, &bodies);
+    if (status == PDYN_OK) status = read_solids(r, &solids);
+    return status;
+}
+
+static pdyn_status read_file(struct reader *r, const char *text, const char *const *set, int sets) {
+    struct json_file file;
+    pdyn_status status = json_file_open(r->context, r->scene->file, text, set, sets, &file);
+    if (status != PDYN_OK) return status;
+    struct json_at root = json_root(&file);
+    status = read_all(r, &root);
+    json_file_close(&file);
+    return status;
+}
+
+pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
+                       const char *const *set, int sets, struct scene *out) {
+    struct reader reader = {.context = context, .scene = out};
+    struct text_locale locale;
+    const char *slash = text ? NULL : strrchr(path, '/');
+    if (slash) reader.folder = (size_t)(slash - path) + 1;
+    *out = (struct scene){0};
+    if (!text_begin(&locale)) return context_no_memory(context);
+    pdyn_status status = copy_text(context, path, &out->file);
+    if (status == PDYN_OK) status = read_file(&reader, text, set, sets);
+    if (status != PDYN_OK) scene_free(context, out);
+    text_end(&locale);
+    return status;
+}
+
+static void free_body(pdyn_context *context, struct scene_body *body) {
+    for (int k = 0; k < body->constraints; k++) {
+        struct scene_constraint *constraint = &body->constraint[k];
+        if (!constraint->params) continue;
+        params_free(context, constraint->type->params, constraint->params);
+        context_resize(context, constraint->params, constraint->type->params_size, 0);
+    }
+    FREE_ARRAY(context, body->constraint, body->constraints);
+    FREE_ARRAY(context, body->box, body->boxes);
+    mesh_free(context, &body->mesh);
+    free_text(context, &body->name);
+}
+
+void scene_free(pdyn_context *context, struct scene *scene) {
+    for (int b = 0; b < scene->bodies; b++) free_body(context, &scene->body[b]);
+    for (int s = 0; s < scene->solids; s++) {
+        mesh_free(context, &scene->solid[s].mesh);
+        free_text(context, &scene->solid[s].name);
+    }
+    FREE_ARRAY(context, scene->body, scene->bodies);
+    FREE_ARRAY(context, scene->solid, scene->solids);
+    free_text(context, &scene->file);
+    free_text(context, &scene->name);
+    *scene = (struct scene){0};
+}

@@ -1,0 +1,73 @@
+/* A scene as read from its JSON file, checked and with all defaults filled in: plain data, nothing
+ * simulated yet. scene_read is the only place that sees text; build.c turns a scene into a pdyn_sim. */
+#ifndef PDYN_SCENE_H
+#define PDYN_SCENE_H
+
+#include "context.h"
+#include "mesh.h"
+#include "projdyn/module.h"
+
+struct scene_box {
+    double min[3], max[3]; /* m; min < max in every axis */
+};
+
+struct scene_constraint {
+    const pdyn_constraint_type *type;
+    void *params; /* type->params_size bytes, filled from type->params */
+};
+
+struct scene_body {
+    char *name; /* unique in the scene; letters, digits, '_', '-' (it names files) */
+    /* exactly one of the two: */
+    bool is_surface;
+    struct mesh mesh; /* surface: rest positions in the world, after scale, rotation, translation */
+    int boxes;
+    struct scene_box *box; /* particles: filled with a lattice of spacing 2 radius */
+    double radius;         /* m */
+    double rest_density;   /* kg/m^3 */
+    double area_density;   /* kg/m^2 */
+    double velocity[3];    /* m/s, at the start */
+    int constraints;
+    struct scene_constraint *constraint; /* a type at most once per body */
+};
+
+struct scene_solid {
+    char *name;
+    bool is_box;
+    struct scene_box box;
+    unsigned open; /* bit 2 a: no face at the minimum of axis a; bit 2 a + 1: at the maximum */
+    struct mesh mesh; /* in the world */
+};
+
+struct scene_settings { /* the scene's own "solver" and "time_step" and general values */
+    double gravity[3];      /* m/s^2 */
+    double duration;        /* s */
+    double frame_interval;  /* s */
+    double h_fixed;         /* s; 0: adaptive by the CFL condition */
+    double h_min, h_max;    /* s */
+    double cfl;             /* particle radii that a particle may travel in a step */
+    double tolerance;       /* step residual at which a step is solved */
+    int outer_iterations;   /* cap */
+    double linear_tolerance; /* |r| / |r_0| of the linear solve */
+    int linear_iterations;  /* cap */
+    bool newton;            /* step: "newton", otherwise "projective" */
+    char solver_type[32];   /* "auto" or a registered solver */
+};
+
+struct scene {
+    char *file; /* as named by the user, for messages and the report */
+    char *name; /* "name" of the scene; may be empty */
+    struct scene_settings settings;
+    int bodies, solids;
+    struct scene_body *body;
+    struct scene_solid *solid;
+};
+
+/* Reads and checks a scene. Meshes are found relative to the scene file's folder. `text` NULL: read
+ * the file `path`; otherwise `path` only names the text in messages. On failure *out is empty and the
+ * error says: FILE:LINE:COLUMN: JSON path: what was found, what was expected. */
+pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
+                       const char *const *set, int sets, struct scene *out);
+void scene_free(pdyn_context *context, struct scene *scene);
+
+#endif

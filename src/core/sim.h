@@ -1,0 +1,54 @@
+/* The simulation: a scene turned into particles, batches of constraints and a solver. */
+#ifndef PDYN_SIM_H
+#define PDYN_SIM_H
+
+#include "batch.h"
+#include "context.h"
+#include "mesh.h"
+#include "neighbours.h"
+#include "sampling.h"
+#include "scene.h"
+#include "solver.h"
+#include "system.h"
+
+struct pdyn_sim {
+    pdyn_context *context;
+    struct scene scene;
+    bool failed; /* diverged: no further step */
+
+    int bodies;
+    pdyn_body *body;           /* what modules see */
+    struct topology *topology; /* bodies; empty for particles */
+    double *rest;              /* particles x 3: the bodies' rest positions, m */
+    struct points boundary;    /* static points on the solids */
+    pdyn_services services;    /* what operators may call */
+
+    struct system system; /* particles' masses, prediction, batches: what is minimised */
+    double *x, *v;        /* particles x 3: the state, m, m/s */
+    double *density;      /* particles, kg/m^3 */
+    double *x_next;       /* particles x 3: the iterate */
+    double *gradient;     /* particles x 3: of E at the iterate, N */
+    double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
+    double *correction;   /* particles x 3: x - s of the last step, its constraints' work */
+    double last_h;        /* s; 0 before the first step */
+    double damping;       /* eps, kept from step to step */
+    bool anchored;        /* some constraint can take momentum from the system */
+
+    struct neighbours *neighbours; /* NULL where no constraint needs them */
+
+    const struct solver_type *solver;
+    void *solver_state;
+    const char *solver_reason;
+
+    double time;    /* s */
+    long frame;     /* the last frame reached */
+    long steps;
+
+    void (*observer)(void *user, const pdyn_iteration *iteration);
+    void *observer_user;
+};
+
+/* What core offers to operators. */
+pdyn_services sim_services(pdyn_context *context);
+
+#endif

@@ -1,0 +1,49 @@
+/* Reading a simulation's state through the public API. */
+#include "sim.h"
+
+double pdyn_time(const pdyn_sim *sim) { return sim->time; }
+double pdyn_duration(const pdyn_sim *sim) { return sim->scene.settings.duration; }
+double pdyn_frame_interval(const pdyn_sim *sim) { return sim->scene.settings.frame_interval; }
+const char *pdyn_solver_type(const pdyn_sim *sim) { return sim->solver->name; }
+const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim->solver_reason; }
+const char *pdyn_step_type(const pdyn_sim *sim) {
+    return sim->scene.settings.newton ? "newton" : "projective";
+}
+
+void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *), void *user) {
+    sim->observer = observer;
+    sim->observer_user = user;
+}
+
+pdyn_state pdyn_get_state(const pdyn_sim *sim) {
+    return (pdyn_state){.particles = sim->system.particles,
+                        .x = sim->x,
+                        .v = sim->v,
+                        .mass = sim->system.mass,
+                        .density = sim->density,
+                        .boundary = sim->boundary.count,
+                        .boundary_x = sim->boundary.x,
+                        .bodies = sim->bodies,
+                        .constraints = sim->system.batches};
+}
+
+pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
+    const pdyn_body *b = &sim->body[body];
+    return (pdyn_body_info){b->name, b->first, b->count, b->radius, b->rest_density, b->triangles, b->triangle};
+}
+
+pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
+    const struct batch *b = sim->system.batch[constraint];
+    return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
+}
+
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; k++) hash = (hash ^ byte[k]) * 0x100000001B3u;
+    return hash;
+}
+
+uint64_t pdyn_state_hash(const pdyn_sim *sim) {
+    size_t size = 3 * (size_t)sim->system.particles * sizeof(double);
+    return hash_bytes(hash_bytes(0xCBF29CE484222325u, sim->x, size), sim->v, size);
+}

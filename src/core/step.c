@@ -1,0 +1,206 @@
+/* One time step: predict, then local and global steps in turn until the step is solved, then the new
+ * velocity. Implicit Euler as a minimisation (Bouaziz et al. 2014). The global step is the damped
+ * newton step of E; with eps = 1 it is that of classic Projective Dynamics. */
+#include "clock.h"
+#include "measure.h"
+#include "sim.h"
+#include "timestep.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { BACKTRACKS = 6, ROUNDS = 8 };
+
+struct progress { /* of the minimisation of one step */
+    double energy, residual;
+    int outer, linear;
+};
+
+static size_t bytes_of(const struct pdyn_sim *sim) {
+    return 3 * (size_t)sim->system.particles * sizeof(double);
+}
+
+/* s = x + h v + h^2 g, and the iterate starts there. */
+static void predict(struct pdyn_sim *sim, double h) {
+    const double *g = sim->scene.settings.gravity;
+    sim->system.h = h;
+    sim->system.time = sim->time + h;
+    for (int k = 0; k < 3 * sim->system.particles; k++)
+        sim->system.s[k] = sim->x[k] + h * sim->v[k] + h * h * g[k % 3];
+    memcpy(sim->x_next, sim->system.s, bytes_of(sim));
+}
+
+/* Warm start: what the constraints did in the last step, x - s, scaled to this one, is likely to be
+ * needed again; taken where it lowers E. (Leaving out gravity instead would look as good in density
+ * and destroy the motion of unconverged steps.) */
+static pdyn_status warm_start(struct pdyn_sim *sim, double h, double *energy) {
+    pdyn_status status = system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    if (status != PDYN_OK || sim->last_h == 0.0) return status;
+    double warm, ratio = h / sim->last_h;
+    memcpy(sim->trial, sim->x_next, bytes_of(sim));
+    system_axpy(&sim->system, ratio * ratio, sim->correction, sim->trial);
+    status = system_local(&sim->system, sim->trial, &warm, sim->trial_gradient);
+    if (status != PDYN_OK) return status;
+    if (!(warm < *energy)) return system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    memcpy(sim->x_next, sim->trial, bytes_of(sim));
+    memcpy(sim->gradient, sim->trial_gradient, bytes_of(sim));
+    *energy = warm;
+    return PDYN_OK;
+}
+
+/* x_next + direction, halved until E falls enough (Armijo). *length: what was taken, 0 for none; then
+ * the iterate and its local step are as before. */
+static pdyn_status descend(struct pdyn_sim *sim, double *energy, double *length) {
+    struct system *sys = &sim->system;
+    double slope = system_dot(sys, sim->gradient, sim->direction), trial;
+    *length = 1.0;
+    for (int k = 0; k < BACKTRACKS; k++, *length *= 0.5) {
+        memcpy(sim->trial, sim->x_next, bytes_of(sim));
+        system_axpy(sys, *length, sim->direction, sim->trial);
+        pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
+        if (status != PDYN_OK) return status;
+        if (trial <= *energy + 1e-4 * *length * slope + 1e-13 * fabs(*energy)) {
+            memcpy(sim->x_next, sim->trial, bytes_of(sim));
+            memcpy(sim->gradient, sim->trial_gradient, bytes_of(sim));
+            *energy = trial;
+            return PDYN_OK;
+        }
+    }
+    *length = 0.0;
+    return system_local(sys, sim->x_next, energy, sim->gradient);
+}
+
+/* The minimum of E's model: quadratic, but for constraints with one side. These are taken as active or
+ * not from where the last solve went, until no more of them change (a semi-smooth Newton iteration
+ * without a local step) or the residual of the model has fallen by the linear tolerance. */
+static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
+    const struct scene_settings *set = &sim->scene.settings;
+    struct system *sys = &sim->system;
+    double *residual = sim->negative, *part = sim->trial;
+    double target = set->linear_tolerance * sqrt(system_dot(sys, sim->gradient, sim->gradient));
+    memset(sim->direction, 0, bytes_of(sim));
+    for (int k = 0; k < 3 * sys->particles; k++) residual[k] = -sim->gradient[k];
+    for (int round = 0, left = set->linear_iterations; round < ROUNDS && left > 0; round++) {
+        double size = sqrt(system_dot(sys, residual, residual));
+        int iterations = 0;
+        if (!(size > target) && round) break;
+        memset(part, 0, bytes_of(sim));
+        pdyn_status status = sim->solver->solve(sim->solver_state, residual, part, fmin(1.0, target / size),
+                                                left, &iterations);
+        if (status != PDYN_OK) return status;
+        p->linear += iterations, left -= iterations;
+        system_axpy(sys, 1.0, part, sim->direction);
+        if (sim->damping == 1.0 || !system_predict(sys, sim->direction, part)) break;
+        for (int k = 0; k < 3 * sys->particles; k++) residual[k] = -sim->gradient[k] - part[k];
+    }
+    return PDYN_OK;
+}
+
+/* One global step. *moved is false where no step lowers E any more. */
+static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *moved) {
+    double length = 0.0;
+    pdyn_status status = system_linearise(&sim->system, sim->damping);
+    if (status == PDYN_OK) status = solve_model(sim, p);
+    if (status == PDYN_OK) status = descend(sim, &p->energy, &length);
+    if (status != PDYN_OK) return status;
+    *moved = length > 0.0 || sim->damping < 1.0;
+    if (!sim->scene.settings.newton) return PDYN_OK;
+    /* Levenberg-Marquardt: more damping where the full step went too far, less where it was good. */
+    if (length < 1.0)
+        sim->damping = fmin(1.0, fmax(10.0 * sim->damping, 1e-6));
+    else
+        sim->damping = sim->damping > 1e-7 ? 0.1 * sim->damping : 0.0;
+    return PDYN_OK;
+}
+
+static void observe(const struct pdyn_sim *sim, const struct progress *p, int linear) {
+    if (!sim->observer) return;
+    pdyn_iteration iteration = {.iteration = p->outer, .linear_iterations = linear, .energy = p->energy,
+                                .residual = p->residual, .damping = sim->damping, .x = sim->x_next};
+    sim->observer(sim->observer_user, &iteration);
+}
+
+/* Local and global steps in turn until the step residual is small enough. */
+static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
+    const struct scene_settings *set = &sim->scene.settings;
+    double weight = measure_weight(sim);
+    bool moved = true;
+    pdyn_status status = warm_start(sim, h, &p->energy);
+    while (status == PDYN_OK) {
+        p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
+        if (!isfinite(p->energy) || !isfinite(p->residual))
+            return context_fail(sim->context, PDYN_DIVERGED,
+                                "step %ld at %g s: the energy is not finite; the state is that of the "
+                                "step before",
+                                sim->steps + 1, sim->time);
+        observe(sim, p, 0);
+        if (!moved || p->residual <= set->tolerance || p->outer >= set->outer_iterations) break;
+        status = global_step(sim, p, &moved);
+        p->outer++;
+    }
+    return status;
+}
+
+/* Where nothing can take momentum away, the step must not either, however far it was solved: the mean
+ * of x - s over the mass is the momentum that an unfinished solve made up. */
+static pdyn_status keep_momentum(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    double moved[3] = {0}, mass = 0.0, energy;
+    if (sim->anchored) return PDYN_OK;
+    for (int i = 0; i < sys->particles; i++) {
+        mass += sys->mass[i];
+        for (int a = 0; a < 3; a++)
+            moved[a] += sys->mass[i] * (sim->x_next[3 * i + a] - sys->s[3 * i + a]);
+    }
+    for (int k = 0; k < 3 * sys->particles; k++) sim->x_next[k] -= moved[k % 3] / mass;
+    return system_local(sys, sim->x_next, &energy, sim->gradient);
+}
+
+/* v = (x_next - x) / h, then viscosity; the iterate becomes the state. */
+static void accept(struct pdyn_sim *sim, double h) {
+    struct system *sys = &sim->system;
+    for (int k = 0; k < 3 * sys->particles; k++) {
+        sim->v[k] = (sim->x_next[k] - sim->x[k]) / h;
+        sim->correction[k] = sim->x_next[k] - sys->s[k];
+    }
+    memcpy(sim->x, sim->x_next, bytes_of(sim));
+    for (int b = 0; b < sys->batches; b++)
+        if (sys->batch[b]->op && sys->batch[b]->type->op->velocity)
+            sys->batch[b]->type->op->velocity(sys->batch[b]->op, sim->x, sim->v);
+    sim->last_h = h;
+    sim->steps++;
+}
+
+static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
+    struct progress progress = {0};
+    struct moment end = timestep_choose(sim);
+    double start = clock_ms();
+    sim->system.ms_neighbours = sim->system.ms_local = 0.0;
+
+    predict(sim, end.h);
+    pdyn_status status = minimise(sim, end.h, &progress);
+    if (status == PDYN_OK) status = keep_momentum(sim);
+    if (status == PDYN_OK) status = measure_end(sim);
+    if (status != PDYN_OK) return status;
+    accept(sim, end.h);
+
+    timestep_advance(sim, &end);
+    *info = (pdyn_step_info){.time = sim->time, .h = end.h, .frame = end.frame,
+                             .outer_iterations = progress.outer, .linear_iterations = progress.linear,
+                             .step_residual = progress.residual};
+    measure_step(sim, info);
+    info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
+    info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local;
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
+    pdyn_step_info unused;
+    if (!sim) return PDYN_BAD_CALL;
+    if (sim->failed)
+        return context_fail(sim->context, PDYN_BAD_CALL, "the simulation has failed before: no further step");
+    pdyn_status status = step(sim, info ? info : &unused);
+    sim->failed = status != PDYN_OK;
+    return status;
+}

@@ -1,0 +1,133 @@
+#include "system.h"
+
+#include "clock.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { GRAIN = 2048 }; /* particles: vector operations of a few microseconds */
+
+struct call {
+    struct system *system;
+    const double *a, *b;
+    double *out;
+    double scale;
+};
+
+static void for_particles(struct system *sys, pdyn_range_fn *fn, const double *a, const double *b,
+                          double *out, double scale) {
+    struct call call = {sys, a, b, out, scale};
+    pool_for(sys->context->pool, sys->particles, GRAIN, fn, &call);
+}
+
+static double sum_partial(const struct system *sys) {
+    double sum = 0.0;
+    for (int k = 0; k < pool_blocks(sys->particles, GRAIN); k++) sum += sys->partial[k];
+    return sum;
+}
+
+/* ---- energy and gradient --------------------------------------------------------------------- */
+
+static void inertia(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    double energy = 0.0;
+    for (int i = first; i < last; i++) {
+        double w = c->system->mass[i] / (c->system->h * c->system->h);
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            double d = c->a[k] - c->system->s[k];
+            c->out[k] = w * d;
+            energy += 0.5 * w * d * d;
+        }
+    }
+    c->system->partial[block] = energy;
+}
+
+/* Lists that are complete at x, known to every batch. */
+static pdyn_status update_lists(struct system *sys, const double *x) {
+    if (!sys->neighbours) return PDYN_OK;
+    double start = clock_ms();
+    const pdyn_neighbours *view = neighbours_view(sys->neighbours);
+    pdyn_status status = neighbours_update(sys->neighbours, x);
+    for (int b = 0; status == PDYN_OK && view->revision != sys->lists && b < sys->batches; b++)
+        status = batch_neighbours(sys->batch[b], view);
+    if (status == PDYN_OK) sys->lists = view->revision;
+    sys->ms_neighbours += clock_ms() - start;
+    return status;
+}
+
+pdyn_status system_local(struct system *sys, const double *x, double *energy, double *gradient) {
+    pdyn_status status = update_lists(sys, x);
+    if (status != PDYN_OK) return status;
+    double start = clock_ms();
+    sys->x = x;
+    for_particles(sys, inertia, x, NULL, gradient, 0.0);
+    *energy = sum_partial(sys);
+    for (int b = 0; b < sys->batches; b++) {
+        batch_local(sys->batch[b], x, sys->time, gradient);
+        *energy += sys->batch[b]->energy;
+    }
+    sys->ms_local += clock_ms() - start;
+    return PDYN_OK;
+}
+
+/* ---- the operator H -------------------------------------------------------------------------- */
+
+pdyn_status system_linearise(struct system *sys, double eps) {
+    pdyn_status status = PDYN_OK;
+    sys->eps = eps;
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        status = batch_linearise(sys->batch[b], eps);
+    return status;
+}
+
+static void apply_inertia(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++) {
+        double w = c->system->mass[i] / (c->system->h * c->system->h);
+        for (int k = 3 * i; k < 3 * i + 3; k++) c->out[k] = w * c->a[k];
+    }
+}
+
+void system_apply(struct system *sys, const double *u, double *y) {
+    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
+    for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
+}
+
+int system_predict(struct system *sys, const double *d, double *y) {
+    int changed = 0;
+    for_particles(sys, apply_inertia, d, NULL, y, 0.0);
+    for (int b = 0; b < sys->batches; b++) changed += batch_predict(sys->batch[b], d, y);
+    return changed;
+}
+
+void system_diagonal(struct system *sys, double *blocks) {
+    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
+    for (int i = 0; i < sys->particles; i++)
+        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = sys->mass[i] / (sys->h * sys->h);
+    for (int b = 0; b < sys->batches; b++) batch_diagonal(sys->batch[b], blocks);
+}
+
+/* ---- vectors --------------------------------------------------------------------------------- */
+
+static void dot_block(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    double sum = 0.0;
+    for (int k = 3 * first; k < 3 * last; k++) sum += c->a[k] * c->b[k];
+    c->system->partial[block] = sum;
+}
+
+double system_dot(struct system *sys, const double *a, const double *b) {
+    for_particles(sys, dot_block, a, b, NULL, 0.0);
+    return sum_partial(sys);
+}
+
+static void axpy_block(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->a[k];
+}
+
+void system_axpy(struct system *sys, double scale, const double *x, double *y) {
+    for_particles(sys, axpy_block, x, NULL, y, scale);
+}

@@ -1,0 +1,53 @@
+/* What a step minimises, and its derivatives, summed over all batches:
+ *
+ *     E(x) = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum of the batches' energies
+ *     H    = M/h^2 + sum of the batches' w G' ((1 - eps)(I - J) + eps I) G
+ *
+ * Vectors are particles x 3. */
+#ifndef PDYN_SYSTEM_H
+#define PDYN_SYSTEM_H
+
+#include "batch.h"
+#include "neighbours.h"
+
+struct system {
+    pdyn_context *context;
+    int particles;
+    double *mass; /* particles, kg */
+    double *s;    /* the inertial prediction, m */
+    double h;     /* s, of the current step */
+    double time;  /* s, at its end */
+    const double *x; /* where the last local step was */
+    double eps;   /* damping of the current linearisation: 0 newton, 1 projective */
+    int batches, capacity;
+    struct batch **batch; /* capacity */
+    struct neighbours *neighbours; /* NULL where no constraint needs them */
+    unsigned lists;                /* revision of the lists that the batches know */
+    bool changing;                 /* some batch changes its selector from step to step */
+    double *partial;               /* sums of parallel blocks */
+    double ms_neighbours, ms_local;
+};
+
+/* E and its gradient at x (finite or not: the caller checks E). */
+pdyn_status system_local(struct system *system, const double *x, double *energy, double *gradient);
+
+/* Fixes H at the x of the last local step. */
+pdyn_status system_linearise(struct system *system, double eps);
+
+/* y = H u */
+void system_apply(struct system *system, const double *u, double *y);
+
+/* y = the change of E's gradient from x to x + d in its model: linear, but for one-sided constraints,
+ * whose active set is taken from x + d for H from now on. Returns how many changed sides. */
+int system_predict(struct system *system, const double *d, double *y);
+
+/* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
+void system_diagonal(struct system *system, double *blocks);
+
+/* Sums of 3-vectors' products over all particles, the same bits for any number of threads. */
+double system_dot(struct system *system, const double *a, const double *b);
+
+/* Adds scale x to y. */
+void system_axpy(struct system *system, double scale, const double *x, double *y);
+
+#endif

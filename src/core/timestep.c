@@ -1,0 +1,41 @@
+#include "timestep.h"
+
+#include "projdyn/vec3.h"
+
+/* The largest speed of a particle with a radius at the end of a step of length h, as predicted. */
+static double fastest(const struct pdyn_sim *sim, double h, double *radius) {
+    double speed = 0.0;
+    *radius = 0.0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (body->radius == 0.0) continue;
+        *radius = body->radius;
+        for (int i = body->first; i < body->first + body->count; i++)
+            speed = fmax(speed, vec3_length(sim->v + 3 * i));
+    }
+    return speed + h * vec3_length(sim->scene.settings.gravity);
+}
+
+/* CFL (Weiler et al. 2016): no particle travels more than `cfl` radii in a step. A step shrinks as far
+ * as it must at once, and grows by at most a tenth. */
+static double adaptive(const struct pdyn_sim *sim) {
+    const struct scene_settings *set = &sim->scene.settings;
+    double radius, h = sim->last_h > 0.0 ? fmin(set->h_max, 1.1 * sim->last_h) : set->h_max;
+    double speed = fastest(sim, h, &radius);
+    if (radius > 0.0 && speed * h > set->cfl * radius) h = set->cfl * radius / speed;
+    return fmax(h, set->h_min);
+}
+
+/* The rest of the way to the next frame is cut into equal steps, so that none is tiny. */
+struct moment timestep_choose(const struct pdyn_sim *sim) {
+    const struct scene_settings *set = &sim->scene.settings;
+    double h = set->h_fixed > 0.0 ? set->h_fixed : adaptive(sim);
+    double rest = (double)(sim->frame + 1) * set->frame_interval - sim->time;
+    double steps = ceil(rest / h * (1.0 - 1e-9));
+    return (struct moment){rest / fmax(1.0, steps), steps <= 1.0};
+}
+
+void timestep_advance(struct pdyn_sim *sim, const struct moment *end) {
+    if (end->frame) sim->frame++;
+    sim->time = end->frame ? (double)sim->frame * sim->scene.settings.frame_interval : sim->time + end->h;
+}

@@ -1,0 +1,187 @@
+/* The neighbourhood of a mesh. All of it follows from the sides of the triangles, sorted so that
+ * the sides of one edge stand next to each other. */
+#include "mesh.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+struct side {
+    int end[2]; /* ascending */
+    int corner; /* the opposite one, as a place in mesh.triangle */
+};
+
+/* A stable counting sort by one end; `start` has room for vertices + 1. */
+static void sort_by_end(const struct side *from, struct side *to, int sides, int end, int *start,
+                        int vertices) {
+    memset(start, 0, ((size_t)vertices + 1) * sizeof *start);
+    for (int i = 0; i < sides; i++) start[from[i].end[end] + 1]++;
+    for (int v = 0; v < vertices; v++) start[v + 1] += start[v];
+    for (int i = 0; i < sides; i++) to[start[from[i].end[end]]++] = from[i];
+}
+
+/* The 3 sides of each triangle by (smaller, larger) end; NULL: no memory. */
+static struct side *sorted_sides(pdyn_context *context, const struct mesh *mesh) {
+    int sides = 3 * mesh->triangles;
+    struct side *side = NEW_ARRAY(context, sides, struct side);
+    struct side *other = NEW_ARRAY(context, sides, struct side);
+    int *start = NEW_ARRAY(context, mesh->vertices + 1, int);
+    if (side && other && start) {
+        for (int i = 0; i < sides; i++) {
+            const int *c = mesh->triangle + i / 3 * 3;
+            int a = c[(i + 1) % 3], b = c[(i + 2) % 3];
+            side[i] = (struct side){{a < b ? a : b, a < b ? b : a}, i};
+        }
+        sort_by_end(side, other, sides, 1, start, mesh->vertices);
+        sort_by_end(other, side, sides, 0, start, mesh->vertices);
+    } else FREE_ARRAY(context, side, sides);
+    FREE_ARRAY(context, other, sides);
+    FREE_ARRAY(context, start, mesh->vertices + 1);
+    return side;
+}
+
+/* One past the last side of the edge that begins at side `first`. */
+static int edge_end(const struct side *side, int sides, int first) {
+    int last = first + 1;
+    while (last < sides && !memcmp(side[last].end, side[first].end, sizeof side->end)) last++;
+    return last;
+}
+
+/* Twice the area of the triangle of a corner, and the dot product of the two edges there. */
+static double corner_measures(const struct mesh *mesh, int corner, double *dot) {
+    const int *c = mesh->triangle + corner / 3 * 3;
+    const double *o = mesh->vertex + 3 * c[corner % 3];
+    const double *a = mesh->vertex + 3 * c[(corner + 1) % 3];
+    const double *b = mesh->vertex + 3 * c[(corner + 2) % 3];
+    double u[3] = {a[0] - o[0], a[1] - o[1], a[2] - o[2]};
+    double v[3] = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
+    double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    *dot = vec3_dot(u, v);
+    return vec3_length(n);
+}
+
+/* ---- what cloth asks of a mesh -------------------------------------------------------------- */
+
+static pdyn_status check_used(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    bool *used = NEW_ARRAY(context, mesh->vertices, bool);
+    if (!used) return PDYN_NO_MEMORY;
+    for (int i = 0; i < 3 * mesh->triangles; i++) used[mesh->triangle[i]] = true;
+    int v = 0;
+    while (v < mesh->vertices && used[v]) v++;
+    FREE_ARRAY(context, used, mesh->vertices);
+    if (v == mesh->vertices) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no triangle", name,
+                        v);
+}
+
+static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    for (int t = 0; t < mesh->triangles; t++) {
+        const int *c = mesh->triangle + 3 * t;
+        double dot, area = 0.5 * corner_measures(mesh, 3 * t, &dot), longest = 0.0;
+        for (int k = 0; k < 3; k++)
+            longest = fmax(
+                longest, vec3_distance(mesh->vertex + 3 * c[k], mesh->vertex + 3 * c[(k + 1) % 3]));
+        if (!(area > 1e-12 * longest * longest))
+            return context_fail(context, PDYN_BAD_INPUT,
+                                "%.1024s: triangle %d (vertices %d, %d, %d) has no area", name, t,
+                                c[0], c[1], c[2]);
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    int sides = 3 * mesh->triangles, last;
+    struct side *side = sorted_sides(context, mesh);
+    if (!side) return PDYN_NO_MEMORY;
+    pdyn_status status = PDYN_OK;
+    for (int first = 0; first < sides && status == PDYN_OK; first = last) {
+        last = edge_end(side, sides, first);
+        if (last - first > 2)
+            status = context_fail(context, PDYN_BAD_INPUT,
+                                  "%.1024s: the edge between vertices %d and %d has %d triangles, "
+                                  "expected at most 2",
+                                  name, side[first].end[0], side[first].end[1], last - first);
+    }
+    FREE_ARRAY(context, side, sides);
+    return status;
+}
+
+pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    pdyn_status status = check_used(context, mesh, name);
+    if (status == PDYN_OK) status = check_areas(context, mesh, name);
+    if (status == PDYN_OK) status = check_edges(context, mesh, name);
+    return status;
+}
+
+/* ---- topology ------------------------------------------------------------------------------- */
+
+static bool allocate(pdyn_context *context, struct topology *out) {
+    out->vertex_area = NEW_ARRAY(context, out->vertices, double);
+    out->edge = NEW_ARRAY(context, 2 * out->edges, int);
+    out->edge_area = NEW_ARRAY(context, out->edges, double);
+    out->edge_cotan = NEW_ARRAY(context, out->edges, double);
+    out->on_border = NEW_ARRAY(context, out->vertices, bool);
+    out->ring_start = NEW_ARRAY(context, out->vertices + 1, int);
+    out->ring_edge = NEW_ARRAY(context, 2 * out->edges, int);
+    return out->vertex_area && out->edge && out->edge_area && out->edge_cotan && out->on_border &&
+           out->ring_start && out->ring_edge;
+}
+
+static void fill_edges(const struct mesh *mesh, const struct side *side, struct topology *out) {
+    int sides = 3 * mesh->triangles, last;
+    for (int first = 0, e = 0; first < sides; first = last, e++) {
+        last = edge_end(side, sides, first);
+        memcpy(out->edge + 2 * e, side[first].end, sizeof side->end);
+        for (int i = first; i < last; i++) {
+            double dot, twice_area = corner_measures(mesh, side[i].corner, &dot);
+            out->edge_area[e] += 0.5 * twice_area;
+            out->edge_cotan[e] += 0.5 * dot / twice_area;
+        }
+        if (last - first == 1)
+            for (int k = 0; k < 2; k++) out->on_border[side[first].end[k]] = true;
+    }
+}
+
+static void fill_areas(const struct mesh *mesh, double *vertex_area) {
+    for (int i = 0; i < 3 * mesh->triangles; i++) {
+        double dot;
+        vertex_area[mesh->triangle[i]] += corner_measures(mesh, i / 3 * 3, &dot) / 6.0;
+    }
+}
+
+/* Edges are taken in order, so those of each ring ascend. */
+static void fill_rings(struct topology *out) {
+    int *start = out->ring_start;
+    for (int i = 0; i < 2 * out->edges; i++) start[out->edge[i] + 1]++;
+    for (int v = 0; v < out->vertices; v++) start[v + 1] += start[v];
+    for (int i = 0; i < 2 * out->edges; i++) out->ring_edge[start[out->edge[i]]++] = i / 2;
+    memmove(start + 1, start, (size_t)out->vertices * sizeof *start);
+    start[0] = 0;
+}
+
+pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struct topology *out) {
+    *out = (struct topology){.vertices = mesh->vertices};
+    int sides = 3 * mesh->triangles;
+    struct side *side = sorted_sides(context, mesh);
+    if (!side) return *out = (struct topology){0}, PDYN_NO_MEMORY;
+    for (int first = 0; first < sides; first = edge_end(side, sides, first)) out->edges++;
+    bool ready = allocate(context, out);
+    if (ready) {
+        fill_edges(mesh, side, out);
+        fill_areas(mesh, out->vertex_area);
+        fill_rings(out);
+    } else topology_free(context, out);
+    FREE_ARRAY(context, side, sides);
+    return ready ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void topology_free(pdyn_context *context, struct topology *topology) {
+    FREE_ARRAY(context, topology->vertex_area, topology->vertices);
+    FREE_ARRAY(context, topology->edge, 2 * topology->edges);
+    FREE_ARRAY(context, topology->edge_area, topology->edges);
+    FREE_ARRAY(context, topology->edge_cotan, topology->edges);
+    FREE_ARRAY(context, topology->on_border, topology->vertices);
+    FREE_ARRAY(context, topology->ring_start, topology->vertices + 1);
+    FREE_ARRAY(context, topology->ring_edge, 2 * topology->edges);
+    *topology = (struct topology){0};
+}

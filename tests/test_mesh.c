@@ -1,0 +1,722 @@
+/* Meshes: good files of every flavour, bad files with their messages, topology, allocation failure,
+ * and files cut short or with bytes changed. */
+#include "mesh.h"
+
+#include "projdyn/vec3.h"
+
+#include <locale.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char directory[512];
+static pdyn_context *context;
+
+/* ---- helpers -------------------------------------------------------------------------------- */
+
+/* An allocator that fails for good once `left` allocations were made; left < 0: never. */
+static void *counting_allocate(void *user, void *block, size_t old_size, size_t new_size) {
+    (void)old_size;
+    int *left = user;
+    if (!new_size) return free(block), NULL;
+    if (*left == 0) return NULL;
+    if (*left > 0) --*left;
+    return realloc(block, new_size);
+}
+static int allocations_left = -1;
+
+static int set_up(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(directory, sizeof directory, "%s/test_mesh_XXXXXX", base ? base : "/tmp");
+    if (!mkdtemp(directory)) return -1;
+    pdyn_options options = pdyn_default_options();
+    options.threads = 1;
+    options.allocate = counting_allocate;
+    options.allocate_user = &allocations_left;
+    return pdyn_create(&options, &context) == PDYN_OK ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    pdyn_destroy(context);
+    return rmdir(directory); /* every test removes its files */
+}
+
+#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
+
+static const char *path_of(const char *name) {
+    static char path[1024];
+    snprintf(path, sizeof path, "%s/%s", directory, name);
+    return path;
+}
+
+static void write_file(const char *name, const char *data, size_t size) {
+    FILE *file = fopen(path_of(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static pdyn_status read_bytes(const char *name, const char *data, size_t size, struct mesh *mesh) {
+    write_file(name, data, size);
+    pdyn_status status = mesh_read(context, path_of(name), mesh);
+    assert_int_equal(unlink(path_of(name)), 0);
+    return status;
+}
+
+static double triangle_area(const struct mesh *mesh, int t, double normal[3]) {
+    const double *p[3];
+    for (int k = 0; k < 3; k++) p[k] = mesh->vertex + 3 * mesh->triangle[3 * t + k];
+    for (int k = 0; k < 3; k++) {
+        int a = (k + 1) % 3, b = (k + 2) % 3;
+        normal[k] = 0.5 * ((p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) -
+                           (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]));
+    }
+    return vec3_length(normal);
+}
+
+/* ---- good files ----------------------------------------------------------------------------- */
+
+/* All of them describe the square (0,0,0) (1,0,0) (1,2,0) (0,2,0.5) as a fan of two triangles. */
+struct sample {
+    const char *name, *data;
+    size_t size;
+};
+#define TEXT(name, text)                                                                           \
+    { name, text, sizeof(text) - 1 }
+
+#define PLY_VERTICES "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+#define PLY_FACES    "element face 1\nproperty list uchar int vertex_indices\n"
+#define PLY_TAIL     PLY_VERTICES PLY_FACES "end_header\n"
+#define ASCII        "ply\nformat ascii 1.0\n"
+#define LITTLE       "ply\nformat binary_little_endian 1.0\n"
+#define BIG          "ply\nformat binary_big_endian 1.0\n"
+#define SQUARE_TEXT  "0 0 0\n1 0 0\n1 2 0\n0 2 0.5\n"
+
+#define LITTLE_VERTICES                                                                            \
+    "\0\0\0\0\0\0\0\0\0\0\0\0"                                                                     \
+    "\0\0\x80\x3f\0\0\0\0\0\0\0\0"                                                                 \
+    "\0\0\x80\x3f\0\0\0\x40\0\0\0\0"                                                               \
+    "\0\0\0\0\0\0\0\x40\0\0\0\x3f"
+#define LITTLE_FACE "\x04\0\0\0\0\x01\0\0\0\x02\0\0\0\x03\0\0\0"
+#define BIG_VERTICES                                                                               \
+    "\0\0\0\0\0\0\0\0\0\0\0\0"                                                                     \
+    "\x3f\x80\0\0\0\0\0\0\0\0\0\0"                                                                 \
+    "\x3f\x80\0\0\x40\0\0\0\0\0\0\0"                                                               \
+    "\0\0\0\0\x40\0\0\0\x3f\0\0\0"
+#define BIG_FACE "\x04\0\0\0\0\0\0\0\x01\0\0\0\x02\0\0\0\x03"
+
+static const struct sample good[] = {
+    TEXT("plain.obj", "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0.5\nf 1 2 3\nf 1 3 4\n"),
+    TEXT("polygon.obj", "# a comment\n\nv 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 5e-1\nf 1 2 3 4"),
+    TEXT("windows.OBJ", "v 0 0 0\r\nv 1 0 0\r\nv 1 2 0\r\n\r\nv 0 2 .5\r\nf 1 2 3 4\r\n"),
+    TEXT("texture.obj", "vt 0 0\nv 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 .5\nf 1/1 2/1 3/1 4/1\n"),
+    TEXT("normal.obj", "vn 0 0 1\nv 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 .5\nf 1//1 2//1 3//1 4//-1\n"),
+    TEXT("both.obj",
+         "mtllib a.mtl\no thing\ng a b\ns off\nusemtl red\nv 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 .5\n"
+         "vt 0 0\nvn 0 0 1\nvp 0\nl 1 2\np 1\nf 1/1/1 2/1/1 3/1/1 4/-1/-1\n"),
+    TEXT("backwards.obj", "v 0 0 0\nv 1 0 0\nv 1 2 0\nf -3 -2 -1\nv 0 2 .5\nf 1 -2 -1\n"),
+    TEXT("colours.obj", "v 0 0 0 1\n v 1 0 0 0.5 0.5 0.5\nv 1 2 0 1 0 0 1 # red\n\tv 0 2 .5\n"
+                        "f 1 2 3 4 # all\n"),
+    TEXT("plain.ply", ASCII PLY_TAIL SQUARE_TEXT "4 0 1 2 3\n"),
+    TEXT("windows.Ply", "ply\r\nformat ascii 1.0\r\ncomment by hand\r\nobj_info none\r\n"
+                        "element vertex 4\r\nproperty float64 x\r\nproperty double y\r\n"
+                        "property float32 z\r\nelement face 2\r\n"
+                        "property list uint8 int32 vertex_index\r\nend_header\r\n"
+                        "0 0 0\r\n1 0 0\r\n\r\n1 2 0\r\n0 2 0.5\r\n3 0 1 2\r\n3 0 2 3"),
+    TEXT("order.ply",
+         ASCII "element note 2\nproperty list int double values\nproperty char kind\n"
+               "element vertex 4\nproperty uchar red\nproperty double z\nproperty list uchar "
+               "short extra\nproperty float y\nproperty int x\nproperty float nx\n"
+               "element face 1\nproperty list char float uv\n"
+               "property list uint ushort vertex_indices\nproperty float quality\n"
+               "element edge 1\nproperty int a\nproperty int b\nend_header\n"
+               "3 1 nan 2.5 -128\n0 7\n255 0 2 -3 4 0 0 1\n0 0 0 0 1 1\n0 0 0 2 1 1\n"
+               "0 .5 0 2 0 inf\n2 0.5 0.25 4 0 1 2 3 1e-3\n0 1\n\n"),
+    TEXT("little.ply", LITTLE PLY_TAIL LITTLE_VERTICES LITTLE_FACE),
+    TEXT("big.ply", BIG PLY_TAIL BIG_VERTICES BIG_FACE),
+    TEXT("types.ply", BIG "element vertex 4\nproperty char x\nproperty uint16 y\n"
+                          "property list uchar uint skipped\nproperty double z\n"
+                          "element face 1\nproperty list short int16 vertex_index\n"
+                          "element note 1\nproperty int32 a\nend_header\n"
+                          "\0\0\0\0\0\0\0\0\0\0\0\0"
+                          "\x01\0\0\x01\xde\xad\xbe\xef\0\0\0\0\0\0\0\0"
+                          "\x01\0\x02\0\0\0\0\0\0\0\0\0"
+                          "\0\0\x02\0\x3f\xe0\0\0\0\0\0\0"
+                          "\0\x04\0\0\0\x01\0\x02\0\x03"
+                          "\xff\xff\xff\xff\n"),
+};
+enum { GOOD = sizeof good / sizeof *good };
+
+static void test_good_files(void **state) {
+    (void)state;
+    static const double square[12] = {0, 0, 0, 1, 0, 0, 1, 2, 0, 0, 2, 0.5};
+    static const int fan[6] = {0, 1, 2, 0, 2, 3};
+    size_t before = pdyn_bytes_in_use(context);
+    for (int i = 0; i < GOOD; i++) {
+        struct mesh mesh;
+        if (read_bytes(good[i].name, good[i].data, good[i].size, &mesh) != PDYN_OK)
+            fail_msg("%s", pdyn_last_error(context));
+        assert_int_equal(mesh.vertices, 4);
+        assert_int_equal(mesh.triangles, 2);
+        assert_memory_equal(mesh.vertex, square, sizeof square);
+        assert_memory_equal(mesh.triangle, fan, sizeof fan);
+        assert_int_equal(pdyn_bytes_in_use(context) - before, sizeof square + sizeof fan);
+        assert_int_equal(mesh_check(context, &mesh, "m"), PDYN_OK);
+        assert_int_equal(mesh_check_cloth(context, &mesh, "m"), PDYN_OK);
+        mesh_free(context, &mesh);
+        assert_null(mesh.vertex);
+        assert_int_equal(pdyn_bytes_in_use(context), before);
+    }
+}
+
+static void test_signed_numbers(void **state) {
+    (void)state;
+    static const char data[] = LITTLE "element vertex 3\nproperty int8 x\nproperty short y\n"
+                                      "property int z\nelement face 1\n"
+                                      "property list uint uint vertex_indices\nend_header\n"
+                                      "\xff\xfe\xff\xfd\xff\xff\xff"
+                                      "\x80\xff\x7f\xff\xff\xff\x7f"
+                                      "\x7f\0\x80\0\0\0\x80"
+                                      "\x03\0\0\0\x02\0\0\0\x01\0\0\0\0\0\0\0";
+    static const double expected[9] = {-1,         -2,  -3,     -128,         32767,
+                                       2147483647, 127, -32768, -2147483648.0};
+    struct mesh mesh;
+    assert_int_equal(read_bytes("signed.ply", data, sizeof data - 1, &mesh), PDYN_OK);
+    assert_memory_equal(mesh.vertex, expected, sizeof expected);
+    assert_int_equal(mesh.triangle[0], 2);
+    mesh_free(context, &mesh);
+}
+
+/* A decimal comma in the program's locale does not change what a file says. */
+static void test_locale(void **state) {
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8")) skip();
+    struct mesh mesh;
+    pdyn_status status = read_bytes(good[0].name, good[0].data, good[0].size, &mesh);
+    setlocale(LC_ALL, "C");
+    assert_int_equal(status, PDYN_OK);
+    assert_true(mesh.vertex[11] == 0.5);
+    mesh_free(context, &mesh);
+}
+
+/* ---- bad files ------------------------------------------------------------------------------ */
+
+#define CORNERS   "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+#define FACE_LINE "3 0 1 2\n"
+#define HEADER(vertices, faces)                                                                    \
+    "element vertex " vertices "\nproperty float x\nproperty float y\nproperty float z\n"          \
+    "element face " faces "\nproperty list char int vertex_indices\nend_header\n"
+#define TRIANGLE_TEXT "0 0 0\n1 0 0\n0 1 0\n"
+
+static const struct bad {
+    struct sample file;
+    const char *message; /* what follows the path */
+} bad[] = {
+    {TEXT("a.obj", ""), ": the file is empty"},
+    {TEXT("a.ply", ""), ": the file is empty"},
+    {TEXT("a.stl", "solid"), ": expected a mesh file ending with .obj or .ply"},
+    {TEXT("obj", "v 0 0 0"), ": expected a mesh file ending with .obj or .ply"},
+    {TEXT("a.obj", "# nothing\n"), ": the mesh has no triangles"},
+    {TEXT("a.obj", CORNERS), ": the mesh has no triangles"},
+    {TEXT("a.obj", "v 0 0 0\nv nan 0 0\n"),
+     ":2: vertex 2: expected a finite x of at most 1e+12 m, found nan"},
+    {TEXT("a.obj", "v 0 -inf 0\n"),
+     ":1: vertex 1: expected a finite y of at most 1e+12 m, found -inf"},
+    {TEXT("a.obj", "v 0 0 1e999\n"),
+     ":1: vertex 1: expected a finite z of at most 1e+12 m, found inf"},
+    {TEXT("a.obj", "v 0 0 1e13\n"),
+     ":1: vertex 1: expected a finite z of at most 1e+12 m, found 1e+13"},
+    {TEXT("a.obj", "v 0 0\n"), ":1: expected 3 coordinates after 'v', found the end of the line"},
+    {TEXT("a.obj", "v 0 0"), ":1: expected 3 coordinates after 'v', found the end of the file"},
+    {TEXT("a.obj", "v 0 1,5 0\n"), ":1: expected 3 coordinates after 'v', found '1,5'"},
+    {TEXT("a.obj", "v 0 0 0 red\n"), ":1: expected a number, found 'red'"},
+    {TEXT("a.obj", CORNERS "f 0 1 2\n"), ":4: the face uses vertex 0, but 3 are given so far "
+                                         "(from 1 on, or backwards from -1)"},
+    {TEXT("a.obj", CORNERS "f 1 2 4\nv 1 1 1\n"), ":4: the face uses vertex 4, but 3 are given"},
+    {TEXT("a.obj", CORNERS "f 1 -4 3\n"), ":4: the face uses vertex -4, but 3 are given so far"},
+    {TEXT("a.obj", CORNERS "f 1 2 99999999999999999999\n"),
+     ":4: the face uses vertex 9223372036854775807, but 3 are given so far"},
+    {TEXT("a.obj", CORNERS "f 1 -9223372036854775808 2\n"),
+     ":4: the face uses vertex -9223372036854775808, but 3 are given so far"},
+    {TEXT("a.obj", CORNERS "f 1 2\n"), ":4: expected a face of at least 3 vertices, found 2"},
+    {TEXT("a.obj", CORNERS "\nf\n"), ":5: expected a face of at least 3 vertices, found 0"},
+    {TEXT("a.obj", CORNERS "f 1 2 2\n"), ":4: the face uses vertex 2 twice"},
+    {TEXT("a.obj", CORNERS "f 1 2 3 -2\n"), ":4: the face uses vertex 2 twice"},
+    {TEXT("a.obj", CORNERS "f 1 2 3/x\n"),
+     ":4: expected a face corner v, v/t, v//n or v/t/n, found '3/x'"},
+    {TEXT("a.obj", CORNERS "f 1/ 2 3\n"), ", found '1/'"},
+    {TEXT("a.obj", CORNERS "f 1// 2 3\n"), ", found '1//'"},
+    {TEXT("a.obj", CORNERS "f 1/1/1/1 2 3\n"), ", found '1/1/1/1'"},
+    {TEXT("a.obj", CORNERS "f 1.5 2 3\n"), ", found '1.5'"},
+    {TEXT("a.obj", CORNERS "face 1 2 3\n"),
+     ":4: expected v, f or another keyword of OBJ, found 'face'"},
+    {TEXT("a.obj", "\x7f"
+                   "ELF\x01\x02\0\0\0\n"),
+     ":1: expected v, f or another keyword of OBJ, found '?ELF?\?'"},
+    {TEXT("a.ply", "PLY\nformat ascii 1.0\n"), ":1: expected 'ply', found 'PLY'"},
+    {TEXT("a.ply", "v 0 0 0\n"), ":1: expected 'ply', found 'v'"},
+    {TEXT("a.ply", "ply"), ":1: expected format, element, property, comment or end_header, found "
+                           "the end of the file"},
+    {TEXT("a.ply", ASCII "elements vertex 3\n"), ":3: expected format, element, property, comment "
+                                                 "or end_header, found 'elements'"},
+    {TEXT("a.ply", "ply\nformat binary_middle_endian 1.0\n"),
+     ":2: expected format ascii, binary_little_endian or binary_big_endian, found "
+     "'binary_middle_endian'"},
+    {TEXT("a.ply", "ply\nformat ascii 2.0\n"), ":2: expected version 1.0, found '2.0'"},
+    {TEXT("a.ply", "ply\nformat ascii 1.0 beta\n"),
+     ":2: expected the end of the line, found 'beta'"},
+    {TEXT("a.ply", "ply\n" PLY_TAIL SQUARE_TEXT), "expected a format line in the header"},
+    {TEXT("a.ply", ASCII "property float x\n"), ":3: expected an element before its properties"},
+    {TEXT("a.ply", ASCII "element\n"), ":3: expected an element name, found the end of the line"},
+    {TEXT("a.ply", ASCII "element vertex -3\n"), ":3: expected a number of elements, found '-3'"},
+    {TEXT("a.ply", ASCII "element vertex 3.5\n"), ":3: expected a number of elements, found '3.5'"},
+    {TEXT("a.ply", ASCII "element vertex 1e99\n"), ", found '1e99'"},
+    {TEXT("a.ply", ASCII "element vertex nan\n"), ", found 'nan'"},
+    {TEXT("a.ply", ASCII "element vertex 3\nproperty real x\n"),
+     ":4: expected a type such as float or int, found 'real'"},
+    {TEXT("a.ply", ASCII "element vertex 3\nproperty float\n"),
+     ":4: expected a property name, found the end of the line"},
+    {TEXT("a.ply", ASCII "element vertex 3\nproperty list float int x\n"),
+     ":4: expected an integer type for the list's length, found 'float'"},
+    {TEXT("a.ply", ASCII "element vertex 3\nproperty list uchar float x\n"),
+     ":4: expected property 'x' to be a number, found a list"},
+    {TEXT("a.ply", ASCII "element face 3\nproperty int vertex_index\n"),
+     ":4: expected property 'vertex_index' to be a list"},
+    {TEXT("a.ply", ASCII "element face 3\nproperty list uchar float vertex_index\n"),
+     ":4: expected a list of integers, found float"},
+    {TEXT("a.ply", ASCII "element vertex 3\nproperty float x\nproperty float x\n"),
+     ":5: property 'x' is given twice"},
+    {TEXT("a.ply", ASCII "element vertex 3\nproperty float y\nproperty float z\n" PLY_FACES
+                         "end_header\n" TRIANGLE_TEXT FACE_LINE),
+     "expected property 'x' of element 'vertex' in the header"},
+    {TEXT("a.ply", ASCII PLY_VERTICES "end_header\n" SQUARE_TEXT),
+     "expected property 'vertex_indices' of element 'face' in the header"},
+    {TEXT("a.ply", ASCII PLY_VERTICES PLY_FACES "element empty 1\nend_header\n" SQUARE_TEXT),
+     "element 'empty' has no properties"},
+    {TEXT("a.ply", LITTLE HEADER("1000000000", "1") LITTLE_VERTICES LITTLE_FACE),
+     ":10: 1000000000 of element 'vertex' take at least 12000000000 bytes, but 65 are left in the "
+     "file"},
+    {TEXT("a.ply", ASCII HEADER("1000000000000000", "1") TRIANGLE_TEXT FACE_LINE),
+     ":10: 1000000000000000 of element 'vertex' take at least 6000000000000000 bytes, but 26 are "
+     "left in the file"},
+    {TEXT("a.ply", LITTLE HEADER("4", "66") LITTLE_VERTICES LITTLE_FACE),
+     ":10: 66 of element 'face' take at least 66 bytes, but 65 are left in the file"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") "0 0 0\n1 0 0\n0 1\n3 0 1 2\n"),
+     ":12: expected float for 'z' of vertex 2 (of 3), found the end of the line"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") "0 0 0\n1 0 0\n0 1 0 0\n3 0 1 2\n"),
+     ":12: expected the end of the line, found '0'"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") "0 0 0\n1 0 x\n0 1 0\n3 0 1 2\n"),
+     ":11: expected float for 'z' of vertex 1 (of 3), found 'x'"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") "0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n"),
+     ":11: vertex 1: expected a finite z of at most 1e+12 m, found nan"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "3 0 1"),
+     ":13: expected int for 'vertex_indices' of face 0 (of 1), found the end of the file"},
+    {TEXT("a.ply", ASCII HEADER("3", "2") TRIANGLE_TEXT FACE_LINE),
+     ":14: expected char for 'vertex_indices' of face 1 (of 2), found the end of the file"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "3 0 1 1.5\n"),
+     ":13: expected int for 'vertex_indices' of face 0 (of 1), found '1.5'"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "3 0 1 5000000000\n"),
+     "found '5000000000'"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "3 0 1 3\n"),
+     ":13: the face uses vertex 3, but 3 are given so far (from 0 on)"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "3 0 1 -1\n"),
+     ":13: the face uses vertex -1, but 3 are given so far (from 0 on)"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "3 0 1 1\n"),
+     ":13: the face uses vertex 1 twice"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "2 0 1\n"),
+     ":13: expected a face of at least 3 vertices, found 2"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "-3 0 1 2\n"),
+     ":13: expected a list length of 0 or more, found -3"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT "300 0 1 2\n"),
+     ":13: expected char for 'vertex_indices' of face 0 (of 1), found '300'"},
+    {TEXT("a.ply", ASCII HEADER("3", "1") TRIANGLE_TEXT FACE_LINE FACE_LINE),
+     ":14: expected the end of the file after the last element"},
+    {TEXT("a.ply", ASCII HEADER("3", "0") TRIANGLE_TEXT), ": the mesh has no triangles"},
+    {TEXT("a.ply", ASCII PLY_FACES PLY_VERTICES "end_header\n" FACE_LINE SQUARE_TEXT),
+     ":10: the face uses vertex 0, but 0 are given so far (from 0 on)"},
+    {TEXT("a.ply", LITTLE HEADER("4", "1") LITTLE_VERTICES "\xff\0\0\0\0"),
+     ": byte 216: expected a list length of 0 or more, found -1"},
+    {TEXT("a.ply", LITTLE HEADER("4", "1") LITTLE_VERTICES "\x7f\0\0\0\0\x01\0\0\0\x02\0\0\0"),
+     ": byte 229: expected int for 'vertex_indices' of face 0 (of 1), found the end of the file"},
+    {TEXT("a.ply", BIG HEADER("4", "1") LITTLE_VERTICES LITTLE_FACE), "the face uses vertex "},
+    {TEXT("a.ply", BIG HEADER("1", "1") "\x7f\xc0\0\0\0\0\0\0\0\0\0\0\0"),
+     ": byte 173: vertex 0: expected a finite x of at most 1e+12 m, found nan"},
+    {TEXT("a.ply", BIG HEADER("4", "1") BIG_VERTICES BIG_FACE "\0"),
+     ": byte 230: expected the end of the file after the last element"},
+};
+enum { BAD = sizeof bad / sizeof *bad };
+
+static void test_bad_files(void **state) {
+    (void)state;
+    size_t before = pdyn_bytes_in_use(context);
+    for (int i = 0; i < BAD; i++) {
+        struct mesh mesh;
+        const struct sample *file = &bad[i].file;
+        pdyn_status status = read_bytes(file->name, file->data, file->size, &mesh);
+        const char *error = pdyn_last_error(context), *path = path_of(file->name);
+        if (status != PDYN_BAD_INPUT || strncmp(error, path, strlen(path)) ||
+            !strstr(error, bad[i].message) ||
+            (bad[i].message[0] == ':' && strstr(error, bad[i].message) != error + strlen(path)))
+            fail_msg("case %d: status %d, expected '%s', found '%s'", i, status, bad[i].message,
+                     error);
+        assert_null(mesh.vertex);
+        assert_null(mesh.triangle);
+        assert_int_equal(pdyn_bytes_in_use(context), before);
+    }
+    assert_true(pdyn_peak_bytes(context) < 100000); /* claims of a file are not believed */
+}
+
+static void expect_unreadable(const char *name, const char *message) {
+    struct mesh mesh;
+    assert_int_equal(mesh_read(context, path_of(name), &mesh), PDYN_IO_FAILED);
+    assert_non_null(strstr(pdyn_last_error(context), name));
+    assert_non_null(strstr(pdyn_last_error(context), message));
+    assert_null(mesh.vertex);
+}
+
+static void test_unreadable(void **state) {
+    (void)state;
+    expect_unreadable("missing.obj", ": cannot open the file: No such file or directory");
+    assert_int_equal(mkdir(path_of("folder.ply"), 0700), 0);
+    expect_unreadable("folder.ply", ": expected a regular file");
+    assert_int_equal(rmdir(path_of("folder.ply")), 0);
+    assert_int_equal(mkfifo(path_of("pipe.obj"), 0600), 0);
+    expect_unreadable("pipe.obj", ": expected a regular file");
+    assert_int_equal(unlink(path_of("pipe.obj")), 0);
+}
+
+/* ---- checks --------------------------------------------------------------------------------- */
+
+static void expect_rejected(pdyn_status (*check)(pdyn_context *, const struct mesh *, const char *),
+                            const struct mesh *mesh, const char *message) {
+    size_t before = pdyn_bytes_in_use(context);
+    assert_int_equal(check(context, mesh, "sheet"), PDYN_BAD_INPUT);
+    assert_string_equal(pdyn_last_error(context), message);
+    assert_int_equal(pdyn_bytes_in_use(context), before);
+}
+
+static void test_check(void **state) {
+    (void)state;
+    double vertex[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    int triangle[6] = {0, 1, 2, 2, 1, 3};
+    struct mesh mesh = {4, vertex, 2, triangle};
+    assert_int_equal(mesh_check(context, &mesh, "sheet"), PDYN_OK);
+    triangle[5] = 4;
+    expect_rejected(mesh_check, &mesh, "sheet: triangle 1 uses vertex 4, expected 0 to 3");
+    triangle[5] = -1;
+    expect_rejected(mesh_check, &mesh, "sheet: triangle 1 uses vertex -1, expected 0 to 3");
+    triangle[5] = 2;
+    expect_rejected(mesh_check, &mesh, "sheet: triangle 1 uses vertex 2 twice");
+    triangle[5] = 3;
+    vertex[7] = (double)INFINITY;
+    expect_rejected(mesh_check, &mesh,
+                    "sheet: vertex 2: expected a finite y of at most 1e+12 m, found inf");
+    mesh.triangles = 0;
+    expect_rejected(mesh_check, &mesh, "sheet: the mesh has no triangles");
+}
+
+/* What cloth cannot use is read all the same: solids can. */
+static void test_check_cloth(void **state) {
+    (void)state;
+    static const struct {
+        const char *data, *message;
+    } cases[] = {
+        {CORNERS "v 1 1 1\nv 2 2 2\nf 1 2 3\n", "sheet: vertex 3 is used by no triangle"},
+        {CORNERS "v 2 0 0\nf 1 2 3\nf 1 2 4\n", "sheet: triangle 1 (vertices 0, 1, 3) has no area"},
+        {"v 0 0 0\nv 1 0 0\nv .5 1e-13 0\nf 1 2 3\n",
+         "sheet: triangle 0 (vertices 0, 1, 2) has no area"},
+        {CORNERS "v 0 1 0\nf 1 2 3\nf 1 3 4\n", "sheet: triangle 1 (vertices 0, 2, 3) has no area"},
+        {"v 0 0 0\nv 1e-200 0 0\nv 0 1e-200 0\nf 1 2 3\n",
+         "sheet: triangle 0 (vertices 0, 1, 2) has no area"},
+        {CORNERS "v 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n",
+         "sheet: the edge between vertices 0 and 1 has 3 triangles, expected at most 2"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct mesh mesh;
+        assert_int_equal(read_bytes("a.obj", cases[i].data, strlen(cases[i].data), &mesh), PDYN_OK);
+        expect_rejected(mesh_check_cloth, &mesh, cases[i].message);
+        mesh_free(context, &mesh);
+    }
+}
+
+/* ---- grid and topology ---------------------------------------------------------------------- */
+
+static void test_grid(void **state) {
+    (void)state;
+    struct mesh mesh;
+    size_t before = pdyn_bytes_in_use(context);
+    assert_int_equal(mesh_grid(context, (double[]){3, 2}, (int[]){7, 4}, &mesh), PDYN_OK);
+    assert_int_equal(mesh.vertices, 28);
+    assert_int_equal(mesh.triangles, 36);
+    assert_int_equal(mesh_check(context, &mesh, "grid"), PDYN_OK);
+    assert_int_equal(mesh_check_cloth(context, &mesh, "grid"), PDYN_OK);
+    static const double corners[4][3] = {{-1.5, 0, -1}, {1.5, 0, -1}, {-1.5, 0, 1}, {1.5, 0, 1}};
+    for (int k = 0; k < 4; k++)
+        assert_memory_equal(mesh.vertex + 3 * (k / 2 * 21 + k % 2 * 6), corners[k],
+                            sizeof corners[k]);
+    for (int t = 0; t < mesh.triangles; t++) {
+        double normal[3], area = triangle_area(&mesh, t, normal);
+        assert_near(area, 6.0 / 36, 1e-14);
+        assert_near(normal[1], area, 1e-14); /* up */
+    }
+    /* diagonals alternate: four of them meet at every second inner vertex */
+    struct topology topology;
+    assert_int_equal(topology_build(context, &mesh, &topology), PDYN_OK);
+    assert_int_equal(topology.ring_start[9] - topology.ring_start[8], 8);
+    assert_int_equal(topology.ring_start[10] - topology.ring_start[9], 4);
+    topology_free(context, &topology);
+    mesh_free(context, &mesh);
+    assert_int_equal(pdyn_bytes_in_use(context), before);
+}
+
+static void expect_bad_grid(double width, double height, int columns, int rows,
+                            const char *message) {
+    struct mesh mesh;
+    assert_int_equal(mesh_grid(context, (double[]){width, height}, (int[]){columns, rows}, &mesh),
+                     PDYN_BAD_INPUT);
+    assert_string_equal(pdyn_last_error(context), message);
+}
+
+static void test_bad_grid(void **state) {
+    (void)state;
+    const char *size = "grid: expected sizes above 0 and of at most 1e+12 m, found ";
+    char message[200];
+    snprintf(message, sizeof message, "%s0", size);
+    expect_bad_grid(1, 0, 3, 3, message);
+    snprintf(message, sizeof message, "%sinf", size);
+    expect_bad_grid((double)INFINITY, 1, 3, 3, message);
+    expect_bad_grid(1, 1, 3, 1, "grid: expected at least 2 vertices along each side, found 1");
+    expect_bad_grid(1, 1, 100000, 100000,
+                    "grid: expected at most 134217727 vertices, found 100000 x 100000");
+}
+
+/* Structure that every topology has, whatever the mesh; returns the sum of the vertex areas. */
+static double check_structure(const struct mesh *mesh, const struct topology *t) {
+    double sum = 0.0;
+    assert_int_equal(t->vertices, mesh->vertices);
+    for (int e = 0; e < t->edges; e++) {
+        const int *a = t->edge + 2 * e, *b = a - 2;
+        assert_true(a[0] < a[1]);
+        if (e) assert_true(b[0] < a[0] || (b[0] == a[0] && b[1] < a[1]));
+        assert_true(t->edge_area[e] > 0);
+        assert_true(isfinite(t->edge_cotan[e]));
+    }
+    assert_int_equal(t->ring_start[0], 0);
+    assert_int_equal(t->ring_start[t->vertices], 2 * t->edges);
+    for (int v = 0; v < t->vertices; v++) {
+        sum += t->vertex_area[v];
+        assert_true(t->ring_start[v] < t->ring_start[v + 1]);
+        for (int r = t->ring_start[v]; r < t->ring_start[v + 1]; r++) {
+            const int *edge = t->edge + 2 * t->ring_edge[r];
+            assert_true(edge[0] == v || edge[1] == v);
+            if (r > t->ring_start[v]) assert_true(t->ring_edge[r - 1] < t->ring_edge[r]);
+        }
+    }
+    return sum;
+}
+
+/* sum over the ring of cotan (f_j - f_i) */
+static double laplacian(const struct topology *t, const double *f, int i) {
+    double sum = 0.0;
+    for (int r = t->ring_start[i]; r < t->ring_start[i + 1]; r++) {
+        const int *edge = t->edge + 2 * t->ring_edge[r];
+        sum += t->edge_cotan[t->ring_edge[r]] * (f[edge[0] == i ? edge[1] : edge[0]] - f[i]);
+    }
+    return sum;
+}
+
+static void test_topology_grid(void **state) {
+    (void)state;
+    enum { COLUMNS = 9, ROWS = 7, VERTICES = COLUMNS * ROWS };
+    const double width = 4.0, height = 1.5, cell = width / (COLUMNS - 1) * (height / (ROWS - 1));
+    struct mesh mesh;
+    struct topology t;
+    size_t before = pdyn_bytes_in_use(context);
+    assert_int_equal(mesh_grid(context, (double[]){width, height}, (int[]){COLUMNS, ROWS}, &mesh),
+                     PDYN_OK);
+    assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
+    assert_int_equal(t.vertices - t.edges + mesh.triangles, 1); /* Euler: a disc */
+    assert_near(check_structure(&mesh, &t), width * height, 1e-12);
+    double edge_sum = 0.0, linear[VERTICES], square[VERTICES];
+    for (int e = 0; e < t.edges; e++) edge_sum += t.edge_area[e];
+    assert_near(edge_sum, 3 * width * height, 1e-12);
+    for (int v = 0; v < VERTICES; v++) {
+        const double *x = mesh.vertex + 3 * v;
+        linear[v] = 3 * x[0] - 2 * x[2] + 7;
+        square[v] = x[0] * x[0];
+    }
+    for (int v = 0; v < VERTICES; v++) {
+        int i = v % COLUMNS, j = v / COLUMNS;
+        bool border = !i || !j || i == COLUMNS - 1 || j == ROWS - 1;
+        assert_int_equal(t.on_border[v], border);
+        if (border) continue;
+        assert_near(laplacian(&t, linear, v), 0, 1e-12);
+        assert_near(laplacian(&t, square, v), 2 * cell, 1e-12);
+    }
+    topology_free(context, &t);
+    assert_null(t.edge);
+    mesh_free(context, &mesh);
+    assert_int_equal(pdyn_bytes_in_use(context), before);
+}
+
+static void test_topology_tetrahedron(void **state) {
+    (void)state;
+    static double vertex[12] = {1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1};
+    static int triangle[12] = {3, 1, 2, 0, 3, 2, 0, 1, 3, 0, 2, 1};
+    static const int edges[12] = {0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3};
+    struct mesh mesh = {4, vertex, 4, triangle};
+    struct topology t;
+    assert_int_equal(mesh_check_cloth(context, &mesh, "tetrahedron"), PDYN_OK);
+    assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
+    assert_int_equal(t.edges, 6);
+    assert_memory_equal(t.edge, edges, sizeof edges);
+    double face = sqrt(3.0) / 4 * 8; /* edges of length sqrt 8 */
+    assert_near(check_structure(&mesh, &t), 4 * face, 1e-12);
+    for (int v = 0; v < 4; v++) {
+        assert_false(t.on_border[v]);
+        assert_near(t.vertex_area[v], face, 1e-12);
+        assert_int_equal(t.ring_start[v], 3 * v);
+    }
+    for (int e = 0; e < 6; e++) {
+        assert_near(t.edge_cotan[e], 1 / sqrt(3.0), 1e-12); /* 60 degrees twice */
+        assert_near(t.edge_area[e], 2 * face, 1e-12);
+    }
+    topology_free(context, &t);
+}
+
+/* One obtuse triangle: the border's one angle counts, negative cotangents stay. */
+static void test_topology_triangle(void **state) {
+    (void)state;
+    static double vertex[9] = {0, 0, 0, 4, 0, 0, 1, 1, 0};
+    static int triangle[3] = {0, 1, 2};
+    struct mesh mesh = {3, vertex, 1, triangle};
+    struct topology t;
+    assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
+    assert_near(check_structure(&mesh, &t), 2, 1e-14);
+    static const double cotan[3] = {0.5 * -0.5, 0.5 * 3, 0.5 * 1}; /* edges 01, 02, 12 */
+    for (int e = 0; e < 3; e++) {
+        assert_near(t.edge_cotan[e], cotan[e], 1e-14);
+        assert_near(t.edge_area[e], 2, 1e-14);
+        assert_true(t.on_border[e]);
+    }
+    topology_free(context, &t);
+}
+
+/* ---- no memory ------------------------------------------------------------------------------ */
+
+static pdyn_status read_and_build(const char *path) {
+    struct mesh mesh;
+    struct topology topology;
+    pdyn_status status = mesh_read(context, path, &mesh);
+    if (status != PDYN_OK) return status;
+    status = mesh_check_cloth(context, &mesh, path);
+    if (status == PDYN_OK) status = topology_build(context, &mesh, &topology);
+    if (status == PDYN_OK) topology_free(context, &topology);
+    mesh_free(context, &mesh);
+    return status;
+}
+
+static int count_failures(pdyn_status (*run)(const char *), const char *path) {
+    size_t before = pdyn_bytes_in_use(context);
+    for (int n = 0; n < 1000; n++) {
+        allocations_left = n;
+        pdyn_status status = run(path);
+        allocations_left = -1;
+        assert_int_equal(pdyn_bytes_in_use(context), before);
+        if (status == PDYN_OK) return n;
+        assert_int_equal(status, PDYN_NO_MEMORY);
+        assert_non_null(strstr(pdyn_last_error(context), "out of memory"));
+    }
+    fail_msg("never enough memory");
+    return 0;
+}
+
+static pdyn_status make_grid(const char *path) {
+    (void)path;
+    struct mesh mesh;
+    pdyn_status status = mesh_grid(context, (double[]){1, 1}, (int[]){3, 3}, &mesh);
+    mesh_free(context, &mesh);
+    return status;
+}
+
+static void test_no_memory(void **state) {
+    (void)state;
+    for (int i = 0; i < GOOD; i++) {
+        write_file(good[i].name, good[i].data, good[i].size);
+        assert_true(count_failures(read_and_build, path_of(good[i].name)) > 15);
+        assert_int_equal(unlink(path_of(good[i].name)), 0);
+    }
+    assert_int_equal(count_failures(make_grid, ""), 2);
+}
+
+/* ---- damaged files -------------------------------------------------------------------------- */
+
+/* Whatever is read is either refused with a message or a mesh that passes the checks. */
+static void expect_sane(const struct sample *sample, const char *data, size_t size) {
+    size_t before = pdyn_bytes_in_use(context);
+    struct mesh mesh;
+    pdyn_status status = read_bytes(sample->name, data, size, &mesh);
+    if (status == PDYN_OK) {
+        assert_int_equal(mesh_check(context, &mesh, sample->name), PDYN_OK);
+        struct topology topology;
+        if (mesh_check_cloth(context, &mesh, sample->name) == PDYN_OK) {
+            assert_int_equal(topology_build(context, &mesh, &topology), PDYN_OK);
+            check_structure(&mesh, &topology);
+            topology_free(context, &topology);
+        }
+        mesh_free(context, &mesh);
+    } else {
+        assert_int_equal(status, PDYN_BAD_INPUT);
+        assert_non_null(strstr(pdyn_last_error(context), sample->name));
+    }
+    assert_int_equal(pdyn_bytes_in_use(context), before);
+}
+
+static void test_damaged(void **state) {
+    (void)state;
+    static const char replacement[] = {'\0', '\n', ' ', '-', '9', '/', '\x7f', '\xff'};
+    uint32_t random = 1;
+    for (int i = 0; i < GOOD; i++) {
+        char data[1024];
+        assert_true(good[i].size < sizeof data);
+        for (size_t size = 0; size < good[i].size; size++)
+            expect_sane(&good[i], good[i].data, size);
+        for (size_t at = 0; at < good[i].size; at++) {
+            memcpy(data, good[i].data, good[i].size);
+            random = random * 1664525u + 1013904223u;
+            data[at] = replacement[random >> 29];
+            expect_sane(&good[i], data, good[i].size);
+            data[at] = (char)(good[i].data[at] ^ 1 << (random >> 26 & 7));
+            expect_sane(&good[i], data, good[i].size);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_good_files),
+        cmocka_unit_test(test_signed_numbers),
+        cmocka_unit_test(test_locale),
+        cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_unreadable),
+        cmocka_unit_test(test_check),
+        cmocka_unit_test(test_check_cloth),
+        cmocka_unit_test(test_grid),
+        cmocka_unit_test(test_bad_grid),
+        cmocka_unit_test(test_topology_grid),
+        cmocka_unit_test(test_topology_tetrahedron),
+        cmocka_unit_test(test_topology_triangle),
+        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_damaged),
+    };
+    return cmocka_run_group_tests_name("mesh", tests, set_up, tear_down);
+}
