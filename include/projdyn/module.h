@@ -134,8 +134,8 @@ typedef struct pdyn_operator {
     int (*predict)(void *self, double eps, const double *d, double *y);
     /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
     void (*diagonal)(void *self, double eps, double *blocks);
-    /* Fresh measures at the end of a step: density of every particle, kg/m^3. NULL: none. */
-    void (*density)(void *self, const double *x, double *density);
+    /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. */
+    void (*density)(void *self, double *density);
     /* Changes velocities after the step (viscosity). NULL: none. */
     void (*velocity)(void *self, const double *x, double *v);
 } pdyn_operator;

@@ -170,8 +170,10 @@ PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool
 PDYN_API pdyn_status pdyn_writer_frame(pdyn_writer *writer);
 /* Adds a row to DIR/metrics.csv. */
 PDYN_API pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info);
-/* Writes the report, to DIR/report.json or to `path` if given. */
-PDYN_API pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path);
+/* Writes the report, to DIR/report.json or to `path` if given. `failed`: why the run stopped early,
+ * or NULL. */
+PDYN_API pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,
+                                        const char *failed);
 PDYN_API void pdyn_writer_close(pdyn_writer *writer); /* NULL is fine */
 
 #ifdef __cplusplus

@@ -9,11 +9,11 @@
  * of the constraints; eps = 1 is the paper's D = I, a diagonal.
  *
  * Operator tier: a row for every particle of every constraint would be some 30 rows a particle. What
- * is kept instead: the kernel gradient of every listed pair, and the displacement u - p of every
+ * is kept instead: the kernel's slope for every listed pair, and the displacement u - p of every
  * constraint. Both passes of the product run over the pairs of a particle and write only to it.
  * Cloth points have a volume and neighbours, but no constraint of their own; static boundary samples
- * enter the density alone (Akinci et al. 2012). Memory: 48 bytes per listed neighbour and 96 per
- * particle of the system. */
+ * enter the density alone (Akinci et al. 2012). Memory: 32 bytes per listed neighbour and 121
+ * per particle of the system. */
 #include "../core/kernel.h"
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
@@ -44,8 +44,9 @@ struct fluid {
     int particles;         /* of the system */
     double rest_density;   /* kg/m^3 */
     size_t pairs;          /* capacity of what is kept per listed neighbour */
-    double *pair_gradient; /* pairs x 3: grad W(x_i - x_j), 1/m^4 */
+    double *pair_slope;    /* pairs: W'(r)/r, so that grad W = slope (x_i - x_j), 1/m^5 */
     double *pair_shift;    /* pairs x 3: u - p of x_j in constraint i, m */
+    double *x;             /* particles x 3: where the last local step was */
     double *self_gradient; /* particles x 3: the gradient of C_i with respect to x_i, 1/m */
     double *self_shift;    /* particles x 3: u - p of x_i in constraint i, m */
     double *value;         /* particles: C_i, negative where there is room */
@@ -81,8 +82,9 @@ static void *resize(struct fluid *f, void *block, size_t old_count, size_t count
 static void release(void *self) {
     struct fluid *f = self;
     size_t n = (size_t)f->particles;
-    resize(f, f->pair_gradient, 3 * f->pairs, 0);
+    resize(f, f->pair_slope, f->pairs, 0);
     resize(f, f->pair_shift, 3 * f->pairs, 0);
+    resize(f, f->x, 3 * n, 0);
     resize(f, f->self_gradient, 3 * n, 0);
     resize(f, f->self_shift, 3 * n, 0);
     resize(f, f->value, n, 0);
@@ -108,6 +110,7 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
 static bool reserve_particles(struct fluid *f, int particles) {
     size_t n = (size_t)particles;
     f->particles = particles;
+    f->x = resize(f, NULL, 0, 3 * n);
     f->self_gradient = resize(f, NULL, 0, 3 * n);
     f->self_shift = resize(f, NULL, 0, 3 * n);
     f->value = resize(f, NULL, 0, n);
@@ -116,7 +119,7 @@ static bool reserve_particles(struct fluid *f, int particles) {
     f->flux = resize(f, NULL, 0, n);
     f->members = resize(f, NULL, 0, n);
     f->partial = resize(f, NULL, 0, n / GRAIN + 1);
-    return f->self_gradient && f->self_shift && f->value && f->stiffness && f->active && f->flux
+    return f->x && f->self_gradient && f->self_shift && f->value && f->stiffness && f->active && f->flux
         && f->members && f->partial;
 }
 
@@ -126,52 +129,76 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     f->lists = lists;
     if (!f->particles && !reserve_particles(f, lists->particles)) return false;
     if (pairs <= f->pairs) return true;
-    resize(f, f->pair_gradient, 3 * f->pairs, 0);
+    resize(f, f->pair_slope, f->pairs, 0);
     resize(f, f->pair_shift, 3 * f->pairs, 0);
     f->pairs = pairs + pairs / 4; /* room, so that a warmed-up step allocates nothing */
-    f->pair_gradient = resize(f, NULL, 0, 3 * f->pairs);
+    f->pair_slope = resize(f, NULL, 0, f->pairs);
     f->pair_shift = resize(f, NULL, 0, 3 * f->pairs);
-    return f->pair_gradient && f->pair_shift;
+    return f->pair_slope && f->pair_shift;
 }
 
 /* ---- local step ------------------------------------------------------------------------------ */
 
-/* The kernel gradients of i's particle pairs at x. */
-static void pair_gradients(struct fluid *f, const double *x, int i) {
+/* A sum over the neighbours of one particle i. */
+struct sum {
+    double c;           /* C_i, not clipped */
+    double gradient[3]; /* of C_i with respect to x_i, 1/m */
+    double squares;     /* |grad C_i|^2 over all moving particles of the constraint, 1/m^2 */
+};
+
+/* Adds a neighbour of volume V at the distance vector d; returns W'(r)/r. */
+static inline double add_neighbour(const struct fluid *f, struct sum *sum, double V, const double d[3],
+                                   bool moving) {
+    double squared = vec3_dot(d, d);
+    if (squared >= f->kernel.support * f->kernel.support) return 0.0;
+    double r = sqrt(squared), slope = kernel_slope(&f->kernel, r);
+    sum->c += V * kernel_value(&f->kernel, r);
+    vec3_add(sum->gradient, V * slope, d);
+    if (moving) sum->squares += V * V * slope * slope * squared;
+    return slope;
+}
+
+static void add_boundary(const struct fluid *f, struct sum *sum, int i, const double p[3]) {
     const pdyn_neighbours *l = f->lists;
+    for (int s = l->boundary_start[i]; s < l->start[i + 1]; s++) {
+        const double *q = l->boundary_x + 3 * (l->index[s] - l->particles);
+        double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+        add_neighbour(f, sum, l->volume[l->index[s]], d, false);
+    }
+}
+
+/* C_i at x, keeping the kernel slopes of i's particle pairs and counting i's constraints. */
+static struct sum sum_at(struct fluid *f, const double *x, int i) {
+    const pdyn_neighbours *l = f->lists;
+    struct sum sum = {.c = l->volume[i] * kernel_value(&f->kernel, 0.0) - 1.0};
     int members = is_fluid(f, i);
     for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
         const double *a = x + 3 * i, *b = x + 3 * l->index[s];
-        double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]}, r = vec3_length(d);
-        double slope = kernel_slope(&f->kernel, r);
-        for (int k = 0; k < 3; k++) f->pair_gradient[3 * s + k] = slope * d[k];
-        members += is_fluid(f, l->index[s]) && r < f->kernel.support;
+        double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+        double slope = add_neighbour(f, &sum, l->volume[l->index[s]], d, true);
+        f->pair_slope[s] = slope;
+        members += slope != 0.0 && is_fluid(f, l->index[s]);
     }
+    add_boundary(f, &sum, i, x + 3 * i);
+    sum.squares += vec3_dot(sum.gradient, sum.gradient);
     f->members[i] = members;
+    return sum;
 }
 
-/* C_i at the copies p = x - shift (NULL: x), and its gradient with respect to p_i. */
-static double density_of(const struct fluid *f, const double *x, int i, bool shifted, double gradient[3],
-                         double *squares) {
+/* C_i at the copies p = x - shift. */
+static struct sum sum_at_copies(const struct fluid *f, const double *x, int i) {
     const pdyn_neighbours *l = f->lists;
-    const double *V = l->volume;
-    double c = V[i] * kernel_value(&f->kernel, 0.0) - 1.0, p[3];
-    memcpy(p, x + 3 * i, sizeof p);
-    if (shifted) vec3_add(p, -1.0, f->self_shift + 3 * i);
-    memset(gradient, 0, 3 * sizeof *gradient);
-    *squares = 0.0;
-    for (int s = l->start[i]; s < l->start[i + 1]; s++) {
-        int j = l->index[s], fixed = j - l->particles;
-        const double *q = fixed >= 0 ? l->boundary_x + 3 * fixed : x + 3 * j;
-        double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-        if (shifted && fixed < 0) vec3_add(d, 1.0, f->pair_shift + 3 * s);
-        double r = vec3_length(d), slope = V[j] * kernel_slope(&f->kernel, r);
-        c += V[j] * kernel_value(&f->kernel, r);
-        vec3_add(gradient, slope, d);
-        if (fixed < 0) *squares += slope * slope * r * r;
+    struct sum sum = {.c = l->volume[i] * kernel_value(&f->kernel, 0.0) - 1.0};
+    const double *shift = f->self_shift + 3 * i;
+    double p[3] = {x[3 * i] - shift[0], x[3 * i + 1] - shift[1], x[3 * i + 2] - shift[2]};
+    for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+        const double *q = x + 3 * l->index[s], *moved = f->pair_shift + 3 * s;
+        double d[3] = {p[0] - q[0] + moved[0], p[1] - q[1] + moved[1], p[2] - q[2] + moved[2]};
+        add_neighbour(f, &sum, l->volume[l->index[s]], d, true);
     }
-    *squares += vec3_dot(gradient, gradient);
-    return c;
+    add_boundary(f, &sum, i, p);
+    sum.squares += vec3_dot(sum.gradient, sum.gradient);
+    return sum;
 }
 
 /* shift += t grad C at the copies p = x - shift */
@@ -190,23 +217,22 @@ static void move_copies(struct fluid *f, const double *x, int i, double t, const
 }
 
 /* Newton's iteration on constraint i; returns |u - p|^2. */
-static double project_constraint(struct fluid *f, const double *x, int i) {
+static double project_constraint(struct fluid *f, const double *x, int i, struct sum sum) {
     const pdyn_neighbours *l = f->lists;
-    double *shift = f->self_shift + 3 * i, gradient[3], squares, distance = 0.0;
+    double *shift = f->self_shift + 3 * i, distance = 0.0;
     int pairs = l->boundary_start[i] - l->start[i];
-    double c = density_of(f, x, i, false, f->self_gradient + 3 * i, &squares);
+    memcpy(f->self_gradient + 3 * i, sum.gradient, sizeof sum.gradient);
+    f->value[i] = sum.c;
+    f->stiffness[i] = sum.squares > 0.0 ? f->params.stiffness / sum.squares : 0.0;
+    f->active[i] = sum.c > 0.0 && sum.squares > 0.0;
+    if (!f->active[i]) return 0.0;
     memset(shift, 0, 3 * sizeof *shift);
     memset(f->pair_shift + 3 * l->start[i], 0, 3 * (size_t)pairs * sizeof *shift);
-    f->value[i] = c;
-    f->stiffness[i] = squares > 0.0 ? f->params.stiffness / squares : 0.0;
-    f->active[i] = c > 0.0 && squares > 0.0;
-    if (!f->active[i]) return 0.0;
-    memcpy(gradient, f->self_gradient + 3 * i, sizeof gradient);
-    for (int k = 0; k < MAX_NEWTON && squares > 0.0; k++) {
-        move_copies(f, x, i, c / squares, gradient);
-        if (c < f->params.projection_tolerance) break;
-        c = density_of(f, x, i, true, gradient, &squares);
-        if (c < f->params.projection_tolerance) break;
+    for (int k = 0; k < MAX_NEWTON && sum.squares > 0.0; k++) {
+        move_copies(f, x, i, sum.c / sum.squares, sum.gradient);
+        if (sum.c < f->params.projection_tolerance) break;
+        sum = sum_at_copies(f, x, i);
+        if (sum.c < f->params.projection_tolerance) break;
     }
     for (int s = 3 * l->start[i]; s < 3 * l->boundary_start[i]; s++)
         distance += f->pair_shift[s] * f->pair_shift[s];
@@ -218,8 +244,8 @@ static void local_project(void *arg, int first, int last, int block) {
     struct fluid *f = c->f;
     double energy = 0.0;
     for (int i = first; i < last; i++) {
-        pair_gradients(f, c->x, i);
-        if (is_fluid(f, i)) energy += 0.5 * f->params.stiffness * project_constraint(f, c->x, i);
+        struct sum sum = sum_at(f, c->x, i);
+        if (is_fluid(f, i)) energy += 0.5 * f->params.stiffness * project_constraint(f, c->x, i, sum);
     }
     f->partial[block] = energy;
 }
@@ -232,7 +258,7 @@ static void local_gather(void *arg, int first, int last, int block) {
     const pdyn_neighbours *l = f->lists;
     for (int i = first; i < last; i++) {
         double sum[3] = {0};
-        if (is_fluid(f, i)) vec3_add(sum, 1.0, f->self_shift + 3 * i);
+        if (f->active[i]) vec3_add(sum, 1.0, f->self_shift + 3 * i);
         for (int s = l->start[i]; s < l->boundary_start[i]; s++)
             if (f->active[l->index[s]]) vec3_add(sum, 1.0, f->pair_shift + 3 * l->mirror[s]);
         vec3_add(c->out + 3 * i, f->params.stiffness, sum);
@@ -241,6 +267,7 @@ static void local_gather(void *arg, int first, int last, int block) {
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
+    memcpy(f->x, x, 3 * (size_t)f->particles * sizeof *x);
     for_particles(f, f->particles, local_project, NULL, x, NULL, 0.0);
     for_particles(f, f->particles, local_gather, NULL, x, gradient, 0.0);
     double energy = 0.0;
@@ -253,10 +280,15 @@ static double local(void *self, const double *x, double *gradient) {
 /* grad C_i . u over all particles of constraint i */
 static double divergence(const struct fluid *f, int i, const double *u) {
     const pdyn_neighbours *l = f->lists;
-    double sum = vec3_dot(f->self_gradient + 3 * i, u + 3 * i);
-    for (int s = l->start[i]; s < l->boundary_start[i]; s++)
-        sum -= l->volume[l->index[s]] * vec3_dot(f->pair_gradient + 3 * s, u + 3 * l->index[s]);
-    return sum;
+    const double *a = f->x + 3 * i;
+    double sum = 0.0;
+    for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+        int j = l->index[s];
+        const double *b = f->x + 3 * j, *v = u + 3 * j;
+        sum += l->volume[j] * f->pair_slope[s]
+            * ((a[0] - b[0]) * v[0] + (a[1] - b[1]) * v[1] + (a[2] - b[2]) * v[2]);
+    }
+    return vec3_dot(f->self_gradient + 3 * i, u + 3 * i) - sum;
 }
 
 static void apply_divergence(void *arg, int first, int last, int block) {
@@ -289,9 +321,12 @@ static void apply_gradient(void *arg, int first, int last, int block) {
     const pdyn_neighbours *l = f->lists;
     double w = c->eps * f->params.stiffness;
     for (int i = first; i < last; i++) {
+        const double *a = f->x + 3 * i;
         double sum[3] = {0};
-        for (int s = l->start[i]; s < l->boundary_start[i]; s++)
-            vec3_add(sum, f->flux[l->index[s]], f->pair_gradient + 3 * s);
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+            const double *b = f->x + 3 * l->index[s], flux = f->flux[l->index[s]] * f->pair_slope[s];
+            for (int k = 0; k < 3; k++) sum[k] += flux * (a[k] - b[k]);
+        }
         double *y = c->out + 3 * i;
         vec3_add(y, l->volume[i], sum);
         vec3_add(y, f->flux[i], f->self_gradient + 3 * i);
@@ -327,9 +362,12 @@ static void diagonal_blocks(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) {
         double *D = c->out + 6 * i, V = l->volume[i], undamped = 1.0 - c->eps;
         if (f->active[i]) add_outer_product(D, undamped * f->stiffness[i], f->self_gradient + 3 * i);
-        for (int s = l->start[i]; s < l->boundary_start[i]; s++)
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+            const double *a = f->x + 3 * i, *b = f->x + 3 * l->index[s];
+            double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]}, g = V * f->pair_slope[s];
             if (f->active[l->index[s]])
-                add_outer_product(D, undamped * V * V * f->stiffness[l->index[s]], f->pair_gradient + 3 * s);
+                add_outer_product(D, undamped * g * g * f->stiffness[l->index[s]], d);
+        }
         double damped = c->eps * f->params.stiffness * f->members[i];
         D[0] += damped, D[3] += damped, D[5] += damped;
     }
@@ -342,17 +380,9 @@ static void diagonal(void *self, double eps, double *blocks) {
 
 /* ---- measures and viscosity ------------------------------------------------------------------ */
 
-static void measure_density(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    double gradient[3], squares;
-    for (int i = c->f->first + first; i < c->f->first + last; i++)
-        c->out[i] = c->f->rest_density * (1.0 + density_of(c->f, c->x, i, false, gradient, &squares));
-}
-
-static void density(void *self, const double *x, double *out) {
-    struct fluid *f = self;
-    for_particles(f, f->count, measure_density, NULL, x, out, 0.0);
+static void density(void *self, double *out) {
+    const struct fluid *f = self;
+    for (int i = f->first; i < f->first + f->count; i++) out[i] = f->rest_density * (1.0 + f->value[i]);
 }
 
 /* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair is

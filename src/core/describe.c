@@ -5,7 +5,6 @@
 #include "registry.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { NAMES = 128, LINE = 512 };
 

@@ -19,7 +19,7 @@ pdyn_status measure_end(struct pdyn_sim *sim) {
                                 sim->steps + 1, sim->time, k / 3);
     for (int b = 0; b < sys->batches; b++)
         if (sys->batch[b]->op && sys->batch[b]->type->op->density)
-            sys->batch[b]->type->op->density(sys->batch[b]->op, sim->x_next, sim->density);
+            sys->batch[b]->type->op->density(sys->batch[b]->op, sim->density);
     return PDYN_OK;
 }
 

@@ -8,8 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { WHAT = 128, KEYS = 64 };
-static const double farthest = 1e6; /* m from the origin */
+enum { WHAT = 128, KEYS = 64, FARTHEST = 1000000 /* m from the origin */ };
 
 /* ---- keys ------------------------------------------------------------------------------------ */
 
@@ -97,18 +96,22 @@ pdyn_status params_reals(const struct json_at *at, int count, double min, double
 }
 
 pdyn_status params_box(const struct json_at *at, struct scene_box *box) {
-    static const pdyn_param table[] = {
-        {"minimum", PDYN_VECTOR, offsetof(struct scene_box, min), true, 0, -1e6, 1e6, "m", ""},
-        {"maximum", PDYN_VECTOR, offsetof(struct scene_box, max), true, 0, -1e6, 1e6, "m", ""},
-        {0}};
+    static const pdyn_param table[] = {{"minimum", PDYN_VECTOR, offsetof(struct scene_box, min),
+                                        true, 0, -FARTHEST, FARTHEST, "m", ""},
+                                       {"maximum", PDYN_VECTOR, offsetof(struct scene_box, max),
+                                        true, 0, -FARTHEST, FARTHEST, "m", ""},
+                                       {0}};
     static const char *const none[] = {NULL};
     pdyn_status status = params_check_keys(at, table, none);
     if (status == PDYN_OK) status = params_read(at, table, NULL, box);
-    for (int a = 0; a < 3 && status == PDYN_OK; a++)
-        if (!(box->min[a] < box->max[a]))
-            status = json_fail(
-                at, "expected a minimum below the maximum, found %.10g and %.10g m along %c",
-                box->min[a], box->max[a], "xyz"[a]);
+    for (int a = 0; a < 3 && status == PDYN_OK; a++) {
+        struct json_at maximum = json_member(at, "maximum"),
+                       entry = json_element(&maximum, (size_t)a);
+        if (!(box->max[a] > box->min[a]))
+            status =
+                json_fail(&entry, "expected a number above the minimum, %.10g m, found %.10g m",
+                          box->min[a], box->max[a]);
+    }
     return status;
 }
 
@@ -169,8 +172,9 @@ static pdyn_status choose_sphere(const struct json_at *at, struct choice *c) {
         double center[3], radius;
     } sphere;
     static const pdyn_param table[] = {
-        {"center", PDYN_VECTOR, offsetof(struct sphere, center), true, 0, -1e6, 1e6, "m", ""},
-        {"radius", PDYN_REAL, offsetof(struct sphere, radius), true, 0, 0, 1e6, "m", ""},
+        {"center", PDYN_VECTOR, offsetof(struct sphere, center), true, 0, -FARTHEST, FARTHEST, "m",
+         ""},
+        {"radius", PDYN_REAL, offsetof(struct sphere, radius), true, 0, 0, FARTHEST, "m", ""},
         {0}};
     static const char *const none[] = {NULL};
     pdyn_status status = params_check_keys(at, table, none);
@@ -251,7 +255,7 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
     *path = (pdyn_path){(int)count, key};
     for (size_t k = 0; k < count; k++, key += 4) {
         struct json_at element = json_element(at, k);
-        pdyn_status status = params_reals(&element, 4, -farthest, farthest, "s, m, m, m", key);
+        pdyn_status status = params_reals(&element, 4, -FARTHEST, FARTHEST, "s, m, m, m", key);
         if (status != PDYN_OK) return status;
         if (k && !(key[0] > key[-4]))
             return json_fail(&element, "expected a time after %.10g s, found %.10g s", key[-4],

@@ -48,11 +48,13 @@ static pdyn_status fail_word(const struct json_at *at, const char *what, const c
 }
 
 /* The index of the word among `names`; a missing word is the first. */
-static pdyn_status read_choice(const struct json_at *at, const char *what,
-                               const char *const *names, int count, int *out) {
+static pdyn_status read_choice(const struct json_at *at, const char *what, const char *const *names,
+                               int count, int *out) {
+    char expected[NAMES];
     *out = 0;
     if (!at->value) return PDYN_OK;
-    if (!json_is_string(at->value)) return json_expected(at, what);
+    snprintf(expected, sizeof expected, "the name of a %s", what);
+    if (!json_is_string(at->value)) return json_expected(at, expected);
     for (int k = 0; k < count; k++)
         if (!strcmp(json_string_value(at->value), names[k])) return *out = k, PDYN_OK;
     return fail_word(at, what, names, count);

@@ -1,0 +1,216 @@
+/* The report of a run: report.json. */
+#include "clock.h"
+#include "file_out.h"
+#include "measure.h"
+#include "output.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* ---- a run so far ---------------------------------------------------------------------------- */
+
+/* Without a step taken there is no constraint energy and no pin reaction. */
+void report_open(struct report *report, pdyn_sim *sim) {
+    *report = (struct report){.opened_ms = clock_ms()};
+    for (int k = 0; k < STEP_COLUMNS; k++)
+        report->tally[k] = (struct report_tally){.min = INFINITY, .max = -INFINITY};
+    report->start.time = pdyn_time(sim);
+    measure_step(sim, &report->start);
+    report->end = report->start;
+}
+
+void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]) {
+#define STEP_NUMBER(column, member) (double)info->member,
+    const double numbers[] = {STEP_NUMBERS(STEP_NUMBER)};
+#undef STEP_NUMBER
+    memcpy(number, numbers, sizeof numbers);
+}
+
+void report_step(struct report *report, const pdyn_step_info *info) {
+    double number[STEP_COLUMNS];
+    step_numbers(info, number);
+    for (int k = 0; k < STEP_COLUMNS; k++) {
+        struct report_tally *tally = &report->tally[k];
+        tally->sum += number[k];
+        tally->min = fmin(tally->min, number[k]);
+        tally->max = fmax(tally->max, number[k]);
+    }
+    report->end = *info;
+    report->steps++;
+}
+
+/* ---- values ---------------------------------------------------------------------------------- */
+
+/* What is not finite, like the mean of no steps, is null. */
+static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *vector(const double v[3]) {
+    return json_pack("[o, o, o]", real(v[0]), real(v[1]), real(v[2]));
+}
+
+/* What is not UTF-8, as names of files may be, is shown with '?'. */
+static json_t *text(pdyn_context *context, const char *from) {
+    json_t *value = from ? json_string(from) : json_null();
+    if (value) return value;
+    size_t size = strlen(from) + 1;
+    char *plain = NEW_ARRAY(context, size, char);
+    if (!plain) return NULL;
+    for (size_t i = 0; from[i]; i++) plain[i] = (unsigned char)from[i] < 0x80 ? from[i] : '?';
+    value = json_string(plain);
+    FREE_ARRAY(context, plain, size);
+    return value;
+}
+
+static json_t *mean(const struct report *report, int column) {
+    return real(report->tally[column].sum / (double)report->steps);
+}
+
+static json_t *mean_max(const struct report *report, int column) {
+    return json_pack("{s:o, s:o}", "mean", mean(report, column), "max",
+                     real(report->tally[column].max));
+}
+
+/* ---- the scene ------------------------------------------------------------------------------- */
+
+static json_t *particles(const pdyn_sim *sim) {
+    pdyn_state state = pdyn_get_state(sim);
+    int fluid = 0, cloth = 0;
+    for (int b = 0; b < state.bodies; b++) {
+        pdyn_body_info body = pdyn_get_body(sim, b);
+        *(body.triangles ? &cloth : &fluid) += body.count;
+    }
+    return json_pack("{s:i, s:i, s:i}", "fluid", fluid, "cloth", cloth, "boundary", state.boundary);
+}
+
+static json_t *body(const pdyn_body_info *info) {
+    if (info->triangles)
+        return json_pack("{s:s, s:s, s:i, s:i}", "name", info->name, "kind", "surface", "count",
+                         info->count, "triangles", info->triangles);
+    return json_pack("{s:s, s:s, s:i, s:o, s:o}", "name", info->name, "kind", "particles", "count",
+                     info->count, "radius_m", real(info->radius), "rest_density",
+                     real(info->rest_density));
+}
+
+static json_t *bodies(const pdyn_sim *sim) {
+    json_t *list = json_array();
+    for (int b = 0; list && b < sim->bodies; b++) {
+        pdyn_body_info info = pdyn_get_body(sim, b);
+        if (json_array_append_new(list, body(&info))) return json_decref(list), NULL;
+    }
+    return list;
+}
+
+/* Elements of each type, in all bodies. */
+static json_t *constraints(const pdyn_sim *sim) {
+    json_t *object = json_object();
+    int count = pdyn_get_state(sim).constraints;
+    for (int b = 0; object && b < count; b++) {
+        pdyn_constraint_info info = pdyn_get_constraint(sim, b);
+        json_int_t before = json_integer_value(json_object_get(object, info.type));
+        if (json_object_set_new(object, info.type, json_integer(before + info.elements)))
+            return json_decref(object), NULL;
+    }
+    return object;
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+static json_t *milliseconds(const struct report *report) {
+    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "neighbours", mean(report, STEP_ms_neighbours),
+                     "local", mean(report, STEP_ms_local), "global", mean(report, STEP_ms_global),
+                     "contact", mean(report, STEP_ms_contact), "output",
+                     real(report->output_ms / (double)report->steps));
+}
+
+static json_t *density_error(const struct report *report) {
+    return json_pack("{s:o, s:o, s:o, s:o}", "mean", mean(report, STEP_density_error_mean),
+                     "worst_mean", real(report->tally[STEP_density_error_mean].max), "mean_max",
+                     mean(report, STEP_density_error_max), "max",
+                     real(report->tally[STEP_density_error_max].max));
+}
+
+static json_t *time_step(const struct report *report) {
+    return json_pack("{s:o, s:o, s:o}", "min", real(report->tally[STEP_h_s].min), "mean",
+                     mean(report, STEP_h_s), "max", real(report->tally[STEP_h_s].max));
+}
+
+static json_t *energy(const pdyn_step_info *info) {
+    double total = info->kinetic_energy + info->potential_energy + info->constraint_energy;
+    return json_pack("{s:o, s:o, s:o, s:o}", "kinetic", real(info->kinetic_energy), "potential",
+                     real(info->potential_energy), "constraint", real(info->constraint_energy),
+                     "total", real(total));
+}
+
+static double peak_rss_bytes(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage); /* cannot fail for this process */
+    return 1024.0 * (double)usage.ru_maxrss;
+}
+
+static json_t *describe_scene(const pdyn_sim *sim) {
+    return json_pack(
+        "{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version", pdyn_version(),
+        "scene", text(sim->context, sim->scene.file), "name", text(sim->context, sim->scene.name),
+        "threads", pdyn_thread_count(sim->context), "particles", particles(sim), "bodies",
+        bodies(sim), "constraints", constraints(sim), "solver", "type", pdyn_solver_type(sim),
+        "step", pdyn_step_type(sim), "reason", text(sim->context, pdyn_solver_reason(sim)));
+}
+
+static json_t *describe_run(const struct report *report, const pdyn_sim *sim) {
+    double wall_ms = clock_ms() - report->opened_ms;
+    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "steps", (json_int_t)report->steps,
+                     "simulated_s", real(pdyn_time(sim)), "wall_s", real(1e-3 * wall_ms),
+                     "ms_per_step", real(wall_ms / (double)report->steps), "ms",
+                     milliseconds(report), "time_step", time_step(report), "peak_memory_bytes",
+                     (json_int_t)pdyn_peak_bytes(sim->context), "peak_rss_bytes",
+                     (json_int_t)peak_rss_bytes());
+}
+
+static json_t *describe_result(const struct report *report, const pdyn_sim *sim) {
+    const pdyn_step_info *start = &report->start, *end = &report->end;
+    const double *pin = end->pin_reaction;
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
+    return json_pack("{s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
+                     "outer_iterations", mean_max(report, STEP_outer_iterations),
+                     "linear_iterations", mean_max(report, STEP_linear_iterations), "density_error",
+                     density_error(report), "step_residual", mean_max(report, STEP_step_residual),
+                     "energy", "start", energy(start), "end", energy(end), "momentum", "start",
+                     vector(start->momentum), "end", vector(end->momentum), "pin_reaction_N",
+                     real(sqrt(pin[0] * pin[0] + pin[1] * pin[1] + pin[2] * pin[2])),
+                     "pin_reaction", vector(pin), "state_hash", hash);
+}
+
+/* Everything in one object, or NULL without memory. */
+static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
+                     const char *failed) {
+    json_t *root = describe_scene(sim), *run = describe_run(report, sim);
+    json_t *result = describe_result(report, sim);
+    char *dump = NULL;
+    if (root && run && result && !json_object_update(root, run) &&
+        !json_object_update(root, result) &&
+        !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
+        !json_object_set_new(root, "failed", text(sim->context, failed)))
+        dump = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+    json_decref(root);
+    json_decref(run);
+    json_decref(result);
+    return dump;
+}
+
+pdyn_status report_write(const struct report *report, const pdyn_sim *sim, const char *path,
+                         bool interrupted, const char *failed) {
+    struct file_out file;
+    char *dump = compose(report, sim, interrupted, failed);
+    if (!dump) return context_no_memory(sim->context);
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status == PDYN_OK) {
+        file_out_print(&file, "%s\n", dump);
+        status = file_out_close(&file);
+    }
+    free(dump);
+    return status;
+}

@@ -1,0 +1,70 @@
+/* Legacy VTK, version 4.2, binary (big endian): an unstructured grid of points and cells. */
+#include "file_out.h"
+#include "output.h"
+
+enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
+
+static const enum byte_order order = BIG_ENDIAN_BYTES;
+
+/* The format allows 256 bytes of title. */
+static void write_points(struct file_out *file, const char *title, double time, const double *x,
+                         int count) {
+    file_out_print(file,
+                   "# vtk DataFile Version 4.2\nprojdyn %.200s t=%.9g s\nBINARY\n"
+                   "DATASET UNSTRUCTURED_GRID\nPOINTS %d float\n",
+                   title, time, count);
+    file_out_reals(file, order, x, 3 * (size_t)count);
+}
+
+static void write_types(struct file_out *file, int type, int count) {
+    file_out_print(file, "\nCELL_TYPES %d\n", count);
+    for (int i = 0; i < count; i++) file_out_ints(file, order, &type, 1);
+}
+
+static void write_vertices(struct file_out *file, int count) {
+    file_out_print(file, "\nCELLS %d %zu\n", count, 2 * (size_t)count);
+    for (int i = 0; i < count; i++) file_out_ints(file, order, (const int[]){1, i}, 2);
+    write_types(file, VERTEX_CELL, count);
+}
+
+static void write_triangles(struct file_out *file, const int *triangle, int count) {
+    file_out_print(file, "\nCELLS %d %zu\n", count, 4 * (size_t)count);
+    for (int t = 0; t < count; t++) {
+        const int *corner = triangle + 3 * t;
+        file_out_ints(file, order, (const int[]){3, corner[0], corner[1], corner[2]}, 4);
+    }
+    write_types(file, TRIANGLE_CELL, count);
+}
+
+pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
+    struct file_out file;
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status != PDYN_OK) return status;
+    pdyn_state state = pdyn_get_state(sim);
+    pdyn_body_info info = pdyn_get_body(sim, body);
+    size_t first = (size_t)info.first, count = (size_t)info.count;
+    write_points(&file, info.name, pdyn_time(sim), state.x + 3 * first, info.count);
+    if (info.triangles) write_triangles(&file, info.triangle, info.triangles);
+    else write_vertices(&file, info.count);
+    file_out_print(&file, "\nPOINT_DATA %d\n", info.count);
+    if (!info.triangles) {
+        file_out_print(&file, "SCALARS density float 1\nLOOKUP_TABLE default\n");
+        file_out_reals(&file, order, state.density + first, count);
+        file_out_print(&file, "\n");
+    }
+    file_out_print(&file, "VECTORS velocity float\n");
+    file_out_reals(&file, order, state.v + 3 * first, 3 * count);
+    file_out_print(&file, "\n");
+    return file_out_close(&file);
+}
+
+pdyn_status vtk_write_boundary(const pdyn_sim *sim, const char *path) {
+    struct file_out file;
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status != PDYN_OK) return status;
+    pdyn_state state = pdyn_get_state(sim);
+    write_points(&file, "boundary", pdyn_time(sim), state.boundary_x, state.boundary);
+    write_vertices(&file, state.boundary);
+    file_out_print(&file, "\n");
+    return file_out_close(&file);
+}

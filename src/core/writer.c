@@ -1,0 +1,273 @@
+/* The output directory: frames and their series, the metrics of every step, the report. */
+#include "clock.h"
+#include "file_out.h"
+#include "output.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { ROW = 1024 }; /* bytes, enough for the numbers of a step */
+
+struct pdyn_writer {
+    pdyn_sim *sim;
+    pdyn_context *context; /* the sim's */
+    char *path;            /* path_size bytes: the directory, and for a moment a file in it */
+    size_t path_size, directory;
+    bool ply;
+    FILE *metrics; /* unbuffered: a row reaches the file at once */
+    long metrics_size;
+    int frames, capacity;
+    double *time; /* capacity: of the frames, s */
+    struct report report;
+};
+
+/* ---- paths ----------------------------------------------------------------------------------- */
+
+/* DIR/FILE; good until the next call. */
+static const char *path_of(pdyn_writer *writer, const char *format, ...) PDYN_PRINTF(2, 3);
+static const char *path_of(pdyn_writer *writer, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(writer->path + writer->directory, writer->path_size - writer->directory, format,
+              args);
+    va_end(args);
+    return writer->path;
+}
+
+static const char *body_name(const pdyn_writer *writer, int body) {
+    return pdyn_get_body(writer->sim, body).name;
+}
+
+static pdyn_status keep_directory(pdyn_writer *writer, const char *directory) {
+    size_t longest = strlen("boundary.vtk");
+    for (int b = 0; b < writer->sim->bodies; b++) {
+        size_t length = strlen(body_name(writer, b));
+        if (length > longest) longest = length;
+    }
+    writer->directory = strlen(directory) + 1;
+    writer->path_size = writer->directory + longest + sizeof "_0123456789.vtk.series";
+    writer->path = NEW_ARRAY(writer->context, writer->path_size, char);
+    if (!writer->path) return PDYN_NO_MEMORY;
+    snprintf(writer->path, writer->path_size, "%s/", directory);
+    return PDYN_OK;
+}
+
+static bool is_directory(const char *path) {
+    struct stat info;
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+/* With its parents. Every part of the path is looked at by itself, cut off for a moment. */
+static pdyn_status make_directory(pdyn_writer *writer) {
+    char *path = writer->path;
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        int error = mkdir(path, 0777) ? errno : 0;
+        if (error && !is_directory(path))
+            return context_fail(writer->context, PDYN_IO_FAILED,
+                                "%.1024s: cannot make the directory: %s", path, strerror(error));
+        *slash = '/';
+    }
+    return PDYN_OK;
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+/* Lists the first `frames` frames of a body. */
+static pdyn_status write_series(pdyn_writer *writer, int body, int frames) {
+    const char *name = body_name(writer, body);
+    struct file_out file;
+    pdyn_status status =
+        file_out_open(writer->context, path_of(writer, "%s.vtk.series", name), &file);
+    if (status != PDYN_OK) return status;
+    file_out_print(&file, "{\"file-series-version\": \"1.0\", \"files\": [");
+    for (int f = 0; f < frames; f++)
+        file_out_print(&file, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}", f ? "," : "",
+                       name, f, writer->time[f]);
+    file_out_print(&file, "]}\n");
+    return file_out_close(&file);
+}
+
+static pdyn_status write_body(pdyn_writer *writer, int body) {
+    const char *name = body_name(writer, body);
+    pdyn_status status =
+        vtk_write_body(writer->sim, body, path_of(writer, "%s_%06d.vtk", name, writer->frames));
+    if (status != PDYN_OK || !writer->ply) return status;
+    return ply_write_body(writer->sim, body, path_of(writer, "%s_%06d.ply", name, writer->frames));
+}
+
+static pdyn_status keep_time(pdyn_writer *writer) {
+    if (writer->frames == writer->capacity) {
+        size_t size = (size_t)writer->capacity * sizeof(double);
+        size_t grown = size ? 2 * size : 64 * sizeof(double);
+        double *moved = context_resize(writer->context, writer->time, size, grown);
+        if (!moved) return context_no_memory(writer->context);
+        writer->time = moved;
+        writer->capacity = (int)(grown / sizeof(double));
+    }
+    writer->time[writer->frames] = pdyn_time(writer->sim);
+    return PDYN_OK;
+}
+
+/* First the files, then the series that list them: these never name what is not there. */
+static pdyn_status write_frame(pdyn_writer *writer) {
+    pdyn_status status = keep_time(writer);
+    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
+        status = write_body(writer, b);
+    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
+        status = write_series(writer, b, writer->frames + 1);
+    if (status == PDYN_OK) writer->frames++;
+    return status;
+}
+
+pdyn_status pdyn_writer_frame(pdyn_writer *writer) {
+    if (!writer) return PDYN_BAD_CALL;
+    double start = clock_ms();
+    pdyn_status status = write_frame(writer);
+    writer->report.output_ms += clock_ms() - start;
+    return status;
+}
+
+/* ---- frames of a former run ------------------------------------------------------------------ */
+
+/* NAME_dddddd.vtk, with at least six digits: nothing else in a series is ours. */
+static bool is_frame(const char *file, const char *name) {
+    size_t length = strlen(name);
+    if (strncmp(file, name, length) || file[length] != '_') return false;
+    size_t digits = strspn(file + length + 1, "0123456789");
+    return digits >= 6 && digits <= 10 && !strcmp(file + length + 1 + digits, ".vtk");
+}
+
+static pdyn_status remove_frame(pdyn_writer *writer, const char *file) {
+    static const char *const endings[] = {"vtk", "ply"};
+    int stem = (int)(strlen(file) - strlen("vtk"));
+    for (int k = 0; k < 2; k++) {
+        const char *path = path_of(writer, "%.*s%s", stem, file, endings[k]);
+        if (unlink(path) && errno != ENOENT)
+            return context_fail(writer->context, PDYN_IO_FAILED,
+                                "%.1024s: cannot remove the frame of a former run: %s", path,
+                                strerror(errno));
+    }
+    return PDYN_OK;
+}
+
+/* A series that cannot be read is not ours and lists nothing. */
+static pdyn_status remove_frames(pdyn_writer *writer, int body) {
+    const char *name = body_name(writer, body), *path = path_of(writer, "%s.vtk.series", name);
+    struct stat info;
+    if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
+    json_t *series = json_load_file(path, 0, NULL), *files = json_object_get(series, "files");
+    pdyn_status status = PDYN_OK;
+    for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
+        const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
+        if (file && is_frame(file, name)) status = remove_frame(writer, file);
+    }
+    json_decref(series);
+    return status;
+}
+
+/* ---- metrics --------------------------------------------------------------------------------- */
+
+/* A row is there as a whole or not at all, also on a full disk. */
+static pdyn_status write_row(pdyn_writer *writer, const char *row) {
+    size_t length = strlen(row);
+    if (fwrite(row, 1, length, writer->metrics) == length) {
+        writer->metrics_size += (long)length;
+        return PDYN_OK;
+    }
+    int error = errno;
+    if (ftruncate(fileno(writer->metrics), writer->metrics_size)) errno = error; /* no file */
+    clearerr(writer->metrics);
+    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s",
+                        path_of(writer, "metrics.csv"), strerror(error));
+}
+
+static pdyn_status open_metrics(pdyn_writer *writer) {
+#define STEP_HEADER(column, member) "," #column
+    static const char header[] = STEP_NUMBERS(STEP_HEADER) "\n";
+#undef STEP_HEADER
+    const char *path = path_of(writer, "metrics.csv");
+    writer->metrics = fopen(path, "wbe");
+    if (!writer->metrics)
+        return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot create the file: %s",
+                            path, strerror(errno));
+    setvbuf(writer->metrics, NULL, _IONBF, 0);
+    return write_row(writer, header + 1);
+}
+
+/* A number that is not finite leaves its column empty. */
+static pdyn_status add_row(pdyn_writer *writer, const pdyn_step_info *info) {
+    double number[STEP_COLUMNS];
+    char row[ROW] = "";
+    struct text_locale locale;
+    if (!text_begin(&locale)) return context_no_memory(writer->context);
+    step_numbers(info, number);
+    for (int k = 0; k < STEP_COLUMNS; k++) {
+        text_append(row, sizeof row, k ? "," : "");
+        if (isfinite(number[k])) text_append(row, sizeof row, "%.9g", number[k]);
+    }
+    text_append(row, sizeof row, "\n");
+    text_end(&locale);
+    return write_row(writer, row);
+}
+
+pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
+    if (!writer || !info) return PDYN_BAD_CALL;
+    double start = clock_ms();
+    pdyn_status status = add_row(writer, info);
+    report_step(&writer->report, info);
+    writer->report.output_ms += clock_ms() - start;
+    return status;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------- */
+
+static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
+    pdyn_status status = keep_directory(writer, directory);
+    if (status == PDYN_OK) status = make_directory(writer);
+    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++) {
+        status = remove_frames(writer, b);
+        if (status == PDYN_OK) status = write_series(writer, b, 0);
+    }
+    if (status == PDYN_OK && pdyn_get_state(writer->sim).boundary)
+        status = vtk_write_boundary(writer->sim, path_of(writer, "boundary.vtk"));
+    if (status == PDYN_OK) status = open_metrics(writer);
+    report_open(&writer->report, writer->sim);
+    return status;
+}
+
+pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdyn_writer **out) {
+    if (!sim || !directory || !out) return PDYN_BAD_CALL;
+    *out = NULL;
+    if (!*directory)
+        return context_fail(sim->context, PDYN_BAD_CALL, "the output directory has an empty name");
+    pdyn_writer *writer = NEW_ARRAY(sim->context, 1, pdyn_writer);
+    if (!writer) return PDYN_NO_MEMORY;
+    writer->sim = sim;
+    writer->context = sim->context;
+    writer->ply = ply;
+    pdyn_status status = prepare(writer, directory);
+    if (status == PDYN_OK) *out = writer;
+    else pdyn_writer_close(writer);
+    return status;
+}
+
+pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,
+                               const char *failed) {
+    if (!writer) return PDYN_BAD_CALL;
+    return report_write(&writer->report, writer->sim, path ? path : path_of(writer, "report.json"),
+                        interrupted, failed);
+}
+
+void pdyn_writer_close(pdyn_writer *writer) {
+    if (!writer) return;
+    pdyn_context *context = writer->context;
+    if (writer->metrics) fclose(writer->metrics);
+    FREE_ARRAY(context, writer->time, writer->capacity);
+    FREE_ARRAY(context, writer->path, writer->path_size);
+    FREE_ARRAY(context, writer, 1);
+}

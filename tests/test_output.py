@@ -1,0 +1,257 @@
+"""Runs a scene for a moment and reads all that it wrote with readers that others made.
+
+Usage: test_output.py PROJDYN SCENE.json
+"""
+import csv
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+try:
+    import meshio
+    import numpy as np
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkIOLegacy import vtkUnstructuredGridReader
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+TIME = 0.1  # s
+COLUMNS = (
+    "time_s,h_s,outer_iterations,linear_iterations,density_error_mean,density_error_max,"
+    "step_residual,kinetic_J,potential_J,constraint_J,momentum_x,momentum_y,momentum_z,"
+    "pin_reaction_x_N,pin_reaction_y_N,pin_reaction_z_N,ms_neighbours,ms_local,ms_global,ms_contact"
+).split(",")
+REPORT = """version scene name threads particles.fluid particles.cloth particles.boundary bodies
+constraints solver.type solver.step solver.reason steps simulated_s wall_s ms_per_step
+ms.neighbours ms.local ms.global ms.contact ms.output outer_iterations.mean outer_iterations.max
+linear_iterations.mean linear_iterations.max density_error.mean density_error.worst_mean
+density_error.mean_max density_error.max step_residual.mean step_residual.max
+energy.start.kinetic energy.start.potential energy.start.constraint energy.start.total
+energy.end.kinetic energy.end.potential energy.end.constraint energy.end.total momentum.start
+momentum.end pin_reaction_N pin_reaction peak_memory_bytes peak_rss_bytes state_hash time_step.min
+time_step.mean time_step.max interrupted failed""".split()
+CELL = {"particles": (1, "vertex"), "surface": (5, "triangle")}  # VTK's number, meshio's name
+
+
+def run(directory, *options):
+    command = [PROJDYN, "run", SCENE, "-o", str(directory), "--quiet", *options]
+    return subprocess.run(command, capture_output=True, text=True, timeout=600)
+
+
+def read_vtk(path):
+    """Points, cells (each of one type, equally long), their types, point arrays by name."""
+    errors = []
+    reader = vtkUnstructuredGridReader()
+    reader.AddObserver("ErrorEvent", lambda *_: errors.append(path))
+    reader.SetFileName(str(path))
+    reader.ReadAllScalarsOn()
+    reader.ReadAllVectorsOn()
+    reader.Update()
+    assert not errors, f"vtk cannot read {path}"
+    grid = reader.GetOutput()
+    count = grid.GetNumberOfCells()
+    data = grid.GetPointData()
+    arrays = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k))
+              for k in range(data.GetNumberOfArrays())}
+    cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(count, -1)
+    types = {grid.GetCellType(k) for k in range(count)}
+    return vtk_to_numpy(grid.GetPoints().GetData()), cells, types, arrays
+
+
+def finite_numbers(value):
+    if isinstance(value, dict):
+        return all(map(finite_numbers, value.values()))
+    if isinstance(value, list):
+        return all(map(finite_numbers, value))
+    return not isinstance(value, float) or math.isfinite(value)
+
+
+class Output(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.directory = pathlib.Path(cls.holder.name) / "deep" / "out"
+        cls.done = run(cls.directory, "--time", str(TIME), "--ply")
+        assert cls.done.returncode == 0, cls.done.stderr
+        cls.report = json.loads((cls.directory / "report.json").read_text())
+        cls.interval = json.loads(pathlib.Path(SCENE).read_text()).get("frame_interval", 1 / 30)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.holder.cleanup()
+
+    def series(self, body):
+        return json.loads((self.directory / f"{body['name']}.vtk.series").read_text())
+
+    def frames(self):
+        for body in self.report["bodies"]:
+            for frame in self.series(body)["files"]:
+                yield body, self.directory / frame["name"]
+
+    def check_arrays(self, body, points, arrays):
+        count = body["count"]
+        self.assertEqual(points.shape, (count, 3))
+        wanted = {"velocity", "density"} if body["kind"] == "particles" else {"velocity"}
+        self.assertEqual(set(arrays), wanted)
+        self.assertEqual(arrays["velocity"].shape, (count, 3))
+        for values in (points, *arrays.values()):
+            self.assertTrue(np.isfinite(values).all())
+        if "density" in arrays:
+            density = arrays["density"].ravel()
+            self.assertEqual(len(density), count)
+            self.assertTrue((density > 0.1 * body["rest_density"]).all(), density.min())
+            self.assertTrue((density < 10 * body["rest_density"]).all(), density.max())
+
+    def check_cells(self, body, cells):
+        if body["kind"] == "particles":
+            self.assertEqual(cells.ravel().tolist(), list(range(body["count"])))
+        else:
+            self.assertEqual(cells.shape, (body["triangles"], 3))
+            self.assertEqual(set(cells.ravel().tolist()), set(range(body["count"])))
+
+    def test_vtk_reads_every_frame(self):
+        for body, path in self.frames():
+            with self.subTest(path.name):
+                points, cells, types, arrays = read_vtk(path)
+                self.check_arrays(body, points, arrays)
+                self.check_cells(body, cells)
+                self.assertEqual(types, {CELL[body["kind"]][0]})
+
+    def test_meshio_reads_the_same(self):
+        for body, path in self.frames():
+            with self.subTest(path.name):
+                points, cells, _, arrays = read_vtk(path)
+                mesh = meshio.read(path)
+                self.check_arrays(body, mesh.points, mesh.point_data)
+                self.assertTrue((mesh.points == points).all())
+                self.assertTrue((mesh.cells_dict[CELL[body["kind"]][1]] == cells).all())
+                for name, values in arrays.items():
+                    self.assertTrue((mesh.point_data[name].ravel() == values.ravel()).all(), name)
+
+    def test_ply_holds_the_same(self):
+        for body, path in self.frames():
+            with self.subTest(path.stem):
+                points, cells, _, arrays = read_vtk(path)
+                mesh = meshio.read(path.with_suffix(".ply"))
+                self.assertTrue((mesh.points == points).all())
+                velocity = np.column_stack([mesh.point_data[k] for k in ("vx", "vy", "vz")])
+                self.assertTrue((velocity == arrays["velocity"]).all())
+                self.assertEqual("density" in mesh.point_data, body["kind"] == "particles")
+                if body["kind"] == "particles":
+                    self.assertTrue((mesh.point_data["density"] == arrays["density"]).all())
+                else:
+                    self.assertTrue((mesh.cells_dict["triangle"] == cells).all())
+
+    def test_something_moves(self):
+        for body in self.report["bodies"]:
+            files = self.series(body)["files"]
+            first, _, _, _ = read_vtk(self.directory / files[0]["name"])
+            last, _, _, arrays = read_vtk(self.directory / files[-1]["name"])
+            self.assertGreater(np.abs(last - first).max(), 1e-3, body["name"])
+            self.assertGreater(np.abs(arrays["velocity"]).max(), 1e-3, body["name"])
+
+    def test_series(self):
+        last = int(TIME / self.interval + 1e-9)
+        for body in self.report["bodies"]:
+            series = self.series(body)
+            self.assertEqual(series["file-series-version"], "1.0")
+            self.assertEqual(len(series["files"]), last + 1)
+            for number, frame in enumerate(series["files"]):
+                self.assertEqual(frame["name"], f"{body['name']}_{number:06d}.vtk")
+                self.assertAlmostEqual(frame["time"], number * self.interval, delta=1e-12)
+
+    def test_boundary(self):
+        path = self.directory / "boundary.vtk"
+        count = self.report["particles"]["boundary"]
+        self.assertEqual(path.exists(), count > 0)
+        if count:
+            points, cells, types, arrays = read_vtk(path)
+            self.assertEqual(points.shape, (count, 3))
+            self.assertTrue(np.isfinite(points).all())
+            self.assertEqual(cells.ravel().tolist(), list(range(count)))
+            self.assertEqual((types, arrays), ({1}, {}))
+            self.assertTrue((meshio.read(path).points == points).all())
+
+    def test_metrics(self):
+        with open(self.directory / "metrics.csv", newline="") as file:
+            header, *rows = csv.reader(file)
+        self.assertEqual(header, COLUMNS)
+        self.assertEqual(len(rows), self.report["steps"])
+        table = np.array(rows, dtype=float)
+        self.assertTrue(np.isfinite(table).all())
+        time, h = table[:, 0], table[:, 1]
+        self.assertTrue(np.allclose(np.cumsum(h), time, rtol=1e-6))
+        self.assertAlmostEqual(time[-1], self.report["simulated_s"], delta=1e-8)
+        for key, column in (("outer_iterations", 2), ("linear_iterations", 3), ("step_residual", 6)):
+            self.assertAlmostEqual(self.report[key]["mean"], table[:, column].mean(),
+                                   delta=1e-6 * max(1, table[:, column].mean()))
+            self.assertAlmostEqual(self.report[key]["max"], table[:, column].max(),
+                                   delta=1e-6 * max(1, table[:, column].max()))
+        self.assertAlmostEqual(self.report["density_error"]["worst_mean"], table[:, 4].max(), 6)
+        self.assertAlmostEqual(self.report["time_step"]["min"], h.min(), delta=1e-9)
+
+    def test_report(self):
+        for path in REPORT:
+            value = self.report
+            for key in path.split("."):
+                self.assertIn(key, value, path)
+                value = value[key]
+            if path != "failed":
+                self.assertIsNotNone(value, path)
+        report = self.report
+        self.assertTrue(finite_numbers(report))
+        self.assertEqual(report["scene"], SCENE)
+        self.assertIs(report["interrupted"], False)
+        self.assertIsNone(report["failed"])
+        self.assertAlmostEqual(report["simulated_s"], TIME, delta=1e-9)
+        self.assertRegex(report["state_hash"], "^[0-9a-f]{16}$")
+        counts = {"particles": 0, "surface": 0}
+        for body in report["bodies"]:
+            counts[body["kind"]] += body["count"]
+        self.assertEqual((report["particles"]["fluid"], report["particles"]["cloth"]),
+                         (counts["particles"], counts["surface"]))
+        self.assertTrue(all(count > 0 for count in report["constraints"].values()))
+        for moment in report["energy"].values():
+            parts = moment["kinetic"] + moment["potential"] + moment["constraint"]
+            self.assertAlmostEqual(parts, moment["total"], delta=1e-9 * (1 + abs(parts)))
+
+    def test_nothing_half_written(self):
+        self.assertEqual([path.name for path in self.directory.iterdir()
+                          if path.suffix == ".tmp"], [])
+
+    def test_a_shorter_run_leaves_no_old_frames(self):
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name)
+            body = self.report["bodies"][0]["name"]
+            kept = {directory / f"{body}_notes.txt", directory / f"{body}_999999.vtk"}
+            self.assertEqual(run(directory, "--time", str(TIME), "--ply").returncode, 0)
+            for path in kept:
+                path.write_text("mine")
+            self.assertEqual(run(directory, "--time", str(self.interval)).returncode, 0)
+            frames = {directory / f"{b['name']}_{k:06d}.vtk"
+                      for b in self.report["bodies"] for k in range(2)}
+            self.assertEqual({path for path in directory.glob("*_*")}, kept | frames)
+            self.assertTrue(all(path.read_text() == "mine" for path in kept))
+
+    def test_a_full_disk_is_told(self):
+        with tempfile.TemporaryDirectory() as name:
+            (pathlib.Path(name) / "metrics.csv").symlink_to("/dev/full")
+            done = run(name, "--time", str(TIME))
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn("metrics.csv: writing failed: No space left on device", done.stderr)
+
+    def test_a_file_in_the_way_is_told(self):
+        with tempfile.NamedTemporaryFile() as file:
+            done = run(pathlib.Path(file.name) / "out", "--time", str(TIME))
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(f"{file.name}: cannot make the directory: File exists", done.stderr)
+
+
+if __name__ == "__main__":
+    PROJDYN, SCENE = sys.argv[1:3]
+    unittest.main(argv=sys.argv[:1])
