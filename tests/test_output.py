@@ -6,6 +6,8 @@ import csv
 import json
 import math
 import pathlib
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -38,9 +40,15 @@ time_step.mean time_step.max interrupted failed""".split()
 CELL = {"particles": (1, "vertex"), "surface": (5, "triangle")}  # VTK's number, meshio's name
 
 
-def run(directory, *options):
+def run(directory, *options, limit=None):
+    """limit: bytes that a file may have."""
+    def prepare():
+        if limit:
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
     command = [PROJDYN, "run", SCENE, "-o", str(directory), "--quiet", *options]
-    return subprocess.run(command, capture_output=True, text=True, timeout=600)
+    return subprocess.run(command, capture_output=True, text=True, timeout=600, preexec_fn=prepare)
 
 
 def read_vtk(path):
@@ -156,7 +164,8 @@ class Output(unittest.TestCase):
             self.assertGreater(np.abs(arrays["velocity"]).max(), 1e-3, body["name"])
 
     def test_series(self):
-        last = int(TIME / self.interval + 1e-9)
+        last = int(self.report["simulated_s"] / self.interval + 1e-9)
+        self.assertGreaterEqual(last, 1)
         for body in self.report["bodies"]:
             series = self.series(body)
             self.assertEqual(series["file-series-version"], "1.0")
@@ -194,6 +203,11 @@ class Output(unittest.TestCase):
                                    delta=1e-6 * max(1, table[:, column].max()))
         self.assertAlmostEqual(self.report["density_error"]["worst_mean"], table[:, 4].max(), 6)
         self.assertAlmostEqual(self.report["time_step"]["min"], h.min(), delta=1e-9)
+        end = self.report["energy"]["end"]
+        told = [end["kinetic"], end["potential"], end["constraint"],
+                *self.report["momentum"]["end"], *self.report["pin_reaction"]]
+        self.assertTrue(np.allclose(told, table[-1, 7:16], rtol=1e-7, atol=1e-12))
+        self.assertAlmostEqual(self.report["pin_reaction_N"], np.linalg.norm(table[-1, 13:16]), 5)
 
     def test_report(self):
         for path in REPORT:
@@ -208,7 +222,8 @@ class Output(unittest.TestCase):
         self.assertEqual(report["scene"], SCENE)
         self.assertIs(report["interrupted"], False)
         self.assertIsNone(report["failed"])
-        self.assertAlmostEqual(report["simulated_s"], TIME, delta=1e-9)
+        self.assertGreaterEqual(report["simulated_s"], TIME - 1e-6)
+        self.assertLess(report["simulated_s"], TIME + 1.001 * report["time_step"]["max"])
         self.assertRegex(report["state_hash"], "^[0-9a-f]{16}$")
         counts = {"particles": 0, "surface": 0}
         for body in report["bodies"]:
@@ -244,6 +259,14 @@ class Output(unittest.TestCase):
             done = run(name, "--time", str(TIME))
             self.assertNotEqual(done.returncode, 0)
             self.assertIn("metrics.csv: writing failed: No space left on device", done.stderr)
+
+    def test_a_file_that_does_not_fit_leaves_nothing(self):
+        with tempfile.TemporaryDirectory() as name:
+            done = run(name, "--time", str(TIME), limit=512)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertRegex(done.stderr, r"\.vtk: writing failed: File too large")
+            self.assertEqual([path.name for path in pathlib.Path(name).iterdir()
+                              if path.suffix in (".tmp", ".vtk")], [])
 
     def test_a_file_in_the_way_is_told(self):
         with tempfile.NamedTemporaryFile() as file:
