@@ -1,0 +1,166 @@
+/* Kernels against slow and obvious references: all pairs, double precision, no lists. */
+#include "support.h"
+
+#include "kernel.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N = 400, B = 150 };
+
+/* Weiler et al. 2016 section 3 as method: W of the cubic spline, written as in Monaghan 1992. */
+static double spline(double r, double H) {
+    double q = r / H, k = 8.0 / (acos(-1.0) * H * H * H);
+    if (q <= 0.5) return k * (6.0 * (q * q * q - q * q) + 1.0);
+    return q <= 1.0 ? k * 2.0 * pow(1.0 - q, 3.0) : 0.0;
+}
+
+static void test_kernel(void **state) {
+    (void)state;
+    struct kernel k = kernel_make(0.4);
+    double integral = 0.0, dr = 1e-4;
+    for (double r = 0.5 * dr; r < 0.4; r += dr) {
+        assert_true(fabs(kernel_value(&k, r) - spline(r, 0.4)) <= 1e-12 * k.value);
+        double slope = (spline(r + 1e-7, 0.4) - spline(r - 1e-7, 0.4)) / 2e-7;
+        assert_true(fabs(kernel_slope(&k, r) * r - slope) <= 1e-6 * k.slope * 0.4);
+        integral += 4.0 * acos(-1.0) * r * r * kernel_value(&k, r) * dr;
+    }
+    assert_true(fabs(integral - 1.0) < 1e-6);
+    assert_true(kernel_value(&k, 0.4) == 0.0 && kernel_slope(&k, 0.5) == 0.0);
+}
+
+struct cloud {
+    double x[3 * N], boundary[3 * B], volume[N + B];
+    bool centre[N];
+};
+
+static void fill_cloud(struct cloud *c, uint64_t seed) {
+    for (int k = 0; k < 3 * N; k++) c->x[k] = 0.5 * test_random(&seed);
+    for (int k = 0; k < 3 * B; k++) c->boundary[k] = 0.6 * test_random(&seed);
+    for (int i = 0; i < N + B; i++) c->volume[i] = i % 10 == 9 && i < N ? 0.0 : 0.001;
+    for (int i = 0; i < N; i++) c->centre[i] = i % 3 != 0 && c->volume[i] > 0.0;
+}
+
+/* Every pair inside the support must be listed, no pair twice, ascending, with its mirror. */
+static void check_lists(const pdyn_neighbours *l, const struct cloud *c, const double *x) {
+    for (int i = 0; i < N; i++) {
+        int s = l->start[i], b = l->boundary_start[i];
+        for (int k = s + 1; k < b; k++) assert_true(l->index[k - 1] < l->index[k]);
+        for (int k = s; k < b; k++) assert_int_equal(l->index[l->mirror[k]], i);
+        for (int k = b + 1; k < l->start[i + 1]; k++) assert_true(l->index[k - 1] < l->index[k]);
+        for (int j = 0; j < N + B; j++) {
+            const double *y = j < N ? x + 3 * j : c->boundary + 3 * (j - N);
+            bool wanted = i != j && c->volume[i] > 0.0 && c->volume[j] > 0.0
+                && (c->centre[i] || (j < N && c->centre[j]))
+                && vec3_distance(x + 3 * i, y) < l->support;
+            int found = 0;
+            for (int k = s; k < l->start[i + 1]; k++) found += l->index[k] == j;
+            assert_true(found <= 1);
+            assert_true(!wanted || found == 1);
+        }
+    }
+}
+
+static void test_neighbours(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    struct cloud *c = malloc(sizeof *c);
+    uint64_t seed = 3;
+    struct neighbours *n;
+    assert_non_null(c);
+    fill_cloud(c, 1);
+    assert_int_equal(neighbours_create(context, N, c->centre, B, c->boundary, c->volume, 0.2, 0.1, &n), PDYN_OK);
+    for (int move = 0; move < 40; move++) { /* a random walk: sometimes within the skin, sometimes not */
+        assert_int_equal(neighbours_update(n, c->x), PDYN_OK);
+        check_lists(neighbours_view(n), c, c->x);
+        for (int k = 0; k < 3 * N; k++) c->x[k] += 0.002 * test_random(&seed);
+    }
+    unsigned revision = neighbours_view(n)->revision;
+    assert_true(revision > 1 && revision < 40); /* kept at times, rebuilt at times */
+    c->x[7] = NAN;
+    assert_int_equal(neighbours_update(n, c->x), PDYN_DIVERGED);
+    neighbours_free(n);
+    free(c);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_surface_volumes(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    double x[3 * 60], volume[60];
+    uint64_t seed = 5;
+    for (int k = 0; k < 180; k++) x[k] = 0.1 * test_random(&seed);
+    assert_int_equal(neighbours_surface_volumes(context, 60, x, 0.08, volume), PDYN_OK);
+    for (int i = 0; i < 60; i++) {
+        double sum = 0.0;
+        for (int j = 0; j < 60; j++) sum += spline(vec3_distance(x + 3 * i, x + 3 * j), 0.08);
+        assert_true(fabs(volume[i] * sum - 1.0) < 1e-12);
+    }
+    pdyn_destroy(context);
+}
+
+static const char *block = "{\"duration\": 1, \"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"w\", \"particles\": {\"radius\": 0.05,"
+    " \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.5, 0.4]}}]},"
+    " \"constraints\": [{\"type\": \"fluid\", \"projection_tolerance\": 1e-10}]}],"
+    " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.5, 0.4]}}]}";
+
+/* C_i by all pairs, with particle k at p + 3 k */
+static double density_error(const pdyn_sim *sim, int i, const double *p) {
+    const pdyn_neighbours *l = neighbours_view(sim->neighbours);
+    double sum = -1.0;
+    for (int j = 0; j < l->points; j++) {
+        const double *y = j < l->particles ? p + 3 * j : l->boundary_x + 3 * (j - l->particles);
+        sum += l->volume[j] * spline(vec3_distance(p + 3 * i, y), l->support);
+    }
+    return sum;
+}
+
+/* The projection of method: every compressed constraint's copies end on its manifold, the others stay;
+ * the first displacement goes along the gradient, C / |grad C|^2 times it. */
+static void test_projection(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, block);
+    int n = sim->system.particles, compressed = 0;
+    double *x = malloc(3 * (size_t)n * sizeof *x), *p = malloc(3 * (size_t)n * sizeof *p), energy;
+    uint64_t seed = 11;
+    assert_true(x && p);
+    for (int k = 0; k < 3 * n; k++) x[k] = 0.99 * sim->x[k] + 0.004 * test_random(&seed);
+    sim->system.h = 0.01;
+    assert_int_equal(system_local(&sim->system, x, &energy, sim->gradient), PDYN_OK);
+    struct batch *rows, *fluid = sim->system.batch[0];
+    assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
+                                  neighbours_view(sim->neighbours), true, &rows), PDYN_OK);
+    batch_local(rows, x, 0.0, sim->gradient);
+    double *density = sim->density;
+    fluid->type->op->density(fluid->op, density);
+    for (int i = 0; i < n; i++) {
+        double before = density_error(sim, i, x);
+        assert_true(fabs(density[i] / 1000.0 - 1.0 - before) < 1e-12);
+        memcpy(p, x, 3 * (size_t)n * sizeof *p);
+        for (int r = rows->view.element_row[i]; r < rows->view.element_row[i + 1]; r++)
+            memcpy(p + 3 * rows->view.column[r], rows->view.p + 3 * r, 3 * sizeof *p);
+        double after = density_error(sim, i, p);
+        compressed += before > 0.0;
+        assert_true(before > 0.0 ? fabs(after) < 1e-9 : after == before);
+    }
+    assert_true(compressed > n / 4 && compressed < n);
+    batch_free(rows);
+    free(x), free(p);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kernel),
+        cmocka_unit_test(test_neighbours),
+        cmocka_unit_test(test_surface_volumes),
+        cmocka_unit_test(test_projection),
+    };
+    return cmocka_run_group_tests_name("kernels", tests, NULL, NULL);
+}

@@ -1,0 +1,235 @@
+/* Physics that is known exactly, and the promises of a step. */
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SHEET(n, more)                                                                                  \
+    "{\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [" n ", " n "]}, "          \
+    "\"translate\": [0.2, 0.55, 0.2], \"area_density\": 0.3}, \"velocity\": [0, 0, 0], \"constraints\": ["     \
+    "{\"type\": \"spring\", \"stretching_stiffness\": 2000}, {\"type\": \"bending\", \"bending_rigidity\": 1e-3}" more "]}"
+#define WATER(box, more)                                                                                \
+    "{\"name\": \"water\", \"particles\": {\"radius\": 0.025, \"fill\": [{\"box\": " box "}]}, " more               \
+    "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5, \"viscosity\": 0.02}]}"
+
+/* Implicit Euler's free fall: x_n = x_0 + n h v_0 + h^2 g n (n + 1) / 2, whatever the constraints. */
+static void test_free_fall(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01},"
+                                       " \"bodies\": [" SHEET("9", "") "]}");
+    const pdyn_state s = pdyn_get_state(sim);
+    double start = s.x[1];
+    for (int n = 1; n <= 50; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        double expected = start - 9.81 * 1e-4 * n * (n + 1) / 2.0;
+        for (int i = 0; i < s.particles; i++) assert_true(fabs(s.x[3 * i + 1] - expected) < 1e-12);
+        assert_true(info.frame && info.time == 0.01 * n);
+        assert_true(fabs(info.momentum[1] + 9.81 * 0.01 * n * 0.3) < 1e-11);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Water thrown at a free sheet: no accuracy setting may touch the momentum. */
+static void test_momentum(void **state) {
+    (void)state;
+    static const char *const solvers[] = {
+        "{\"outer_iterations\": 1, \"linear_iterations\": 3}",
+        "{\"outer_iterations\": 4, \"linear_tolerance\": 0.1}",
+        "{\"step\": \"projective\", \"outer_iterations\": 3}",
+        "{\"step\": \"projective\", \"type\": \"cholesky\", \"outer_iterations\": 3}",
+    };
+    for (size_t k = 0; k < sizeof solvers / sizeof *solvers; k++) {
+        char text[2048];
+        snprintf(text, sizeof text,
+                 "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.005, \"time_step\": {\"fixed\": 0.005},"
+                 " \"solver\": %s, \"bodies\": [%s, %s]}", solvers[k],
+                 WATER("{\"minimum\": [0, 0.6, 0], \"maximum\": [0.4, 0.8, 0.4]}", "\"velocity\": [0.5, -2, 0.25], "),
+                 SHEET("31", ""));
+        pdyn_context *context = test_context(2);
+        pdyn_sim *sim = test_load(context, text);
+        double mass = 0.0, first[3] = {0};
+        const pdyn_state s = pdyn_get_state(sim);
+        for (int i = 0; i < s.particles; i++) mass += s.mass[i], vec3_add(first, s.mass[i], s.v + 3 * i);
+        bool touched = false;
+        for (int n = 0; n < 30; n++) {
+            pdyn_step_info info = test_step(context, sim);
+            touched |= info.constraint_energy > 1e-6;
+            if (vec3_distance(info.momentum, first) > 1e-12 * vec3_length(first))
+                fail_msg("solver %zu, step %d: momentum moved by %g of %g", k, n,
+                         vec3_distance(info.momentum, first), vec3_length(first));
+        }
+        assert_true(touched && mass > 30.0);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
+/* A full tank at rest stays at rest: still, inside, at its height, the floor carrying the weight. */
+static void test_hydrostatic_rest(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context,
+        "{\"duration\": 2, \"frame_interval\": 0.02, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0.01,"
+        " \"linear_tolerance\": 0.01}, \"bodies\": [" WATER("{\"minimum\": [0, 0, 0], \"maximum\": [0.4, 0.5, 0.4]}", "") "],"
+        " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.4, 0.8, 0.4]}, \"open\": [\"+y\"]}]}");
+    const pdyn_state s = pdyn_get_state(sim);
+    pdyn_step_info info;
+    while (pdyn_time(sim) < 1.0) info = test_step(context, sim);
+    double top = 0.0;
+    for (int i = 0; i < s.particles; i++) {
+        for (int a = 0; a < 3; a += 2) assert_true(s.x[3 * i + a] > -0.01 && s.x[3 * i + a] < 0.41);
+        assert_true(s.x[3 * i + 1] > -0.01);
+        top = fmax(top, s.x[3 * i + 1] + 0.025);
+    }
+    assert_true(fabs(top - 0.5) < 0.05); /* a spacing */
+    assert_true(info.density_error_mean < 1e-3 && info.density_error_max < 1e-2);
+    assert_true(info.kinetic_energy < 1e-3 * info.potential_energy);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A hanging sheet at rest: the pins carry its weight, by the gradient of all else at the pins. */
+static void test_pin_reaction(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context,
+        "{\"duration\": 60, \"frame_interval\": 0.05, \"time_step\": {\"fixed\": 0.05}, \"solver\": {\"tolerance\": 1e-6,"
+        " \"linear_tolerance\": 1e-3, \"outer_iterations\": 100}, \"bodies\": [" SHEET("9", ", {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 8]}}") "]}");
+    pdyn_step_info info;
+    for (int n = 0; n < 400; n++) info = test_step(context, sim);
+    assert_true(info.kinetic_energy < 1e-6);
+    assert_true(fabs(info.pin_reaction[1] / (0.3 * 9.81) - 1.0) < 0.005);
+    assert_true(fabs(info.pin_reaction[0]) < 0.01 && fabs(info.pin_reaction[2]) < 0.01);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A pinned point follows its path. */
+static void test_pin_path(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context,
+        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01}, \"solver\":"
+        " {\"tolerance\": 1e-6}, \"bodies\": [" SHEET("5", ", {\"type\": \"pin\", \"vertices\": {\"all\": true}, \"path\": "
+        "[[0, 0, 0, 0], [0.1, 1, 0, 0], [0.2, 1, 2, 0]]}") "]}");
+    const pdyn_state s = pdyn_get_state(sim);
+    double start[3] = {s.x[0], s.x[1], s.x[2]};
+    for (int n = 1; n <= 30; n++) {
+        test_step(context, sim);
+        double t = 0.01 * n, expected[3] = {start[0] + fmin(1.0, 10.0 * t),
+                                            start[1] + 20.0 * fmin(0.1, fmax(0.0, t - 0.1)), start[2]};
+        assert_true(vec3_distance(s.x, expected) < 1e-3);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A coupled scene large enough for many parallel blocks: the same bits for any number of threads. */
+static void test_threads(void **state) {
+    (void)state;
+    static const int threads[] = {1, 2, 3, 8};
+    uint64_t hash[4];
+    for (int k = 0; k < 4; k++) {
+        pdyn_context *context = test_context(threads[k]);
+        pdyn_sim *sim = test_load(context,
+            "{\"duration\": 1, \"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.5, 0.9, 0.5]}", "") ", " SHEET("41", ", {\"type\": \"pin\", \"vertices\": {\"border\": true}}") "],"
+            " \"solids\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, \"open\": [\"+y\"]}]}");
+        for (int n = 0; n < 12; n++) test_step(context, sim);
+        hash[k] = pdyn_state_hash(sim);
+        pdyn_free(sim);
+        assert_int_equal(pdyn_bytes_in_use(context), 0);
+        pdyn_destroy(context);
+        assert_true(hash[k] == hash[0]);
+    }
+}
+
+/* A state that leaves the numbers fails, and the last good one stays. */
+static void test_divergence(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, "{\"duration\": 100, \"frame_interval\": 10, \"time_step\": {\"fixed\": 10}, \"bodies\": ["
+        WATER("{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}", "\"velocity\": [1e6, 0, 0], ") "]}");
+    uint64_t before = pdyn_state_hash(sim);
+    pdyn_step_info info;
+    assert_int_equal(pdyn_step(sim, &info), PDYN_DIVERGED);
+    assert_non_null(strstr(pdyn_last_error(context), "diverged"));
+    assert_true(pdyn_state_hash(sim) == before);
+    assert_int_equal(pdyn_step(sim, &info), PDYN_BAD_CALL);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+struct counter {
+    long calls, budget; /* budget < 0: no limit */
+};
+
+static void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
+    struct counter *counter = user;
+    (void)old_size;
+    if (!new_size) {
+        free(block);
+        return NULL;
+    }
+    __atomic_fetch_add(&counter->calls, 1, __ATOMIC_RELAXED);
+    if (counter->budget >= 0 && counter->calls > counter->budget) return NULL;
+    return realloc(block, new_size);
+}
+
+static const char *coupled = "{\"duration\": 1, \"time_step\": {\"fixed\": 0.002}, \"frame_interval\": 0.002, \"bodies\": ["
+    WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.2, 0.7, 0.2]}", "") ", " SHEET("21", ", {\"type\": \"pin\", \"vertices\": {\"border\": true}}") "],"
+    " \"solids\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, \"open\": [\"+y\"]}]}";
+
+/* No allocation in a warmed-up step. */
+static void test_no_allocation(void **state) {
+    (void)state;
+    struct counter counter = {0, -1};
+    pdyn_options options = pdyn_default_options();
+    pdyn_context *context;
+    options.threads = 2, options.allocate = count_allocation, options.allocate_user = &counter;
+    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    pdyn_sim *sim = test_load(context, coupled);
+    for (int n = 0; n < 60; n++) test_step(context, sim);
+    long before = counter.calls;
+    for (int n = 0; n < 20; n++) test_step(context, sim);
+    assert_int_equal(counter.calls, before);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+/* An allocator that fails at the k-th call, for every k: an error, no crash, nothing kept. */
+static void test_failing_allocator(void **state) {
+    (void)state;
+    for (long budget = 1;; budget++) {
+        struct counter counter = {0, budget};
+        pdyn_options options = pdyn_default_options();
+        pdyn_context *context;
+        pdyn_sim *sim = NULL;
+        options.threads = 1, options.allocate = count_allocation, options.allocate_user = &counter;
+        assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+        pdyn_status status = pdyn_load_text(context, coupled, "test", NULL, 0, &sim);
+        if (status == PDYN_OK) status = pdyn_step(sim, NULL);
+        assert_true(status == PDYN_OK || status == PDYN_NO_MEMORY);
+        pdyn_free(sim);
+        assert_int_equal(pdyn_bytes_in_use(context), 0);
+        pdyn_destroy(context);
+        if (status == PDYN_OK) break;
+        assert_true(budget < 10000);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_free_fall),    cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_pin_reaction),
+        cmocka_unit_test(test_pin_path),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_divergence),   cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_failing_allocator),
+    };
+    return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
+}
