@@ -1,5 +1,6 @@
-/* Every registered constraint type, with every registered solver: nothing here names one. A scene is
- * written from the type's own parameter table, so a new type is covered without a line of test. */
+/* Every registered constraint type, with every registered solver: nothing here names one. A scene
+ * is written from the type's own parameter table, so a new type is covered without a line of test.
+ */
 #include "support.h"
 
 #include "assemble.h"
@@ -9,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- a small scene for any type --------------------------------------------------------------- */
+/* ---- a small scene for any type ---------------------------------------------------------------
+ */
 
 static double value_for(const pdyn_param *p) {
     if (!p->required) return p->def;
@@ -20,27 +22,32 @@ static int write_params(char *text, int size, const pdyn_constraint_type *type) 
     int n = 0;
     for (const pdyn_param *p = type->params; p->name; p++) {
         if (p->kind == PDYN_VERTICES)
-            n += snprintf(text + n, (size_t)(size - n), ", \"%s\": {\"vertices\": [0, 4]}", p->name);
+            n +=
+                snprintf(text + n, (size_t)(size - n), ", \"%s\": {\"vertices\": [0, 4]}", p->name);
         if (p->kind == PDYN_REAL)
             n += snprintf(text + n, (size_t)(size - n), ", \"%s\": %.17g", p->name, value_for(p));
     }
     return n;
 }
 
-static const char *scene_for(const pdyn_constraint_type *type, const char *solver, const char *step) {
+static const char *scene_for(const pdyn_constraint_type *type, const char *solver,
+                             const char *step) {
     static char text[4096];
     char params[1024] = "";
     write_params(params, sizeof params, type);
-    const char *surface = "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [5, 6]}, \"rotate\": [20, 30, 10],"
+    const char *surface = "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [5, 6]}, "
+                          "\"rotate\": [20, 30, 10],"
                           " \"area_density\": 0.3}";
-    const char *particles = "\"particles\": {\"radius\": 0.05, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"
-                            " \"maximum\": [0.41, 0.31, 0.31]}}]}";
+    const char *particles =
+        "\"particles\": {\"radius\": 0.05, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"
+        " \"maximum\": [0.41, 0.31, 0.31]}}]}";
     snprintf(text, sizeof text,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
              " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", \"linear_tolerance\": 1e-12,"
              " \"tolerance\": 1e-6, \"linear_iterations\": 100000},"
              " \"bodies\": [{\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}]}",
-             solver, step, type->flags & PDYN_ON_PARTICLES ? particles : surface, type->name, params);
+             solver, step, type->flags & PDYN_ON_PARTICLES ? particles : surface, type->name,
+             params);
     return text;
 }
 
@@ -75,7 +82,8 @@ static struct trial start(const pdyn_constraint_type *type, const char *solver, 
     assert_int_equal(system_local(&t.sim->system, t.x, &energy, t.gradient), PDYN_OK);
     if (type->op)
         assert_int_equal(batch_create(t.context, type, t.batch->params, t.batch->view.body, NULL,
-                                      neighbours_view(t.sim->neighbours), true, &t.rows), PDYN_OK);
+                                      neighbours_view(t.sim->neighbours), true, &t.rows),
+                         PDYN_OK);
     return t;
 }
 
@@ -105,7 +113,8 @@ static void each_type(void (*check)(const pdyn_constraint_type *type)) {
     for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) check(*t);
 }
 
-/* ---- the mathematics -------------------------------------------------------------------------- */
+/* ---- the mathematics --------------------------------------------------------------------------
+ */
 
 static double energy_at(struct trial *t, const double *x) {
     double energy, *scratch = array(t->n);
@@ -114,8 +123,8 @@ static double energy_at(struct trial *t, const double *x) {
     return energy;
 }
 
-/* The gradient is that of the energy. Projections that are found by iteration are closest points only
- * to second order, hence the tolerance. */
+/* The gradient is that of the energy. Projections that are found by iteration are closest points
+ * only to second order, hence the tolerance. */
 static void check_gradient(const pdyn_constraint_type *type) {
     struct trial t = start(type, "auto", 0.002);
     double *moved = array(t.n), h = 1e-6;
@@ -130,8 +139,8 @@ static void check_gradient(const pdyn_constraint_type *type) {
     finish(&t);
 }
 
-/* Projecting what is projected changes nothing, and a projection never lengthens a difference to the
- * manifold that it claims to remove: u - p vanishes at p. */
+/* Projecting what is projected changes nothing, and a projection never lengthens a difference to
+ * the manifold that it claims to remove: u - p vanishes at p. */
 static void check_projection(const pdyn_constraint_type *type) {
     struct trial t = start(type, "auto", 0.002);
     batch_local(t.rows, t.x, 0.0, t.y);
@@ -158,9 +167,11 @@ static void check_bounds(const pdyn_constraint_type *type) {
         double *hz = array(t.n);
         system_apply(&t.sim->system, t.u, t.y);
         system_apply(&t.sim->system, t.z, hz);
-        assert_true(fabs(dot(t.z, t.y, t.n) - dot(t.u, hz, t.n)) <= 1e-10 * norm(t.y, t.n) * norm(t.z, t.n));
+        assert_true(fabs(dot(t.z, t.y, t.n) - dot(t.u, hz, t.n)) <=
+                    1e-10 * norm(t.y, t.n) * norm(t.z, t.n));
         double quadratic = dot(t.u, t.y, t.n), inertia = 0.0;
-        for (int i = 0; i < t.n; i++) inertia += t.sim->system.mass[i / 3] * t.u[i] * t.u[i] / (0.004 * 0.004);
+        for (int i = 0; i < t.n; i++)
+            inertia += t.sim->system.mass[i / 3] * t.u[i] * t.u[i] / (0.004 * 0.004);
         assert_true(quadratic >= inertia * (1.0 - 1e-12));
         assert_true(quadratic >= last * (1.0 - 1e-12)); /* grows with the damping */
         last = quadratic;
@@ -182,7 +193,8 @@ static void check_diagonal(const pdyn_constraint_type *type) {
         system_apply(&t.sim->system, t.z, t.y);
         for (int b = 0; b < 6; b++)
             if (column[b] == i % 3)
-                assert_true(fabs(t.y[i / 3 * 3 + row[b]] - blocks[i / 3 * 6 + b]) <= 1e-10 * fabs(t.y[i]));
+                assert_true(fabs(t.y[i / 3 * 3 + row[b]] - blocks[i / 3 * 6 + b]) <=
+                            1e-10 * fabs(t.y[i]));
     }
     free(blocks);
     finish(&t);
@@ -210,7 +222,8 @@ static void check_tiers(const pdyn_constraint_type *type) {
     finish(&t);
 }
 
-/* ---- the contract ------------------------------------------------------------------------------ */
+/* ---- the contract ------------------------------------------------------------------------------
+ */
 
 /* Callbacks write to their own range only, and give the same rows each time. */
 static void check_ranges(const pdyn_constraint_type *type) {
@@ -233,7 +246,8 @@ static void check_ranges(const pdyn_constraint_type *type) {
     finish(&t);
 }
 
-/* ---- with every solver ------------------------------------------------------------------------- */
+/* ---- with every solver -------------------------------------------------------------------------
+ */
 
 /* All solvers give the solution of the same system to 1e-8. */
 static void check_solvers(const pdyn_constraint_type *type) {
@@ -242,18 +256,22 @@ static void check_solvers(const pdyn_constraint_type *type) {
         for (const struct solver_type *const *s = registry_solvers(); *s; s++) {
             struct trial t = start(type, (*s)->name, 0.002);
             int iterations = 0;
-            assert_int_equal(system_linearise(&t.sim->system, damped && !type->op ? 1.0 : 0.0), PDYN_OK);
+            assert_int_equal(system_linearise(&t.sim->system, damped && !type->op ? 1.0 : 0.0),
+                             PDYN_OK);
             memset(t.y, 0, (size_t)t.n * sizeof *t.y);
-            assert_int_equal((*s)->solve(t.sim->solver_state, t.u, t.y, 1e-13, 100000, &iterations), PDYN_OK);
+            assert_int_equal((*s)->solve(t.sim->solver_state, t.u, t.y, 1e-13, 100000, &iterations),
+                             PDYN_OK);
             system_apply(&t.sim->system, t.y, t.z);
             if (distance(t.z, t.u, t.n) > 1e-8 * norm(t.u, t.n))
-                fail_msg("%s with %s: residual %g", type->name, (*s)->name, distance(t.z, t.u, t.n) / norm(t.u, t.n));
+                fail_msg("%s with %s: residual %g", type->name, (*s)->name,
+                         distance(t.z, t.u, t.n) / norm(t.u, t.n));
             if (!first) {
                 first = array(t.n);
                 memcpy(first, t.y, (size_t)t.n * sizeof *first);
             }
             if (distance(first, t.y, t.n) > 1e-8 * norm(first, t.n))
-                fail_msg("%s: %s differs by %g", type->name, (*s)->name, distance(first, t.y, t.n) / norm(first, t.n));
+                fail_msg("%s: %s differs by %g", type->name, (*s)->name,
+                         distance(first, t.y, t.n) / norm(first, t.n));
             finish(&t);
         }
         free(first);
@@ -291,8 +309,9 @@ static void test_steps(void **state) { (void)state, each_type(check_steps); }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gradients), cmocka_unit_test(test_projections), cmocka_unit_test(test_bounds),
-        cmocka_unit_test(test_diagonals), cmocka_unit_test(test_tiers),       cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_gradients), cmocka_unit_test(test_projections),
+        cmocka_unit_test(test_bounds),    cmocka_unit_test(test_diagonals),
+        cmocka_unit_test(test_tiers),     cmocka_unit_test(test_ranges),
         cmocka_unit_test(test_solvers),   cmocka_unit_test(test_steps),
     };
     return cmocka_run_group_tests_name("conformance", tests, NULL, NULL);

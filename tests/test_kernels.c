@@ -53,9 +53,9 @@ static void check_lists(const pdyn_neighbours *l, const struct cloud *c, const d
         for (int k = b + 1; k < l->start[i + 1]; k++) assert_true(l->index[k - 1] < l->index[k]);
         for (int j = 0; j < N + B; j++) {
             const double *y = j < N ? x + 3 * j : c->boundary + 3 * (j - N);
-            bool wanted = i != j && c->volume[i] > 0.0 && c->volume[j] > 0.0
-                && (c->centre[i] || (j < N && c->centre[j]))
-                && vec3_distance(x + 3 * i, y) < l->support;
+            bool wanted = i != j && c->volume[i] > 0.0 && c->volume[j] > 0.0 &&
+                          (c->centre[i] || (j < N && c->centre[j])) &&
+                          vec3_distance(x + 3 * i, y) < l->support;
             int found = 0;
             for (int k = s; k < l->start[i + 1]; k++) found += l->index[k] == j;
             assert_true(found <= 1);
@@ -72,8 +72,10 @@ static void test_neighbours(void **state) {
     struct neighbours *n;
     assert_non_null(c);
     fill_cloud(c, 1);
-    assert_int_equal(neighbours_create(context, N, c->centre, B, c->boundary, c->volume, 0.2, 0.1, &n), PDYN_OK);
-    for (int move = 0; move < 40; move++) { /* a random walk: sometimes within the skin, sometimes not */
+    assert_int_equal(
+        neighbours_create(context, N, c->centre, B, c->boundary, c->volume, 0.2, 0.1, &n), PDYN_OK);
+    for (int move = 0; move < 40;
+         move++) { /* a random walk: sometimes within the skin, sometimes not */
         assert_int_equal(neighbours_update(n, c->x), PDYN_OK);
         check_lists(neighbours_view(n), c, c->x);
         for (int k = 0; k < 3 * N; k++) c->x[k] += 0.002 * test_random(&seed);
@@ -103,7 +105,9 @@ static void test_surface_volumes(void **state) {
     pdyn_destroy(context);
 }
 
-static const char *block = "{\"duration\": 1, \"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"w\", \"particles\": {\"radius\": 0.05,"
+static const char *block =
+    "{\"duration\": 1, \"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"w\", \"particles\": "
+    "{\"radius\": 0.05,"
     " \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.5, 0.4]}}]},"
     " \"constraints\": [{\"type\": \"fluid\", \"projection_tolerance\": 1e-10}]}],"
     " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.5, 0.4]}}]}";
@@ -119,8 +123,8 @@ static double density_error(const pdyn_sim *sim, int i, const double *p) {
     return sum;
 }
 
-/* The projection of method: every compressed constraint's copies end on its manifold, the others stay;
- * the first displacement goes along the gradient, C / |grad C|^2 times it. */
+/* The projection of method: every compressed constraint's copies end on its manifold, the others
+ * stay; the first displacement goes along the gradient, C / |grad C|^2 times it. */
 static void test_projection(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -134,7 +138,8 @@ static void test_projection(void **state) {
     assert_int_equal(system_local(&sim->system, x, &energy, sim->gradient), PDYN_OK);
     struct batch *rows, *fluid = sim->system.batch[0];
     assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
-                                  neighbours_view(sim->neighbours), true, &rows), PDYN_OK);
+                                  neighbours_view(sim->neighbours), true, &rows),
+                     PDYN_OK);
     batch_local(rows, x, 0.0, sim->gradient);
     double *density = sim->density;
     fluid->type->op->density(fluid->op, density);

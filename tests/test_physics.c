@@ -7,20 +7,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHEET(n, more)                                                                                  \
-    "{\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [" n ", " n "]}, "          \
-    "\"translate\": [0.2, 0.55, 0.2], \"area_density\": 0.3}, \"velocity\": [0, 0, 0], \"constraints\": ["     \
-    "{\"type\": \"spring\", \"stretching_stiffness\": 2000}, {\"type\": \"bending\", \"bending_rigidity\": 1e-3}" more "]}"
-#define WATER(box, more)                                                                                \
-    "{\"name\": \"water\", \"particles\": {\"radius\": 0.025, \"fill\": [{\"box\": " box "}]}, " more               \
+#define SHEET(n, more)                                                                             \
+    "{\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [" n ", " n    \
+    "]}, "                                                                                         \
+    "\"translate\": [0.2, 0.55, 0.2], \"area_density\": 0.3}, \"velocity\": [0, 0, 0], "           \
+    "\"constraints\": ["                                                                           \
+    "{\"type\": \"spring\", \"stretching_stiffness\": 2000}, {\"type\": \"bending\", "             \
+    "\"bending_rigidity\": 1e-3}" more "]}"
+#define WATER(box, more)                                                                           \
+    "{\"name\": \"water\", \"particles\": {\"radius\": 0.025, \"fill\": [{\"box\": " box           \
+    "}]}, " more                                                                                   \
     "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5, \"viscosity\": 0.02}]}"
 
-/* Implicit Euler's free fall: x_n = x_0 + n h v_0 + h^2 g n (n + 1) / 2, whatever the constraints. */
+/* Implicit Euler's free fall: x_n = x_0 + n h v_0 + h^2 g n (n + 1) / 2, whatever the constraints.
+ */
 static void test_free_fall(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    pdyn_sim *sim = test_load(context, "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01},"
-                                       " \"bodies\": [" SHEET("9", "") "]}");
+    pdyn_sim *sim = test_load(
+        context, "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01},"
+                 " \"bodies\": [" SHEET("9", "") "]}");
     const pdyn_state s = pdyn_get_state(sim);
     double start = s.x[1];
     for (int n = 1; n <= 50; n++) {
@@ -46,15 +52,19 @@ static void test_momentum(void **state) {
     for (size_t k = 0; k < sizeof solvers / sizeof *solvers; k++) {
         char text[2048];
         snprintf(text, sizeof text,
-                 "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.005, \"time_step\": {\"fixed\": 0.005},"
-                 " \"solver\": %s, \"bodies\": [%s, %s]}", solvers[k],
-                 WATER("{\"minimum\": [0, 0.6, 0], \"maximum\": [0.4, 0.8, 0.4]}", "\"velocity\": [0.5, -2, 0.25], "),
+                 "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.005, "
+                 "\"time_step\": {\"fixed\": 0.005},"
+                 " \"solver\": %s, \"bodies\": [%s, %s]}",
+                 solvers[k],
+                 WATER("{\"minimum\": [0, 0.6, 0], \"maximum\": [0.4, 0.8, 0.4]}",
+                       "\"velocity\": [0.5, -2, 0.25], "),
                  SHEET("31", ""));
         pdyn_context *context = test_context(2);
         pdyn_sim *sim = test_load(context, text);
         double mass = 0.0, first[3] = {0};
         const pdyn_state s = pdyn_get_state(sim);
-        for (int i = 0; i < s.particles; i++) mass += s.mass[i], vec3_add(first, s.mass[i], s.v + 3 * i);
+        for (int i = 0; i < s.particles; i++)
+            mass += s.mass[i], vec3_add(first, s.mass[i], s.v + 3 * i);
         bool touched = false;
         for (int n = 0; n < 30; n++) {
             pdyn_step_info info = test_step(context, sim);
@@ -69,14 +79,19 @@ static void test_momentum(void **state) {
     }
 }
 
-/* A full tank at rest stays at rest: still, inside, at its height, the floor carrying the weight. */
+/* A full tank at rest stays at rest: still, inside, at its height, the floor carrying the weight.
+ */
 static void test_hydrostatic_rest(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    pdyn_sim *sim = test_load(context,
-        "{\"duration\": 2, \"frame_interval\": 0.02, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0.01,"
-        " \"linear_tolerance\": 0.01}, \"bodies\": [" WATER("{\"minimum\": [0, 0, 0], \"maximum\": [0.4, 0.5, 0.4]}", "") "],"
-        " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.4, 0.8, 0.4]}, \"open\": [\"+y\"]}]}");
+    pdyn_sim *sim =
+        test_load(context, "{\"duration\": 2, \"frame_interval\": 0.02, \"time_step\": "
+                           "{\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0.01,"
+                           " \"linear_tolerance\": 0.01}, \"bodies\": [" WATER(
+                               "{\"minimum\": [0, 0, 0], \"maximum\": [0.4, 0.5, 0.4]}",
+                               "") "],"
+                                   " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
+                                   "[0.4, 0.8, 0.4]}, \"open\": [\"+y\"]}]}");
     const pdyn_state s = pdyn_get_state(sim);
     pdyn_step_info info;
     while (pdyn_time(sim) < 1.0) info = test_step(context, sim);
@@ -97,9 +112,11 @@ static void test_hydrostatic_rest(void **state) {
 static void test_pin_reaction(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    pdyn_sim *sim = test_load(context,
-        "{\"duration\": 60, \"frame_interval\": 0.05, \"time_step\": {\"fixed\": 0.05}, \"solver\": {\"tolerance\": 1e-6,"
-        " \"linear_tolerance\": 1e-3, \"outer_iterations\": 100}, \"bodies\": [" SHEET("9", ", {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 8]}}") "]}");
+    pdyn_sim *sim = test_load(
+        context, "{\"duration\": 60, \"frame_interval\": 0.05, \"time_step\": {\"fixed\": 0.05}, "
+                 "\"solver\": {\"tolerance\": 1e-6,"
+                 " \"linear_tolerance\": 1e-3, \"outer_iterations\": 100}, \"bodies\": [" SHEET(
+                     "9", ", {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 8]}}") "]}");
     pdyn_step_info info;
     for (int n = 0; n < 400; n++) info = test_step(context, sim);
     assert_true(info.kinetic_energy < 1e-6);
@@ -113,32 +130,42 @@ static void test_pin_reaction(void **state) {
 static void test_pin_path(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context,
-        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01}, \"solver\":"
-        " {\"tolerance\": 1e-6}, \"bodies\": [" SHEET("5", ", {\"type\": \"pin\", \"vertices\": {\"all\": true}, \"path\": "
-        "[[0, 0, 0, 0], [0.1, 1, 0, 0], [0.2, 1, 2, 0]]}") "]}");
+    pdyn_sim *sim = test_load(
+        context, "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.01, "
+                 "\"time_step\": {\"fixed\": 0.01}, \"solver\":"
+                 " {\"tolerance\": 1e-6}, \"bodies\": [" SHEET(
+                     "5", ", {\"type\": \"pin\", \"vertices\": {\"all\": true}, \"path\": "
+                          "[[0, 0, 0, 0], [0.1, 1, 0, 0], [0.2, 1, 2, 0]]}") "]}");
     const pdyn_state s = pdyn_get_state(sim);
     double start[3] = {s.x[0], s.x[1], s.x[2]};
     for (int n = 1; n <= 30; n++) {
         test_step(context, sim);
-        double t = 0.01 * n, expected[3] = {start[0] + fmin(1.0, 10.0 * t),
-                                            start[1] + 20.0 * fmin(0.1, fmax(0.0, t - 0.1)), start[2]};
+        double t = 0.01 * n,
+               expected[3] = {start[0] + fmin(1.0, 10.0 * t),
+                              start[1] + 20.0 * fmin(0.1, fmax(0.0, t - 0.1)), start[2]};
         assert_true(vec3_distance(s.x, expected) < 1e-3);
     }
     pdyn_free(sim);
     pdyn_destroy(context);
 }
 
-/* A coupled scene large enough for many parallel blocks: the same bits for any number of threads. */
+/* A coupled scene large enough for many parallel blocks: the same bits for any number of threads.
+ */
 static void test_threads(void **state) {
     (void)state;
     static const int threads[] = {1, 2, 3, 8};
     uint64_t hash[4];
     for (int k = 0; k < 4; k++) {
         pdyn_context *context = test_context(threads[k]);
-        pdyn_sim *sim = test_load(context,
-            "{\"duration\": 1, \"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.5, 0.9, 0.5]}", "") ", " SHEET("41", ", {\"type\": \"pin\", \"vertices\": {\"border\": true}}") "],"
-            " \"solids\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, \"open\": [\"+y\"]}]}");
+        pdyn_sim *sim = test_load(
+            context, "{\"duration\": 1, \"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": "
+                     "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.5, 0.9, 0.5]}",
+                               "") ", " SHEET("41",
+                                              ", {\"type\": \"pin\", \"vertices\": {\"border\": "
+                                              "true}}") "],"
+                                                        " \"solids\": [{\"box\": {\"minimum\": "
+                                                        "[-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, "
+                                                        "\"open\": [\"+y\"]}]}");
         for (int n = 0; n < 12; n++) test_step(context, sim);
         hash[k] = pdyn_state_hash(sim);
         pdyn_free(sim);
@@ -152,8 +179,10 @@ static void test_threads(void **state) {
 static void test_divergence(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, "{\"duration\": 100, \"frame_interval\": 10, \"time_step\": {\"fixed\": 10}, \"bodies\": ["
-        WATER("{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}", "\"velocity\": [1e6, 0, 0], ") "]}");
+    pdyn_sim *sim = test_load(
+        context, "{\"duration\": 100, \"frame_interval\": 10, \"time_step\": {\"fixed\": 10}, "
+                 "\"bodies\": [" WATER("{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}",
+                                       "\"velocity\": [1e6, 0, 0], ") "]}");
     uint64_t before = pdyn_state_hash(sim);
     pdyn_step_info info;
     assert_int_equal(pdyn_step(sim, &info), PDYN_DIVERGED);
@@ -180,9 +209,15 @@ static void *count_allocation(void *user, void *block, size_t old_size, size_t n
     return realloc(block, new_size);
 }
 
-static const char *coupled = "{\"duration\": 1, \"time_step\": {\"fixed\": 0.002}, \"frame_interval\": 0.002, \"bodies\": ["
-    WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.2, 0.7, 0.2]}", "") ", " SHEET("21", ", {\"type\": \"pin\", \"vertices\": {\"border\": true}}") "],"
-    " \"solids\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, \"open\": [\"+y\"]}]}";
+static const char *coupled =
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.002}, \"frame_interval\": 0.002, \"bodies\": "
+    "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.2, 0.7, 0.2]}", "") ", " SHEET(
+        "21",
+        ", {\"type\": \"pin\", \"vertices\": {\"border\": true}}") "],"
+                                                                   " \"solids\": [{\"box\": "
+                                                                   "{\"minimum\": [-1, 0, -1], "
+                                                                   "\"maximum\": [1.4, 1, 1.4]}, "
+                                                                   "\"open\": [\"+y\"]}]}";
 
 /* No allocation in a warmed-up step. */
 static void test_no_allocation(void **state) {
@@ -225,10 +260,10 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),    cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_pin_reaction),
-        cmocka_unit_test(test_pin_path),     cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_divergence),   cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_free_fall),         cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest),  cmocka_unit_test(test_pin_reaction),
+        cmocka_unit_test(test_pin_path),          cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_divergence),        cmocka_unit_test(test_no_allocation),
         cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);

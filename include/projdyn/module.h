@@ -6,7 +6,8 @@
  * and assembly from these:
  *
  *     E(x)  = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum w/2 |G x - p|^2
- *     H     = M/h^2 + sum w G' ((1 - eps)(I - J) + eps I) G      eps = 1: classic Projective Dynamics
+ *     H     = M/h^2 + sum w G' ((1 - eps)(I - J) + eps I) G      eps = 1: classic Projective
+ * Dynamics
  *
  * Callbacks work on a range of elements [first, last), write only what belongs to these, may run on
  * any thread and in any order, keep no state of their own and never fail.
@@ -43,11 +44,11 @@ typedef struct pdyn_path { /* piecewise linear; the first and last values hold o
 typedef struct pdyn_param {
     const char *name;
     pdyn_param_kind kind;
-    size_t offset;      /* in the parameter struct */
-    bool required;      /* no default: the scene must give it */
-    double def;         /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and each entry of PDYN_VECTOR */
-    double min, max;    /* bounds, inclusive, of the same */
-    const char *unit;   /* "N/m", "1" for a ratio, "" where there is none */
+    size_t offset;    /* in the parameter struct */
+    bool required;    /* no default: the scene must give it */
+    double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and each entry of PDYN_VECTOR */
+    double min, max;  /* bounds, inclusive, of the same */
+    const char *unit; /* "N/m", "1" for a ratio, "" where there is none */
     const char *doc;
 } pdyn_param;
 
@@ -63,7 +64,7 @@ typedef struct pdyn_body {
     double area_density; /* kg/m^2; 0 for particles */
     /* the rest is empty for a body of particles; vertices count from the body's first */
     int triangles;
-    const int *triangle; /* triangles x 3 */
+    const int *triangle;       /* triangles x 3 */
     const double *vertex_area; /* count: a third of the adjacent triangles' areas, m^2 */
     int edges;
     const int *edge;          /* edges x 2, ascending */
@@ -79,15 +80,15 @@ typedef struct pdyn_body {
 typedef struct pdyn_batch { /* one constraint type on one body; core owns all arrays */
     const pdyn_body *body;
     int elements;
-    const int *element_row; /* elements + 1: first row of each element */
-    const int *row_entry;   /* rows + 1: first entry of each row */
-    int *column;            /* entries: particle in the system */
-    double *coefficient;    /* entries */
-    double *weight;         /* elements, N/m, >= 0 */
-    void *data;             /* elements x data_size: the type's own */
-    double time;            /* s, at the end of the step */
-    const double *u;        /* rows x 3: G x */
-    double *p;              /* rows x 3: the projection of u */
+    const int *element_row;                   /* elements + 1: first row of each element */
+    const int *row_entry;                     /* rows + 1: first entry of each row */
+    int *column;                              /* entries: particle in the system */
+    double *coefficient;                      /* entries */
+    double *weight;                           /* elements, N/m, >= 0 */
+    void *data;                               /* elements x data_size: the type's own */
+    double time;                              /* s, at the end of the step */
+    const double *u;                          /* rows x 3: G x */
+    double *p;                                /* rows x 3: the projection of u */
     const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
 } pdyn_batch;
 
@@ -106,16 +107,16 @@ typedef struct pdyn_services { /* what core offers to an operator */
 
 /* Points that take part in SPH sums: particles of the system first, then static boundary points. */
 typedef struct pdyn_neighbours {
-    double support;        /* m: pairs closer than this are all listed */
-    int particles;         /* of the system */
-    int points;            /* particles + boundary points */
-    const double *volume;  /* points, m^3: rest volume; 0 for what takes no part */
-    const double *boundary_x; /* (points - particles) x 3 */
-    const int *start;      /* particles + 1: first neighbour of each */
+    double support;            /* m: pairs closer than this are all listed */
+    int particles;             /* of the system */
+    int points;                /* particles + boundary points */
+    const double *volume;      /* points, m^3: rest volume; 0 for what takes no part */
+    const double *boundary_x;  /* (points - particles) x 3 */
+    const int *start;          /* particles + 1: first neighbour of each */
     const int *boundary_start; /* particles: first boundary neighbour; they end at start[i + 1] */
-    const int *index;      /* the neighbours; particles ascending, then boundary points ascending */
-    const int *mirror;     /* for a particle pair (i, j): where (j, i) stands in index */
-    unsigned revision;     /* moves when the lists do */
+    const int *index;  /* the neighbours; particles ascending, then boundary points ascending */
+    const int *mirror; /* for a particle pair (i, j): where (j, i) stands in index */
+    unsigned revision; /* moves when the lists do */
 } pdyn_neighbours;
 
 typedef struct pdyn_operator {
@@ -128,9 +129,10 @@ typedef struct pdyn_operator {
     double (*local)(void *self, const double *x, double *gradient);
     /* y += w G' ((1 - eps)(I - J) + eps I) G u at the x of the last local step. */
     void (*apply)(void *self, double eps, const double *u, double *y);
-    /* One-sided constraints: takes the active set from the linear model at x + d, so that `apply` and
-     * `diagonal` work with it until the next local step, and adds to y the change of the model's
-     * gradient from x to x + d. Returns how many constraints changed sides. NULL: none can. */
+    /* One-sided constraints: takes the active set from the linear model at x + d, so that `apply`
+     * and `diagonal` work with it until the next local step, and adds to y the change of the
+     * model's gradient from x to x + d. Returns how many constraints changed sides. NULL: none can.
+     */
     int (*predict)(void *self, double eps, const double *d, double *y);
     /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
     void (*diagonal)(void *self, double eps, double *blocks);
@@ -142,11 +144,11 @@ typedef struct pdyn_operator {
 
 /* ---- the constraint table ------------------------------------------------------------------- */
 
-enum { /* pdyn_constraint_type.flags */
-    PDYN_ANCHORED = 1,    /* its force on the particles does not sum to zero (pins, walls) */
-    PDYN_ON_SURFACE = 2,  /* needs a body with triangles */
-    PDYN_ON_PARTICLES = 4,/* needs a body of particles */
-    PDYN_REACTION = 8,    /* what it carries is reported as pin reaction */
+enum {                        /* pdyn_constraint_type.flags */
+       PDYN_ANCHORED = 1,     /* its force on the particles does not sum to zero (pins, walls) */
+       PDYN_ON_SURFACE = 2,   /* needs a body with triangles */
+       PDYN_ON_PARTICLES = 4, /* needs a body of particles */
+       PDYN_REACTION = 8,     /* what it carries is reported as pin reaction */
 };
 
 typedef struct pdyn_constraint_type {
@@ -165,7 +167,8 @@ typedef struct pdyn_constraint_type {
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
     void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
     /* J of the elements one after the other, that of `first` at J[0]: (3 rows)^2 numbers each,
-     * symmetric, eigenvalues in [0, 1] (clamp: H must stay positive). J comes zeroed. NULL: J = 0. */
+     * symmetric, eigenvalues in [0, 1] (clamp: H must stay positive). J comes zeroed. NULL: J = 0.
+     */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
     /* NULL: core derives everything from the rows above. */
     const pdyn_operator *op;

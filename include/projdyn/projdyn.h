@@ -26,7 +26,7 @@ extern "C" {
 #endif
 
 #if defined(__GNUC__)
-#define PDYN_API __attribute__((visibility("default")))
+#define PDYN_API                __attribute__((visibility("default")))
 #define PDYN_PRINTF(text, args) __attribute__((format(printf, text, args)))
 #else
 #define PDYN_API
@@ -57,7 +57,8 @@ typedef enum pdyn_log_level { PDYN_LOG_INFO, PDYN_LOG_WARNING } pdyn_log_level;
 
 typedef struct pdyn_options {
     int threads; /* worker threads, the caller's included; 0: one per available core */
-    /* Allocator: block NULL allocates, new_size 0 frees; NULL uses the C library. Must be thread-safe. */
+    /* Allocator: block NULL allocates, new_size 0 frees; NULL uses the C library. Must be
+     * thread-safe. */
     void *(*allocate)(void *user, void *block, size_t old_size, size_t new_size);
     void *allocate_user;
     void (*log)(void *user, pdyn_log_level level, const char *message); /* NULL: silent */
@@ -104,21 +105,23 @@ typedef struct pdyn_step_info {
     double step_residual; /* |grad E| / |M g| at the end of the step */
     double kinetic_energy, potential_energy, constraint_energy; /* J */
     double momentum[3];                                         /* kg m/s */
-    double pin_reaction[3]; /* N, what the pins carry: the gradient of all else at the pinned points */
+    double
+        pin_reaction[3]; /* N, what the pins carry: the gradient of all else at the pinned points */
     double ms_neighbours, ms_local, ms_global, ms_contact; /* wall clock */
 } pdyn_step_info;
 
 /* info NULL: not wanted. PDYN_DIVERGED leaves the state of the last good step. */
 PDYN_API pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info);
 
-/* Called after every local/global iteration of a step, e.g. to study convergence. x: particles x 3. */
+/* Called after every local/global iteration of a step, e.g. to study convergence. x: particles x 3.
+ */
 typedef struct pdyn_iteration {
-    int iteration;            /* 0: the starting point of the step */
-    int linear_iterations;    /* in this iteration */
-    double energy;            /* J, the minimised function */
-    double residual;          /* |grad E| / |M g| */
-    double damping;           /* eps: 0 newton, 1 projective */
-    const double *x;          /* particles x 3 */
+    int iteration;         /* 0: the starting point of the step */
+    int linear_iterations; /* in this iteration */
+    double energy;         /* J, the minimised function */
+    double residual;       /* |grad E| / |M g| */
+    double damping;        /* eps: 0 newton, 1 projective */
+    const double *x;       /* particles x 3 */
 } pdyn_iteration;
 PDYN_API void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *),
                            void *user);
@@ -130,7 +133,7 @@ PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
 PDYN_API const char *pdyn_step_type(const pdyn_sim *sim); /* "projective" or "newton" */
-PDYN_API uint64_t pdyn_state_hash(const pdyn_sim *sim); /* FNV-1a over the bits of x and v */
+PDYN_API uint64_t pdyn_state_hash(const pdyn_sim *sim);   /* FNV-1a over the bits of x and v */
 
 typedef struct pdyn_state {
     int particles;         /* all unknowns, bodies one after the other */
@@ -147,10 +150,10 @@ PDYN_API pdyn_state pdyn_get_state(const pdyn_sim *sim);
 
 typedef struct pdyn_body_info {
     const char *name;
-    int first, count; /* its particles */
-    double radius;    /* m, of a body of particles; 0 for a surface */
+    int first, count;    /* its particles */
+    double radius;       /* m, of a body of particles; 0 for a surface */
     double rest_density; /* kg/m^3, of a body of particles; 0 for a surface */
-    int triangles;    /* of a surface; 0 for a body of particles */
+    int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, counted from the body's first particle */
 } pdyn_body_info;
 PDYN_API pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body);

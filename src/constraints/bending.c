@@ -9,10 +9,10 @@ struct params {
     double bending_rigidity;
 };
 
-static const pdyn_param params[] = {
-    {"bending_rigidity", PDYN_REAL, offsetof(struct params, bending_rigidity), true, 0, 0, 1e12, "N m",
-     "bending moment per width and curvature of the sheet"},
-    {0}};
+static const pdyn_param params[] = {{"bending_rigidity", PDYN_REAL,
+                                     offsetof(struct params, bending_rigidity), true, 0, 0, 1e12,
+                                     "N m", "bending moment per width and curvature of the sheet"},
+                                    {0}};
 
 /* An element is a vertex; one on an open border selects nothing. */
 static int elements(const void *par, const pdyn_body *body) {

@@ -4,16 +4,16 @@
  *     C_i(x) = max(0, sum_j V_j W(x_i - x_j) - 1),      V: rest volumes, of boundary samples too
  *
  * with u all particles of the constraint. The projection is the paper's Newton iteration on the
- * copies p, from p = u:  p <- p - C grad C / |grad C|^2  until C < projection_tolerance. Its tangent
- * is J = I - n n', n = grad C / |grad C|, so that the newton step couples the fluid along the normals
- * of the constraints; eps = 1 is the paper's D = I, a diagonal.
+ * copies p, from p = u:  p <- p - C grad C / |grad C|^2  until C < projection_tolerance. Its
+ * tangent is J = I - n n', n = grad C / |grad C|, so that the newton step couples the fluid along
+ * the normals of the constraints; eps = 1 is the paper's D = I, a diagonal.
  *
- * Operator tier: a row for every particle of every constraint would be some 30 rows a particle. What
- * is kept instead: the kernel's slope for every listed pair, and the displacement u - p of every
- * constraint. Both passes of the product run over the pairs of a particle and write only to it.
- * Cloth points have a volume and neighbours, but no constraint of their own; static boundary samples
- * enter the density alone (Akinci et al. 2012). Memory: 32 bytes per listed neighbour and 121
- * per particle of the system. */
+ * Operator tier: a row for every particle of every constraint would be some 30 rows a particle.
+ * What is kept instead: the kernel's slope for every listed pair, and the displacement u - p of
+ * every constraint. Both passes of the product run over the pairs of a particle and write only to
+ * it. Cloth points have a volume and neighbours, but no constraint of their own; static boundary
+ * samples enter the density alone (Akinci et al. 2012). Memory: 32 bytes per listed neighbour and
+ * 121 per particle of the system. */
 #include "../core/kernel.h"
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
@@ -27,7 +27,7 @@ struct params {
 };
 
 static const pdyn_param params[] = {
-    {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), false, 1e7, 0, 1e15, "N/m",
+    {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), false, 1e6, 0, 1e15, "N/m",
      "weight of the density constraint: force per distance from the uncompressed state"},
     {"viscosity", PDYN_REAL, offsetof(struct params, viscosity), false, 0.02, 0, 1, "1",
      "XSPH: how much of the velocity difference to the neighbours a step takes away"},
@@ -64,7 +64,9 @@ struct call { /* arguments of a parallel loop */
     double eps;
 };
 
-static bool is_fluid(const struct fluid *f, int i) { return i >= f->first && i < f->first + f->count; }
+static bool is_fluid(const struct fluid *f, int i) {
+    return i >= f->first && i < f->first + f->count;
+}
 
 static void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, const double *in,
                           const double *x, double *out, double eps) {
@@ -119,8 +121,8 @@ static bool reserve_particles(struct fluid *f, int particles) {
     f->flux = resize(f, NULL, 0, n);
     f->members = resize(f, NULL, 0, n);
     f->partial = resize(f, NULL, 0, n / GRAIN + 1);
-    return f->x && f->self_gradient && f->self_shift && f->value && f->stiffness && f->active && f->flux
-        && f->members && f->partial;
+    return f->x && f->self_gradient && f->self_shift && f->value && f->stiffness && f->active &&
+           f->flux && f->members && f->partial;
 }
 
 static bool neighbours(void *self, const pdyn_neighbours *lists) {
@@ -147,8 +149,8 @@ struct sum {
 };
 
 /* Adds a neighbour of volume V at the distance vector d; returns W'(r)/r. */
-static inline double add_neighbour(const struct fluid *f, struct sum *sum, double V, const double d[3],
-                                   bool moving) {
+static inline double add_neighbour(const struct fluid *f, struct sum *sum, double V,
+                                   const double d[3], bool moving) {
     double squared = vec3_dot(d, d);
     if (squared >= f->kernel.support * f->kernel.support) return 0.0;
     double r = sqrt(squared), slope = kernel_slope(&f->kernel, r);
@@ -202,7 +204,8 @@ static struct sum sum_at_copies(const struct fluid *f, const double *x, int i) {
 }
 
 /* shift += t grad C at the copies p = x - shift */
-static void move_copies(struct fluid *f, const double *x, int i, double t, const double gradient[3]) {
+static void move_copies(struct fluid *f, const double *x, int i, double t,
+                        const double gradient[3]) {
     const pdyn_neighbours *l = f->lists;
     double p[3];
     memcpy(p, x + 3 * i, sizeof p);
@@ -245,7 +248,8 @@ static void local_project(void *arg, int first, int last, int block) {
     double energy = 0.0;
     for (int i = first; i < last; i++) {
         struct sum sum = sum_at(f, c->x, i);
-        if (is_fluid(f, i)) energy += 0.5 * f->params.stiffness * project_constraint(f, c->x, i, sum);
+        if (is_fluid(f, i))
+            energy += 0.5 * f->params.stiffness * project_constraint(f, c->x, i, sum);
     }
     f->partial[block] = energy;
 }
@@ -275,7 +279,8 @@ static double local(void *self, const double *x, double *gradient) {
     return energy;
 }
 
-/* ---- the product: a divergence, then a pressure gradient -------------------------------------- */
+/* ---- the product: a divergence, then a pressure gradient --------------------------------------
+ */
 
 /* grad C_i . u over all particles of constraint i */
 static double divergence(const struct fluid *f, int i, const double *u) {
@@ -285,8 +290,8 @@ static double divergence(const struct fluid *f, int i, const double *u) {
     for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
         int j = l->index[s];
         const double *b = f->x + 3 * j, *v = u + 3 * j;
-        sum += l->volume[j] * f->pair_slope[s]
-            * ((a[0] - b[0]) * v[0] + (a[1] - b[1]) * v[1] + (a[2] - b[2]) * v[2]);
+        sum += l->volume[j] * f->pair_slope[s] *
+               ((a[0] - b[0]) * v[0] + (a[1] - b[1]) * v[1] + (a[2] - b[2]) * v[2]);
     }
     return vec3_dot(f->self_gradient + 3 * i, u + 3 * i) - sum;
 }
@@ -296,10 +301,12 @@ static void apply_divergence(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct fluid *f = c->f;
     for (int i = f->first + first; i < f->first + last; i++)
-        f->flux[i] = f->active[i] ? (1.0 - c->eps) * f->stiffness[i] * divergence(f, i, c->in) : 0.0;
+        f->flux[i] =
+            f->active[i] ? (1.0 - c->eps) * f->stiffness[i] * divergence(f, i, c->in) : 0.0;
 }
 
-/* The flux of the linear model max(0, C_i + grad C_i . d) beyond that at d = 0, and its active set. */
+/* The flux of the linear model max(0, C_i + grad C_i . d) beyond that at d = 0, and its active set.
+ */
 static void predict_divergence(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct fluid *f = c->f;
@@ -324,7 +331,8 @@ static void apply_gradient(void *arg, int first, int last, int block) {
         const double *a = f->x + 3 * i;
         double sum[3] = {0};
         for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
-            const double *b = f->x + 3 * l->index[s], flux = f->flux[l->index[s]] * f->pair_slope[s];
+            const double *b = f->x + 3 * l->index[s],
+                         flux = f->flux[l->index[s]] * f->pair_slope[s];
             for (int k = 0; k < 3; k++) sum[k] += flux * (a[k] - b[k]);
         }
         double *y = c->out + 3 * i;
@@ -361,7 +369,8 @@ static void diagonal_blocks(void *arg, int first, int last, int block) {
     const pdyn_neighbours *l = f->lists;
     for (int i = first; i < last; i++) {
         double *D = c->out + 6 * i, V = l->volume[i], undamped = 1.0 - c->eps;
-        if (f->active[i]) add_outer_product(D, undamped * f->stiffness[i], f->self_gradient + 3 * i);
+        if (f->active[i])
+            add_outer_product(D, undamped * f->stiffness[i], f->self_gradient + 3 * i);
         for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
             const double *a = f->x + 3 * i, *b = f->x + 3 * l->index[s];
             double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]}, g = V * f->pair_slope[s];
@@ -382,11 +391,12 @@ static void diagonal(void *self, double eps, double *blocks) {
 
 static void density(void *self, double *out) {
     const struct fluid *f = self;
-    for (int i = f->first; i < f->first + f->count; i++) out[i] = f->rest_density * (1.0 + f->value[i]);
+    for (int i = f->first; i < f->first + f->count; i++)
+        out[i] = f->rest_density * (1.0 + f->value[i]);
 }
 
-/* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair is
- * the same on both sides, so momentum stays. self_shift is free at this point of a step. */
+/* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair
+ * is the same on both sides, so momentum stays. self_shift is free at this point of a step. */
 static void viscosity_change(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -398,8 +408,8 @@ static void viscosity_change(void *arg, int first, int last, int block) {
         for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
             int j = l->index[s];
             if (!is_fluid(f, j)) continue;
-            double w = f->params.viscosity * l->volume[j]
-                * kernel_value(&f->kernel, vec3_distance(c->x + 3 * i, c->x + 3 * j));
+            double w = f->params.viscosity * l->volume[j] *
+                       kernel_value(&f->kernel, vec3_distance(c->x + 3 * i, c->x + 3 * j));
             for (int k = 0; k < 3; k++) change[k] += w * (c->in[3 * j + k] - c->in[3 * i + k]);
         }
     }
@@ -409,7 +419,8 @@ static void velocity(void *self, const double *x, double *v) {
     struct fluid *f = self;
     if (f->params.viscosity == 0.0) return;
     for_particles(f, f->count, viscosity_change, v, x, NULL, 0.0);
-    for (int i = f->first; i < f->first + f->count; i++) vec3_add(v + 3 * i, 1.0, f->self_shift + 3 * i);
+    for (int i = f->first; i < f->first + f->count; i++)
+        vec3_add(v + 3 * i, 1.0, f->self_shift + 3 * i);
 }
 
 static const pdyn_operator op = {
@@ -424,7 +435,8 @@ static const pdyn_operator op = {
     .velocity = velocity,
 };
 
-/* ---- the same as rows: for assembly, and to check the operator against ------------------------- */
+/* ---- the same as rows: for assembly, and to check the operator against -------------------------
+ */
 
 static int elements(const void *par, const pdyn_body *body) {
     (void)par;

@@ -8,7 +8,8 @@ struct params {
 };
 
 static const pdyn_param params[] = {
-    {"vertices", PDYN_VERTICES, offsetof(struct params, vertices), true, 0, 0, 0, "", "the points to hold"},
+    {"vertices", PDYN_VERTICES, offsetof(struct params, vertices), true, 0, 0, 0, "",
+     "the points to hold"},
     {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), false, 1e7, 0, 1e15, "N/m",
      "of the hold: force per distance of a point from its target"},
     {"path", PDYN_PATH, offsetof(struct params, path), false, 0, 0, 0, "s, m",
@@ -37,7 +38,8 @@ static void displacement(const pdyn_path *path, double time, double d[3]) {
     int k = 0;
     while (k < path->count && key[4 * k] <= time) k++;
     for (int a = 0; a < 3; a++) {
-        const double *left = key + 4 * (k ? k - 1 : 0), *right = key + 4 * (k < path->count ? k : k - 1);
+        const double *left = key + 4 * (k ? k - 1 : 0),
+                     *right = key + 4 * (k < path->count ? k : k - 1);
         double t = right[0] > left[0] ? (time - left[0]) / (right[0] - left[0]) : 0.0;
         d[a] = left[1 + a] + t * (right[1 + a] - left[1 + a]);
     }

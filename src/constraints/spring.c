@@ -9,8 +9,8 @@ struct params {
 };
 
 static const pdyn_param params[] = {
-    {"stretching_stiffness", PDYN_REAL, offsetof(struct params, stretching_stiffness), true, 0, 0, 1e12,
-     "N/m", "tension per strain of the sheet: Young's modulus times thickness"},
+    {"stretching_stiffness", PDYN_REAL, offsetof(struct params, stretching_stiffness), true, 0, 0,
+     1e12, "N/m", "tension per strain of the sheet: Young's modulus times thickness"},
     {0}};
 
 static int elements(const void *par, const pdyn_body *body) {
@@ -26,8 +26,8 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
             b->column[2 * e + k] = b->body->first + edge[k];
             b->coefficient[2 * e + k] = k ? 1.0 : -1.0;
         }
-        ((double *)b->data)[e]
-            = vec3_distance(b->body->rest + 3 * edge[0], b->body->rest + 3 * edge[1]);
+        ((double *)b->data)[e] =
+            vec3_distance(b->body->rest + 3 * edge[0], b->body->rest + 3 * edge[1]);
     }
 }
 

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Calls visit for every ordered pair of entries (k, m) of an element, in the same row where dim is 1,
- * with k's particle not before m's: a contribution to the lower triangle. */
+/* Calls visit for every ordered pair of entries (k, m) of an element, in the same row where dim is
+ * 1, with k's particle not before m's: a contribution to the lower triangle. */
 typedef void visit_fn(struct matrix *matrix, const struct batch *b, int k, int m);
 
 static void visit_pairs(struct matrix *matrix, const struct batch *b, visit_fn *visit) {
@@ -18,8 +18,8 @@ static void visit_pairs(struct matrix *matrix, const struct batch *b, visit_fn *
     }
 }
 
-static void visit_batches(struct matrix *matrix, const struct system *sys, struct batch *const *rows,
-                          visit_fn *visit) {
+static void visit_batches(struct matrix *matrix, const struct system *sys,
+                          struct batch *const *rows, visit_fn *visit) {
     for (int b = 0; b < sys->batches; b++) visit_pairs(matrix, rows[b], visit);
 }
 
@@ -54,7 +54,8 @@ static void merge_blocks(struct matrix *matrix) {
     matrix->block_start[matrix->particles] = kept;
 }
 
-static pdyn_status find_blocks(struct matrix *matrix, const struct system *sys, struct batch *const *rows) {
+static pdyn_status find_blocks(struct matrix *matrix, const struct system *sys,
+                               struct batch *const *rows) {
     int n = matrix->particles;
     matrix->block_start = NEW_ARRAY(matrix->context, n + 1, int);
     if (!matrix->block_start) return PDYN_NO_MEMORY;
@@ -64,8 +65,9 @@ static pdyn_status find_blocks(struct matrix *matrix, const struct system *sys, 
     for (int i = 0; i < n; i++) {
         blocks += (size_t)matrix->block_start[i + 1];
         if (blocks * (size_t)matrix->dim * (size_t)matrix->dim > INT32_MAX)
-            return context_fail(matrix->context, PDYN_SOLVER_FAILED,
-                                "the matrix of this scene has more than 2^31 entries; use solver \"cg\"");
+            return context_fail(
+                matrix->context, PDYN_SOLVER_FAILED,
+                "the matrix of this scene has more than 2^31 entries; use solver \"cg\"");
         matrix->block_start[i + 1] = (int)blocks;
     }
     matrix->capacity = blocks;
@@ -81,8 +83,8 @@ static size_t entries_of(const struct matrix *matrix) {
     return (size_t)matrix->block_start[matrix->particles] * (size_t)(matrix->dim * matrix->dim);
 }
 
-pdyn_status matrix_pattern(struct matrix *matrix, const struct system *sys, struct batch *const *rows,
-                           int dim) {
+pdyn_status matrix_pattern(struct matrix *matrix, const struct system *sys,
+                           struct batch *const *rows, int dim) {
     matrix_free(matrix);
     matrix->context = sys->context, matrix->particles = sys->particles, matrix->dim = dim;
     pdyn_status status = find_blocks(matrix, sys, rows);
@@ -119,16 +121,15 @@ static int find_block(const struct matrix *matrix, int i, int j) {
     int low = matrix->block_start[j], high = matrix->block_start[j + 1];
     while (high - low > 1) {
         int middle = low + (high - low) / 2;
-        if (matrix->block_row[middle] <= i)
-            low = middle;
-        else
-            high = middle;
+        if (matrix->block_row[middle] <= i) low = middle;
+        else high = middle;
     }
     return low - matrix->block_start[j];
 }
 
 static void add_pair(struct matrix *matrix, const struct batch *b, int k, int m) {
-    int dim = matrix->dim, i = b->view.column[k], j = b->view.column[m], block = find_block(matrix, i, j);
+    int dim = matrix->dim, i = b->view.column[k], j = b->view.column[m],
+        block = find_block(matrix, i, j);
     double B[9], c = b->view.coefficient[k] * b->view.coefficient[m];
     batch_block(b, k, m, B);
     for (int q = 0; q < dim; q++) {
@@ -140,7 +141,7 @@ static void add_pair(struct matrix *matrix, const struct batch *b, int k, int m)
 void matrix_values(struct matrix *matrix, const struct system *sys, struct batch *const *rows) {
     memset(matrix->value, 0, entries_of(matrix) * sizeof *matrix->value);
     for (int c = 0; c < matrix->dim * matrix->particles; c++) /* the diagonal block comes first */
-        matrix->value[matrix->column_start[c] + c % matrix->dim]
-            = sys->mass[c / matrix->dim] / (sys->h * sys->h);
+        matrix->value[matrix->column_start[c] + c % matrix->dim] =
+            sys->mass[c / matrix->dim] / (sys->h * sys->h);
     visit_batches(matrix, sys, rows, add_pair);
 }

@@ -1,5 +1,5 @@
-/* H as a sparse matrix, for direct solvers: lower triangle by block columns, one block row and column
- * a particle. Blocks are 3 x 3, or 1 x 1 where x, y and z do not couple (eps = 1). */
+/* H as a sparse matrix, for direct solvers: lower triangle by block columns, one block row and
+ * column a particle. Blocks are 3 x 3, or 1 x 1 where x, y and z do not couple (eps = 1). */
 #ifndef PDYN_ASSEMBLE_H
 #define PDYN_ASSEMBLE_H
 

@@ -13,8 +13,8 @@ struct call { /* the arguments of a parallel loop over a batch */
     double eps;
 };
 
-static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *fn, const double *in,
-                      double *out, double eps) {
+static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *fn,
+                      const double *in, double *out, double eps) {
     struct call call = {batch, in, out, eps};
     pool_for(batch->context->pool, count, grain, fn, &call);
 }
@@ -117,7 +117,8 @@ static void apply_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     struct batch *b = c->batch;
-    gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in, (double *)b->view.u);
+    gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in,
+                (double *)b->view.u);
     for (int e = first; e < last; e++) {
         int r = b->view.element_row[e], n = 3 * (b->view.element_row[e + 1] - r);
         multiply_block(b, e, n, b->view.u + 3 * r, b->flux + 3 * r);
@@ -140,11 +141,13 @@ int batch_predict(struct batch *b, const double *d, double *y) {
 }
 
 void batch_block(const struct batch *b, int k, int m, double B[9]) {
-    int e = b->entry_element[k], r0 = b->view.element_row[e], n = 3 * (b->view.element_row[e + 1] - r0);
+    int e = b->entry_element[k], r0 = b->view.element_row[e],
+        n = 3 * (b->view.element_row[e + 1] - r0);
     bool same = b->entry_row[k] == b->entry_row[m];
     const double *from = b->eps < 1.0
-        ? b->block + b->block_start[e] + 3 * (b->entry_row[k] - r0) * n + 3 * (b->entry_row[m] - r0)
-        : NULL;
+                             ? b->block + b->block_start[e] + 3 * (b->entry_row[k] - r0) * n +
+                                   3 * (b->entry_row[m] - r0)
+                             : NULL;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             B[3 * i + j] = from ? from[i * n + j] : same && i == j ? b->view.weight[e] : 0.0;
@@ -152,8 +155,8 @@ void batch_block(const struct batch *b, int k, int m, double B[9]) {
 
 /* ---- block diagonal -------------------------------------------------------------------------- */
 
-/* What entry k adds to the block of its particle: its pairs with the entries of the same element that
- * select the same particle. */
+/* What entry k adds to the block of its particle: its pairs with the entries of the same element
+ * that select the same particle. */
 static void diagonal_of_entry(const struct batch *b, int k, double *block) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     const pdyn_batch *v = &b->view;
@@ -176,10 +179,8 @@ static void diagonal_rows(void *arg, int first, int last, int block) {
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {
-    if (b->op)
-        b->type->op->diagonal(b->op, b->eps, blocks);
-    else
-        for_range(b, b->touch_count, PARTICLES, diagonal_rows, NULL, blocks, 0.0);
+    if (b->op) b->type->op->diagonal(b->op, b->eps, blocks);
+    else for_range(b, b->touch_count, PARTICLES, diagonal_rows, NULL, blocks, 0.0);
 }
 
 /* ---- setting up ------------------------------------------------------------------------------ */
@@ -195,7 +196,8 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)
-            return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\": too many rows", t->name);
+            return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\": too many rows",
+                                t->name);
         element_row[e + 1] = (int)rows;
     }
     b->rows = (int)rows, b->entries = (int)entries;
@@ -236,10 +238,10 @@ static bool allocate_rows(struct batch *b, int *row_width) {
         size_t n = 3 * (size_t)(v->element_row[e + 1] - v->element_row[e]);
         b->block_start[e + 1] = b->block_start[e] + n * n;
     }
-    return row_entry && v->data && (!v->elements || (v->weight && b->partial))
-        && (!b->rows || (v->u && v->p && b->flux))
-        && (!b->entries
-            || (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch_entry));
+    return row_entry && v->data && (!v->elements || (v->weight && b->partial)) &&
+           (!b->rows || (v->u && v->p && b->flux)) &&
+           (!b->entries ||
+            (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch_entry));
 }
 
 /* The transpose of G: for every particle the entries that select it. */
@@ -278,8 +280,8 @@ static pdyn_status create_rows(struct batch *b) {
     return transpose_rows(b);
 }
 
-pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type, const void *params,
-                         const pdyn_body *body, const pdyn_services *services,
+pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
+                         const void *params, const pdyn_body *body, const pdyn_services *services,
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out) {
     struct batch *b = *out = NEW_ARRAY(context, 1, struct batch);
     if (!b) return PDYN_NO_MEMORY;
@@ -287,12 +289,10 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     b->view.body = body, b->view.neighbours = neighbours;
     b->view.elements = type->elements(params, body);
     pdyn_status status = PDYN_OK;
-    if (!type->op || rows_only)
-        status = create_rows(b);
+    if (!type->op || rows_only) status = create_rows(b);
     else if (!(b->op = type->op->create(params, body, services)))
         status = context_no_memory(context);
-    else
-        status = batch_neighbours(b, neighbours);
+    else status = batch_neighbours(b, neighbours);
     if (status == PDYN_OK) return status;
     batch_free(b);
     *out = NULL;

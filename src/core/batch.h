@@ -19,11 +19,11 @@ struct batch {
 
     /* rows tier */
     int rows, entries;
-    double *flux;         /* rows x 3: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
-    size_t *block_start;  /* elements + 1 */
-    double *block;        /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
-                             NULL until eps is below 1 for the first time */
-    double *partial;      /* a partial energy for each parallel block */
+    double *flux;        /* rows x 3: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
+    size_t *block_start; /* elements + 1 */
+    double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
+                            NULL until eps is below 1 for the first time */
+    double *partial;     /* a partial energy for each parallel block */
     int *entry_element, *entry_row; /* entries: where they belong */
     int touch_first, touch_count;   /* the rows touch only these particles of the system */
     int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
@@ -31,8 +31,8 @@ struct batch {
 };
 
 /* `rows_only`: use the rows even where the type has an operator (assembly and tests do). */
-pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type, const void *params,
-                         const pdyn_body *body, const pdyn_services *services,
+pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
+                         const void *params, const pdyn_body *body, const pdyn_services *services,
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
 void batch_free(struct batch *batch);
 

@@ -1,4 +1,5 @@
-/* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver. */
+/* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver.
+ */
 #include "registry.h"
 #include "sampling.h"
 #include "sim.h"
@@ -7,7 +8,9 @@
 
 #include <string.h>
 
-enum { SKIN_PERCENT = 10 }; /* of the support: about a third more pairs, lists kept where little moves */
+enum {
+    SKIN_PERCENT = 10
+}; /* of the support: about a third more pairs, lists kept where little moves */
 
 /* ---- what a module may call ------------------------------------------------------------------ */
 
@@ -33,8 +36,11 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
     for (int b = 0; b < sim->bodies; b++) {
         struct scene_body *from = &sim->scene.body[b];
         pdyn_body *body = &sim->body[b];
-        *body = (pdyn_body){.name = from->name, .first = all->count, .radius = from->radius,
-                            .rest_density = from->rest_density, .area_density = from->area_density};
+        *body = (pdyn_body){.name = from->name,
+                            .first = all->count,
+                            .radius = from->radius,
+                            .rest_density = from->rest_density,
+                            .area_density = from->area_density};
         pdyn_status status = PDYN_OK;
         for (int k = 0; status == PDYN_OK && k < from->boxes; k++)
             status = sample_box_volume(c, &from->box[k], from->radius, all);
@@ -49,8 +55,9 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
 static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all) {
     pdyn_context *c = sim->context;
     int n = sim->system.particles = all->count;
-    double **vectors[] = {&sim->x,     &sim->v,         &sim->x_next, &sim->gradient,   &sim->trial,
-                          &sim->trial_gradient, &sim->direction, &sim->negative, &sim->correction,
+    double **vectors[] = {&sim->x,         &sim->v,        &sim->x_next,
+                          &sim->gradient,  &sim->trial,    &sim->trial_gradient,
+                          &sim->direction, &sim->negative, &sim->correction,
                           &sim->system.s};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         if (!(*vectors[k] = NEW_ARRAY(c, 3 * (size_t)n, double))) return PDYN_NO_MEMORY;
@@ -58,7 +65,8 @@ static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all
     sim->density = NEW_ARRAY(c, n, double);
     sim->system.mass = NEW_ARRAY(c, n, double);
     sim->system.partial = NEW_ARRAY(c, n, double);
-    if (!sim->rest || !sim->density || !sim->system.mass || !sim->system.partial) return PDYN_NO_MEMORY;
+    if (!sim->rest || !sim->density || !sim->system.mass || !sim->system.partial)
+        return PDYN_NO_MEMORY;
     memcpy(sim->x, all->x, 3 * (size_t)n * sizeof *sim->x);
     memcpy(sim->rest, all->x, 3 * (size_t)n * sizeof *sim->rest);
     return PDYN_OK;
@@ -72,7 +80,8 @@ static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
     if (status != PDYN_OK) return status;
     body->triangles = from->mesh.triangles, body->triangle = from->mesh.triangle;
     body->vertex_area = t->vertex_area, body->edges = t->edges, body->edge = t->edge;
-    body->edge_area = t->edge_area, body->edge_cotan = t->edge_cotan, body->on_border = t->on_border;
+    body->edge_area = t->edge_area, body->edge_cotan = t->edge_cotan,
+    body->on_border = t->on_border;
     body->ring_start = t->ring_start, body->ring_edge = t->ring_edge;
     return PDYN_OK;
 }
@@ -95,7 +104,8 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-/* ---- neighbours: fluid, cloth and walls ------------------------------------------------------- */
+/* ---- neighbours: fluid, cloth and walls -------------------------------------------------------
+ */
 
 /* The body whose constraint works on SPH sums, or NULL. */
 static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
@@ -105,9 +115,9 @@ static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
     return NULL;
 }
 
-/* A box holds fluid up to its faces: the samples lie so far outside that a lattice of particles which
- * touches the faces, half a spacing from them, has its rest density there (0.999 at a wall, 1.000 along
- * an edge, 1.004 in a corner, by summing the kernel). */
+/* A box holds fluid up to its faces: the samples lie so far outside that a lattice of particles
+ * which touches the faces, half a spacing from them, has its rest density there (0.999 at a
+ * wall, 1.000 along an edge, 1.004 in a corner, by summing the kernel). */
 static const double wall_offset = 0.6; /* spacings */
 
 static pdyn_status sample_solids(struct pdyn_sim *sim, double spacing) {
@@ -118,9 +128,10 @@ static pdyn_status sample_solids(struct pdyn_sim *sim, double spacing) {
             walls.min[a] -= wall_offset * spacing;
             walls.max[a] += wall_offset * spacing;
         }
-        pdyn_status status = solid->is_box
-            ? sample_box_surface(sim->context, &walls, solid->open, spacing, &sim->boundary)
-            : sample_mesh_surface(sim->context, &solid->mesh, spacing, &sim->boundary);
+        pdyn_status status =
+            solid->is_box
+                ? sample_box_surface(sim->context, &walls, solid->open, spacing, &sim->boundary)
+                : sample_mesh_surface(sim->context, &solid->mesh, spacing, &sim->boundary);
         if (status != PDYN_OK) return status;
     }
     return PDYN_OK;
@@ -134,8 +145,10 @@ static void check_spacing(const struct pdyn_sim *sim, const pdyn_body *sheet, do
                                               sheet->rest + 3 * sheet->edge[2 * e + 1]));
     if (longest > 1.45 * spacing)
         context_log(sim->context, PDYN_LOG_WARNING,
-                    "body \"%s\": its longest edge is %.3g m, the spacing of the fluid particles %.3g m; fluid "
-                    "will leak through edges longer than 1.45 spacings: use a finer mesh or larger particles",
+                    "body \"%s\": its longest edge is %.3g m, the spacing of the fluid particles "
+                    "%.3g m; fluid "
+                    "will leak through edges longer than 1.45 spacings: use a finer mesh or larger "
+                    "particles",
                     sheet->name, longest, spacing);
 }
 
@@ -152,8 +165,8 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, do
                                                         2.0 * spacing, volume + body->first);
         if (status != PDYN_OK) return status;
     }
-    return neighbours_surface_volumes(sim->context, sim->boundary.count, sim->boundary.x, 2.0 * spacing,
-                                      volume + sim->system.particles);
+    return neighbours_surface_volumes(sim->context, sim->boundary.count, sim->boundary.x,
+                                      2.0 * spacing, volume + sim->system.particles);
 }
 
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
@@ -166,8 +179,9 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     bool *centre = NEW_ARRAY(sim->context, n, bool);
     status = volume && centre ? fill_volumes(sim, fluid, volume, centre) : PDYN_NO_MEMORY;
     if (status == PDYN_OK)
-        status = neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x, volume,
-                                   4.0 * fluid->radius, 0.01 * SKIN_PERCENT, &sim->neighbours);
+        status =
+            neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x, volume,
+                              4.0 * fluid->radius, 0.01 * SKIN_PERCENT, &sim->neighbours);
     if (status == PDYN_OK) status = neighbours_update(sim->neighbours, sim->x);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
     FREE_ARRAY(sim->context, centre, n);
@@ -189,12 +203,14 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].constraints; k++) {
             const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
-            pdyn_status status = batch_create(sim->context, c->type, c->params, &sim->body[b],
-                                              &sim->services, lists, false, &sys->batch[sys->batches]);
+            pdyn_status status =
+                batch_create(sim->context, c->type, c->params, &sim->body[b], &sim->services, lists,
+                             false, &sys->batch[sys->batches]);
             if (status != PDYN_OK) return status;
             sys->batches++;
             sys->changing |= c->type->op != NULL;
-            sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
+            sim->anchored |=
+                (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
         }
     return PDYN_OK;
 }
@@ -206,19 +222,22 @@ static pdyn_status choose_solver(struct pdyn_sim *sim) {
         bool direct = !set->newton && !sim->system.changing;
         name = direct ? "cholesky" : "cg";
         reason = direct ? "the matrix is constant: it is factored once for each length of step"
-            : sim->system.changing ? "the fluid's constraints change every step"
-                                   : "the matrix of the newton step changes in every iteration";
+                 : sim->system.changing
+                     ? "the fluid's constraints change every step"
+                     : "the matrix of the newton step changes in every iteration";
     }
     sim->solver = registry_solver(name);
     if (!sim->solver)
         return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
     sim->solver_reason = reason;
     if (sim->solver->direct && (sim->system.changing || set->newton))
-        context_log(sim->context, PDYN_LOG_WARNING,
-                    "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
-                    "iteration, %s; \"cg\" needs no factor",
-                    name, sim->system.changing ? "fluid" : "newton step",
-                    set->newton ? "with 3 unknowns a particle" : "after a new analysis where neighbours change");
+        context_log(
+            sim->context, PDYN_LOG_WARNING,
+            "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
+            "iteration, %s; \"cg\" needs no factor",
+            name, sim->system.changing ? "fluid" : "newton step",
+            set->newton ? "with 3 unknowns a particle"
+                        : "after a new analysis where neighbours change");
     sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
     if (!sim->solver_state) return PDYN_NO_MEMORY;
     return sim->solver->create(sim->solver_state, sim->context, &sim->system);
@@ -241,8 +260,8 @@ static pdyn_status build(struct pdyn_sim *sim) {
     return status;
 }
 
-static pdyn_status load(pdyn_context *context, const char *path, const char *text, const char *const *set,
-                        int count, pdyn_sim **out) {
+static pdyn_status load(pdyn_context *context, const char *path, const char *text,
+                        const char *const *set, int count, pdyn_sim **out) {
     if (!context || !path || !out || count < 0 || (count && !set)) return PDYN_BAD_CALL;
     struct pdyn_sim *sim = *out = NULL;
     sim = NEW_ARRAY(context, 1, struct pdyn_sim);
@@ -286,8 +305,10 @@ void pdyn_free(pdyn_sim *sim) {
         sim->solver->free(sim->solver_state);
         context_resize(c, sim->solver_state, sim->solver->state_size, 0);
     }
-    double *vectors[] = {sim->x, sim->v, sim->x_next, sim->gradient, sim->trial, sim->trial_gradient,
-                         sim->direction, sim->negative, sim->correction, sim->rest};
+    double *vectors[] = {sim->x,         sim->v,        sim->x_next,
+                         sim->gradient,  sim->trial,    sim->trial_gradient,
+                         sim->direction, sim->negative, sim->correction,
+                         sim->rest};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         context_resize(c, vectors[k], n3 * sizeof(double), 0);
     FREE_ARRAY(c, sim->density, sim->system.particles);

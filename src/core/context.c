@@ -97,7 +97,8 @@ pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *
 }
 
 pdyn_status context_no_memory(pdyn_context *context) {
-    return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)", context->bytes);
+    return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)",
+                        context->bytes);
 }
 
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...) {

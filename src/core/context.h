@@ -24,9 +24,10 @@ void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t
  * FREE_ARRAY of NULL does nothing. */
 void *context_array(pdyn_context *context, size_t count, size_t size);
 
-#define NEW_ARRAY(context, count, type) ((type *)context_array(context, (size_t)(count), sizeof(type)))
+#define NEW_ARRAY(context, count, type)                                                            \
+    ((type *)context_array(context, (size_t)(count), sizeof(type)))
 #define FREE_ARRAY(context, pointer, count)                                                        \
-    ((void)context_resize(context, (void *)(pointer), (size_t)(count) * sizeof *(pointer), 0),               \
+    ((void)context_resize(context, (void *)(pointer), (size_t)(count) * sizeof *(pointer), 0),     \
      (pointer) = NULL)
 
 /* Sets the error text and returns the status. */

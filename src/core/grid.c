@@ -11,7 +11,8 @@ pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct
     grid->key = NEW_ARRAY(context, capacity, uint64_t);
     grid->x = NEW_ARRAY(context, 3 * (size_t)capacity, double);
     grid->bucket = NEW_ARRAY(context, capacity, int);
-    if (grid->start && (!capacity || (grid->id && grid->key && grid->x && grid->bucket))) return PDYN_OK;
+    if (grid->start && (!capacity || (grid->id && grid->key && grid->x && grid->bucket)))
+        return PDYN_OK;
     grid_free(context, grid);
     return PDYN_NO_MEMORY;
 }
@@ -41,10 +42,11 @@ pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, cons
     for (int k = 0; k < points; k++) {
         const double *at = x + 3 * (size_t)(id ? id[k] : k);
         if (!in_range(grid, at))
-            return context_fail(context, PDYN_DIVERGED,
-                                "point %d is at (%g, %g, %g): the simulation has diverged or something "
-                                "left the scene",
-                                id ? id[k] : k, at[0], at[1], at[2]);
+            return context_fail(
+                context, PDYN_DIVERGED,
+                "point %d is at (%g, %g, %g): the simulation has diverged or something "
+                "left the scene",
+                id ? id[k] : k, at[0], at[1], at[2]);
         int cell[3];
         cell_of(grid, at, cell);
         grid->bucket[k] = grid_bucket(grid, grid_key(cell[0], cell[1], cell[2]));

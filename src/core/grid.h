@@ -21,13 +21,14 @@ enum { GRID_RANGE = 1 << 20 }; /* cells from the origin in each direction */
 pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct grid *grid);
 void grid_free(pdyn_context *context, struct grid *grid);
 
-/* Sorts the points `id` (NULL: 0, 1, ...) of x. PDYN_DIVERGED: one is not finite or out of range. */
+/* Sorts the points `id` (NULL: 0, 1, ...) of x. PDYN_DIVERGED: one is not finite or out of range.
+ */
 pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
                       const double *x);
 
 static inline uint64_t grid_key(int i, int j, int k) {
-    return ((uint64_t)(i + 2 * GRID_RANGE) << 44) | ((uint64_t)(j + 2 * GRID_RANGE) << 22)
-        | (uint64_t)(k + 2 * GRID_RANGE);
+    return ((uint64_t)(i + 2 * GRID_RANGE) << 44) | ((uint64_t)(j + 2 * GRID_RANGE) << 22) |
+           (uint64_t)(k + 2 * GRID_RANGE);
 }
 static inline int grid_bucket(const struct grid *grid, uint64_t key) {
     key *= 0x9E3779B97F4A7C15u;
@@ -35,7 +36,8 @@ static inline int grid_bucket(const struct grid *grid, uint64_t key) {
 }
 
 /* Writes to `list` (NULL: only counts) the ids of the points closer than `radius` <= cell to `at`,
- * without `self` and, where `keep` is given, without those whose keep[id] is false; returns how many. */
+ * without `self` and, where `keep` is given, without those whose keep[id] is false; returns how
+ * many. */
 int grid_query(const struct grid *grid, const double *at, double radius, int self, const bool *keep,
                int *list);
 

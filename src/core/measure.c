@@ -6,7 +6,8 @@
 
 double measure_weight(const struct pdyn_sim *sim) {
     double g = vec3_length(sim->scene.settings.gravity), sum = 0.0;
-    for (int i = 0; i < sim->system.particles; i++) sum += sim->system.mass[i] * sim->system.mass[i];
+    for (int i = 0; i < sim->system.particles; i++)
+        sum += sim->system.mass[i] * sim->system.mass[i];
     return (g > 0.0 ? g : 9.81) * sqrt(sum);
 }
 
@@ -14,7 +15,8 @@ pdyn_status measure_end(struct pdyn_sim *sim) {
     const struct system *sys = &sim->system;
     for (int k = 0; k < 3 * sys->particles; k++)
         if (!isfinite(sim->x_next[k]))
-            return context_fail(sim->context, PDYN_DIVERGED, "step %ld at %g s: particle %d has no finite "
+            return context_fail(sim->context, PDYN_DIVERGED,
+                                "step %ld at %g s: particle %d has no finite "
                                 "position; the state is that of the step before",
                                 sim->steps + 1, sim->time, k / 3);
     for (int b = 0; b < sys->batches; b++)
@@ -48,8 +50,9 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
     for (int b = 0; b < sys->batches; b++) info->constraint_energy += sys->batch[b]->energy;
 }
 
-/* What a pin must carry is the gradient of everything else at its point: the whole gradient less the
- * pin's own part. At a solved step that is the force in the pin; before, it shows what is missing. */
+/* What a pin must carry is the gradient of everything else at its point: the whole gradient less
+ * the pin's own part. At a solved step that is the force in the pin; before, it shows what is
+ * missing. */
 static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
     const struct system *sys = &sim->system;
     for (int b = 0; b < sys->batches; b++) {
@@ -60,7 +63,8 @@ static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
                 int k = pin->touch_entry[t];
                 if (t == pin->touch_start[i])
                     vec3_add(info->pin_reaction, 1.0, sim->gradient + 3 * (pin->touch_first + i));
-                vec3_add(info->pin_reaction, -pin->view.coefficient[k], pin->flux + 3 * pin->entry_row[k]);
+                vec3_add(info->pin_reaction, -pin->view.coefficient[k],
+                         pin->flux + 3 * pin->entry_row[k]);
             }
     }
 }

@@ -4,11 +4,12 @@
 
 #include "sim.h"
 
-/* |M g| in N, with 9.81 m/s^2 where the scene has no gravity: what a step residual is relative to. */
+/* |M g| in N, with 9.81 m/s^2 where the scene has no gravity: what a step residual is relative to.
+ */
 double measure_weight(const struct pdyn_sim *sim);
 
-/* Density of the coming state x_next, which was that of the last local step; fails where it cannot be
- * a state. */
+/* Density of the coming state x_next, which was that of the last local step; fails where it cannot
+ * be a state. */
 pdyn_status measure_end(struct pdyn_sim *sim);
 
 /* Fills density errors, energies, momentum and pin reaction of the state just accepted. */

@@ -10,11 +10,11 @@ enum { PARTICLES = 128, MOVES = 8192 };
 struct neighbours {
     pdyn_context *context;
     pdyn_neighbours view;
-    double reach; /* m: support and skin */
-    double skin;  /* m */
-    bool *centre; /* particles */
-    int active;   /* particles that take part, */
-    int *id;      /* active: these */
+    double reach;                          /* m: support and skin */
+    double skin;                           /* m */
+    bool *centre;                          /* particles */
+    int active;                            /* particles that take part, */
+    int *id;                               /* active: these */
     double *volume, *boundary_x, *built_x; /* built_x: particles x 3, where the lists were built */
     struct grid moving, fixed;
     int *start, *boundary_start, *index, *mirror;
@@ -38,15 +38,15 @@ static pdyn_status allocate(struct neighbours *n, int particles, int boundary) {
     n->start = NEW_ARRAY(c, particles + 1, int);
     n->boundary_start = NEW_ARRAY(c, particles, int);
     n->moved = NEW_ARRAY(c, pool_blocks(particles, MOVES), bool);
-    bool good = n->centre && n->id && n->volume && (!boundary || n->boundary_x) && n->built_x && n->start
-        && n->boundary_start && n->moved;
+    bool good = n->centre && n->id && n->volume && (!boundary || n->boundary_x) && n->built_x &&
+                n->start && n->boundary_start && n->moved;
     if (!good) return PDYN_NO_MEMORY;
     return grid_create(c, particles, n->reach, &n->moving);
 }
 
-pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre, int boundary,
-                              const double *boundary_x, const double *volume, double support,
-                              double skin, struct neighbours **out) {
+pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
+                              int boundary, const double *boundary_x, const double *volume,
+                              double support, double skin, struct neighbours **out) {
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
@@ -170,10 +170,8 @@ static void fill_mirror(void *arg, int first, int last, int block) {
             int low = n->start[n->index[s]], high = n->boundary_start[n->index[s]];
             while (high - low > 1) {
                 int middle = low + (high - low) / 2;
-                if (n->index[middle] <= i)
-                    low = middle;
-                else
-                    high = middle;
+                if (n->index[middle] <= i) low = middle;
+                else high = middle;
             }
             n->mirror[s] = low;
         }
@@ -182,7 +180,8 @@ static void fill_mirror(void *arg, int first, int last, int block) {
 
 static pdyn_status reserve(struct neighbours *n, size_t pairs) {
     if (pairs > INT32_MAX)
-        return context_fail(n->context, PDYN_DIVERGED, "%zu neighbours: the fluid has collapsed", pairs);
+        return context_fail(n->context, PDYN_DIVERGED, "%zu neighbours: the fluid has collapsed",
+                            pairs);
     if (pairs <= n->capacity) return PDYN_OK;
     FREE_ARRAY(n->context, n->index, n->capacity);
     FREE_ARRAY(n->context, n->mirror, n->capacity);

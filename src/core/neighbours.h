@@ -9,16 +9,17 @@
 
 struct neighbours;
 
-/* volume: points (particles, then boundary), 0 for a particle that takes no part; centre: particles.
- * All arrays are copied. skin: a part of the support, >= 0.
- * Memory: 101 bytes per particle, 68 per boundary point and 8 per listed neighbour (about 55 of these). */
-pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre, int boundary,
-                              const double *boundary_x, const double *volume, double support,
-                              double skin, struct neighbours **out);
+/* volume: points (particles, then boundary), 0 for a particle that takes no part; centre:
+ * particles. All arrays are copied. skin: a part of the support, >= 0. Memory: 101 bytes per
+ * particle, 68 per boundary point and 8 per listed neighbour (about 55 of these). */
+pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
+                              int boundary, const double *boundary_x, const double *volume,
+                              double support, double skin, struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
-/* Makes the lists complete at x (particles x 3). They are rebuilt, and the revision moves, only where
- * they have to be. A position that is not finite or beyond 1e6 supports gives PDYN_DIVERGED. */
+/* Makes the lists complete at x (particles x 3). They are rebuilt, and the revision moves, only
+ * where they have to be. A position that is not finite or beyond 1e6 supports gives PDYN_DIVERGED.
+ */
 pdyn_status neighbours_update(struct neighbours *neighbours, const double *x);
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);

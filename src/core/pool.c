@@ -94,8 +94,8 @@ struct pool *pool_create(int threads) {
     pthread_cond_init(&pool->done, NULL);
     pool->threads = 1;
     pool->worker = calloc((size_t)threads, sizeof *pool->worker);
-    while (pool->worker && pool->threads < threads
-           && !pthread_create(&pool->worker[pool->threads - 1], NULL, worker_main, pool))
+    while (pool->worker && pool->threads < threads &&
+           !pthread_create(&pool->worker[pool->threads - 1], NULL, worker_main, pool))
         pool->threads++;
     if (pool->threads == threads && pool->worker) return pool;
     pool_destroy(pool);

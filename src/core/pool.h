@@ -1,7 +1,8 @@
 /* A pthread pool with one job: run a function over [0, count) in blocks of a fixed grain.
  *
  * The grain is a constant of the call site, so the blocks, and with them every partial sum, are the
- * same for any number of threads. Work that fits one block runs on the caller without waking anyone. */
+ * same for any number of threads. Work that fits one block runs on the caller without waking
+ * anyone. */
 #ifndef PDYN_POOL_H
 #define PDYN_POOL_H
 

@@ -14,7 +14,8 @@
 BUILTIN_CONSTRAINTS(DECLARE_CONSTRAINT)
 BUILTIN_SOLVERS(DECLARE_SOLVER)
 
-static const pdyn_constraint_type *const constraints[] = {BUILTIN_CONSTRAINTS(LIST_CONSTRAINT) NULL};
+static const pdyn_constraint_type *const constraints[] = {BUILTIN_CONSTRAINTS(LIST_CONSTRAINT)
+                                                              NULL};
 static const struct solver_type *const solvers[] = {BUILTIN_SOLVERS(LIST_SOLVER) NULL};
 
 const pdyn_constraint_type *const *registry_constraints(void) { return constraints; }

@@ -8,8 +8,10 @@
 static pdyn_status add_point(pdyn_context *context, struct points *points, const double x[3]) {
     size_t need = 3 * ((size_t)points->count + 1);
     if (points->count == INT32_MAX / 4)
-        return context_fail(context, PDYN_BAD_INPUT, "more than %d points: the particle radius is too small "
-                            "for the size of the scene", points->count);
+        return context_fail(context, PDYN_BAD_INPUT,
+                            "more than %d points: the particle radius is too small "
+                            "for the size of the scene",
+                            points->count);
     if (need > points->capacity) {
         size_t capacity = 2 * need + 3 * 1024;
         double *x_new = context_resize(context, points->x, points->capacity * sizeof *x_new,
@@ -23,7 +25,8 @@ static pdyn_status add_point(pdyn_context *context, struct points *points, const
 
 pdyn_status sample_points(pdyn_context *context, const double *x, int count, struct points *out) {
     pdyn_status status = PDYN_OK;
-    for (int i = 0; status == PDYN_OK && i < count; i++) status = add_point(context, out, x + 3 * (size_t)i);
+    for (int i = 0; status == PDYN_OK && i < count; i++)
+        status = add_point(context, out, x + 3 * (size_t)i);
     return status;
 }
 
@@ -50,7 +53,8 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box
 /* A lattice point lies on the surface where one of its indices is at an end whose face is there. */
 static bool on_face(const long cell[3], const long n[3], unsigned open) {
     for (int a = 0; a < 3; a++)
-        if ((cell[a] == 0 && !(open >> (2 * a) & 1u)) || (cell[a] == n[a] && !(open >> (2 * a + 1) & 1u)))
+        if ((cell[a] == 0 && !(open >> (2 * a) & 1u)) ||
+            (cell[a] == n[a] && !(open >> (2 * a + 1) & 1u)))
             return true;
     return false;
 }
@@ -67,7 +71,8 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
             for (cell[0] = 0; cell[0] <= n[0]; cell[0] += stride) {
                 double x[3];
                 for (int a = 0; a < 3; a++)
-                    x[a] = box->min[a] + (box->max[a] - box->min[a]) * (double)cell[a] / (double)n[a];
+                    x[a] =
+                        box->min[a] + (box->max[a] - box->min[a]) * (double)cell[a] / (double)n[a];
                 pdyn_status status = on_face(cell, n, open) ? add_point(context, out, x) : PDYN_OK;
                 if (status != PDYN_OK) return status;
             }
@@ -75,7 +80,8 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
     return PDYN_OK;
 }
 
-/* ---- meshes: candidates in a fixed order, each taken unless one taken before is too close -------- */
+/* ---- meshes: candidates in a fixed order, each taken unless one taken before is too close
+ * -------- */
 
 /* Candidates: a lattice of barycentric coordinates on every triangle, a quarter spacing apart. */
 static pdyn_status mesh_candidates(pdyn_context *context, const struct mesh *mesh, double spacing,
@@ -83,13 +89,15 @@ static pdyn_status mesh_candidates(pdyn_context *context, const struct mesh *mes
     for (int t = 0; t < mesh->triangles; t++) {
         const double *c[3];
         for (int k = 0; k < 3; k++) c[k] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * t + k];
-        double longest = fmax(vec3_distance(c[0], c[1]), fmax(vec3_distance(c[1], c[2]), vec3_distance(c[2], c[0])));
+        double longest = fmax(vec3_distance(c[0], c[1]),
+                              fmax(vec3_distance(c[1], c[2]), vec3_distance(c[2], c[0])));
         double cuts = fmax(1.0, ceil(longest / (0.25 * spacing)));
         for (double i = 0; i <= cuts; i++)
             for (double j = 0; i + j <= cuts; j++) {
                 double x[3];
                 for (int a = 0; a < 3; a++)
-                    x[a] = c[0][a] + i / cuts * (c[1][a] - c[0][a]) + j / cuts * (c[2][a] - c[0][a]);
+                    x[a] =
+                        c[0][a] + i / cuts * (c[1][a] - c[0][a]) + j / cuts * (c[2][a] - c[0][a]);
                 pdyn_status status = add_point(context, out, x);
                 if (status != PDYN_OK) return status;
             }
@@ -98,7 +106,8 @@ static pdyn_status mesh_candidates(pdyn_context *context, const struct mesh *mes
 }
 
 /* Takes candidates greedily; `taken` marks those in the set. */
-static void thin_out(const struct grid *grid, const struct points *all, double distance, bool *taken) {
+static void thin_out(const struct grid *grid, const struct points *all, double distance,
+                     bool *taken) {
     for (int i = 0; i < all->count; i++)
         taken[i] = !grid_query(grid, all->x + 3 * (size_t)i, distance, i, taken, NULL);
 }
@@ -111,7 +120,8 @@ pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, 
     pdyn_status status = mesh_candidates(context, mesh, spacing, &all);
     if (status == PDYN_OK) status = grid_create(context, all.count, 0.75 * spacing, &grid);
     if (status == PDYN_OK) status = grid_sort(context, &grid, all.count, NULL, all.x);
-    if (status == PDYN_OK && !(taken = NEW_ARRAY(context, all.count, bool))) status = PDYN_NO_MEMORY;
+    if (status == PDYN_OK && !(taken = NEW_ARRAY(context, all.count, bool)))
+        status = PDYN_NO_MEMORY;
     if (status == PDYN_OK) thin_out(&grid, &all, 0.75 * spacing, taken);
     for (int i = 0; status == PDYN_OK && i < all.count; i++)
         if (taken[i]) status = add_point(context, out, all.x + 3 * (size_t)i);

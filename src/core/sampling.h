@@ -13,7 +13,8 @@ struct points {
 pdyn_status sample_points(pdyn_context *context, const double *x, int count, struct points *out);
 void points_free(pdyn_context *context, struct points *points);
 
-/* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum. */
+/* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum.
+ */
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
                               struct points *out);
 
@@ -22,9 +23,9 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box
 pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box, unsigned open,
                                double spacing, struct points *out);
 
-/* Adds points on the triangles of a mesh, none closer than 0.75 spacing to another and no spot of the
- * surface further than about 1.1 spacing from one: a Poisson-disk set (Akinci et al. 2012 sample
- * solids so), taken in a fixed order. */
+/* Adds points on the triangles of a mesh, none closer than 0.75 spacing to another and no spot of
+ * the surface further than about 1.1 spacing from one: a Poisson-disk set (Akinci et al. 2012
+ * sample solids so), taken in a fixed order. */
 pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
                                 struct points *out);
 

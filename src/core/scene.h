@@ -1,5 +1,6 @@
 /* A scene as read from its JSON file, checked and with all defaults filled in: plain data, nothing
- * simulated yet. scene_read is the only place that sees text; build.c turns a scene into a pdyn_sim. */
+ * simulated yet. scene_read is the only place that sees text; build.c turns a scene into a
+ * pdyn_sim. */
 #ifndef PDYN_SCENE_H
 #define PDYN_SCENE_H
 
@@ -35,23 +36,23 @@ struct scene_solid {
     char *name;
     bool is_box;
     struct scene_box box;
-    unsigned open; /* bit 2 a: no face at the minimum of axis a; bit 2 a + 1: at the maximum */
+    unsigned open;    /* bit 2 a: no face at the minimum of axis a; bit 2 a + 1: at the maximum */
     struct mesh mesh; /* in the world */
 };
 
-struct scene_settings { /* the scene's own "solver" and "time_step" and general values */
-    double gravity[3];      /* m/s^2 */
-    double duration;        /* s */
-    double frame_interval;  /* s */
-    double h_fixed;         /* s; 0: adaptive by the CFL condition */
-    double h_min, h_max;    /* s */
-    double cfl;             /* particle radii that a particle may travel in a step */
-    double tolerance;       /* step residual at which a step is solved */
-    int outer_iterations;   /* cap */
+struct scene_settings {      /* the scene's own "solver" and "time_step" and general values */
+    double gravity[3];       /* m/s^2 */
+    double duration;         /* s */
+    double frame_interval;   /* s */
+    double h_fixed;          /* s; 0: adaptive by the CFL condition */
+    double h_min, h_max;     /* s */
+    double cfl;              /* particle radii that a particle may travel in a step */
+    double tolerance;        /* step residual at which a step is solved */
+    int outer_iterations;    /* cap */
     double linear_tolerance; /* |r| / |r_0| of the linear solve */
-    int linear_iterations;  /* cap */
-    bool newton;            /* step: "newton", otherwise "projective" */
-    char solver_type[32];   /* "auto" or a registered solver */
+    int linear_iterations;   /* cap */
+    bool newton;             /* step: "newton", otherwise "projective" */
+    char solver_type[32];    /* "auto" or a registered solver */
 };
 
 struct scene {
@@ -64,8 +65,8 @@ struct scene {
 };
 
 /* Reads and checks a scene. Meshes are found relative to the scene file's folder. `text` NULL: read
- * the file `path`; otherwise `path` only names the text in messages. On failure *out is empty and the
- * error says: FILE:LINE:COLUMN: JSON path: what was found, what was expected. */
+ * the file `path`; otherwise `path` only names the text in messages. On failure *out is empty and
+ * the error says: FILE:LINE:COLUMN: JSON path: what was found, what was expected. */
 pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
                        const char *const *set, int sets, struct scene *out);
 void scene_free(pdyn_context *context, struct scene *scene);

@@ -29,10 +29,10 @@ struct pdyn_sim {
     double *x_next;       /* particles x 3: the iterate */
     double *gradient;     /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
-    double *correction;   /* particles x 3: x - s of the last step, its constraints' work */
-    double last_h;        /* s; 0 before the first step */
-    double damping;       /* eps, kept from step to step */
-    bool anchored;        /* some constraint can take momentum from the system */
+    double *correction; /* particles x 3: x - s of the last step, its constraints' work */
+    double last_h;      /* s; 0 before the first step */
+    double damping;     /* eps, kept from step to step */
+    bool anchored;      /* some constraint can take momentum from the system */
 
     struct neighbours *neighbours; /* NULL where no constraint needs them */
 
@@ -40,8 +40,8 @@ struct pdyn_sim {
     void *solver_state;
     const char *solver_reason;
 
-    double time;    /* s */
-    long frame;     /* the last frame reached */
+    double time; /* s */
+    long frame;  /* the last frame reached */
     long steps;
 
     void (*observer)(void *user, const pdyn_iteration *iteration);

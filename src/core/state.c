@@ -29,7 +29,8 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
 
 pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
     const pdyn_body *b = &sim->body[body];
-    return (pdyn_body_info){b->name, b->first, b->count, b->radius, b->rest_density, b->triangles, b->triangle};
+    return (pdyn_body_info){b->name,         b->first,     b->count,   b->radius,
+                            b->rest_density, b->triangles, b->triangle};
 }
 
 pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {

@@ -1,6 +1,6 @@
-/* One time step: predict, then local and global steps in turn until the step is solved, then the new
- * velocity. Implicit Euler as a minimisation (Bouaziz et al. 2014). The global step is the damped
- * newton step of E; with eps = 1 it is that of classic Projective Dynamics. */
+/* One time step: predict, then local and global steps in turn until the step is solved, then the
+ * new velocity. Implicit Euler as a minimisation (Bouaziz et al. 2014). The global step is the
+ * damped newton step of E; with eps = 1 it is that of classic Projective Dynamics. */
 #include "clock.h"
 #include "measure.h"
 #include "sim.h"
@@ -49,8 +49,8 @@ static pdyn_status warm_start(struct pdyn_sim *sim, double h, double *energy) {
     return PDYN_OK;
 }
 
-/* x_next + direction, halved until E falls enough (Armijo). *length: what was taken, 0 for none; then
- * the iterate and its local step are as before. */
+/* x_next + direction, halved until E falls enough (Armijo). *length: what was taken, 0 for none;
+ * then the iterate and its local step are as before. */
 static pdyn_status descend(struct pdyn_sim *sim, double *energy, double *length) {
     struct system *sys = &sim->system;
     double slope = system_dot(sys, sim->gradient, sim->direction), trial;
@@ -71,9 +71,10 @@ static pdyn_status descend(struct pdyn_sim *sim, double *energy, double *length)
     return system_local(sys, sim->x_next, energy, sim->gradient);
 }
 
-/* The minimum of E's model: quadratic, but for constraints with one side. These are taken as active or
- * not from where the last solve went, until no more of them change (a semi-smooth Newton iteration
- * without a local step) or the residual of the model has fallen by the linear tolerance. */
+/* The minimum of E's model: quadratic, but for constraints with one side. These are taken as active
+ * or not from where the last solve went, until no more of them change (a semi-smooth Newton
+ * iteration without a local step) or the residual of the model has fallen by the linear tolerance.
+ */
 static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
     struct system *sys = &sim->system;
@@ -86,8 +87,8 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
         int iterations = 0;
         if (!(size > target) && round) break;
         memset(part, 0, bytes_of(sim));
-        pdyn_status status = sim->solver->solve(sim->solver_state, residual, part, fmin(1.0, target / size),
-                                                left, &iterations);
+        pdyn_status status = sim->solver->solve(sim->solver_state, residual, part,
+                                                fmin(1.0, target / size), left, &iterations);
         if (status != PDYN_OK) return status;
         p->linear += iterations, left -= iterations;
         system_axpy(sys, 1.0, part, sim->direction);
@@ -106,18 +107,21 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
     if (status != PDYN_OK) return status;
     *moved = length > 0.0 || sim->damping < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
-    /* Levenberg-Marquardt: more damping where the full step went too far, less where it was good. */
-    if (length < 1.0)
-        sim->damping = fmin(1.0, fmax(10.0 * sim->damping, 1e-6));
-    else
-        sim->damping = sim->damping > 1e-7 ? 0.1 * sim->damping : 0.0;
+    /* Levenberg-Marquardt: more damping where the full step went too far, less where it was good.
+     */
+    if (length < 1.0) sim->damping = fmin(1.0, fmax(10.0 * sim->damping, 1e-6));
+    else sim->damping = sim->damping > 1e-7 ? 0.1 * sim->damping : 0.0;
     return PDYN_OK;
 }
 
 static void observe(const struct pdyn_sim *sim, const struct progress *p, int linear) {
     if (!sim->observer) return;
-    pdyn_iteration iteration = {.iteration = p->outer, .linear_iterations = linear, .energy = p->energy,
-                                .residual = p->residual, .damping = sim->damping, .x = sim->x_next};
+    pdyn_iteration iteration = {.iteration = p->outer,
+                                .linear_iterations = linear,
+                                .energy = p->energy,
+                                .residual = p->residual,
+                                .damping = sim->damping,
+                                .x = sim->x_next};
     sim->observer(sim->observer_user, &iteration);
 }
 
@@ -130,10 +134,11 @@ static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) 
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
         if (!isfinite(p->energy) || !isfinite(p->residual))
-            return context_fail(sim->context, PDYN_DIVERGED,
-                                "step %ld at %g s: the energy is not finite; the state is that of the "
-                                "step before",
-                                sim->steps + 1, sim->time);
+            return context_fail(
+                sim->context, PDYN_DIVERGED,
+                "step %ld at %g s: the energy is not finite; the state is that of the "
+                "step before",
+                sim->steps + 1, sim->time);
         observe(sim, p, 0);
         if (!moved || p->residual <= set->tolerance || p->outer >= set->outer_iterations) break;
         status = global_step(sim, p, &moved);
@@ -142,8 +147,8 @@ static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) 
     return status;
 }
 
-/* Where nothing can take momentum away, the step must not either, however far it was solved: the mean
- * of x - s over the mass is the momentum that an unfinished solve made up. */
+/* Where nothing can take momentum away, the step must not either, however far it was solved: the
+ * mean of x - s over the mass is the momentum that an unfinished solve made up. */
 static pdyn_status keep_momentum(struct pdyn_sim *sim) {
     struct system *sys = &sim->system;
     double moved[3] = {0}, mass = 0.0, energy;
@@ -186,8 +191,11 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     accept(sim, end.h);
 
     timestep_advance(sim, &end);
-    *info = (pdyn_step_info){.time = sim->time, .h = end.h, .frame = end.frame,
-                             .outer_iterations = progress.outer, .linear_iterations = progress.linear,
+    *info = (pdyn_step_info){.time = sim->time,
+                             .h = end.h,
+                             .frame = end.frame,
+                             .outer_iterations = progress.outer,
+                             .linear_iterations = progress.linear,
                              .step_residual = progress.residual};
     measure_step(sim, info);
     info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
@@ -199,7 +207,8 @@ pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
     pdyn_step_info unused;
     if (!sim) return PDYN_BAD_CALL;
     if (sim->failed)
-        return context_fail(sim->context, PDYN_BAD_CALL, "the simulation has failed before: no further step");
+        return context_fail(sim->context, PDYN_BAD_CALL,
+                            "the simulation has failed before: no further step");
     pdyn_status status = step(sim, info ? info : &unused);
     sim->failed = status != PDYN_OK;
     return status;

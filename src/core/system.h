@@ -13,14 +13,14 @@
 struct system {
     pdyn_context *context;
     int particles;
-    double *mass; /* particles, kg */
-    double *s;    /* the inertial prediction, m */
-    double h;     /* s, of the current step */
-    double time;  /* s, at its end */
+    double *mass;    /* particles, kg */
+    double *s;       /* the inertial prediction, m */
+    double h;        /* s, of the current step */
+    double time;     /* s, at its end */
     const double *x; /* where the last local step was */
-    double eps;   /* damping of the current linearisation: 0 newton, 1 projective */
+    double eps;      /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
-    struct batch **batch; /* capacity */
+    struct batch **batch;          /* capacity */
     struct neighbours *neighbours; /* NULL where no constraint needs them */
     unsigned lists;                /* revision of the lists that the batches know */
     bool changing;                 /* some batch changes its selector from step to step */
@@ -37,8 +37,9 @@ pdyn_status system_linearise(struct system *system, double eps);
 /* y = H u */
 void system_apply(struct system *system, const double *u, double *y);
 
-/* y = the change of E's gradient from x to x + d in its model: linear, but for one-sided constraints,
- * whose active set is taken from x + d for H from now on. Returns how many changed sides. */
+/* y = the change of E's gradient from x to x + d in its model: linear, but for one-sided
+ * constraints, whose active set is taken from x + d for H from now on. Returns how many changed
+ * sides. */
 int system_predict(struct system *system, const double *d, double *y);
 
 /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */

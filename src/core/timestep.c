@@ -16,8 +16,8 @@ static double fastest(const struct pdyn_sim *sim, double h, double *radius) {
     return speed + h * vec3_length(sim->scene.settings.gravity);
 }
 
-/* CFL (Weiler et al. 2016): no particle travels more than `cfl` radii in a step. A step shrinks as far
- * as it must at once, and grows by at most a tenth. */
+/* CFL (Weiler et al. 2016): no particle travels more than `cfl` radii in a step. A step shrinks as
+ * far as it must at once, and grows by at most a tenth. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *set = &sim->scene.settings;
     double radius, h = sim->last_h > 0.0 ? fmin(set->h_max, 1.1 * sim->last_h) : set->h_max;
@@ -37,5 +37,6 @@ struct moment timestep_choose(const struct pdyn_sim *sim) {
 
 void timestep_advance(struct pdyn_sim *sim, const struct moment *end) {
     if (end->frame) sim->frame++;
-    sim->time = end->frame ? (double)sim->frame * sim->scene.settings.frame_interval : sim->time + end->h;
+    sim->time =
+        end->frame ? (double)sim->frame * sim->scene.settings.frame_interval : sim->time + end->h;
 }

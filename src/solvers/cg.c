@@ -82,8 +82,8 @@ static void for_particles(struct cg *cg, pdyn_range_fn *fn, double beta) {
     pool_for(cg->context->pool, cg->system->particles, GRAIN, fn, &call);
 }
 
-static pdyn_status solve(void *self, const double *b, double *y, double tolerance, int max_iterations,
-                         int *iterations) {
+static pdyn_status solve(void *self, const double *b, double *y, double tolerance,
+                         int max_iterations, int *iterations) {
     struct cg *cg = self;
     struct system *sys = cg->system;
     *iterations = 0;
@@ -105,15 +105,15 @@ static pdyn_status solve(void *self, const double *b, double *y, double toleranc
         system_axpy(sys, -alpha, cg->q, cg->r);
         rr = system_dot(sys, cg->r, cg->r);
         ++*iterations;
-
     }
     return PDYN_OK;
 }
 
 const struct solver_type pdyn_solver_cg = {
     .name = "cg",
-    .summary = "conjugate gradients without a matrix, preconditioned by 3 x 3 blocks; for scenes that "
-               "change every step and for the newton step",
+    .summary =
+        "conjugate gradients without a matrix, preconditioned by 3 x 3 blocks; for scenes that "
+        "change every step and for the newton step",
     .state_size = sizeof(struct cg),
     .create = create,
     .solve = solve,

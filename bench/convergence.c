@@ -1,0 +1,144 @@
+/* One step of a scene, solved by the projective and by the newton step from the same state: the
+ * error after every outer iteration against the milliseconds spent. Prints CSV:
+ *
+ *     step,iteration,ms,gap,residual,density_mean,density_max,distance
+ *
+ * gap: (E - E*) / (E(first) - E*); distance: |x - x*| / |s - x*|; x*, E* from a newton step run to
+ * stagnation. Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]] */
+#include "clock.h"
+#include "sim.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct record {
+    double ms, energy, residual;
+    double *x;
+};
+
+struct trace {
+    pdyn_sim *sim;
+    int count, capacity;
+    struct record *record;
+    double start, paused; /* ms: the observer's own time does not count */
+};
+
+static void die(const char *what) {
+    fprintf(stderr, "convergence: %s\n", what);
+    exit(1);
+}
+
+static void note(void *user, const pdyn_iteration *it) {
+    struct trace *t = user;
+    double now = clock_ms();
+    size_t bytes = 3 * (size_t)t->sim->system.particles * sizeof(double);
+    if (t->count == t->capacity) return;
+    struct record *r = &t->record[t->count++];
+    *r = (struct record){now - t->start - t->paused, it->energy, it->residual, malloc(bytes)};
+    if (!r->x) die("out of memory");
+    memcpy(r->x, it->x, bytes);
+    t->paused += clock_ms() - now;
+}
+
+static pdyn_sim *load(pdyn_context *context, const char *scene, int count, const char *const *set) {
+    pdyn_sim *sim;
+    if (pdyn_load(context, scene, set, count, &sim) != PDYN_OK) die(pdyn_last_error(context));
+    return sim;
+}
+
+/* The state of one simulation of the scene goes over to another. */
+static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
+    size_t bytes = 3 * (size_t)from->system.particles * sizeof(double);
+    memcpy(to->x, from->x, bytes);
+    memcpy(to->v, from->v, bytes);
+    memcpy(to->correction, from->correction, bytes);
+    to->last_h = from->last_h, to->time = from->time, to->frame = from->frame;
+}
+
+static struct trace solve(pdyn_context *context, const char *scene, const pdyn_sim *state,
+                          const char *kind, int iterations, const char *linear) {
+    char step[64], outer[64], tolerance[64];
+    const char *set[] = {step, outer, tolerance, "solver.tolerance=0"};
+    snprintf(step, sizeof step, "solver.step=%s", kind);
+    snprintf(outer, sizeof outer, "solver.outer_iterations=%d", iterations);
+    snprintf(tolerance, sizeof tolerance, "solver.linear_tolerance=%s", linear);
+    struct trace t = {.sim = load(context, scene, 4, set), .capacity = iterations + 1};
+    t.record = calloc((size_t)t.capacity, sizeof *t.record);
+    if (!t.record) die("out of memory");
+    copy_state(state, t.sim);
+    pdyn_observe(t.sim, note, &t);
+    t.start = clock_ms();
+    if (pdyn_step(t.sim, NULL) != PDYN_OK) die(pdyn_last_error(context));
+    return t;
+}
+
+/* Mean and largest density error at x, over the bodies of particles. */
+static void density_errors(pdyn_sim *sim, const double *x, double *mean, double *max) {
+    double energy, count = 0.0;
+    *mean = *max = 0.0;
+    system_local(&sim->system, x, &energy, sim->gradient);
+    for (int b = 0; b < sim->system.batches; b++) {
+        const struct batch *batch = sim->system.batch[b];
+        if (!batch->op) continue;
+        batch->type->op->density(batch->op, sim->density);
+        const pdyn_body *body = batch->view.body;
+        for (int i = body->first; i < body->first + body->count; i++, count++) {
+            double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);
+            *mean += error;
+            *max = fmax(*max, error);
+        }
+    }
+    if (count > 0.0) *mean /= count;
+}
+
+static double distance(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(sum);
+}
+
+static void print(const char *kind, struct trace *t, const struct trace *best) {
+    const struct record *last = &best->record[best->count - 1];
+    int n = 3 * t->sim->system.particles;
+    double start = distance(best->sim->system.s, last->x, n);
+    for (int k = 0; k < t->count; k++) {
+        const struct record *r = &t->record[k];
+        double mean, max;
+        density_errors(t->sim, r->x, &mean, &max);
+        printf("%s,%d,%.4g,%.4g,%.4g,%.4g,%.4g,%.4g\n", kind, k, r->ms,
+               (r->energy - last->energy) / (best->record[0].energy - last->energy), r->residual,
+               mean, max, distance(r->x, last->x, n) / start);
+    }
+}
+
+static void release(struct trace *t) {
+    for (int k = 0; k < t->count; k++) free(t->record[k].x);
+    free(t->record);
+    pdyn_free(t->sim);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) die("usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]]");
+    double warm = argc > 2 ? atof(argv[2]) : 0.2;
+    int projective = argc > 3 ? atoi(argv[3]) : 1000;
+    pdyn_options options = pdyn_default_options();
+    pdyn_context *context;
+    options.threads = 1;
+    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    pdyn_sim *state = load(context, argv[1], 0, NULL);
+    while (pdyn_time(state) < warm * (1.0 - 1e-9))
+        if (pdyn_step(state, NULL) != PDYN_OK) die(pdyn_last_error(context));
+    struct trace best = solve(context, argv[1], state, "newton", 300, "1e-6");
+    struct trace newton = solve(context, argv[1], state, "newton", 40, "0.1");
+    struct trace classic = solve(context, argv[1], state, "projective", projective, "0.01");
+    printf("step,iteration,ms,gap,residual,density_mean,density_max,distance\n");
+    print("newton", &newton, &best);
+    print("projective", &classic, &best);
+    release(&best), release(&newton), release(&classic);
+    pdyn_free(state);
+    pdyn_destroy(context);
+    return 0;
+}
