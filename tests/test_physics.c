@@ -158,14 +158,14 @@ static void test_threads(void **state) {
     for (int k = 0; k < 4; k++) {
         pdyn_context *context = test_context(threads[k]);
         pdyn_sim *sim = test_load(
-            context, "{\"duration\": 1, \"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": "
-                     "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.5, 0.9, 0.5]}",
-                               "") ", " SHEET("41",
-                                              ", {\"type\": \"pin\", \"vertices\": {\"border\": "
-                                              "true}}") "],"
-                                                        " \"solids\": [{\"box\": {\"minimum\": "
-                                                        "[-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, "
-                                                        "\"open\": [\"+y\"]}]}");
+            context,
+            "{\"duration\": 1, \"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": "
+            "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.5, 0.9, 0.5]}",
+                      "") ", " SHEET("41", ", {\"type\": \"pin\", \"vertices\": {\"border\": "
+                                           "true}}") "],"
+                                                     " \"solids\": [{\"box\": {\"minimum\": "
+                                                     "[-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, "
+                                                     "\"open\": [\"+y\"]}]}");
         for (int n = 0; n < 12; n++) test_step(context, sim);
         hash[k] = pdyn_state_hash(sim);
         pdyn_free(sim);

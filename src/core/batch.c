@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { ELEMENTS = 512, PARTICLES = 256 }; /* grains: some tens of microseconds each */
+enum { ELEMENTS = 2048, PARTICLES = 1024 }; /* grains: worth waking a thread for */
 
 struct call { /* the arguments of a parallel loop over a batch */
     struct batch *batch;

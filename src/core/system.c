@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { GRAIN = 2048 }; /* particles: vector operations of a few microseconds */
+enum { GRAIN = 8192 }; /* particles: vector operations worth waking a thread for */
 
 struct call {
     struct system *system;

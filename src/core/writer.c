@@ -68,7 +68,9 @@ static pdyn_status make_directory(pdyn_writer *writer) {
         *slash = '\0';
         int error = mkdir(path, 0777) ? errno : 0;
         if (error && !is_directory(path))
-            return context_fail(writer->context, PDYN_IO_FAILED,
+            return context_fail(writer->context,
+                                error == EEXIST || error == ENOTDIR ? PDYN_BAD_INPUT
+                                                                    : PDYN_IO_FAILED,
                                 "%.1024s: cannot make the directory: %s", path, strerror(error));
         *slash = '/';
     }

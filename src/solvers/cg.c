@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-enum { GRAIN = 1024 };
+enum { GRAIN = 8192 };
 
 struct cg {
     pdyn_context *context;

@@ -1,0 +1,33 @@
+/* What the sub-commands of projdyn share. They use nothing but the public API. */
+#ifndef APP_H
+#define APP_H
+
+#include "projdyn/projdyn.h"
+
+enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 130 };
+
+/* Each gets its own name as argv[0] and returns the exit code. */
+int run_main(int argc, char **argv);
+int check_main(int argc, char **argv);
+int list_main(int argc, char **argv);
+
+/* A scene and how to load it, from the options that run and check share. */
+struct scene_options {
+    const char *scene;
+    int threads; /* 0: one per core */
+    const char **set;
+    int sets;
+};
+
+/* Parses "--threads" and adds to the overrides; false with a message on bad values. */
+bool scene_threads(struct scene_options *options, const char *text);
+bool scene_set(struct scene_options *options, const char *text);
+
+/* A context whose warnings go to stderr, and the scene in it; an exit code, not EXIT_GOOD on
+ * failure. */
+int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
+
+/* Prints the context's error and turns a status into an exit code. */
+int report_status(const pdyn_context *context, pdyn_status status);
+
+#endif

@@ -1,0 +1,122 @@
+/* projdyn: the command line over libprojdyn. */
+#include "app.h"
+#include "replay.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const struct command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} commands[] = {
+    {"run", run_main, "simulate a scene and write frames, metrics and a report"},
+    {"check", check_main, "read a scene and say what is in it"},
+    {"list", list_main, "constraint types and solvers, their parameters and units"},
+    {"replay", replay_main, "pack the frames of a run into one HTML page"},
+};
+
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+static void usage(FILE *out) {
+    fprintf(out, "Usage: projdyn COMMAND [OPTIONS]\n\nProjective Dynamics for fluids and cloth in "
+                 "one solve.\n\n");
+    for (int k = 0; k < COMMANDS; k++)
+        fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
+    fprintf(out,
+            "\n'projdyn COMMAND --help' tells more; 'projdyn --version' prints the version.\n");
+}
+
+/* How many leading letters two words share. */
+static size_t common(const char *a, const char *b) {
+    size_t n = 0;
+    while (a[n] && a[n] == b[n]) n++;
+    return n;
+}
+
+static int unknown(const char *name) {
+    int near = 0;
+    for (int k = 1; k < COMMANDS; k++)
+        if (common(name, commands[k].name) > common(name, commands[near].name)) near = k;
+    fprintf(stderr, "projdyn: unknown command \"%s\"", name);
+    if (common(name, commands[near].name))
+        fprintf(stderr, ", did you mean \"%s\"?", commands[near].name);
+    fprintf(stderr, "\n\n");
+    usage(stderr);
+    return EXIT_BAD_INPUT;
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        usage(stderr);
+        return EXIT_BAD_INPUT;
+    }
+    if (!strcmp(argv[1], "--version")) {
+        printf("projdyn %s\n", pdyn_version());
+        return EXIT_GOOD;
+    }
+    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
+        usage(stdout);
+        return EXIT_GOOD;
+    }
+    for (int k = 0; k < COMMANDS; k++)
+        if (!strcmp(argv[1], commands[k].name)) return commands[k].run(argc - 1, argv + 1);
+    return unknown(argv[1]);
+}
+
+/* ---- shared by the commands ---------------------------------------------------------------------
+ */
+
+bool scene_threads(struct scene_options *options, const char *text) {
+    char *end;
+    errno = 0;
+    long threads = strtol(text, &end, 10);
+    if (errno || *end || end == text || threads < 1 || threads > 1024) {
+        fprintf(stderr,
+                "projdyn: --threads: found \"%s\", expected a whole number from 1 to 1024\n", text);
+        return false;
+    }
+    options->threads = (int)threads;
+    return true;
+}
+
+bool scene_set(struct scene_options *options, const char *text) {
+    const char **set = realloc(options->set, (size_t)(options->sets + 1) * sizeof *set);
+    if (!set) {
+        fprintf(stderr, "projdyn: out of memory\n");
+        return false;
+    }
+    options->set = set;
+    options->set[options->sets++] = text;
+    return true;
+}
+
+static void warn(void *user, pdyn_log_level level, const char *message) {
+    (void)user;
+    const char *clear =
+        isatty(STDERR_FILENO) ? "\r\033[K" : ""; /* a progress line may stand there */
+    fprintf(stderr, "%sprojdyn: %s%s\n", clear, level == PDYN_LOG_WARNING ? "warning: " : "",
+            message);
+}
+
+int report_status(const pdyn_context *context, pdyn_status status) {
+    const char *error = pdyn_last_error(context);
+    fprintf(stderr, "projdyn: %s\n", *error ? error : pdyn_status_text(status));
+    return status == PDYN_BAD_INPUT || status == PDYN_BAD_CALL ? EXIT_BAD_INPUT : EXIT_FAILED;
+}
+
+int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim) {
+    pdyn_options settings = pdyn_default_options();
+    settings.threads = options->threads;
+    settings.log = warn;
+    *sim = NULL;
+    pdyn_status status = pdyn_create(&settings, context);
+    if (status == PDYN_OK)
+        status = pdyn_load(*context, options->scene, options->set, options->sets, sim);
+    if (status == PDYN_OK) return EXIT_GOOD;
+    int code = report_status(*context, status);
+    return status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : code; /* a file that the scene names */
+}

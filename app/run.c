@@ -1,0 +1,232 @@
+/* projdyn run: simulates a scene, frame by frame, and writes what comes of it. */
+#include "app.h"
+
+#include <getopt.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "Usage: projdyn run SCENE [OPTIONS]\n"
+    "\n"
+    "Simulates a scene and writes frames, metrics.csv and report.json.\n"
+    "\n"
+    "  -o, --output DIR      where to write (default out/NAME of the scene)\n"
+    "      --threads N       worker threads (default: one per core)\n"
+    "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky\n"
+    "      --time S          simulates S seconds instead of the scene's duration\n"
+    "      --report FILE     writes the report there instead of DIR/report.json\n"
+    "      --ply             writes each frame as PLY, too\n"
+    "      --quiet           no progress, no summary\n"
+    "  -h, --help            this text\n"
+    "\n"
+    "Ctrl-C ends with the current frame, a second one with the current step.\n";
+
+struct run_options {
+    struct scene_options scene;
+    const char *output, *report;
+    char duration[64]; /* override made from --time */
+    bool ply, quiet;
+};
+
+struct totals {
+    long steps;
+    double density_mean, density_worst; /* sum of the steps' means; the largest of them */
+};
+
+static volatile sig_atomic_t interrupts;
+
+static void on_signal(int number) {
+    (void)number;
+    interrupts++;
+}
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ---- arguments ----------------------------------------------------------------------------------
+ */
+
+static bool parse_time(struct run_options *o, const char *text) {
+    char *end;
+    double seconds = strtod(text, &end);
+    if (*end || end == text || !isfinite(seconds) || seconds <= 0.0) {
+        fprintf(stderr, "projdyn: --time: found \"%s\", expected seconds above 0\n", text);
+        return false;
+    }
+    snprintf(o->duration, sizeof o->duration, "duration=%.17g", seconds);
+    return scene_set(&o->scene, o->duration);
+}
+
+static bool accept_option(struct run_options *o, int option) {
+    switch (option) {
+    case 'o':
+        o->output = optarg;
+        return true;
+    case 'r':
+        o->report = optarg;
+        return true;
+    case 'p':
+        o->ply = true;
+        return true;
+    case 'q':
+        o->quiet = true;
+        return true;
+    case 't':
+        return scene_threads(&o->scene, optarg);
+    case 's':
+        return scene_set(&o->scene, optarg);
+    case 'T':
+        return parse_time(o, optarg);
+    default:
+        return false;
+    }
+}
+
+/* -1: go on; otherwise the exit code. */
+static int parse(struct run_options *o, int argc, char **argv) {
+    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"set", required_argument, NULL, 's'},
+                                                 {"time", required_argument, NULL, 'T'},
+                                                 {"report", required_argument, NULL, 'r'},
+                                                 {"ply", no_argument, NULL, 'p'},
+                                                 {"quiet", no_argument, NULL, 'q'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
+    int option;
+    while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
+        if (option == 'h') {
+            fputs(usage, stdout);
+            return EXIT_GOOD;
+        }
+        if (!accept_option(o, option)) return EXIT_BAD_INPUT;
+    }
+    if (argc - optind != 1) {
+        fprintf(stderr, "projdyn: run: expected one scene file\n\n%s", usage);
+        return EXIT_BAD_INPUT;
+    }
+    o->scene.scene = argv[optind];
+    return -1;
+}
+
+/* out/NAME for a scene .../NAME.json; to be freed. */
+static char *default_output(const char *scene) {
+    const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
+    const char *dot = strrchr(base, '.');
+    int length = dot && dot != base ? (int)(dot - base) : (int)strlen(base);
+    char *output = malloc((size_t)length + 5);
+    if (output) sprintf(output, "out/%.*s", length, base);
+    return output;
+}
+
+/* ---- progress -----------------------------------------------------------------------------------
+ */
+
+static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, double begun) {
+    static double shown;
+    double time = now(), part = info->time / pdyn_duration(sim);
+    if (time - shown < 0.1 && part < 1.0) return;
+    shown = time;
+    int filled = (int)(24.0 * fmin(1.0, part));
+    fprintf(stderr,
+            "\r\033[K[%.*s%.*s] %3.0f%%  %.3f s  ETA %.0f s  density %.4f%%  %d outer  %d linear",
+            filled, "########################", 24 - filled, "........................",
+            100.0 * part, info->time, (time - begun) * (1.0 / part - 1.0),
+            100.0 * info->density_error_mean, info->outer_iterations, info->linear_iterations);
+    if (part >= 1.0 - 1e-9) fputc('\n', stderr);
+}
+
+static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, double begun) {
+    if (isatty(STDERR_FILENO)) show_bar(sim, info, begun);
+    else if (info->frame)
+        fprintf(stderr,
+                "%.4f s of %g s, %.1f s of wall time, density error %.4f%%, %d outer, %d linear\n",
+                info->time, pdyn_duration(sim), now() - begun, 100.0 * info->density_error_mean,
+                info->outer_iterations, info->linear_iterations);
+}
+
+static void summarise(const pdyn_sim *sim, const char *output, const struct totals *t,
+                      double wall) {
+    printf("%ld steps to %g s in %.1f s, %.1f ms per step, solver %s, %s step\n", t->steps,
+           pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
+           pdyn_solver_type(sim), pdyn_step_type(sim));
+    printf("density error %.4f%% (mean), %.4f%% (worst step)\n",
+           t->steps ? 100.0 * t->density_mean / (double)t->steps : 0.0, 100.0 * t->density_worst);
+    printf("written to %s; next: projdyn replay %s\n", output, output);
+}
+
+/* ---- the run ------------------------------------------------------------------------------------
+ */
+
+/* Steps and writes until the end, a failure or an interrupt. */
+static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run_options *o,
+                            struct totals *t) {
+    double begun = now();
+    pdyn_status status = pdyn_writer_frame(writer);
+    bool frame = true;
+    while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9)) {
+        if (interrupts > 1 || (interrupts && frame)) break;
+        pdyn_step_info info;
+        status = pdyn_step(sim, &info);
+        if (status == PDYN_OK) status = pdyn_writer_step(writer, &info);
+        if (status != PDYN_OK) break;
+        t->steps++;
+        t->density_mean += info.density_error_mean;
+        t->density_worst = fmax(t->density_worst, info.density_error_mean);
+        frame = info.frame;
+        if (frame) status = pdyn_writer_frame(writer);
+        if (!o->quiet) show_progress(sim, &info, begun);
+    }
+    return status;
+}
+
+static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
+    struct totals totals = {0};
+    pdyn_writer *writer = NULL;
+    double begun = now();
+    pdyn_status status = pdyn_writer_open(sim, o->output, o->ply, &writer);
+    if (status != PDYN_OK) return report_status(context, status);
+    status = simulate(sim, writer, o, &totals);
+    int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
+    char *failure = status == PDYN_OK ? NULL : strdup(pdyn_last_error(context));
+    bool interrupted = interrupts > 0;
+    pdyn_status written = pdyn_writer_report(writer, o->report, interrupted, failure);
+    if (written != PDYN_OK) code = report_status(context, written);
+    pdyn_writer_close(writer);
+    free(failure);
+    if (code != EXIT_GOOD) return code;
+    if (interrupted)
+        fprintf(stderr, "projdyn: interrupted at %g s; what was simulated is in %s\n",
+                pdyn_time(sim), o->output);
+    if (!o->quiet) summarise(sim, o->output, &totals, now() - begun);
+    return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
+}
+
+int run_main(int argc, char **argv) {
+    struct run_options o = {0};
+    pdyn_context *context = NULL;
+    pdyn_sim *sim = NULL;
+    char *output = NULL;
+    int code = parse(&o, argc, argv);
+    if (code < 0) {
+        struct sigaction action = {.sa_handler = on_signal};
+        sigaction(SIGINT, &action, NULL);
+        sigaction(SIGTERM, &action, NULL);
+        if (!o.output) o.output = output = default_output(o.scene.scene);
+        code = scene_load(&o.scene, &context, &sim);
+        if (code == EXIT_GOOD) code = run(context, sim, &o);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    free(o.scene.set);
+    free(output);
+    return code;
+}
