@@ -111,8 +111,8 @@ static bool load_frame(const struct replay *r, int body, int frame, struct frame
         json_string_value(json_object_get(json_array_get(b->files, (size_t)frame), "name"));
     if (!name || strchr(name, '/')) return complain(b->name, "a series that names its frames");
     snprintf(path, sizeof path, "%s/%s", r->directory, name);
-    if (!frame_read(path, out)) return false;
-    if (!frame || out->points == b->points) return true;
+    if (frame_read(path, out) != EXIT_GOOD) return false;
+    if (!frame || out->count == b->points) return true;
     frame_free(out);
     return complain(path, "as many points as in the first frame");
 }
@@ -127,7 +127,7 @@ static double error_of(const struct frame *f, const struct body *b, int i) {
 }
 
 static void measure_frame(struct replay *r, const struct frame *f, const struct body *b) {
-    for (int i = 0; i < f->points; i++) {
+    for (int i = 0; i < f->count; i++) {
         for (int a = 0; a < 3; a++) {
             r->min[a] = fmin(r->min[a], (double)f->x[3 * i + a]);
             r->max[a] = fmax(r->max[a], (double)f->x[3 * i + a]);
@@ -145,7 +145,7 @@ static bool measure(struct replay *r) {
     for (int k = 0; k < r->frames; k++)
         for (int b = 0; b < r->bodies; b++) {
             if (!load_frame(r, b, k, &f)) return false;
-            r->body[b].points = f.points;
+            r->body[b].points = f.count;
             measure_frame(r, &f, &r->body[b]);
             frame_free(&f);
         }
@@ -180,7 +180,7 @@ static uint16_t quantise(const struct replay *r, double x, int axis) {
 }
 
 static bool pack_frame(struct replay *r, struct body *b, const struct frame *f) {
-    size_t n = (size_t)f->points;
+    size_t n = (size_t)f->count;
     unsigned char *bytes = malloc(8 * n + 1);
     if (!bytes) return complain("replay", "more memory");
     for (size_t k = 0; k < 3 * n; k++) {
@@ -190,7 +190,7 @@ static bool pack_frame(struct replay *r, struct body *b, const struct frame *f) 
         bytes[3 * n + place] = (unsigned char)(d >> 8);
         b->last[k] = q;
     }
-    for (int i = 0; i < f->points; i++) {
+    for (int i = 0; i < f->count; i++) {
         bytes[6 * n + (size_t)i] = (unsigned char)lround(255.0 * speed_of(f, i) / r->speed_max);
         bytes[7 * n + (size_t)i] =
             (unsigned char)lround(255.0 * sqrt(error_of(f, b, i) / r->error_max));
@@ -251,7 +251,8 @@ static json_t *meta_of(const struct replay *r, json_t *bodies) {
     json_object_set_new(meta, "times", times);
     json_object_set(meta, "bodies", bodies);
     snprintf(path, sizeof path, "%s/metrics.csv", r->directory);
-    char *metrics = file_read(path, &size);
+    char *metrics = NULL; /* a run that was killed at once has none */
+    if (file_read(path, &metrics, &size) != EXIT_GOOD) metrics = NULL;
     json_object_set_new(meta, "metrics", json_string(metrics ? metrics : ""));
     free(metrics);
     return meta;
