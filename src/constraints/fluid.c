@@ -12,8 +12,8 @@
  * What is kept instead: the kernel's slope for every listed pair, and the displacement u - p of
  * every constraint. Both passes of the product run over the pairs of a particle and write only to
  * it. Cloth points have a volume and neighbours, but no constraint of their own; static boundary
- * samples enter the density alone (Akinci et al. 2012). Memory: 32 bytes per listed neighbour and
- * 121 per particle of the system. */
+ * samples enter the density alone (Akinci et al. 2012). Memory: 36 bytes per listed neighbour and
+ * 125 per particle of the system. */
 #include "../core/kernel.h"
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
@@ -44,7 +44,9 @@ struct fluid {
     int particles;         /* of the system */
     double rest_density;   /* kg/m^3 */
     size_t pairs;          /* capacity of what is kept per listed neighbour */
-    double *pair_slope;    /* pairs: W'(r)/r, so that grad W = slope (x_i - x_j), 1/m^5 */
+    int *pair_index;       /* pairs: of each list, those inside the support, one after the other */
+    int *pair_end;         /* particles: where these end; they start where the list does */
+    double *pair_slope;    /* pairs: their W'(r)/r, so that grad W = slope (x_i - x_j), 1/m^5 */
     double *pair_shift;    /* pairs x 3: u - p of x_j in constraint i, m */
     double *x;             /* particles x 3: where the last local step was */
     double *self_gradient; /* particles x 3: the gradient of C_i with respect to x_i, 1/m */
@@ -81,14 +83,25 @@ static void *resize(struct fluid *f, void *block, size_t old_count, size_t count
                                  count * sizeof(double));
 }
 
+static int *resize_ints(struct fluid *f, int *block, size_t old_count, size_t count) {
+    return f->services->allocate(f->services->core, block, old_count * sizeof(int),
+                                 count * sizeof(int));
+}
+
+static void release_pairs(struct fluid *f) {
+    resize(f, f->pair_slope, f->pairs, 0);
+    resize(f, f->pair_shift, 3 * f->pairs, 0);
+    resize_ints(f, f->pair_index, f->pairs, 0);
+}
+
 static void release(void *self) {
     struct fluid *f = self;
     size_t n = (size_t)f->particles;
-    resize(f, f->pair_slope, f->pairs, 0);
-    resize(f, f->pair_shift, 3 * f->pairs, 0);
+    release_pairs(f);
     resize(f, f->x, 3 * n, 0);
     resize(f, f->self_gradient, 3 * n, 0);
     resize(f, f->self_shift, 3 * n, 0);
+    resize_ints(f, f->pair_end, n, 0);
     resize(f, f->value, n, 0);
     resize(f, f->stiffness, n, 0);
     f->services->allocate(f->services->core, f->active, n * sizeof(bool), 0);
@@ -115,14 +128,15 @@ static bool reserve_particles(struct fluid *f, int particles) {
     f->x = resize(f, NULL, 0, 3 * n);
     f->self_gradient = resize(f, NULL, 0, 3 * n);
     f->self_shift = resize(f, NULL, 0, 3 * n);
+    f->pair_end = resize_ints(f, NULL, 0, n);
     f->value = resize(f, NULL, 0, n);
     f->stiffness = resize(f, NULL, 0, n);
     f->active = f->services->allocate(f->services->core, NULL, 0, n * sizeof(bool));
     f->flux = resize(f, NULL, 0, n);
     f->members = resize(f, NULL, 0, n);
     f->partial = resize(f, NULL, 0, n / GRAIN + 1);
-    return f->x && f->self_gradient && f->self_shift && f->value && f->stiffness && f->active &&
-           f->flux && f->members && f->partial;
+    return f->x && f->pair_end && f->self_gradient && f->self_shift && f->value && f->stiffness &&
+           f->active && f->flux && f->members && f->partial;
 }
 
 static bool neighbours(void *self, const pdyn_neighbours *lists) {
@@ -131,12 +145,12 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     f->lists = lists;
     if (!f->particles && !reserve_particles(f, lists->particles)) return false;
     if (pairs <= f->pairs) return true;
-    resize(f, f->pair_slope, f->pairs, 0);
-    resize(f, f->pair_shift, 3 * f->pairs, 0);
+    release_pairs(f);
     f->pairs = pairs + pairs / 4; /* room, so that a warmed-up step allocates nothing */
     f->pair_slope = resize(f, NULL, 0, f->pairs);
+    f->pair_index = resize_ints(f, NULL, 0, f->pairs);
     f->pair_shift = resize(f, NULL, 0, 3 * f->pairs);
-    return f->pair_slope && f->pair_shift;
+    return f->pair_slope && f->pair_index && f->pair_shift;
 }
 
 /* ---- local step ------------------------------------------------------------------------------ */
@@ -173,17 +187,19 @@ static void add_boundary(const struct fluid *f, struct sum *sum, int i, const do
 static struct sum sum_at(struct fluid *f, const double *x, int i) {
     const pdyn_neighbours *l = f->lists;
     struct sum sum = {.c = l->volume[i] * kernel_value(&f->kernel, 0.0) - 1.0};
-    int members = is_fluid(f, i);
+    int members = is_fluid(f, i), end = l->start[i];
     for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
         const double *a = x + 3 * i, *b = x + 3 * l->index[s];
         double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
         double slope = add_neighbour(f, &sum, l->volume[l->index[s]], d, true);
-        f->pair_slope[s] = slope;
-        members += slope != 0.0 && is_fluid(f, l->index[s]);
+        if (slope == 0.0) continue;
+        f->pair_index[end] = l->index[s], f->pair_slope[end++] = slope;
+        members += is_fluid(f, l->index[s]);
     }
     add_boundary(f, &sum, i, x + 3 * i);
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
     f->members[i] = members;
+    f->pair_end[i] = end;
     return sum;
 }
 
@@ -287,8 +303,8 @@ static double divergence(const struct fluid *f, int i, const double *u) {
     const pdyn_neighbours *l = f->lists;
     const double *a = f->x + 3 * i;
     double sum = 0.0;
-    for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
-        int j = l->index[s];
+    for (int s = l->start[i]; s < f->pair_end[i]; s++) {
+        int j = f->pair_index[s];
         const double *b = f->x + 3 * j, *v = u + 3 * j;
         sum += l->volume[j] * f->pair_slope[s] *
                ((a[0] - b[0]) * v[0] + (a[1] - b[1]) * v[1] + (a[2] - b[2]) * v[2]);
@@ -330,9 +346,9 @@ static void apply_gradient(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) {
         const double *a = f->x + 3 * i;
         double sum[3] = {0};
-        for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
-            const double *b = f->x + 3 * l->index[s],
-                         flux = f->flux[l->index[s]] * f->pair_slope[s];
+        for (int s = l->start[i]; s < f->pair_end[i]; s++) {
+            const double *b = f->x + 3 * f->pair_index[s],
+                         flux = f->flux[f->pair_index[s]] * f->pair_slope[s];
             for (int k = 0; k < 3; k++) sum[k] += flux * (a[k] - b[k]);
         }
         double *y = c->out + 3 * i;
@@ -371,11 +387,11 @@ static void diagonal_blocks(void *arg, int first, int last, int block) {
         double *D = c->out + 6 * i, V = l->volume[i], undamped = 1.0 - c->eps;
         if (f->active[i])
             add_outer_product(D, undamped * f->stiffness[i], f->self_gradient + 3 * i);
-        for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
-            const double *a = f->x + 3 * i, *b = f->x + 3 * l->index[s];
+        for (int s = l->start[i]; s < f->pair_end[i]; s++) {
+            const double *a = f->x + 3 * i, *b = f->x + 3 * f->pair_index[s];
             double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]}, g = V * f->pair_slope[s];
-            if (f->active[l->index[s]])
-                add_outer_product(D, undamped * g * g * f->stiffness[l->index[s]], d);
+            if (f->active[f->pair_index[s]])
+                add_outer_product(D, undamped * g * g * f->stiffness[f->pair_index[s]], d);
         }
         double damped = c->eps * f->params.stiffness * f->members[i];
         D[0] += damped, D[3] += damped, D[5] += damped;

@@ -206,16 +206,18 @@ static pdyn_status fail_element(const struct json_file *file, int i, const json_
         const char *name = element_name(json_array_get(array, k));
         text_append(hint, sizeof hint, "%s%zu", k ? ", " : "; there are ", k);
         if (!name) continue;
-        text_append(hint, sizeof hint, " (%.64s)", name);
+        text_clip(clipped, sizeof clipped, name);
+        text_append(hint, sizeof hint, " (%s)", clipped);
         if (count < KEYS) names[count++] = name;
     }
     const char *nearest = registry_near_miss(key, names, count);
     text_clip(clipped, sizeof clipped, key);
-    if (nearest)
-        return fail_override(file, i, "no element \"%s\"; did you mean \"%s\"?%s", clipped, nearest,
-                             hint);
-    return fail_override(file, i, "no element \"%s\"%s", clipped,
-                         *hint ? hint : "; the array is empty");
+    if (!nearest)
+        return fail_override(file, i, "no element \"%s\"%s", clipped,
+                             *hint ? hint : "; the array is empty");
+    char near[VALUE + 1]; /* the longest word that is worth a hint */
+    text_clip(near, sizeof near, nearest);
+    return fail_override(file, i, "no element \"%s\"; did you mean \"%s\"?%s", clipped, near, hint);
 }
 
 /* Puts a value into an object or array, and notes where, unless something around it was noted. */
@@ -244,9 +246,12 @@ static pdyn_status override_step(struct json_file *file, json_t **at, const char
         if (!*at) return fail_element(file, file->overrides - 1, container, key);
     } else if (json_is_object(container)) {
         *at = json_object_get(container, key);
-    } else
+    } else {
+        char clipped[VALUE];
+        text_clip(clipped, sizeof clipped, key);
         return fail_override(file, file->overrides - 1,
-                             "\"%.64s\" leads into a value that is no object and no array", key);
+                             "\"%s\" leads into a value that is no object and no array", clipped);
+    }
     if (value) return put(file, container, key, index, json_incref(value));
     if (*at) return PDYN_OK;
     *at = json_object();
