@@ -19,13 +19,21 @@ struct scene_options {
     int sets;
 };
 
-/* Parses "--threads" and adds to the overrides; false with a message on bad values. */
+/* Takes the value of --threads; false with a message on bad ones. */
 bool scene_threads(struct scene_options *options, const char *text);
+
+/* Adds an override, a text that outlives the options; false with a message without memory. */
 bool scene_set(struct scene_options *options, const char *text);
 
 /* A context whose warnings go to stderr, and the scene in it; an exit code, not EXIT_GOOD on
  * failure. */
 int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
+
+/* Removes the progress line of a terminal, before something else is said on stderr. */
+void clear_progress(void);
+
+/* What went wrong, for people. */
+const char *status_message(const pdyn_context *context, pdyn_status status);
 
 /* Prints the context's error and turns a status into an exit code. */
 int report_status(const pdyn_context *context, pdyn_status status);

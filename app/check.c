@@ -46,7 +46,7 @@ int check_main(int argc, char **argv) {
         if (!good) code = EXIT_BAD_INPUT;
     }
     if (code == EXIT_GOOD && argc - optind != 1) {
-        fputs(usage, stderr);
+        fprintf(stderr, "projdyn: check: expected one scene file\n\n%s", usage);
         code = EXIT_BAD_INPUT;
     }
     options.scene = argv[optind];

@@ -30,26 +30,28 @@ static void usage(FILE *out) {
             "\n'projdyn COMMAND --help' tells more; 'projdyn --version' prints the version.\n");
 }
 
-/* How many leading letters two words share. */
-static size_t common(const char *a, const char *b) {
-    size_t n = 0;
-    while (a[n] && a[n] == b[n]) n++;
-    return n;
+/* Whether `edits` letters inserted, removed or changed make one word the other. */
+static bool is_near(const char *a, const char *b, int edits) {
+    while (*a && *a == *b) a++, b++;
+    if (!*a && !*b) return true;
+    if (!edits) return false;
+    return (*a && is_near(a + 1, b, edits - 1)) || (*b && is_near(a, b + 1, edits - 1)) ||
+           (*a && *b && is_near(a + 1, b + 1, edits - 1));
 }
 
 static int unknown(const char *name) {
-    int near = 0;
-    for (int k = 1; k < COMMANDS; k++)
-        if (common(name, commands[k].name) > common(name, commands[near].name)) near = k;
+    const char *near = NULL;
+    for (int edits = 1; edits <= 2 && !near; edits++)
+        for (int k = 0; k < COMMANDS && !near; k++)
+            if (is_near(name, commands[k].name, edits)) near = commands[k].name;
     fprintf(stderr, "projdyn: unknown command \"%s\"", name);
-    if (common(name, commands[near].name))
-        fprintf(stderr, ", did you mean \"%s\"?", commands[near].name);
+    if (near) fprintf(stderr, ", did you mean \"%s\"?", near);
     fprintf(stderr, "\n\n");
     usage(stderr);
     return EXIT_BAD_INPUT;
 }
 
-int main(int argc, char **argv) {
+static int dispatch(int argc, char **argv) {
     if (argc < 2) {
         usage(stderr);
         return EXIT_BAD_INPUT;
@@ -65,6 +67,16 @@ int main(int argc, char **argv) {
     for (int k = 0; k < COMMANDS; k++)
         if (!strcmp(argv[1], commands[k].name)) return commands[k].run(argc - 1, argv + 1);
     return unknown(argv[1]);
+}
+
+/* What was printed but did not arrive, on a full disk say, is a failure. */
+int main(int argc, char **argv) {
+    int code = dispatch(argc, argv);
+    errno = 0;
+    if (!fflush(stdout) && !ferror(stdout)) return code;
+    fprintf(stderr, "projdyn: standard output: writing failed: %s\n",
+            strerror(errno ? errno : EIO));
+    return code == EXIT_GOOD ? EXIT_FAILED : code;
 }
 
 /* ---- shared by the commands ---------------------------------------------------------------------
@@ -94,17 +106,24 @@ bool scene_set(struct scene_options *options, const char *text) {
     return true;
 }
 
+void clear_progress(void) {
+    if (isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+}
+
 static void warn(void *user, pdyn_log_level level, const char *message) {
     (void)user;
-    const char *clear =
-        isatty(STDERR_FILENO) ? "\r\033[K" : ""; /* a progress line may stand there */
-    fprintf(stderr, "%sprojdyn: %s%s\n", clear, level == PDYN_LOG_WARNING ? "warning: " : "",
-            message);
+    clear_progress();
+    fprintf(stderr, "projdyn: %s%s\n", level == PDYN_LOG_WARNING ? "warning: " : "", message);
+}
+
+const char *status_message(const pdyn_context *context, pdyn_status status) {
+    const char *error = pdyn_last_error(context);
+    return *error ? error : pdyn_status_text(status);
 }
 
 int report_status(const pdyn_context *context, pdyn_status status) {
-    const char *error = pdyn_last_error(context);
-    fprintf(stderr, "projdyn: %s\n", *error ? error : pdyn_status_text(status));
+    clear_progress();
+    fprintf(stderr, "projdyn: %s\n", status_message(context, status));
     return status == PDYN_BAD_INPUT || status == PDYN_BAD_CALL ? EXIT_BAD_INPUT : EXIT_FAILED;
 }
 

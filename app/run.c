@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -29,11 +30,13 @@ static const char usage[] =
 struct run_options {
     struct scene_options scene;
     const char *output, *report;
-    char duration[64]; /* override made from --time */
+    char *default_output; /* if none was given */
+    char duration[64];    /* override made from --time */
     bool ply, quiet;
 };
 
 struct totals {
+    double begun, shown; /* s, of the clock: the run, the last progress line */
     long steps;
     double density_mean, density_worst; /* sum of the steps' means; the largest of them */
 };
@@ -90,6 +93,20 @@ static bool accept_option(struct run_options *o, int option) {
     }
 }
 
+/* out/NAME for a scene .../NAME.json. */
+static bool choose_output(struct run_options *o) {
+    const char *slash = strrchr(o->scene.scene, '/'), *base = slash ? slash + 1 : o->scene.scene;
+    size_t length = strlen(base);
+    if (length > 5 && !strcmp(base + length - 5, ".json")) length -= 5;
+    if (asprintf(&o->default_output, "out/%.*s", (int)length, base) < 0) {
+        o->default_output = NULL;
+        fprintf(stderr, "projdyn: out of memory\n");
+        return false;
+    }
+    o->output = o->default_output;
+    return true;
+}
+
 /* -1: go on; otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
     static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
@@ -113,48 +130,50 @@ static int parse(struct run_options *o, int argc, char **argv) {
         fprintf(stderr, "projdyn: run: expected one scene file\n\n%s", usage);
         return EXIT_BAD_INPUT;
     }
+    if (o->output && !*o->output) {
+        fprintf(stderr, "projdyn: --output: found an empty text, expected a directory\n");
+        return EXIT_BAD_INPUT;
+    }
     o->scene.scene = argv[optind];
-    return -1;
-}
-
-/* out/NAME for a scene .../NAME.json; to be freed. */
-static char *default_output(const char *scene) {
-    const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
-    const char *dot = strrchr(base, '.');
-    int length = dot && dot != base ? (int)(dot - base) : (int)strlen(base);
-    char *output = malloc((size_t)length + 5);
-    if (output) sprintf(output, "out/%.*s", length, base);
-    return output;
+    return o->output || choose_output(o) ? -1 : EXIT_FAILED;
 }
 
 /* ---- progress -----------------------------------------------------------------------------------
  */
 
-static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, double begun) {
-    static double shown;
-    double time = now(), part = info->time / pdyn_duration(sim);
-    if (time - shown < 0.1 && part < 1.0) return;
-    shown = time;
-    int filled = (int)(24.0 * fmin(1.0, part));
-    fprintf(stderr,
-            "\r\033[K[%.*s%.*s] %3.0f%%  %.3f s  ETA %.0f s  density %.4f%%  %d outer  %d linear",
-            filled, "########################", 24 - filled, "........................",
-            100.0 * part, info->time, (time - begun) * (1.0 / part - 1.0),
-            100.0 * info->density_error_mean, info->outer_iterations, info->linear_iterations);
-    if (part >= 1.0 - 1e-9) fputc('\n', stderr);
+static int terminal_columns(void) {
+    struct winsize size;
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, double begun) {
-    if (isatty(STDERR_FILENO)) show_bar(sim, info, begun);
+/* At most ten times a second, and cut to the terminal: a line that wraps cannot be redrawn. */
+static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct totals *t) {
+    double time = now(), part = fmin(1.0, info->time / pdyn_duration(sim));
+    if (time - t->shown < 0.1) return;
+    t->shown = time;
+    int filled = (int)(10.0 * part);
+    char line[256];
+    snprintf(line, sizeof line,
+             "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, density %.2f%%, %d outer, %.3g ms/step",
+             filled, "##########", 10 - filled, "..........", 100.0 * part, info->time,
+             pdyn_duration(sim), (time - t->begun) * (1.0 / part - 1.0),
+             100.0 * info->density_error_mean, info->outer_iterations,
+             1e3 * (time - t->begun) / (double)t->steps);
+    clear_progress();
+    fprintf(stderr, "%.*s", terminal_columns() - 1, line);
+}
+
+static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct totals *t) {
+    if (isatty(STDERR_FILENO)) show_bar(sim, info, t);
     else if (info->frame)
         fprintf(stderr,
                 "%.4f s of %g s, %.1f s of wall time, density error %.4f%%, %d outer, %d linear\n",
-                info->time, pdyn_duration(sim), now() - begun, 100.0 * info->density_error_mean,
+                info->time, pdyn_duration(sim), now() - t->begun, 100.0 * info->density_error_mean,
                 info->outer_iterations, info->linear_iterations);
 }
 
-static void summarise(const pdyn_sim *sim, const char *output, const struct totals *t,
-                      double wall) {
+static void summarise(const pdyn_sim *sim, const char *output, const struct totals *t) {
+    double wall = now() - t->begun;
     printf("%ld steps to %g s in %.1f s, %.1f ms per step, solver %s, %s step\n", t->steps,
            pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
            pdyn_solver_type(sim), pdyn_step_type(sim));
@@ -166,14 +185,23 @@ static void summarise(const pdyn_sim *sim, const char *output, const struct tota
 /* ---- the run ------------------------------------------------------------------------------------
  */
 
+/* Frames are worth finishing; whoever asks twice wants the end now. */
+static bool stops(bool frame, bool *told) {
+    if (interrupts && !frame && !*told) {
+        *told = true;
+        clear_progress();
+        fprintf(stderr, "projdyn: finishing the frame; Ctrl-C again ends with this step\n");
+    }
+    return interrupts > 1 || (interrupts && frame);
+}
+
 /* Steps and writes until the end, a failure or an interrupt. */
 static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run_options *o,
                             struct totals *t) {
-    double begun = now();
+    bool frame = true, told = false;
     pdyn_status status = pdyn_writer_frame(writer);
-    bool frame = true;
     while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9)) {
-        if (interrupts > 1 || (interrupts && frame)) break;
+        if (stops(frame, &told)) break;
         pdyn_step_info info;
         status = pdyn_step(sim, &info);
         if (status == PDYN_OK) status = pdyn_writer_step(writer, &info);
@@ -183,50 +211,56 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
         t->density_worst = fmax(t->density_worst, info.density_error_mean);
         frame = info.frame;
         if (frame) status = pdyn_writer_frame(writer);
-        if (!o->quiet) show_progress(sim, &info, begun);
+        if (!o->quiet) show_progress(sim, &info, t);
     }
+    clear_progress();
     return status;
 }
 
 static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
-    struct totals totals = {0};
+    struct totals totals = {.begun = now()};
     pdyn_writer *writer = NULL;
-    double begun = now();
     pdyn_status status = pdyn_writer_open(sim, o->output, o->ply, &writer);
     if (status != PDYN_OK) return report_status(context, status);
     status = simulate(sim, writer, o, &totals);
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
-    char *failure = status == PDYN_OK ? NULL : strdup(pdyn_last_error(context));
+    char failure[2048]; /* a copy: the report may fail, too */
+    snprintf(failure, sizeof failure, "%s", status_message(context, status));
     bool interrupted = interrupts > 0;
-    pdyn_status written = pdyn_writer_report(writer, o->report, interrupted, failure);
+    pdyn_status written =
+        pdyn_writer_report(writer, o->report, interrupted, status == PDYN_OK ? NULL : failure);
     if (written != PDYN_OK) code = report_status(context, written);
     pdyn_writer_close(writer);
-    free(failure);
     if (code != EXIT_GOOD) return code;
     if (interrupted)
         fprintf(stderr, "projdyn: interrupted at %g s; what was simulated is in %s\n",
                 pdyn_time(sim), o->output);
-    if (!o->quiet) summarise(sim, o->output, &totals, now() - begun);
+    if (!o->quiet) summarise(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
+}
+
+/* Not before the scene is there: until then nothing is written, and Ctrl-C just ends it. */
+static void catch_signals(void) {
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
 }
 
 int run_main(int argc, char **argv) {
     struct run_options o = {0};
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    char *output = NULL;
     int code = parse(&o, argc, argv);
     if (code < 0) {
-        struct sigaction action = {.sa_handler = on_signal};
-        sigaction(SIGINT, &action, NULL);
-        sigaction(SIGTERM, &action, NULL);
-        if (!o.output) o.output = output = default_output(o.scene.scene);
         code = scene_load(&o.scene, &context, &sim);
-        if (code == EXIT_GOOD) code = run(context, sim, &o);
+        if (code == EXIT_GOOD) {
+            catch_signals();
+            code = run(context, sim, &o);
+        }
     }
     pdyn_free(sim);
     pdyn_destroy(context);
     free(o.scene.set);
-    free(output);
+    free(o.default_output);
     return code;
 }

@@ -1,18 +1,22 @@
 #!/bin/sh
 # Exit codes and messages of the command line. Arguments: the program, the source folder.
-program=$1 root=$2
+program=$(realpath "$1") root=$(realpath "$2")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 scene=$root/tests/pour.json
 passed=0 failed=0
 
-# expect NAME CODE TEXT COMMAND...: the exit code, and a text in what is printed
+says() {
+    if [ "$1" ]; then grep -qF -e "$1" "$dir/said"; else [ ! -s "$dir/said" ]; fi
+}
+
+# expect NAME CODE TEXT COMMAND...: the exit code, and a text in what is printed; '' for nothing
 expect() {
     name=$1 code=$2 text=$3
     shift 3
     "$@" >"$dir/said" 2>&1
     got=$?
-    if [ "$got" = "$code" ] && grep -qF -e "$text" "$dir/said"; then
+    if [ "$got" = "$code" ] && says "$text"; then
         passed=$((passed + 1)) && echo "ok $name"
     else
         failed=$((failed + 1)) && echo "not ok $name: exit $got (expected $code), expected to read '$text' in:"
@@ -20,10 +24,52 @@ expect() {
     fi
 }
 
+skip() {
+    echo "skipped: $1"
+}
+
+# stop_run FOLDER SIGNALS ARGUMENTS...: starts a run, signals it when it takes steps, and
+# leaves its exit code in $ended
+stop_run() {
+    folder=$1 signals=$2
+    shift 2
+    "$program" run "$scene" -o "$folder" --time 100 --quiet "$@" 2>"$dir/stopped" &
+    pid=$!
+    for _ in $(seq 100); do
+        [ "$(cat "$folder/metrics.csv" 2>/dev/null | wc -l)" -gt 2 ] && break
+        sleep 0.1
+    done
+    for signal in $signals; do
+        kill -"$signal" $pid
+        sleep 0.02
+    done
+    wait $pid
+    ended=$?
+}
+
+# Of a frame, but for its title with the time.
+length() {
+    LC_ALL=C sed 2d "$1" | wc -c
+}
+
+# whole_frames FOLDER: every listed frame is as long as the first, and nothing is half written
+whole_frames() {
+    for body in water sheet; do
+        first=$(length "$1/${body}_000000.vtk")
+        listed=$(grep -o "${body}_[0-9]*\\.vtk" "$1/$body.vtk.series") || return 1
+        for frame in $listed; do
+            [ "$(length "$1/$frame")" = "$first" ] || return 1
+        done
+    done
+    [ -z "$(find "$1" -name '*.tmp')" ] && echo "all whole"
+}
+
 expect "no command" 2 "Usage: projdyn COMMAND" "$program"
 expect "help" 0 "replay" "$program" --help
 expect "version" 0 "projdyn 0." "$program" --version
 expect "unknown command" 2 'did you mean "check"' "$program" chekc
+expect "unknown command lists all" 2 "  replay " "$program" chekc
+expect "command like no other" 1 "" sh -c "'$program' frobnicate 2>&1 | grep 'did you mean'"
 for command in run check list replay; do
     expect "$command --help" 0 "Usage: projdyn $command" "$program" $command --help
 done
@@ -32,17 +78,59 @@ expect "missing scene" 2 "nowhere.json" "$program" run "$dir/nowhere.json" -o "$
 expect "unknown option" 2 "frobnicate" "$program" run "$scene" --frobnicate
 expect "threads that are no number" 2 "from 1 to 1024" "$program" run "$scene" --threads two
 expect "negative time" 2 "seconds above 0" "$program" run "$scene" --time -1
+for time in 0 nan inf 1s ''; do
+    expect "time of '$time'" 2 "found \"$time\"" "$program" run "$scene" --time "$time" -o "$dir/out"
+done
+expect "threads of none" 2 'found "0"' "$program" check "$scene" --threads 0
+expect "empty folder name" 2 "expected a directory" "$program" run "$scene" -o ""
+expect "two scenes" 2 "expected one scene" "$program" check "$scene" "$scene"
 expect "override without a value" 2 "--set solver" "$program" run "$scene" --set solver -o "$dir/out"
+expect "override of what is not there" 2 "bodies.pond" "$program" check "$scene" --set bodies.pond.x=1
 expect "unknown solver" 2 "cholesky" "$program" check "$scene" --set solver.type=choleski
 expect "output folder is a file" 2 "$scene" "$program" run "$scene" -o "$scene/out"
+expect "output folder is the file itself" 2 "$scene" "$program" run "$scene" -o "$scene"
+if [ "$(id -u)" = 0 ]; then
+    skip "folder without permission to write: root may write everywhere"
+else
+    mkdir -m 500 "$dir/locked"
+    expect "folder without permission to write" 1 "locked" "$program" run "$scene" -o "$dir/locked/out"
+fi
 expect "check" 0 "solver cg" "$program" check "$scene"
+expect "check names the bodies" 0 "body sheet: 625 vertices, 1152 triangles" "$program" check "$scene"
+expect "check counts the constraints" 0 "constraint pin on sheet: 96 elements" "$program" check "$scene"
 expect "list" 0 "bending" "$program" list
 expect "list one" 0 "N/m" "$program" list spring
+expect "list to a full disk" 1 "standard output" sh -c "'$program' list >/dev/full"
 expect "list unknown" 2 "spring" "$program" list sprin
 expect "run" 0 "projdyn replay" "$program" run "$scene" -o "$dir/out" --time 0.06
 expect "plain progress" 0 "of wall time" "$program" run "$scene" -o "$dir/out" --time 0.06
+expect "one plain line per frame" 0 "3" sh -c "'$program' run '$scene' -o '$dir/out' --time 0.06 2>&1 >/dev/null | wc -l"
+expect "quiet" 0 "" "$program" run "$scene" -o "$dir/out" --time 0.06 --quiet
+expect "default folder" 0 "written to out/pour;" sh -c "cd '$dir' && '$program' run '$scene' --time 0.01"
+if script -qec true /dev/null >/dev/null 2>&1; then
+    expect "progress on a terminal" 0 "ms/step" script -qec "'$program' run '$scene' -o '$dir/out' --time 0.1" /dev/null
+else
+    skip "progress on a terminal: no script(1)"
+fi
 expect "the report is there" 0 '"state_hash"' cat "$dir/out/report.json"
 expect "full disk" 1 "/dev/full" "$program" run "$scene" -o "$dir/out" --time 0.02 --report /dev/full
+if unshare -rm true 2>/dev/null && unshare -rm mount -t tmpfs none "$dir" 2>/dev/null; then
+    mkdir "$dir/small"
+    # what is left in it is looked at inside: the mount ends with its name space
+    cat >"$dir/fill.sh" <<EOF
+mount -t tmpfs -o size=256k none '$dir/small' || exit 9
+'$program' run '$scene' -o '$dir/small/out' --time 2 --quiet 2>'$dir/full_said'
+code=\$?
+cat '$dir/full_said'
+cp -r '$dir/small/out' '$dir/filled'
+exit \$code
+EOF
+    expect "small file system" 1 "$dir/small/out/" unshare -rm sh "$dir/fill.sh"
+    expect "small file system is said to be full" 0 "No space left" cat "$dir/full_said"
+    expect "frames on a full disk" 0 "all whole" whole_frames "$dir/filled"
+else
+    skip "small file system: mounting is not permitted"
+fi
 expect "replay of nothing" 2 "nothing-here" "$program" replay "$dir/nothing-here"
 expect "same bits for one thread and two" 0 "same" sh -c "
     for n in 1 2; do '$program' run '$scene' -o '$dir/t'\$n --time 0.1 --threads \$n --quiet; done
@@ -50,14 +138,18 @@ expect "same bits for one thread and two" 0 "same" sh -c "
 truncate -s 100 "$dir/out/water_000001.vtk"
 expect "replay of a broken frame" 2 "water_000001.vtk" "$program" replay "$dir/out"
 
-"$program" run "$scene" -o "$dir/stop" --time 100 --quiet 2>"$dir/stopped" &
-pid=$!
-for _ in 1 2 3 4 5 6 7 8 9 10; do [ -f "$dir/stop/water_000001.vtk" ] || sleep 0.5; done
-kill -INT $pid
-wait $pid
-expect "interrupt" 0 "130" echo $?
-expect "interrupt is said" 0 "interrupted at" cat "$dir/stopped"
-expect "interrupt is reported" 0 '"interrupted": true' cat "$dir/stop/report.json"
+for signal in INT TERM; do
+    stop_run "$dir/stop$signal" $signal
+    expect "$signal" 0 "130" echo $ended
+    expect "$signal is said" 0 "interrupted at" cat "$dir/stopped"
+    expect "$signal is reported" 0 '"interrupted": true' cat "$dir/stop$signal/report.json"
+    expect "frames after $signal" 0 "all whole" whole_frames "$dir/stop$signal"
+done
+expect "the frame is finished" 0 "_000001.vtk" cat "$dir/stopINT/water.vtk.series"
+stop_run "$dir/twice" "INT INT" --set frame_interval=50
+expect "second interrupt" 0 "130" echo $ended
+expect "second interrupt waits for no frame" 1 "" grep _000001 "$dir/twice/water.vtk.series"
+expect "second interrupt is reported" 0 '"interrupted": true' cat "$dir/twice/report.json"
 
 echo "$passed passed, $failed failed"
 [ "$failed" = 0 ]
