@@ -106,7 +106,7 @@ static int expect_line(struct reader *r, const char *expected) {
     return code;
 }
 
-/* A line made of `format` and a number from 1; nine digits at most. */
+/* A line made of `format` and a number from 1; eight digits at most. */
 static int read_count(struct reader *r, const char *before, const char *after, int *count) {
     char line[LINE], again[LINE], shape[LINE];
     size_t at = r->at;
@@ -116,7 +116,7 @@ static int read_count(struct reader *r, const char *before, const char *after, i
     size_t skip = strlen(before);
     long number = strlen(line) > skip ? strtol(line + skip, NULL, 10) : 0;
     snprintf(again, sizeof again, "%s%ld%s", before, number, after);
-    if (strcmp(line, again) || number < 1 || number > 999999999)
+    if (strcmp(line, again) || number < 1 || number > 99999999)
         return fail_at(r, at, "expected the line \"%s\" with N from 1, found \"%.80s\"", shape,
                        line);
     *count = (int)number;
@@ -221,7 +221,7 @@ static int read_cells(struct reader *r, struct frame *frame) {
         code = read_vertices(r, frame->count);
         return code == EXIT_GOOD ? read_cell_types(r, frame->count, VERTEX_CELL) : code;
     }
-    bool good = sscanf(line, "CELLS %9d", &cells) == 1 && cells > 0;
+    bool good = sscanf(line, "CELLS %8d", &cells) == 1 && cells > 0;
     snprintf(triangles, sizeof triangles, "CELLS %d %zu", cells, 4 * (size_t)cells);
     if (!good || strcmp(line, triangles))
         return fail_at(r, at, "expected \"%s\" or \"CELLS C 4C\" of triangles, found \"%.80s\"",
