@@ -28,12 +28,13 @@ skip() {
     echo "skipped: $1"
 }
 
-# stop_run FOLDER SIGNALS ARGUMENTS...: starts a run, signals it when it takes steps, and
+# stop_run FOLDER SIGNALS ARGUMENTS...: starts a run, signals it once it takes steps, and
 # leaves its exit code in $ended
 stop_run() {
     folder=$1 signals=$2
     shift 2
-    "$program" run "$scene" -o "$folder" --time 100 --quiet "$@" 2>"$dir/stopped" &
+    timeout --foreground -s KILL 60 \
+        "$program" run "$scene" -o "$folder" --time 100 --quiet "$@" 2>"$dir/stopped" &
     pid=$!
     for _ in $(seq 100); do
         [ "$(cat "$folder/metrics.csv" 2>/dev/null | wc -l)" -gt 2 ] && break
@@ -41,7 +42,10 @@ stop_run() {
     done
     for signal in $signals; do
         kill -"$signal" $pid
-        sleep 0.02
+        for _ in $(seq 100); do
+            [ -s "$dir/stopped" ] && break # it says that it heard
+            sleep 0.1
+        done
     done
     wait $pid
     ended=$?
@@ -62,6 +66,13 @@ whole_frames() {
         done
     done
     [ -z "$(find "$1" -name '*.tmp')" ] && echo "all whole"
+}
+
+# ends_at_frame FOLDER: the last step and the last listed frame are at the same time
+ends_at_frame() {
+    step=$(tail -n 1 "$1/metrics.csv" | cut -d , -f "$(head -n 1 "$1/metrics.csv" | tr , '\n' | grep -nx time_s | cut -d : -f 1)")
+    frame=$(grep -o '"time": [^}]*' "$1/water.vtk.series" | tail -n 1 | cut -d ' ' -f 2)
+    awk -v a="$step" -v b="$frame" 'BEGIN { exit !(a > 0 && (a - b) ^ 2 < 1e-16) }' && echo "ends at a frame"
 }
 
 expect "no command" 2 "Usage: projdyn COMMAND" "$program"
@@ -138,14 +149,21 @@ expect "same bits for one thread and two" 0 "same" sh -c "
 truncate -s 100 "$dir/out/water_000001.vtk"
 expect "replay of a broken frame" 2 "water_000001.vtk" "$program" replay "$dir/out"
 
+cat >"$dir/fall.json" <<EOF
+{"duration": 9, "frame_interval": 9, "time_step": {"fixed": 1}, "gravity": [0, -1e6, 0],
+ "bodies": [{"name": "rain", "constraints": [{"type": "fluid"}],
+   "particles": {"radius": 0.01, "fill": [{"box": {"minimum": [0, 0, 0], "maximum": [0.1, 0.1, 0.1]}}]}}]}
+EOF
+expect "step that fails" 1 "projdyn: point" "$program" run "$dir/fall.json" -o "$dir/fall"
+expect "failure is reported" 0 '"failed": "point' cat "$dir/fall/report.json"
 for signal in INT TERM; do
-    stop_run "$dir/stop$signal" $signal
+    stop_run "$dir/stop$signal" $signal --set frame_interval=0.1
     expect "$signal" 0 "130" echo $ended
     expect "$signal is said" 0 "interrupted at" cat "$dir/stopped"
     expect "$signal is reported" 0 '"interrupted": true' cat "$dir/stop$signal/report.json"
+    expect "the frame is finished after $signal" 0 "ends at a frame" ends_at_frame "$dir/stop$signal"
     expect "frames after $signal" 0 "all whole" whole_frames "$dir/stop$signal"
 done
-expect "the frame is finished" 0 "_000001.vtk" cat "$dir/stopINT/water.vtk.series"
 stop_run "$dir/twice" "INT INT" --set frame_interval=50
 expect "second interrupt" 0 "130" echo $ended
 expect "second interrupt waits for no frame" 1 "" grep _000001 "$dir/twice/water.vtk.series"
