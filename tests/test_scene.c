@@ -4,6 +4,7 @@
 #include "registry.h"
 #include "scene.h"
 
+#include <glob.h>
 #include <jansson.h>
 #include <math.h>
 #include <setjmp.h>
@@ -21,6 +22,7 @@
 #define assert_close(a, b) assert_true(fabs((a) - (b)) <= 1e-12)
 
 static char directory[512];
+static char scenes[1024]; /* the pattern of the shipped ones */
 static pdyn_context *context;
 static json_t *schema;
 
@@ -40,8 +42,11 @@ static void *counting_allocate(void *user, void *block, size_t old_size, size_t 
 static int set_up(void **state) {
     (void)state;
     const char *base = getenv("TMPDIR"), *root = getenv("PROJDYN_SOURCE_ROOT");
-    char path[1024];
-    snprintf(path, sizeof path, "%s/schema/scene.schema.json", root ? root : ".");
+    char path[1024], *absolute = realpath(root ? root : ".", NULL);
+    if (!absolute) return -1;
+    snprintf(path, sizeof path, "%s/schema/scene.schema.json", absolute);
+    snprintf(scenes, sizeof scenes, "%s/scenes/*.json", absolute);
+    free(absolute);
     schema = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
     snprintf(directory, sizeof directory, "%s/test_scene_XXXXXX", base ? base : "/tmp");
     if (!schema || !mkdtemp(directory) || chdir(directory)) return -1;
@@ -116,6 +121,8 @@ static void assert_failure(pdyn_status status, const struct scene *scene, const 
 #define FLUID(constraints)                                                                         \
     BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]},\n"                            \
          " 'constraints': [" constraints "]}")
+#define LETTERS_13    "abcdefghijklm"
+#define LETTERS_65    LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13
 #define PIN(vertices) CLOTH("{'type': 'pin', 'vertices': " vertices "}")
 
 static const struct {
@@ -131,6 +138,7 @@ static const struct {
     {"{'duration': 99999999999999999999}", "scene.json:1:33: no valid JSON: *"},
     {"{'duration': NaN}", "scene.json:1:16: no valid JSON: *"},
     {"{'\xff': 1}", "scene.json:1:2: no valid JSON: *"},
+    {"{'name': 'a\\u0000b'}", "scene.json:1:19: no valid JSON: *"},
     {"[1, 2]", "scene.json:1:1: expected an object, found an array of 2"},
     /* the scene */
     {"{}", "scene.json:1:1: duration: missing, expected a number from 1e-06 to 1000000 s"},
@@ -178,6 +186,7 @@ static const struct {
     {TOP("'solver': {'type': 'choleski'}"),
      "scene.json:2:21: solver.type: unknown solver \"choleski\"; did you mean "
      "\"cholesky\"?; known: auto, *"},
+    {TOP("'solver': null"), "scene.json:2:12: solver: expected an object, found null"},
     {TOP("'solver': {'type': 1}"),
      "scene.json:2:21: solver.type: expected the name of a solver, found 1"},
     {TOP("'solver': {'step': 'Newton'}"),
@@ -242,6 +251,10 @@ static const struct {
     {BODY("{'particles': {'radius': 0.0005, 'fill': [\n   {'box': " BOX "}]}}"),
      "scene.json:3:12: bodies[0].particles.fill[0].box: expected at most 134217728 "
      "particles in the scene, found 1000000000 so far"},
+    {BODY("{'particles': {'radius': 0.0011, 'fill': [{'box': " BOX "}]}},\n"
+          "  {'particles': {'radius': 0.0011, 'fill': [{'box': " BOX "}]}}"),
+     "scene.json:3:53: bodies[1].particles.fill[0].box: expected at most 134217728 "
+     "particles in the scene, found 187153328 so far"},
     {BODY(WATER ",\n  {'velocity': [1], 'particles': {}}"),
      "scene.json:3:16: bodies[1].velocity: expected an array of 3 numbers (m/s), found an "
      "array of 1"},
@@ -257,6 +270,12 @@ static const struct {
      "and '-', found \"w\xc3"
      "\xa4"
      "sser\""},
+    {BODY("{'name': '" LETTERS_65 "', 'particles': {}}"),
+     "scene.json:2:12: bodies[0].name: expected a name of 1 to 64 letters, digits, '_' "
+     "and '-', found \"abcdefghijklm*"},
+    {BODY("{'name': null, 'particles': {}}"),
+     "scene.json:2:12: bodies[0].name: expected a name of 1 to 64 letters, digits, '_' "
+     "and '-', found null"},
     {BODY("{'name': 'boundary', 'particles': {}}"),
      "scene.json:2:12: bodies[0].name: the name \"boundary\" is reserved for the files of "
      "the solids"},
@@ -273,6 +292,9 @@ static const struct {
     {BODY("{'surface': {'grid': {}, 'mesh': 'a.obj'}}"),
      "scene.json:2:15: bodies[0].surface: expected exactly one of \"grid\" and \"mesh\", "
      "found both"},
+    {BODY("{'surface': {'mesh': 'a.stl', 'area_density': 1}}"),
+     "scene.json:2:24: bodies[0].surface.mesh: a.stl: expected a mesh file ending with "
+     ".obj or .ply"},
     {BODY("{'surface': {'grid': {}}}"),
      "scene.json:2:15: bodies[0].surface.area_density: missing, expected a number from "
      "1e-06 to 1000000 kg/m^2"},
@@ -433,6 +455,17 @@ static void test_bad_scenes(void **state) {
             scene_read(context, "scene.json", quoted(bad_scenes[k].text), NULL, 0, &scene);
         assert_failure(status, &scene, bad_scenes[k].error);
     }
+}
+
+/* Nesting that would exhaust the stack of a careless reader. */
+static void test_deep_nesting(void **state) {
+    (void)state;
+    struct scene scene;
+    char text[5001];
+    memset(text, '[', sizeof text - 1);
+    text[sizeof text - 1] = '\0';
+    assert_failure(scene_read(context, "scene.json", text, NULL, 0, &scene), &scene,
+                   "scene.json:1:2049: no valid JSON: *");
 }
 
 /* ---- overrides ------------------------------------------------------------------------------ */
@@ -768,6 +801,20 @@ static void test_files(void **state) {
     assert_int_equal(unlink("folder/scene.json") | unlink("folder/wall.obj") | rmdir("folder"), 0);
 }
 
+static void test_shipped_scenes(void **state) {
+    (void)state;
+    glob_t found;
+    assert_int_equal(glob(scenes, 0, NULL, &found), 0);
+    for (size_t k = 0; k < found.gl_pathc; k++) {
+        struct scene scene;
+        pdyn_status status = scene_read(context, found.gl_pathv[k], NULL, NULL, 0, &scene);
+        if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+        assert_true(scene.bodies > 0 && *scene.name);
+        free_good(&scene);
+    }
+    globfree(&found);
+}
+
 static void test_bad_meshes(void **state) {
     (void)state;
     static const struct {
@@ -985,20 +1032,14 @@ static void test_schema(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_bad_overrides),
-        cmocka_unit_test(test_place_beside_overrides),
-        cmocka_unit_test(test_good_overrides),
-        cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_full_scene),
-        cmocka_unit_test(test_choices),
-        cmocka_unit_test(test_transform),
-        cmocka_unit_test(test_files),
-        cmocka_unit_test(test_bad_meshes),
-        cmocka_unit_test(test_out_of_memory),
-        cmocka_unit_test(test_locale),
-        cmocka_unit_test(test_near_miss),
-        cmocka_unit_test(test_describe),
+        cmocka_unit_test(test_bad_scenes),     cmocka_unit_test(test_deep_nesting),
+        cmocka_unit_test(test_bad_overrides),  cmocka_unit_test(test_place_beside_overrides),
+        cmocka_unit_test(test_good_overrides), cmocka_unit_test(test_defaults),
+        cmocka_unit_test(test_full_scene),     cmocka_unit_test(test_choices),
+        cmocka_unit_test(test_transform),      cmocka_unit_test(test_files),
+        cmocka_unit_test(test_shipped_scenes), cmocka_unit_test(test_bad_meshes),
+        cmocka_unit_test(test_out_of_memory),  cmocka_unit_test(test_locale),
+        cmocka_unit_test(test_near_miss),      cmocka_unit_test(test_describe),
         cmocka_unit_test(test_schema),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
