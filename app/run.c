@@ -213,7 +213,7 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
         if (frame) status = pdyn_writer_frame(writer);
         if (!o->quiet) show_progress(sim, &info, t);
     }
-    clear_progress();
+    if (!o->quiet) clear_progress();
     return status;
 }
 

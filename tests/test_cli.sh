@@ -120,6 +120,7 @@ expect "quiet" 0 "" "$program" run "$scene" -o "$dir/out" --time 0.06 --quiet
 expect "default folder" 0 "written to out/pour;" sh -c "cd '$dir' && '$program' run '$scene' --time 0.01"
 if script -qec true /dev/null >/dev/null 2>&1; then
     expect "progress on a terminal" 0 "ms/step" script -qec "'$program' run '$scene' -o '$dir/out' --time 0.1" /dev/null
+    expect "quiet on a terminal" 0 "" script -qec "'$program' run '$scene' -o '$dir/out' --time 0.02 --quiet" /dev/null
 else
     skip "progress on a terminal: no script(1)"
 fi

@@ -174,6 +174,32 @@ class Output(unittest.TestCase):
                 self.assertEqual(frame["name"], f"{body['name']}_{number:06d}.vtk")
                 self.assertAlmostEqual(frame["time"], number * self.interval, delta=1e-12)
 
+    def test_series_times_are_exact(self):
+        interval = 1 / 30  # has no short decimal
+        with tempfile.TemporaryDirectory() as name:
+            done = run(name, "--time", str(TIME), "--set", f"frame_interval={interval!r}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            for body in self.report["bodies"]:
+                series = json.loads((pathlib.Path(name) / f"{body['name']}.vtk.series").read_text())
+                times = [frame["time"] for frame in series["files"]]
+                self.assertEqual(times, [k * interval for k in range(4)])
+
+    def test_report_tells_the_start(self):
+        body = self.report["bodies"][0]["name"]
+        with tempfile.TemporaryDirectory() as name:
+            done = run(name, "--time", str(TIME), "--set", f"bodies.{body}.velocity=[1, 0, 0]")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report = json.loads((pathlib.Path(name) / "report.json").read_text())
+            with open(pathlib.Path(name) / "metrics.csv", newline="") as file:
+                first = next(csv.DictReader(file))
+        start, momentum = report["energy"]["start"], report["momentum"]["start"]
+        self.assertGreater(momentum[0], 0)
+        self.assertEqual(momentum[1:], [0, 0])
+        self.assertAlmostEqual(start["kinetic"], momentum[0] / 2, delta=1e-9 * momentum[0])  # 1 m/s
+        self.assertEqual(start["constraint"], 0)
+        potential = float(first["potential_J"])  # a step later
+        self.assertAlmostEqual(start["potential"], potential, delta=1e-2 * abs(potential))
+
     def test_boundary(self):
         path = self.directory / "boundary.vtk"
         count = self.report["particles"]["boundary"]
