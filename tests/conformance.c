@@ -60,7 +60,7 @@ struct trial { /* a type's scene at a random state, linearised */
 };
 
 static double *array(int n) {
-    double *a = calloc((size_t)n, sizeof *a);
+    double *a = calloc((size_t)n + 1, sizeof *a); /* a vector has room for one more */
     assert_non_null(a);
     return a;
 }

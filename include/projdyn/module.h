@@ -107,18 +107,20 @@ typedef struct pdyn_services { /* what core offers to an operator */
 
 /* Points that take part in SPH sums: particles of the system first, then static boundary points. */
 typedef struct pdyn_neighbours {
-    double support;            /* m: pairs closer than this are all listed */
-    int particles;             /* of the system */
-    int points;                /* particles + boundary points */
-    const double *volume;      /* points, m^3: rest volume; 0 for what takes no part */
-    const double *boundary_x;  /* (points - particles) x 3 */
-    const int *start;          /* particles + 1: first neighbour of each */
-    const int *boundary_start; /* particles: first boundary neighbour; they end at start[i + 1] */
-    const int *index;  /* the neighbours; particles ascending, then boundary points ascending */
-    const int *mirror; /* for a particle pair (i, j): where (j, i) stands in index */
+    double support;           /* m: pairs closer than this are all listed */
+    int particles;            /* of the system */
+    int points;               /* particles + boundary points */
+    const double *volume;     /* points, m^3: rest volume; 0 for what takes no part */
+    const double *boundary_x; /* (points - particles) x 3 */
+    /* Each particle's list: other particles from start to boundary_start, boundary points from
+     * there to end; particles each, numbers of points in `index`. */
+    const int *start, *boundary_start, *end;
+    const int *index;
     unsigned revision; /* moves when the lists do */
 } pdyn_neighbours;
 
+/* Vectors (x, u, y, d, gradient: particles x 3) have room for one number more, so that the last
+ * particle's can be loaded as four. */
 typedef struct pdyn_operator {
     /* Returns the operator's state or NULL without memory. */
     void *(*create)(const void *params, const pdyn_body *body, const pdyn_services *services);
@@ -138,8 +140,9 @@ typedef struct pdyn_operator {
     void (*diagonal)(void *self, double eps, double *blocks);
     /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. */
     void (*density)(void *self, double *density);
-    /* Changes velocities after the step (viscosity). NULL: none. */
-    void (*velocity)(void *self, const double *x, double *v);
+    /* Changes velocities after the step (viscosity), at the x of the last local step. NULL: none.
+     */
+    void (*velocity)(void *self, double *v);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum {
-    SKIN_PERCENT = 10
+    SKIN_PERCENT = 20
 }; /* of the support: about a third more pairs, lists kept where little moves */
 
 /* ---- what a module may call ------------------------------------------------------------------ */
@@ -60,8 +60,8 @@ static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all
                           &sim->direction, &sim->negative, &sim->correction,
                           &sim->system.s};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
-        if (!(*vectors[k] = NEW_ARRAY(c, 3 * (size_t)n, double))) return PDYN_NO_MEMORY;
-    sim->rest = NEW_ARRAY(c, 3 * (size_t)n, double);
+        if (!(*vectors[k] = NEW_VECTOR(c, n))) return PDYN_NO_MEMORY;
+    sim->rest = NEW_VECTOR(c, n);
     sim->density = NEW_ARRAY(c, n, double);
     sim->system.mass = NEW_ARRAY(c, n, double);
     sim->system.partial = NEW_ARRAY(c, n, double);
@@ -182,7 +182,7 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
         status =
             neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x, volume,
                               4.0 * fluid->radius, 0.01 * SKIN_PERCENT, &sim->neighbours);
-    if (status == PDYN_OK) status = neighbours_update(sim->neighbours, sim->x);
+    if (status == PDYN_OK) status = neighbours_build(sim->neighbours, sim->x);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
     FREE_ARRAY(sim->context, centre, n);
     return status;
@@ -292,7 +292,7 @@ static void free_system(struct pdyn_sim *sim) {
     struct system *sys = &sim->system;
     for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
     FREE_ARRAY(c, sys->batch, sys->capacity);
-    FREE_ARRAY(c, sys->s, 3 * (size_t)sys->particles);
+    FREE_VECTOR(c, sys->s, sys->particles);
     FREE_ARRAY(c, sys->mass, sys->particles);
     FREE_ARRAY(c, sys->partial, sys->particles);
 }
@@ -300,7 +300,6 @@ static void free_system(struct pdyn_sim *sim) {
 void pdyn_free(pdyn_sim *sim) {
     if (!sim) return;
     pdyn_context *c = sim->context;
-    size_t n3 = 3 * (size_t)sim->system.particles;
     if (sim->solver_state) {
         sim->solver->free(sim->solver_state);
         context_resize(c, sim->solver_state, sim->solver->state_size, 0);
@@ -310,7 +309,7 @@ void pdyn_free(pdyn_sim *sim) {
                          sim->direction, sim->negative, sim->correction,
                          sim->rest};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
-        context_resize(c, vectors[k], n3 * sizeof(double), 0);
+        FREE_VECTOR(c, vectors[k], sim->system.particles);
     FREE_ARRAY(c, sim->density, sim->system.particles);
     free_system(sim);
     neighbours_free(sim->neighbours);

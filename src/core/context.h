@@ -30,6 +30,11 @@ void *context_array(pdyn_context *context, size_t count, size_t size);
     ((void)context_resize(context, (void *)(pointer), (size_t)(count) * sizeof *(pointer), 0),     \
      (pointer) = NULL)
 
+/* A vector of the system, particles x 3, with room to load the last particle's part as four. */
+#define NEW_VECTOR(context, particles) NEW_ARRAY(context, 3 * (size_t)(particles) + 1, double)
+#define FREE_VECTOR(context, pointer, particles)                                                   \
+    FREE_ARRAY(context, pointer, 3 * (size_t)(particles) + 1)
+
 /* Sets the error text and returns the status. */
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...)
     PDYN_PRINTF(3, 4);

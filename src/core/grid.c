@@ -1,5 +1,7 @@
 #include "grid.h"
 
+#include "simd.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -9,9 +11,10 @@ pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct
     grid->start = NEW_ARRAY(context, grid->buckets + 1, int);
     grid->id = NEW_ARRAY(context, capacity, int);
     grid->key = NEW_ARRAY(context, capacity, uint64_t);
-    grid->x = NEW_ARRAY(context, 3 * (size_t)capacity, double);
+    bool good = true;
+    for (int a = 0; a < 3; a++) good &= (grid->x[a] = NEW_ARRAY(context, capacity, double)) != NULL;
     grid->bucket = NEW_ARRAY(context, capacity, int);
-    if (grid->start && (!capacity || (grid->id && grid->key && grid->x && grid->bucket)))
+    if (grid->start && (!capacity || (grid->id && grid->key && good && grid->bucket)))
         return PDYN_OK;
     grid_free(context, grid);
     return PDYN_NO_MEMORY;
@@ -21,7 +24,7 @@ void grid_free(pdyn_context *context, struct grid *grid) {
     FREE_ARRAY(context, grid->start, grid->buckets + 1);
     FREE_ARRAY(context, grid->id, grid->capacity);
     FREE_ARRAY(context, grid->key, grid->capacity);
-    FREE_ARRAY(context, grid->x, 3 * (size_t)grid->capacity);
+    for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity);
     FREE_ARRAY(context, grid->bucket, grid->capacity);
 }
 
@@ -58,26 +61,47 @@ pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, cons
         cell_of(grid, x + 3 * (size_t)source, cell);
         grid->id[slot] = source;
         grid->key[slot] = grid_key(cell[0], cell[1], cell[2]);
-        memcpy(grid->x + 3 * (size_t)slot, x + 3 * (size_t)source, 3 * sizeof *x);
+        for (int a = 0; a < 3; a++) grid->x[a][slot] = x[3 * (size_t)source + a];
     }
     return PDYN_OK;
 }
 
-int grid_query(const struct grid *grid, const double *at, double radius, int self, const bool *keep,
-               int *list) {
-    int cell[3], found = 0;
+void grid_around(const struct grid *grid, const double *at, struct grid_cells *cells) {
+    int cell[3];
     cell_of(grid, at, cell);
+    uint64_t middle = grid_key(cell[0], cell[1], cell[2]);
+    if (cells->key == middle) return;
+    cells->key = middle, cells->count = 0;
     for (int n = 0; n < 27; n++) {
-        uint64_t key = grid_key(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1);
-        int bucket = grid_bucket(grid, key);
-        for (int s = grid->start[bucket]; s < grid->start[bucket + 1]; s++) {
-            const double *x = grid->x + 3 * (size_t)s;
-            double dx = x[0] - at[0], dy = x[1] - at[1], dz = x[2] - at[2];
-            if (grid->key[s] != key || dx * dx + dy * dy + dz * dz >= radius * radius) continue;
-            if (grid->id[s] == self || (keep && !keep[grid->id[s]])) continue;
-            if (list) list[found] = grid->id[s];
-            found++;
-        }
+        int bucket = grid_bucket(
+            grid, grid_key(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1));
+        int first = grid->start[bucket], last = grid->start[bucket + 1];
+        bool known = first == last;
+        for (int k = 0; k < cells->count; k++) known |= cells->first[k] == first;
+        if (known) continue;
+        cells->first[cells->count] = first, cells->last[cells->count++] = last;
     }
+}
+
+/* Every candidate is written and only the good ones stay: no branch to guess wrong. */
+WIDE int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
+                    double radius, int self, const bool *keep, int *list, int room) {
+    enum { CHUNK = 32 };
+    double squared[CHUNK], x = at[0], y = at[1], z = at[2];
+    int found = 0;
+    for (int c = 0; c < cells->count; c++)
+        for (int first = cells->first[c]; first < cells->last[c]; first += CHUNK) {
+            int count = cells->last[c] - first < CHUNK ? cells->last[c] - first : CHUNK;
+            for (int k = 0; k < count; k++) {
+                double dx = grid->x[0][first + k] - x, dy = grid->x[1][first + k] - y,
+                       dz = grid->x[2][first + k] - z;
+                squared[k] = dx * dx + dy * dy + dz * dz;
+            }
+            for (int k = 0; k < count; k++) {
+                int id = grid->id[first + k];
+                list[found < room ? found : room] = id;
+                found += (squared[k] < radius * radius) & (id != self) & (!keep || keep[id]);
+            }
+        }
     return found;
 }

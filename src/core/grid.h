@@ -12,7 +12,7 @@ struct grid {
     int *start;    /* buckets + 1: first point of each bucket in the sorted arrays */
     int *id;       /* points: what was sorted, ascending within a bucket */
     uint64_t *key; /* points: packed cell */
-    double *x;     /* points x 3 */
+    double *x[3];  /* points each */
     int *bucket;   /* points: scratch of the sort, in the order given */
 };
 
@@ -35,10 +35,20 @@ static inline int grid_bucket(const struct grid *grid, uint64_t key) {
     return (int)(key >> 33) & (grid->buckets - 1);
 }
 
-/* Writes to `list` (NULL: only counts) the ids of the points closer than `radius` <= cell to `at`,
- * without `self` and, where `keep` is given, without those whose keep[id] is false; returns how
- * many. */
-int grid_query(const struct grid *grid, const double *at, double radius, int self, const bool *keep,
-               int *list);
+/* The cells within one of the cell of a point, as slots of the sorted arrays. Two cells that share
+ * a bucket are one range: distances tell their points apart. */
+struct grid_cells {
+    uint64_t key; /* of the cell in the middle */
+    int count, first[27], last[27];
+};
+
+/* The cells around `at`; kept where `cells` already are these. Start with a key of 0. */
+void grid_around(const struct grid *grid, const double *at, struct grid_cells *cells);
+
+/* Writes to `list` the ids of the points closer than `radius` <= cell to `at`, a point of the cell
+ * in the middle, without `self` and, where `keep` is given, without those whose keep[id] is false.
+ * Returns how many there are; the first `room` of them are written, and one place more is used. */
+int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
+               double radius, int self, const bool *keep, int *list, int room);
 
 #endif

@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-enum { PARTICLES = 128, MOVES = 8192 };
+enum { PARTICLES = 128, MOVES = 8192 }; /* grains */
+enum { USUAL = 64 * PARTICLES };        /* neighbours of a block, to begin with */
 
 struct neighbours {
     pdyn_context *context;
@@ -17,9 +18,12 @@ struct neighbours {
     int *id;                               /* active: these */
     double *volume, *boundary_x, *built_x; /* built_x: particles x 3, where the lists were built */
     struct grid moving, fixed;
-    int *start, *boundary_start, *index, *mirror;
-    size_t capacity; /* of index and mirror */
-    bool *moved;     /* a flag for each parallel block of `active` */
+    int *start, *boundary_start, *end; /* particles */
+    int *index;                        /* for each block of slots `room` and one */
+    int room;                          /* neighbours of a block */
+    int *used;                         /* a count for each block */
+    size_t capacity;                   /* of index */
+    bool *moved;                       /* a flag for each parallel block of `active` */
     bool built;
 };
 
@@ -35,11 +39,13 @@ static pdyn_status allocate(struct neighbours *n, int particles, int boundary) {
     n->volume = NEW_ARRAY(c, particles + boundary, double);
     n->boundary_x = NEW_ARRAY(c, 3 * (size_t)boundary, double);
     n->built_x = NEW_ARRAY(c, 3 * (size_t)particles, double);
-    n->start = NEW_ARRAY(c, particles + 1, int);
+    n->start = NEW_ARRAY(c, particles, int);
     n->boundary_start = NEW_ARRAY(c, particles, int);
+    n->end = NEW_ARRAY(c, particles, int);
+    n->used = NEW_ARRAY(c, pool_blocks(particles, PARTICLES), int);
     n->moved = NEW_ARRAY(c, pool_blocks(particles, MOVES), bool);
     bool good = n->centre && n->id && n->volume && (!boundary || n->boundary_x) && n->built_x &&
-                n->start && n->boundary_start && n->moved;
+                n->start && n->boundary_start && n->end && n->used && n->moved;
     if (!good) return PDYN_NO_MEMORY;
     return grid_create(c, particles, n->reach, &n->moving);
 }
@@ -62,6 +68,7 @@ pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *
             if (volume[i] > 0.0) n->id[n->active++] = i;
         n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
         n->view.start = n->start, n->view.boundary_start = n->boundary_start;
+        n->view.end = n->end;
         status = grid_create(context, boundary, n->reach, &n->fixed);
     }
     if (status == PDYN_OK) status = grid_sort(context, &n->fixed, boundary, NULL, boundary_x);
@@ -82,11 +89,12 @@ void neighbours_free(struct neighbours *n) {
     FREE_ARRAY(c, n->volume, particles + boundary);
     FREE_ARRAY(c, n->boundary_x, 3 * (size_t)boundary);
     FREE_ARRAY(c, n->built_x, 3 * (size_t)particles);
-    FREE_ARRAY(c, n->start, particles + 1);
+    FREE_ARRAY(c, n->start, particles);
     FREE_ARRAY(c, n->boundary_start, particles);
+    FREE_ARRAY(c, n->end, particles);
+    FREE_ARRAY(c, n->used, pool_blocks(particles, PARTICLES));
     FREE_ARRAY(c, n->moved, pool_blocks(particles, MOVES));
     FREE_ARRAY(c, n->index, n->capacity);
-    FREE_ARRAY(c, n->mirror, n->capacity);
     FREE_ARRAY(c, n, 1);
 }
 
@@ -106,7 +114,7 @@ static void find_moved(void *arg, int first, int last, int block) {
     c->n->moved[block] = moved;
 }
 
-static bool still_complete(struct neighbours *n, const double *x) {
+bool neighbours_hold(struct neighbours *n, const double *x) {
     if (!n->built) return false;
     struct call call = {n, x};
     pool_for(n->context->pool, n->active, MOVES, find_moved, &call);
@@ -117,105 +125,85 @@ static bool still_complete(struct neighbours *n, const double *x) {
 
 /* ---- building -------------------------------------------------------------------------------- */
 
-/* The particle neighbours of i: everything for a centre, centres for the others. */
-static int query_particles(const struct neighbours *n, const double *x, int i, int *list) {
-    return grid_query(&n->moving, x + 3 * i, n->reach, i, n->centre[i] ? NULL : n->centre, list);
+/* Calls for the points of a range of slots, cell by cell, so that a cell's surroundings are looked
+ * up once for all its points. */
+struct walk {
+    struct grid_cells moving, fixed;
+};
+
+/* Neighbours of i among the particles: everything for a centre, centres for the others. */
+static int query_particles(const struct neighbours *n, struct walk *w, const double *at, int i,
+                           int *list, int room) {
+    grid_around(&n->moving, at, &w->moving);
+    return grid_query(&n->moving, &w->moving, at, n->reach, i, n->centre[i] ? NULL : n->centre,
+                      list, room);
 }
 
-static int query_boundary(const struct neighbours *n, const double *x, int i, int *list) {
-    return n->centre[i] ? grid_query(&n->fixed, x + 3 * i, n->reach, -1, NULL, list) : 0;
+static int query_boundary(const struct neighbours *n, struct walk *w, const double *at, int i,
+                          int *list, int room) {
+    if (!n->centre[i]) return 0;
+    grid_around(&n->fixed, at, &w->fixed);
+    return grid_query(&n->fixed, &w->fixed, at, n->reach, -1, NULL, list, room);
 }
 
-static void count_lists(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct neighbours *n = c->n;
-    for (int k = first; k < last; k++) {
-        int i = n->id[k];
-        n->start[i + 1] = query_particles(n, c->x, i, NULL) + query_boundary(n, c->x, i, NULL);
-    }
-}
-
-/* By insertion: lists are short and made of ascending runs. */
-static void sort_ascending(int *list, int count) {
-    for (int k = 1; k < count; k++) {
-        int value = list[k], m = k;
-        for (; m > 0 && list[m - 1] > value; m--) list[m] = list[m - 1];
-        list[m] = value;
-    }
-}
-
+/* The lists of a block of slots, one after the other in the block's part of `index`. What does not
+ * fit is counted only. */
 static void fill_lists(void *arg, int first, int last, int block) {
-    (void)block;
     const struct call *c = arg;
     struct neighbours *n = c->n;
+    struct walk walk = {0};
+    int begin = block * (n->room + 1), used = 0;
     for (int k = first; k < last; k++) {
-        int i = n->id[k], *list = n->index + n->start[i];
-        int particles = query_particles(n, c->x, i, list);
-        int boundary = query_boundary(n, c->x, i, list + particles);
-        sort_ascending(list, particles);
-        sort_ascending(list + particles, boundary);
-        for (int b = 0; b < boundary; b++) list[particles + b] += n->view.particles;
-        n->boundary_start[i] = n->start[i] + particles;
+        int i = n->moving.id[k], room = used < n->room ? n->room - used : 0;
+        int *list = n->index + begin + n->room - room;
+        const double *at = c->x + 3 * i;
+        int particles = query_particles(n, &walk, at, i, list, room);
+        room = particles < room ? room - particles : 0;
+        list = n->index + begin + n->room - room;
+        int boundary = query_boundary(n, &walk, at, i, list, room);
+        for (int b = 0; b < boundary && b < room; b++) list[b] += n->view.particles;
+        n->start[i] = begin + used, n->boundary_start[i] = begin + used + particles;
+        used += particles + boundary;
+        n->end[i] = begin + used;
     }
+    n->used[block] = used;
 }
 
-static void fill_mirror(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct neighbours *n = c->n;
-    for (int k = first; k < last; k++) {
-        int i = n->id[k];
-        for (int s = n->start[i]; s < n->boundary_start[i]; s++) {
-            int low = n->start[n->index[s]], high = n->boundary_start[n->index[s]];
-            while (high - low > 1) {
-                int middle = low + (high - low) / 2;
-                if (n->index[middle] <= i) low = middle;
-                else high = middle;
-            }
-            n->mirror[s] = low;
-        }
-    }
-}
-
-static pdyn_status reserve(struct neighbours *n, size_t pairs) {
-    if (pairs > INT32_MAX)
-        return context_fail(n->context, PDYN_DIVERGED, "%zu neighbours: the fluid has collapsed",
-                            pairs);
-    if (pairs <= n->capacity) return PDYN_OK;
+/* Makes room for the fullest block, and some more, so that a warmed-up step allocates nothing. */
+static pdyn_status reserve(struct neighbours *n, int most) {
+    size_t blocks = (size_t)pool_blocks(n->active, PARTICLES);
+    size_t capacity = blocks * ((size_t)most + (size_t)most / 4 + 1);
+    if (capacity > INT32_MAX)
+        return context_fail(n->context, PDYN_DIVERGED,
+                            "more than 2^31 neighbours: the fluid has collapsed");
     FREE_ARRAY(n->context, n->index, n->capacity);
-    FREE_ARRAY(n->context, n->mirror, n->capacity);
-    n->capacity = pairs + pairs / 4; /* room, so that a warmed-up step allocates nothing */
-    n->view.index = n->index = NEW_ARRAY(n->context, n->capacity, int);
-    n->view.mirror = n->mirror = NEW_ARRAY(n->context, n->capacity, int);
-    return n->index && n->mirror ? PDYN_OK : PDYN_NO_MEMORY;
+    n->room = most + most / 4, n->capacity = capacity;
+    n->view.index = n->index = NEW_ARRAY(n->context, capacity, int);
+    return n->index ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-static pdyn_status build(struct neighbours *n, const double *x) {
-    struct pool *pool = n->context->pool;
+/* Fills all lists, once more where some block had not room enough. */
+static pdyn_status fill(struct neighbours *n, const double *x) {
     struct call call = {n, x};
+    pdyn_status status = n->index ? PDYN_OK : reserve(n, USUAL);
+    for (int most = 0; status == PDYN_OK; status = reserve(n, most)) {
+        pool_for(n->context->pool, n->active, PARTICLES, fill_lists, &call);
+        for (int b = 0; b < pool_blocks(n->active, PARTICLES); b++)
+            if (n->used[b] > most) most = n->used[b];
+        if (most <= n->room) break;
+    }
+    return status;
+}
+
+pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
     pdyn_status status = grid_sort(n->context, &n->moving, n->active, n->id, x);
+    if (status == PDYN_OK) status = fill(n, x);
     if (status != PDYN_OK) return status;
-    memset(n->start, 0, (size_t)(n->view.particles + 1) * sizeof *n->start);
-    pool_for(pool, n->active, PARTICLES, count_lists, &call);
-    size_t pairs = 0;
-    for (int i = 0; i < n->view.particles; i++) {
-        pairs += (size_t)n->start[i + 1];
-        n->start[i + 1] = n->boundary_start[i] = (int)(pairs < INT32_MAX ? pairs : INT32_MAX);
-    }
-    status = reserve(n, pairs);
-    if (status != PDYN_OK) return status;
-    pool_for(pool, n->active, PARTICLES, fill_lists, &call);
-    pool_for(pool, n->active, PARTICLES, fill_mirror, &call);
     memcpy(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);
     n->built = true;
     n->view.revision++;
     return PDYN_OK;
-}
-
-pdyn_status neighbours_update(struct neighbours *n, const double *x) {
-    return still_complete(n, x) ? PDYN_OK : build(n, x);
 }
 
 /* ---- volumes of surface samples -------------------------------------------------------------- */
@@ -235,16 +223,22 @@ pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const 
     struct kernel kernel = kernel_make(support);
     pdyn_status status = grid_create(context, points, support, &grid);
     if (status != PDYN_OK) return status;
-    status = grid_sort(context, &grid, points, NULL, x);
     int capacity = 0, *list = NULL;
+    struct grid_cells cells = {0};
+    status = grow(context, &list, &capacity, 64);
+    if (status == PDYN_OK) status = grid_sort(context, &grid, points, NULL, x);
     for (int i = 0; status == PDYN_OK && i < points; i++) {
-        int found = grid_query(&grid, x + 3 * (size_t)i, support, -1, NULL, NULL);
-        status = grow(context, &list, &capacity, found);
-        if (status != PDYN_OK) break;
-        grid_query(&grid, x + 3 * (size_t)i, support, -1, NULL, list);
+        const double *at = x + 3 * (size_t)i;
+        grid_around(&grid, at, &cells);
+        int found = grid_query(&grid, &cells, at, support, -1, NULL, list, capacity - 1);
+        if (found >= capacity) {
+            status = grow(context, &list, &capacity, found + 1);
+            if (status != PDYN_OK) break;
+            grid_query(&grid, &cells, at, support, -1, NULL, list, capacity - 1);
+        }
         double sum = 0.0;
         for (int k = 0; k < found; k++)
-            sum += kernel_value(&kernel, vec3_distance(x + 3 * (size_t)i, x + 3 * (size_t)list[k]));
+            sum += kernel_value(&kernel, vec3_distance(at, x + 3 * (size_t)list[k]));
         volume[i] = 1.0 / sum;
     }
     FREE_ARRAY(context, list, capacity);

@@ -17,10 +17,12 @@ pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *
                               double support, double skin, struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
-/* Makes the lists complete at x (particles x 3). They are rebuilt, and the revision moves, only
- * where they have to be. A position that is not finite or beyond 1e6 supports gives PDYN_DIVERGED.
- */
-pdyn_status neighbours_update(struct neighbours *neighbours, const double *x);
+/* Are the lists complete at x (particles x 3)? */
+bool neighbours_hold(struct neighbours *neighbours, const double *x);
+
+/* Builds the lists for x and what is less than half the skin away; the revision moves. A position
+ * that is not finite or beyond 1e6 supports gives PDYN_DIVERGED. */
+pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
 

@@ -108,8 +108,13 @@ static pdyn_status mesh_candidates(pdyn_context *context, const struct mesh *mes
 /* Takes candidates greedily; `taken` marks those in the set. */
 static void thin_out(const struct grid *grid, const struct points *all, double distance,
                      bool *taken) {
-    for (int i = 0; i < all->count; i++)
-        taken[i] = !grid_query(grid, all->x + 3 * (size_t)i, distance, i, taken, NULL);
+    struct grid_cells cells = {0};
+    int one;
+    for (int i = 0; i < all->count; i++) {
+        const double *at = all->x + 3 * (size_t)i;
+        grid_around(grid, at, &cells);
+        taken[i] = !grid_query(grid, &cells, at, distance, i, taken, &one, 0);
+    }
 }
 
 pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,

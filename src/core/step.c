@@ -172,7 +172,7 @@ static void accept(struct pdyn_sim *sim, double h) {
     memcpy(sim->x, sim->x_next, bytes_of(sim));
     for (int b = 0; b < sys->batches; b++)
         if (sys->batch[b]->op && sys->batch[b]->type->op->velocity)
-            sys->batch[b]->type->op->velocity(sys->batch[b]->op, sim->x, sim->v);
+            sys->batch[b]->type->op->velocity(sys->batch[b]->op, sim->v);
     sim->last_h = h;
     sim->steps++;
 }

@@ -2,10 +2,9 @@
 
 #include "clock.h"
 #include "projdyn/vec3.h"
+#include "simd.h"
 
 #include <string.h>
-
-enum { GRAIN = 8192 }; /* particles: vector operations worth waking a thread for */
 
 struct call {
     struct system *system;
@@ -17,12 +16,12 @@ struct call {
 static void for_particles(struct system *sys, pdyn_range_fn *fn, const double *a, const double *b,
                           double *out, double scale) {
     struct call call = {sys, a, b, out, scale};
-    pool_for(sys->context->pool, sys->particles, GRAIN, fn, &call);
+    pool_for(sys->context->pool, sys->particles, SYSTEM_GRAIN, fn, &call);
 }
 
-static double sum_partial(const struct system *sys) {
+double system_partial_sum(const struct system *sys) {
     double sum = 0.0;
-    for (int k = 0; k < pool_blocks(sys->particles, GRAIN); k++) sum += sys->partial[k];
+    for (int k = 0; k < pool_blocks(sys->particles, SYSTEM_GRAIN); k++) sum += sys->partial[k];
     return sum;
 }
 
@@ -42,26 +41,29 @@ static void inertia(void *arg, int first, int last, int block) {
     c->system->partial[block] = energy;
 }
 
-/* Lists that are complete at x, known to every batch. */
-static pdyn_status update_lists(struct system *sys, const double *x) {
-    if (!sys->neighbours) return PDYN_OK;
+/* Lists built at x, known to every batch. */
+static pdyn_status build_lists(struct system *sys, const double *x) {
     double start = clock_ms();
     const pdyn_neighbours *view = neighbours_view(sys->neighbours);
-    pdyn_status status = neighbours_update(sys->neighbours, x);
-    for (int b = 0; status == PDYN_OK && view->revision != sys->lists && b < sys->batches; b++)
+    pdyn_status status = neighbours_build(sys->neighbours, x);
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
         status = batch_neighbours(sys->batch[b], view);
-    if (status == PDYN_OK) sys->lists = view->revision;
+    sys->lists = view->revision;
     sys->ms_neighbours += clock_ms() - start;
     return status;
 }
 
+static bool lists_hold(const struct system *sys, const double *x) {
+    return !sys->neighbours || neighbours_hold(sys->neighbours, x);
+}
+
 pdyn_status system_local(struct system *sys, const double *x, double *energy, double *gradient) {
-    pdyn_status status = update_lists(sys, x);
+    pdyn_status status = lists_hold(sys, x) ? PDYN_OK : build_lists(sys, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
     sys->x = x;
     for_particles(sys, inertia, x, NULL, gradient, 0.0);
-    *energy = sum_partial(sys);
+    *energy = system_partial_sum(sys);
     for (int b = 0; b < sys->batches; b++) {
         batch_local(sys->batch[b], x, sys->time, gradient);
         *energy += sys->batch[b]->energy;
@@ -80,7 +82,7 @@ pdyn_status system_linearise(struct system *sys, double eps) {
     return status;
 }
 
-static void apply_inertia(void *arg, int first, int last, int block) {
+WIDE static void apply_inertia(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
@@ -110,19 +112,17 @@ void system_diagonal(struct system *sys, double *blocks) {
 
 /* ---- vectors --------------------------------------------------------------------------------- */
 
-static void dot_block(void *arg, int first, int last, int block) {
+WIDE static void dot_block(void *arg, int first, int last, int block) {
     const struct call *c = arg;
-    double sum = 0.0;
-    for (int k = 3 * first; k < 3 * last; k++) sum += c->a[k] * c->b[k];
-    c->system->partial[block] = sum;
+    c->system->partial[block] = simd_dot(c->a + 3 * first, c->b + 3 * first, 3 * (last - first));
 }
 
 double system_dot(struct system *sys, const double *a, const double *b) {
     for_particles(sys, dot_block, a, b, NULL, 0.0);
-    return sum_partial(sys);
+    return system_partial_sum(sys);
 }
 
-static void axpy_block(void *arg, int first, int last, int block) {
+WIDE static void axpy_block(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->a[k];

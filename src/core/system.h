@@ -10,6 +10,8 @@
 #include "batch.h"
 #include "neighbours.h"
 
+enum { SYSTEM_GRAIN = 2048 }; /* particles: vector operations worth waking a thread for */
+
 struct system {
     pdyn_context *context;
     int particles;
@@ -22,9 +24,9 @@ struct system {
     int batches, capacity;
     struct batch **batch;          /* capacity */
     struct neighbours *neighbours; /* NULL where no constraint needs them */
-    unsigned lists;                /* revision of the lists that the batches know */
+    unsigned lists;                /* revision of the lists */
     bool changing;                 /* some batch changes its selector from step to step */
-    double *partial;               /* sums of parallel blocks */
+    double *partial;               /* sums of parallel blocks of SYSTEM_GRAIN particles */
     double ms_neighbours, ms_local;
 };
 
@@ -47,6 +49,9 @@ void system_diagonal(struct system *system, double *blocks);
 
 /* Sums of 3-vectors' products over all particles, the same bits for any number of threads. */
 double system_dot(struct system *system, const double *a, const double *b);
+
+/* The sum of what each block of a loop over the particles left in `partial`. */
+double system_partial_sum(const struct system *system);
 
 /* Adds scale x to y. */
 void system_axpy(struct system *system, double scale, const double *x, double *y);

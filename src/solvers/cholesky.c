@@ -37,7 +37,7 @@ static void release(void *self) {
     if (!c->context) return;
     if (c->rows) free_twins(c);
     FREE_ARRAY(c->context, c->rows, c->system->batches);
-    FREE_ARRAY(c->context, c->unused, 3 * (size_t)c->system->particles);
+    FREE_VECTOR(c->context, c->unused, c->system->particles);
     matrix_free(&c->matrix);
     cholmod_free_factor(&c->factor, &c->common);
     cholmod_free_dense(&c->solution, &c->common);
@@ -52,7 +52,7 @@ static pdyn_status create(void *self, pdyn_context *context, struct system *syst
     cholmod_start(&c->common);
     c->common.print = 0;
     c->rows = NEW_ARRAY(context, system->batches, struct batch *);
-    c->unused = NEW_ARRAY(context, 3 * (size_t)system->particles, double);
+    c->unused = NEW_VECTOR(context, system->particles);
     if ((system->batches && !c->rows) || !c->unused) return PDYN_NO_MEMORY;
     for (int b = 0; b < system->batches; b++)
         if (!system->batch[b]->op) c->rows[b] = system->batch[b];

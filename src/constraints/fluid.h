@@ -1,0 +1,43 @@
+/* What the two forms of the density constraint share: rows (fluid.c) and operator
+ * (fluid_operator.c). */
+#ifndef PDYN_FLUID_H
+#define PDYN_FLUID_H
+
+#include "../core/kernel.h"
+#include "projdyn/module.h"
+
+struct fluid_params {
+    double stiffness, viscosity, projection_tolerance;
+};
+
+extern const pdyn_operator fluid_operator;
+
+static inline double fluid_particle_volume(const pdyn_body *body) {
+    return 8.0 * body->radius * body->radius * body->radius;
+}
+
+/* The kernel times the volume of a particle: C is then a sum of numbers around one, with volumes
+ * relative to that of a particle, whatever the scale of the scene. */
+static inline struct kernel fluid_kernel(const pdyn_body *body) {
+    struct kernel kernel = kernel_make(4.0 * body->radius);
+    kernel.value *= fluid_particle_volume(body), kernel.slope *= fluid_particle_volume(body);
+    return kernel;
+}
+
+/* The length t > 0 at which a constraint of value c > 0 is met on the line p = u - t grad C(u):
+ * Newton's first step c / |grad C|^2, then secant steps until |C| < tolerance. `value` gives C at
+ * t.
+ */
+static inline double fluid_root(double (*value)(const void *line, double t), const void *line,
+                                double c, double squares, double tolerance) {
+    double t = c / squares, t_before = 0.0;
+    for (int k = 0; c >= tolerance && k < 20; k++) {
+        double next = value(line, t), slope = (next - c) / (t - t_before);
+        if (fabs(next) < tolerance || !(slope < 0.0)) break;
+        t_before = t, c = next;
+        t -= next / slope;
+    }
+    return t;
+}
+
+#endif

@@ -1,0 +1,58 @@
+/* Four lanes at a time, by the compilers' vector types: 3-vectors are padded to four doubles, so
+ * that one is loaded, scaled and added at once. Functions marked WIDE are compiled for AVX2 as well
+ * as for the plain target and chosen when the program starts; without fused products, both give the
+ * same bits. */
+#ifndef PDYN_SIMD_H
+#define PDYN_SIMD_H
+
+#include <string.h>
+
+typedef double v4 __attribute__((vector_size(32)));
+typedef float v4f __attribute__((vector_size(16)));
+
+/* Sanitizers do not know the loader's choice between versions of a function. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define WIDE
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define WIDE
+#endif
+#endif
+#if !defined(WIDE) && defined(__x86_64__)
+#define WIDE __attribute__((target_clones("avx2", "default")))
+#elif !defined(WIDE)
+#define WIDE
+#endif
+
+/* What WIDE functions call has to become part of them. */
+#define INLINE static inline __attribute__((always_inline))
+
+/* Vectors go by address: by value, the plain and the wide target would pass them differently. */
+
+/* out = a and a fourth lane */
+INLINE void v4_set(v4 *out, const double *a, double last) { *out = (v4){a[0], a[1], a[2], last}; }
+
+/* y += a, three lanes of it */
+INLINE void v4_add_to(double *y, const v4 *a) { y[0] += (*a)[0], y[1] += (*a)[1], y[2] += (*a)[2]; }
+
+INLINE double v4_dot(const v4 *a, const v4 *b) {
+    return (*a)[0] * (*b)[0] + (*a)[1] * (*b)[1] + (*a)[2] * (*b)[2];
+}
+
+INLINE double v4_sum(const v4 *a) { return ((*a)[0] + (*a)[2]) + ((*a)[1] + (*a)[3]); }
+
+/* sum of a[k] b[k], in four lanes */
+INLINE double simd_dot(const double *a, const double *b, int count) {
+    v4 sum = {0}, x, y;
+    int k = 0;
+    for (; k + 4 <= count; k += 4) {
+        memcpy(&x, a + k, sizeof x);
+        memcpy(&y, b + k, sizeof y);
+        sum += x * y;
+    }
+    double rest = 0.0;
+    for (; k < count; k++) rest += a[k] * b[k];
+    return v4_sum(&sum) + rest;
+}
+
+#endif
