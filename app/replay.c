@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -168,6 +169,16 @@ static int check_series(const struct body *body, const char *path) {
     return EXIT_GOOD;
 }
 
+/* A size of a body in the report; 0 where it is not told. */
+static int read_size(const struct run *run, int b, const char *key, double *out) {
+    json_t *value = json_object_get(json_array_get(run->bodies, (size_t)b), key);
+    *out = json_number_value(value);
+    if (!value || json_is_null(value)) return EXIT_GOOD;
+    if (json_is_number(value) && *out >= 0.0 && *out < 1e9) return EXIT_GOOD;
+    return fail("%s/report.json: bodies[%d].%s: expected a number from 0 to 1e9", run->directory, b,
+                key);
+}
+
 static int open_body(struct run *run, int b) {
     struct body *body = &run->body[b];
     char path[PATH];
@@ -179,8 +190,8 @@ static int open_body(struct run *run, int b) {
     int code = load_json(path, &body->series);
     body->files = json_object_get(body->series, "files");
     if (code == EXIT_GOOD) code = check_series(body, path);
-    body->radius = json_number_value(json_object_get(entry, "radius_m"));
-    body->rest_density = json_number_value(json_object_get(entry, "rest_density"));
+    if (code == EXIT_GOOD) code = read_size(run, b, "radius_m", &body->radius);
+    if (code == EXIT_GOOD) code = read_size(run, b, "rest_density", &body->rest_density);
     return code;
 }
 
@@ -602,15 +613,18 @@ static json_t *json_box(const struct box *box) {
 
 static json_t *json_bodies(const struct run *run) {
     json_t *bodies = json_array();
+    int failed = 0;
     for (int b = 0; b < run->count; b++) {
         const struct body *body = &run->body[b];
-        json_array_append_new(bodies, json_pack("{s:s, s:i, s:i, s:f, s:b, s:f, s:f}", "name",
-                                                body->name, "count", body->count, "triangles",
-                                                body->triangles, "radius", body->radius, "density",
-                                                body->rest_density > 0.0, "max_speed",
-                                                body->max_speed, "max_error", body->max_error));
+        failed |= json_array_append_new(
+            bodies, json_pack("{s:s, s:i, s:i, s:f, s:b, s:f, s:f}", "name", body->name, "count",
+                              body->count, "triangles", body->triangles, "radius", body->radius,
+                              "density", body->rest_density > 0.0, "max_speed", body->max_speed,
+                              "max_error", body->max_error));
     }
-    return bodies;
+    if (!failed) return bodies;
+    json_decref(bodies);
+    return NULL;
 }
 
 static json_t *compose_meta(const struct run *run) {
@@ -634,7 +648,8 @@ static json_t *compose_meta(const struct run *run) {
 /* Inside a script element: no '<' may stand there, and JSON has it in strings alone. */
 static int write_meta(struct page *page, const struct run *run) {
     json_t *meta = compose_meta(run);
-    char *text = json_dumps(meta, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(9));
+    char *text =
+        meta ? json_dumps(meta, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(9)) : NULL;
     json_decref(meta);
     if (!text) return no_memory();
     for (const char *at = text; *at;) {
@@ -669,11 +684,14 @@ static int fail_write(const char *path, const char *what) {
     return EXIT_FAILED;
 }
 
-/* Written aside: the page appears whole or not at all. */
+/* Written aside: the page appears whole or not at all. What is no regular file is written directly.
+ */
 static int write_file(struct run *run, const char *path) {
     static struct page page; /* too large for a stack */
     char aside[PATH];
-    int length = snprintf(aside, sizeof aside, "%s.tmp", path);
+    struct stat info;
+    bool special = lstat(path, &info) == 0 && !S_ISREG(info.st_mode);
+    int length = snprintf(aside, sizeof aside, "%s%s", path, special ? "" : ".tmp");
     if (length < 0 || length >= PATH) return fail("%s: the path is too long", path);
     page = (struct page){.file = fopen(aside, "wbe")};
     if (!page.file) return fail_write(aside, "cannot create the file");
@@ -681,6 +699,7 @@ static int write_file(struct run *run, const char *path) {
     if (fflush(page.file) || ferror(page.file)) page.failed = true;
     if (code == EXIT_GOOD && page.failed) code = fail_write(aside, "writing failed");
     if (fclose(page.file) && code == EXIT_GOOD) code = fail_write(aside, "writing failed");
+    if (special) return code;
     if (code == EXIT_GOOD && rename(aside, path)) code = fail_write(path, "cannot rename to it");
     if (code != EXIT_GOOD) unlink(aside);
     return code;

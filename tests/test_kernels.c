@@ -122,16 +122,53 @@ static double density_error(const pdyn_sim *sim, int i, const double *p) {
     return sum;
 }
 
+/* The gradient of C_i over all particles at p, by all pairs and central differences of W. */
+static void density_gradient(const pdyn_sim *sim, int i, const double *p, double *g) {
+    const pdyn_neighbours *l = neighbours_view(sim->neighbours);
+    memset(g, 0, 3 * (size_t)l->particles * sizeof *g);
+    for (int j = 0; j < l->points; j++) {
+        const double *y = j < l->particles ? p + 3 * j : l->boundary_x + 3 * (j - l->particles);
+        double r = vec3_distance(p + 3 * i, y), dr = 1e-6 * l->support;
+        if (j == i || r >= l->support) continue;
+        double slope = (spline(r + dr, l->support) - spline(r - dr, l->support)) / (2.0 * dr);
+        for (int a = 0; a < 3; a++) {
+            double part = l->volume[j] * slope * (p[3 * i + a] - y[a]) / r;
+            g[3 * i + a] += part;
+            if (j < l->particles) g[3 * j + a] -= part;
+        }
+    }
+}
+
+/* The paper's projection: Newton's iteration p <- p - C grad C / |grad C|^2, from p = x. */
+static void project_by_newton(const pdyn_sim *sim, int i, const double *x, double *p, double *g) {
+    int n = 3 * sim->system.particles;
+    memcpy(p, x, (size_t)n * sizeof *p);
+    for (int step = 0; step < 20; step++) {
+        double c = density_error(sim, i, p), squares = 0.0;
+        if (c < 1e-10) return;
+        density_gradient(sim, i, p, g);
+        for (int k = 0; k < n; k++) squares += g[k] * g[k];
+        for (int k = 0; k < n; k++) p[k] -= c / squares * g[k];
+    }
+}
+
+static double distance(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(sum);
+}
+
 /* The projection of method: every compressed constraint's copies end on its manifold, the others
- * stay; the first displacement goes along the gradient, C / |grad C|^2 times it. */
+ * stay. They end where the paper's iteration does, but for a second order of C. */
 static void test_projection(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, block);
     int n = sim->system.particles, compressed = 0;
-    double *x = malloc(3 * (size_t)n * sizeof *x), *p = malloc(3 * (size_t)n * sizeof *p), energy;
+    size_t bytes = (3 * (size_t)n + 1) * sizeof(double);
+    double *x = malloc(bytes), *p = malloc(bytes), *q = malloc(bytes), *g = malloc(bytes), energy;
     uint64_t seed = 11;
-    assert_true(x && p);
+    assert_true(x && p && q && g);
     for (int k = 0; k < 3 * n; k++) x[k] = 0.99 * sim->x[k] + 0.004 * test_random(&seed);
     sim->system.h = 0.01;
     assert_int_equal(system_local(&sim->system, x, &energy, sim->gradient), PDYN_OK);
@@ -151,10 +188,12 @@ static void test_projection(void **state) {
         double after = density_error(sim, i, p);
         compressed += before > 0.0;
         assert_true(before > 0.0 ? fabs(after) < 1e-9 : after == before);
+        project_by_newton(sim, i, x, q, g);
+        assert_true(distance(p, q, 3 * n) <= 0.1 * fabs(before) * distance(p, x, 3 * n));
     }
     assert_true(compressed > n / 4 && compressed < n);
     batch_free(rows);
-    free(x), free(p);
+    free(x), free(p), free(q), free(g);
     pdyn_free(sim);
     pdyn_destroy(context);
 }

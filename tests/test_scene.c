@@ -161,6 +161,7 @@ static const struct {
      "found \"-9.81\""},
     {TOP("'gravity': null"),
      "scene.json:2:13: gravity: expected an array of 3 numbers (m/s^2), found null"},
+    {TOP("'$schema': 3"), "scene.json:2:13: $schema: expected a text, found 3"},
     {TOP("'name': 7"), "scene.json:2:10: name: expected a text, found 7"},
     {"{'name': '\xc3\xa4', 'duration': 0}",
      "scene.json:1:27: duration: expected a number from 1e-06 to 1000000 s, found 0"},

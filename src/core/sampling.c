@@ -5,13 +5,18 @@
 
 #include <string.h>
 
+enum { MOST = INT32_MAX / 4 }; /* points */
+
+static pdyn_status too_many(pdyn_context *context) {
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "more than %d points: the particle radius is too small "
+                        "for the size of the scene",
+                        MOST);
+}
+
 static pdyn_status add_point(pdyn_context *context, struct points *points, const double x[3]) {
     size_t need = 3 * ((size_t)points->count + 1);
-    if (points->count == INT32_MAX / 4)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "more than %d points: the particle radius is too small "
-                            "for the size of the scene",
-                            points->count);
+    if (points->count == MOST) return too_many(context);
     if (need > points->capacity) {
         size_t capacity = 2 * need + 3 * 1024;
         double *x_new = context_resize(context, points->x, points->capacity * sizeof *x_new,
@@ -37,9 +42,12 @@ void points_free(pdyn_context *context, struct points *points) {
 
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
                               struct points *out) {
+    double cuts[3];
     long n[3];
     for (int a = 0; a < 3; a++)
-        n[a] = (long)floor((box->max[a] - box->min[a]) / (2.0 * radius) * (1.0 + 1e-12) + 1e-9);
+        cuts[a] = floor((box->max[a] - box->min[a]) / (2.0 * radius) * (1.0 + 1e-12) + 1e-9);
+    if (!(cuts[0] * cuts[1] * cuts[2] < MOST)) return too_many(context);
+    for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (long k = 0; k < n[0] * n[1] * n[2]; k++) {
         long cell[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
         double x[3];
@@ -61,8 +69,12 @@ static bool on_face(const long cell[3], const long n[3], unsigned open) {
 
 pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box, unsigned open,
                                double spacing, struct points *out) {
+    double cuts[3];
     long n[3], cell[3];
-    for (int a = 0; a < 3; a++) n[a] = (long)ceil((box->max[a] - box->min[a]) / spacing - 1e-9);
+    for (int a = 0; a < 3; a++) cuts[a] = ceil((box->max[a] - box->min[a]) / spacing - 1e-9);
+    if (!(cuts[0] * cuts[1] + cuts[1] * cuts[2] + cuts[2] * cuts[0] < MOST))
+        return too_many(context);
+    for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (cell[2] = 0; cell[2] <= n[2]; cell[2]++)
         for (cell[1] = 0; cell[1] <= n[1]; cell[1]++) {
             /* inside a row only the ends can lie on a face, unless the row itself lies on one */

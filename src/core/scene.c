@@ -125,7 +125,9 @@ static pdyn_status read_count(const struct json_at *array, const char *what, int
 static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     struct scene_settings *set = &r->scene->settings;
     struct json_at name = json_member(root, "name"), gravity = json_member(root, "gravity");
+    struct json_at schema = json_member(root, "$schema");
     if (name.value && !json_is_string(name.value)) return json_expected(&name, "a text");
+    if (schema.value && !json_is_string(schema.value)) return json_expected(&schema, "a text");
     pdyn_status status =
         copy_text(r->context, name.value ? json_string_value(name.value) : "", &r->scene->name);
     if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, set);
