@@ -3,9 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh
-# coarser water than the scene's 20,172 particles, so that it ends within minutes
-build/app/projdyn run scenes/water_on_cloth.json -o out/water_on_cloth \
-    --set bodies.water.particles.radius=0.008 --set bodies.water.constraints.fluid.stiffness=2e4
+build/app/projdyn run scenes/water_on_cloth.json -o out/water_on_cloth
 build/app/projdyn replay out/water_on_cloth -o out/water_on_cloth/replay.html
 echo
 echo "Open out/water_on_cloth/replay.html in Firefox or Chromium."
