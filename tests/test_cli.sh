@@ -147,6 +147,11 @@ expect "replay of nothing" 2 "nothing-here" "$program" replay "$dir/nothing-here
 expect "same bits for one thread and two" 0 "same" sh -c "
     for n in 1 2; do '$program' run '$scene' -o '$dir/t'\$n --time 0.1 --threads \$n --quiet; done
     test \"\$(grep state_hash '$dir/t1/report.json')\" = \"\$(grep state_hash '$dir/t2/report.json')\" && echo same"
+for shipped in "$root"/scenes/*.json; do
+    expect "threads do not change $(basename "$shipped")" 0 "same" sh -c "
+        for n in 1 2; do '$program' run '$shipped' -o '$dir/t'\$n --time 0.016 --threads \$n --quiet || exit 1; done
+        test \"\$(grep state_hash '$dir/t1/report.json')\" = \"\$(grep state_hash '$dir/t2/report.json')\" && echo same"
+done
 truncate -s 100 "$dir/out/water_000001.vtk"
 expect "replay of a broken frame" 2 "water_000001.vtk" "$program" replay "$dir/out"
 

@@ -454,7 +454,7 @@ static void test_grid(void **state) {
     (void)state;
     struct mesh mesh;
     size_t before = pdyn_bytes_in_use(context);
-    assert_int_equal(mesh_grid(context, (double[]){3, 2}, (int[]){7, 4}, &mesh), PDYN_OK);
+    assert_int_equal(mesh_grid(context, (double[]){3, 2}, (int[]){7, 4}, 0.0, &mesh), PDYN_OK);
     assert_int_equal(mesh.vertices, 28);
     assert_int_equal(mesh.triangles, 36);
     assert_int_equal(mesh_check(context, &mesh, "grid"), PDYN_OK);
@@ -475,14 +475,22 @@ static void test_grid(void **state) {
     assert_int_equal(topology.ring_start[10] - topology.ring_start[9], 4);
     topology_free(context, &topology);
     mesh_free(context, &mesh);
+    /* a sheet that sags: the border stays, the middle and the quarter hang on parabolas */
+    assert_int_equal(mesh_grid(context, (double[]){2, 2}, (int[]){5, 5}, 0.4, &mesh), PDYN_OK);
+    for (int i = 0; i < mesh.vertices; i++) {
+        const double *x = mesh.vertex + 3 * i;
+        assert_near(x[1], -0.4 * (1 - x[0] * x[0]) * (1 - x[2] * x[2]), 1e-15);
+    }
+    mesh_free(context, &mesh);
     assert_int_equal(pdyn_bytes_in_use(context), before);
 }
 
 static void expect_bad_grid(double width, double height, int columns, int rows,
                             const char *message) {
     struct mesh mesh;
-    assert_int_equal(mesh_grid(context, (double[]){width, height}, (int[]){columns, rows}, &mesh),
-                     PDYN_BAD_INPUT);
+    assert_int_equal(
+        mesh_grid(context, (double[]){width, height}, (int[]){columns, rows}, 0.0, &mesh),
+        PDYN_BAD_INPUT);
     assert_string_equal(pdyn_last_error(context), message);
 }
 
@@ -541,8 +549,8 @@ static void test_topology_grid(void **state) {
     struct mesh mesh;
     struct topology t;
     size_t before = pdyn_bytes_in_use(context);
-    assert_int_equal(mesh_grid(context, (double[]){width, height}, (int[]){COLUMNS, ROWS}, &mesh),
-                     PDYN_OK);
+    assert_int_equal(
+        mesh_grid(context, (double[]){width, height}, (int[]){COLUMNS, ROWS}, 0.0, &mesh), PDYN_OK);
     assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
     assert_int_equal(t.vertices - t.edges + mesh.triangles, 1); /* Euler: a disc */
     assert_near(check_structure(&mesh, &t), width * height, 1e-12);
@@ -643,7 +651,7 @@ static int count_failures(pdyn_status (*run)(const char *), const char *path) {
 static pdyn_status make_grid(const char *path) {
     (void)path;
     struct mesh mesh;
-    pdyn_status status = mesh_grid(context, (double[]){1, 1}, (int[]){3, 3}, &mesh);
+    pdyn_status status = mesh_grid(context, (double[]){1, 1}, (int[]){3, 3}, 0.0, &mesh);
     mesh_free(context, &mesh);
     return status;
 }

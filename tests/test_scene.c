@@ -305,6 +305,10 @@ static const struct {
     {BODY("{'surface': {'grid': {'size': [1, 0], 'vertices': [3, 3]}, 'area_density': 1}}"),
      "scene.json:2:37: bodies[0].surface.grid.size[1]: expected a number from 1e-06 to "
      "1000000 m, found 0"},
+    {BODY("{'surface': {'grid': {'size': [1, 1], 'vertices': [3, 3], 'sag': [1]}, "
+          "'area_density': 1}}"),
+     "scene.json:2:68: bodies[0].surface.grid.sag: expected a number from -1000000 to 1000000 m, "
+     "found an array of 1"},
     {BODY("{'surface': {'grid': {'size': [1, 1], 'vertices': [3]}, 'area_density': 1}}"),
      "scene.json:2:53: bodies[0].surface.grid.vertices: expected an array of 2 whole "
      "numbers, found an array of 1"},

@@ -4,8 +4,8 @@
  * runs over the pairs of a particle and writes only to it.
  *
  * Pairs are kept in single precision, sums and everything else in double; a pair is the same in
- * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 20
- * bytes per listed neighbour, 157 per particle of the system and 32 per boundary point. */
+ * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 25
+ * bytes per listed neighbour, 137 per particle of the system and 32 per boundary point. */
 #include "../core/simd.h"
 #include "fluid.h"
 #include "projdyn/vec3.h"

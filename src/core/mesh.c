@@ -230,7 +230,7 @@ static void grid_triangles(const int vertices[2], int *triangle) {
 }
 
 pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int vertices[2],
-                      struct mesh *out) {
+                      double sag, struct mesh *out) {
     *out = (struct mesh){0};
     for (int k = 0; k < 2; k++) {
         if (!(size[k] > 0.0 && size[k] <= largest))
@@ -252,8 +252,11 @@ pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int ver
     out->triangle = NEW_ARRAY(context, 3 * out->triangles, int);
     if (!out->vertex || !out->triangle) return mesh_free(context, out), PDYN_NO_MEMORY;
     for (int i = 0; i < out->vertices; i++) {
-        out->vertex[3 * i] = size[0] * ((i % vertices[0]) / (vertices[0] - 1.0) - 0.5);
-        out->vertex[3 * i + 2] = size[1] * ((i / vertices[0]) / (vertices[1] - 1.0) - 0.5);
+        double a = (i % vertices[0]) / (vertices[0] - 1.0) - 0.5;
+        double b = (i / vertices[0]) / (vertices[1] - 1.0) - 0.5;
+        double *x = out->vertex + 3 * i;
+        x[0] = size[0] * a, x[2] = size[1] * b;
+        x[1] = 0.0 - sag * (1.0 - 4.0 * a * a) * (1.0 - 4.0 * b * b);
     }
     grid_triangles(vertices, out->triangle);
     return PDYN_OK;

@@ -20,9 +20,10 @@ struct mesh {
 pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out);
 
 /* A rectangular sheet in the x-z plane, centred at the origin: size[0] along x, size[1] along z,
- * vertices[0] x vertices[1] points (each at least 2), diagonals alternating. */
+ * vertices[0] x vertices[1] points (each at least 2), diagonals alternating. Its middle hangs `sag`
+ * below its border, parabolic along both sides. */
 pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int vertices[2],
-                      struct mesh *out);
+                      double sag, struct mesh *out);
 
 /* The checks of mesh_read on a mesh from elsewhere; `name` stands for the mesh in the message,
  * which counts vertices and triangles from 0. */

@@ -297,9 +297,10 @@ static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
 }
 
 static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct mesh *mesh) {
-    static const char *const keys[] = {"size", "vertices", NULL};
+    static const char *const keys[] = {"size", "vertices", "sag", NULL};
     struct json_at size_at = json_member(at, "size"), vertices_at = json_member(at, "vertices");
-    double size[2];
+    struct json_at sag_at = json_member(at, "sag");
+    double size[2], sag = 0.0;
     int vertices[2];
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
@@ -311,7 +312,9 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
     }
     if (status == PDYN_OK)
         status = count_particles(r, &vertices_at, (double)vertices[0] * vertices[1]);
-    return status == PDYN_OK ? json_wrap(at, mesh_grid(r->context, size, vertices, mesh)) : status;
+    if (status == PDYN_OK && sag_at.value) status = params_real(&sag_at, -1e6, 1e6, "m", &sag);
+    if (status != PDYN_OK) return status;
+    return json_wrap(at, mesh_grid(r->context, size, vertices, sag, mesh));
 }
 
 static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
