@@ -222,6 +222,28 @@ static void check_tiers(const pdyn_constraint_type *type) {
     finish(&t);
 }
 
+/* The model along a direction: its slope is that of the gradient's change, with and without changes
+ * of side; without, the change is the product. */
+static void check_model(const pdyn_constraint_type *type) {
+    if (!type->op || !type->op->aim) return;
+    for (double scale = 1e-10; scale < 10.0; scale *= 1e10) {
+        struct trial t = start(type, "auto", 0.002);
+        double *y = array(t.n), *product = array(t.n), unused;
+        for (int k = 0; k < t.n; k++) t.u[k] *= scale;
+        batch_local(t.batch, t.x, 0.0, t.y);
+        assert_int_equal(batch_linearise(t.batch, 0.0), PDYN_OK);
+        batch_apply(t.batch, t.u, product);
+        batch_aim(t.batch, t.u, y);
+        double from = batch_slope(t.batch, 0.0, &unused), to = batch_slope(t.batch, 1.0, &unused);
+        int changed = batch_go(t.batch, 1.0, y);
+        assert_true(fabs(dot(t.u, y, t.n) - (to - from)) <= 1e-9 * (fabs(from) + fabs(to)));
+        assert_true((changed == 0) == (scale < 0.5));
+        assert_true(changed || distance(y, product, t.n) <= 1e-6 * norm(product, t.n));
+        free(y), free(product);
+        finish(&t);
+    }
+}
+
 /* ---- the contract ------------------------------------------------------------------------------
  */
 
@@ -259,7 +281,8 @@ static void check_solvers(const pdyn_constraint_type *type) {
             assert_int_equal(system_linearise(&t.sim->system, damped && !type->op ? 1.0 : 0.0),
                              PDYN_OK);
             memset(t.y, 0, (size_t)t.n * sizeof *t.y);
-            assert_int_equal((*s)->solve(t.sim->solver_state, t.u, t.y, 1e-13, 100000, &iterations),
+            memcpy(t.z, t.u, (size_t)t.n * sizeof *t.z);
+            assert_int_equal((*s)->solve(t.sim->solver_state, t.z, t.y, 1e-13, 100000, &iterations),
                              PDYN_OK);
             system_apply(&t.sim->system, t.y, t.z);
             if (distance(t.z, t.u, t.n) > 1e-8 * norm(t.u, t.n))
@@ -303,6 +326,7 @@ static void test_projections(void **state) { (void)state, each_type(check_projec
 static void test_bounds(void **state) { (void)state, each_type(check_bounds); }
 static void test_diagonals(void **state) { (void)state, each_type(check_diagonal); }
 static void test_tiers(void **state) { (void)state, each_type(check_tiers); }
+static void test_model(void **state) { (void)state, each_type(check_model); }
 static void test_ranges(void **state) { (void)state, each_type(check_ranges); }
 static void test_solvers(void **state) { (void)state, each_type(check_solvers); }
 static void test_steps(void **state) { (void)state, each_type(check_steps); }
@@ -312,7 +336,8 @@ int main(void) {
         cmocka_unit_test(test_gradients), cmocka_unit_test(test_projections),
         cmocka_unit_test(test_bounds),    cmocka_unit_test(test_diagonals),
         cmocka_unit_test(test_tiers),     cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_solvers),   cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_model),     cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_steps),
     };
     return cmocka_run_group_tests_name("conformance", tests, NULL, NULL);
 }

@@ -131,11 +131,15 @@ typedef struct pdyn_operator {
     double (*local)(void *self, const double *x, double *gradient);
     /* y += w G' ((1 - eps)(I - J) + eps I) G u at the x of the last local step. */
     void (*apply)(void *self, double eps, const double *u, double *y);
-    /* One-sided constraints: takes the active set from the linear model at x + d, so that `apply`
-     * and `diagonal` work with it until the next local step, and adds to y the change of the
-     * model's gradient from x to x + d. Returns how many constraints changed sides. NULL: none can.
-     */
-    int (*predict)(void *self, double eps, const double *d, double *y);
+    /* One-sided constraints (NULL: there are none). Their model is max(0, C + grad C . d)^2: `aim`
+     * looks from the d reached so far along u, adding to y what of `apply` is not one-sided;
+     * `slope` gives the derivative of the one-sided energy at d + t u by t, and the second one;
+     * `go` goes there, adds the change of the gradient to y, and returns how many constraints
+     * changed sides. `apply` and `diagonal` use the sides at d from then on; a local step begins at
+     * d = 0 again. */
+    void (*aim)(void *self, double eps, const double *u, double *y);
+    double (*slope)(void *self, double eps, double t, double *curvature);
+    int (*go)(void *self, double eps, double t, double *y);
     /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
     void (*diagonal)(void *self, double eps, double *blocks);
     /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. */

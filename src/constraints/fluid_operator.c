@@ -5,7 +5,7 @@
  *
  * Pairs are kept in single precision, sums and everything else in double; a pair is the same in
  * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 25
- * bytes per listed neighbour, 137 per particle of the system and 32 per boundary point. */
+ * bytes per listed neighbour, 153 per particle of the system and 32 per boundary point. */
 #include "../core/simd.h"
 #include "fluid.h"
 #include "projdyn/vec3.h"
@@ -36,15 +36,17 @@ struct fluid {
     double *stiffness; /* particles: w / |grad C_i|^2, N m */
     double *flux;      /* particles: what constraint i gives along its gradient; 0: none */
     double *members;   /* particles: in how many constraints a particle takes part */
-    bool *active;      /* particles: C_i counts, at x or where `predict` looked */
-    double *partial;   /* a partial sum for each parallel block */
+    double *reached;   /* particles: C_i in the linear model, where the solver is */
+    double *rate;      /* particles: grad C_i . u for the u it aims along */
+    bool *active;      /* particles: C_i counts there */
+    double *partial;   /* two partial sums for each parallel block */
 };
 
 struct call { /* arguments of a parallel loop */
     struct fluid *f;
     const double *in;
     double *out;
-    double eps;
+    double eps, t;
 };
 
 static bool is_fluid(const struct fluid *f, int i) {
@@ -53,7 +55,7 @@ static bool is_fluid(const struct fluid *f, int i) {
 
 static void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, const double *in,
                           double *out, double eps) {
-    struct call call = {f, in, out, eps};
+    struct call call = {f, in, out, eps, 0.0};
     f->services->parallel_for(f->services->core, count, GRAIN, fn, &call);
 }
 
@@ -85,8 +87,10 @@ static bool resize_particles(struct fluid *f, size_t particles, size_t points, b
         {(void **)&f->stiffness, particles, sizeof(double)},
         {(void **)&f->flux, particles, sizeof(double)},
         {(void **)&f->members, particles, sizeof(double)},
+        {(void **)&f->reached, particles, sizeof(double)},
+        {(void **)&f->rate, particles, sizeof(double)},
         {(void **)&f->active, particles, sizeof(bool)},
-        {(void **)&f->partial, particles / GRAIN + 1, sizeof(double)},
+        {(void **)&f->partial, 2 * (particles / GRAIN + 1), sizeof(double)},
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
@@ -324,7 +328,7 @@ static double project_constraint(struct fluid *f, int i, const struct sum *sum, 
     struct line line = {f, i, outside, others};
     double w = f->params.stiffness, squares = sum->squares;
     memcpy(f->gradient + 4 * i, &sum->gradient, sizeof sum->gradient);
-    f->value[i] = sum->c;
+    f->value[i] = f->reached[i] = sum->c;
     f->stiffness[i] = squares > 0.0 ? w / squares : 0.0;
     f->active[i] = sum->c > 0.0 && squares > 0.0;
     f->flux[i] = 0.0;
@@ -408,24 +412,52 @@ WIDE static void apply_divergence(void *arg, int first, int last, int block) {
             f->active[i] ? (1.0 - c->eps) * f->stiffness[i] * divergence(f, i, c->in) : 0.0;
 }
 
-/* The flux of the linear model max(0, C_i + grad C_i . d) beyond that at d = 0, and its active set.
- */
-WIDE static void predict_divergence(void *arg, int first, int last, int block) {
+/* How fast the constraints change along u. */
+WIDE static void rate_divergence(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct fluid *f = c->f;
+    for (int i = f->first + first; i < f->first + last; i++)
+        f->rate[i] = f->stiffness[i] > 0.0 ? divergence(f, i, c->in) : 0.0;
+}
+
+/* Slope and curvature of the model's energy at t along the rates. */
+WIDE static void model_slope(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    const struct fluid *f = c->f;
+    double slope = 0.0, curvature = 0.0;
+    for (int i = f->first + first; i < f->first + last; i++) {
+        double there = f->reached[i] + c->t * f->rate[i];
+        double k = there > 0.0 ? f->stiffness[i] * f->rate[i] : 0.0;
+        slope += k * there, curvature += k * f->rate[i];
+    }
+    c->f->partial[2 * block] = slope, c->f->partial[2 * block + 1] = curvature;
+}
+
+/* Goes t along the rates; the flux is what that changes. */
+static void model_go(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct fluid *f = c->f;
     double changed = 0.0;
     for (int i = f->first + first; i < f->first + last; i++) {
-        double there = f->value[i] + divergence(f, i, c->in);
-        bool active = there > 0.0 && f->stiffness[i] > 0.0;
+        double from = f->reached[i], to = from + c->t * f->rate[i];
+        bool active = to > 0.0 && f->stiffness[i] > 0.0;
+        f->flux[i] = (1.0 - c->eps) * f->stiffness[i] * (fmax(0.0, to) - fmax(0.0, from));
         changed += active != f->active[i];
-        f->active[i] = active;
-        f->flux[i] = (1.0 - c->eps) * f->stiffness[i] * (fmax(0.0, there) - fmax(0.0, f->value[i]));
+        f->reached[i] = to, f->active[i] = active;
     }
     f->partial[block] = changed;
 }
 
-/* out += sum of flux times gradient over all constraints of a particle, + eps w u where `in` is u
- */
+static void add_damping(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    double w = c->eps * c->f->params.stiffness;
+    for (int i = first; i < last; i++)
+        vec3_add(c->out + 3 * i, w * c->f->members[i], c->in + 3 * i);
+}
+
+/* out += sum of flux times gradient over all constraints of a particle */
 WIDE static void add_gradients(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -436,8 +468,6 @@ WIDE static void add_gradients(void *arg, int first, int last, int block) {
         memcpy(&own, f->gradient + 4 * i, sizeof own);
         sum += f->flux[i] * own;
         v4_add_to(c->out + 3 * i, &sum);
-        if (c->in)
-            vec3_add(c->out + 3 * i, c->eps * f->params.stiffness * f->members[i], c->in + 3 * i);
     }
 }
 
@@ -452,17 +482,45 @@ static double local(void *self, const double *x, double *gradient) {
 /* ---- the product: a divergence, then a pressure gradient --------------------------------------
  */
 
+static void damp(struct fluid *f, double eps, const double *u, double *y) {
+    if (eps > 0.0) for_particles(f, f->particles, add_damping, u, y, eps);
+}
+
 static void apply(void *self, double eps, const double *u, double *y) {
     struct fluid *f = self;
     for_particles(f, f->count, apply_divergence, u, NULL, eps);
-    for_particles(f, f->particles, add_gradients, u, y, eps);
+    for_particles(f, f->particles, add_gradients, NULL, y, 0.0);
+    damp(f, eps, u, y);
 }
 
-static int predict(void *self, double eps, const double *d, double *y) {
+static void aim(void *self, double eps, const double *u, double *y) {
     struct fluid *f = self;
-    for_particles(f, f->count, predict_divergence, d, NULL, eps);
+    if (eps < 1.0) for_particles(f, f->count, rate_divergence, u, NULL, eps);
+    damp(f, eps, u, y);
+}
+
+static void for_model(struct fluid *f, double eps, double t, pdyn_range_fn *fn) {
+    struct call call = {.f = f, .eps = eps, .t = t};
+    f->services->parallel_for(f->services->core, f->count, GRAIN, fn, &call);
+}
+
+static double slope(void *self, double eps, double t, double *curvature) {
+    struct fluid *f = self;
+    double sum = *curvature = 0.0;
+    if (eps == 1.0) return 0.0;
+    for_model(f, eps, t, model_slope);
+    for (int b = 0; b * GRAIN < f->count; b++)
+        sum += f->partial[2 * b], *curvature += f->partial[2 * b + 1];
+    *curvature *= 1.0 - eps;
+    return (1.0 - eps) * sum;
+}
+
+static int go(void *self, double eps, double t, double *y) {
+    struct fluid *f = self;
+    if (eps == 1.0) return 0;
+    for_model(f, eps, t, model_go);
     int changed = (int)sum_partial(f, f->count);
-    for_particles(f, f->particles, add_gradients, d, y, eps);
+    for_particles(f, f->particles, add_gradients, NULL, y, 0.0);
     return changed;
 }
 
@@ -546,7 +604,9 @@ const pdyn_operator fluid_operator = {
     .neighbours = neighbours,
     .local = local,
     .apply = apply,
-    .predict = predict,
+    .aim = aim,
+    .slope = slope,
+    .go = go,
     .diagonal = diagonal,
     .density = density,
     .velocity = velocity,

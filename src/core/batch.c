@@ -134,10 +134,20 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, y, 0.0);
 }
 
-int batch_predict(struct batch *b, const double *d, double *y) {
-    if (b->op && b->type->op->predict) return b->type->op->predict(b->op, b->eps, d, y);
-    batch_apply(b, d, y);
-    return 0;
+bool batch_one_sided(const struct batch *b) { return b->op && b->type->op->aim; }
+
+void batch_aim(struct batch *b, const double *u, double *y) {
+    if (batch_one_sided(b)) b->type->op->aim(b->op, b->eps, u, y);
+    else batch_apply(b, u, y);
+}
+
+double batch_slope(struct batch *b, double t, double *curvature) {
+    *curvature = 0.0;
+    return batch_one_sided(b) ? b->type->op->slope(b->op, b->eps, t, curvature) : 0.0;
+}
+
+int batch_go(struct batch *b, double t, double *y) {
+    return batch_one_sided(b) ? b->type->op->go(b->op, b->eps, t, y) : 0;
 }
 
 void batch_block(const struct batch *b, int k, int m, double B[9]) {

@@ -48,9 +48,12 @@ pdyn_status batch_linearise(struct batch *batch, double eps);
 /* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
 void batch_apply(struct batch *batch, const double *u, double *y);
 
-/* Adds the change of the gradient from x to x + d in the linear model, and takes the active set of
- * one-sided constraints from there; returns how many of these changed sides. */
-int batch_predict(struct batch *batch, const double *d, double *y);
+/* The model along a direction u, see pdyn_operator; all of what is not one-sided is in batch_aim.
+ */
+bool batch_one_sided(const struct batch *batch);
+void batch_aim(struct batch *batch, const double *u, double *y);
+double batch_slope(struct batch *batch, double t, double *curvature);
+int batch_go(struct batch *batch, double t, double *y);
 
 /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);

@@ -1,5 +1,5 @@
-/* What a global solver sees: the linear system (M/h^2 + sum of the constraints) y = b of one
- * iteration, and the table that it fills. */
+/* What a global solver sees: the model of E in one iteration (system.h), and the table that it
+ * fills. */
 #ifndef PDYN_SOLVER_H
 #define PDYN_SOLVER_H
 
@@ -14,10 +14,12 @@ struct solver_type {
     size_t state_size; /* zeroed before create */
     /* Refer to the system from now on. */
     pdyn_status (*create)(void *self, pdyn_context *context, struct system *system);
-    /* Solves H y = b until |b - H y| <= tolerance |b| or the cap; a direct solver needs neither.
-     * y: particles x 3, zero on entry; b: particles x 3; *iterations: 1 for a direct solver. */
-    pdyn_status (*solve)(void *self, const double *b, double *y, double tolerance,
-                         int max_iterations, int *iterations);
+    /* Minimises the model of E that has the gradient -b at d = 0, until its gradient is at most
+     * tolerance |b| or the cap is reached; without one-sided constraints that is H y = b. A direct
+     * solver needs neither and takes the sides of x. y: the d found, particles x 3, zero on entry;
+     * b: particles x 3, may be overwritten; *iterations: 1 for a direct solver. */
+    pdyn_status (*solve)(void *self, double *b, double *y, double tolerance, int max_iterations,
+                         int *iterations);
     void (*free)(void *self);
 };
 

@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-enum { BACKTRACKS = 6, ROUNDS = 8 };
+enum { BACKTRACKS = 6 };
 
 struct progress { /* of the minimisation of one step */
     double energy, residual;
@@ -71,31 +71,17 @@ static pdyn_status descend(struct pdyn_sim *sim, double *energy, double *length)
     return system_local(sys, sim->x_next, energy, sim->gradient);
 }
 
-/* The minimum of E's model: quadratic, but for constraints with one side. These are taken as active
- * or not from where the last solve went, until no more of them change (a semi-smooth Newton
- * iteration without a local step) or the residual of the model has fallen by the linear tolerance.
- */
+/* The direction to the minimum of E's model. */
 static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
-    struct system *sys = &sim->system;
-    double *residual = sim->negative, *part = sim->trial;
-    double target = set->linear_tolerance * sqrt(system_dot(sys, sim->gradient, sim->gradient));
+    int iterations = 0;
     memset(sim->direction, 0, bytes_of(sim));
-    for (int k = 0; k < 3 * sys->particles; k++) residual[k] = -sim->gradient[k];
-    for (int round = 0, left = set->linear_iterations; round < ROUNDS && left > 0; round++) {
-        double size = sqrt(system_dot(sys, residual, residual));
-        int iterations = 0;
-        if (!(size > target) && round) break;
-        memset(part, 0, bytes_of(sim));
-        pdyn_status status = sim->solver->solve(sim->solver_state, residual, part,
-                                                fmin(1.0, target / size), left, &iterations);
-        if (status != PDYN_OK) return status;
-        p->linear += iterations, left -= iterations;
-        system_axpy(sys, 1.0, part, sim->direction);
-        if (sim->damping == 1.0 || !system_predict(sys, sim->direction, part)) break;
-        for (int k = 0; k < 3 * sys->particles; k++) residual[k] = -sim->gradient[k] - part[k];
-    }
-    return PDYN_OK;
+    for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];
+    pdyn_status status =
+        sim->solver->solve(sim->solver_state, sim->negative, sim->direction, set->linear_tolerance,
+                           set->linear_iterations, &iterations);
+    p->linear += iterations;
+    return status;
 }
 
 /* One global step. *moved is false where no step lowers E any more. */

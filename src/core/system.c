@@ -96,10 +96,50 @@ void system_apply(struct system *sys, const double *u, double *y) {
     for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
 }
 
-int system_predict(struct system *sys, const double *d, double *y) {
+/* ---- the model along a direction ------------------------------------------------------------- */
+
+void system_aim(struct system *sys, const double *u, double *y) {
+    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
+    for (int b = 0; b < sys->batches; b++) batch_aim(sys->batch[b], u, y);
+}
+
+static double one_sided_slope(struct system *sys, double t, double *curvature) {
+    double sum = *curvature = 0.0;
+    for (int b = 0; b < sys->batches; b++) {
+        double more;
+        sum += batch_slope(sys->batch[b], t, &more);
+        *curvature += more;
+    }
+    return sum;
+}
+
+/* The slope rises along the line, linear in pieces: Newton's iteration, kept between what is known
+ * to be short of the minimum and beyond. */
+double system_line_minimum(struct system *sys, double descent, double curvature) {
+    double bend, start = one_sided_slope(sys, 0.0, &bend);
+    double low = 0.0, high = INFINITY, t = descent / (curvature + bend);
+    if (bend == 0.0 && !sys->changing) return t;
+    for (int k = 0; k < 20; k++) {
+        double slope = one_sided_slope(sys, t, &bend) - start + t * curvature - descent;
+        if (fabs(slope) <= 0.01 * descent) break;
+        if (slope < 0.0) low = t;
+        else high = t;
+        t -= slope / (curvature + bend);
+        if (!(t > low && t < high)) t = isfinite(high) ? 0.5 * (low + high) : 2.0 * low;
+    }
+    return t;
+}
+
+static void scale_block(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] *= c->scale;
+}
+
+int system_go(struct system *sys, double t, double *y) {
     int changed = 0;
-    for_particles(sys, apply_inertia, d, NULL, y, 0.0);
-    for (int b = 0; b < sys->batches; b++) changed += batch_predict(sys->batch[b], d, y);
+    for_particles(sys, scale_block, NULL, NULL, y, t);
+    for (int b = 0; b < sys->batches; b++) changed += batch_go(sys->batch[b], t, y);
     return changed;
 }
 

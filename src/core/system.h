@@ -39,10 +39,19 @@ pdyn_status system_linearise(struct system *system, double eps);
 /* y = H u */
 void system_apply(struct system *system, const double *u, double *y);
 
-/* y = the change of E's gradient from x to x + d in its model: linear, but for one-sided
- * constraints, whose active set is taken from x + d for H from now on. Returns how many changed
- * sides. */
-int system_predict(struct system *system, const double *d, double *y);
+/* The model of E around x, minimised from d = 0 along one direction after the other: H, but that
+ * one-sided constraints take their sides where d is. */
+
+/* Aims along u; y = what of H u is not one-sided. */
+void system_aim(struct system *system, const double *u, double *y);
+
+/* How far to go along u to the model's minimum. descent: minus the model's slope here, > 0;
+ * curvature: u . y of system_aim. */
+double system_line_minimum(struct system *system, double descent, double curvature);
+
+/* Goes t along u; y, from system_aim, becomes the change of the model's gradient. Returns how many
+ * constraints changed sides. */
+int system_go(struct system *system, double t, double *y);
 
 /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
 void system_diagonal(struct system *system, double *blocks);

@@ -131,8 +131,8 @@ static size_t place(const struct matrix *m, size_t k) {
     return m->dim == 3 ? k : k % 3 * (size_t)m->particles + k / 3;
 }
 
-static pdyn_status solve(void *self, const double *b, double *y, double tolerance,
-                         int max_iterations, int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, double tolerance, int max_iterations,
+                         int *iterations) {
     (void)tolerance, (void)max_iterations;
     struct cholesky *c = self;
     pdyn_status status = prepare(c);
