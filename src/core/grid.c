@@ -84,8 +84,8 @@ void grid_around(const struct grid *grid, const double *at, struct grid_cells *c
 }
 
 /* Every candidate is written and only the good ones stay: no branch to guess wrong. */
-WIDE int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
-                    double radius, int self, const bool *keep, int *list, int room) {
+WIDE static int query(const struct grid *grid, const struct grid_cells *cells, const double *at,
+                      double radius, int self, const bool *keep, int *list, int room) {
     enum { CHUNK = 32 };
     double squared[CHUNK], x = at[0], y = at[1], z = at[2];
     int found = 0;
@@ -104,4 +104,9 @@ WIDE int grid_query(const struct grid *grid, const struct grid_cells *cells, con
             }
         }
     return found;
+}
+
+int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
+               double radius, int self, const bool *keep, int *list, int room) {
+    return query(grid, cells, at, radius, self, keep, list, room);
 }
