@@ -4,6 +4,7 @@ set datafile separator ","
 set logscale xy
 set format y "10^{%L}"
 set grid lc rgb "#dddddd"
+set key bottom left
 set multiplot layout 2,3
 array name[3] = ["hanging_cloth", "dam_break", "column"]
 array column_of[3] = [8, 6, 6]

@@ -125,8 +125,8 @@ bool neighbours_hold(struct neighbours *n, const double *x) {
 
 /* ---- building -------------------------------------------------------------------------------- */
 
-/* Calls for the points of a range of slots, cell by cell, so that a cell's surroundings are looked
- * up once for all its points. */
+/* The surroundings of the last cell: points are taken in the order of their cells, so that these
+ * are looked up once for all points of a cell. */
 struct walk {
     struct grid_cells moving, fixed;
 };
