@@ -11,7 +11,7 @@
 
 enum { N = 400, B = 150 };
 
-/* Weiler et al. 2016 section 3 as method: W of the cubic spline, written as in Monaghan 1992. */
+/* W of the cubic spline, written as in Monaghan 1992. */
 static double spline(double r, double H) {
     double q = r / H, k = 8.0 / (acos(-1.0) * H * H * H);
     if (q <= 0.5) return k * (6.0 * (q * q * q - q * q) + 1.0);
@@ -158,7 +158,7 @@ static double distance(const double *a, const double *b, int n) {
     return sqrt(sum);
 }
 
-/* The projection of method: every compressed constraint's copies end on its manifold, the others
+/* Every compressed constraint's copies end on its manifold, the others
  * stay. They end where the paper's iteration does, but for a second order of C. */
 static void test_projection(void **state) {
     (void)state;

@@ -79,6 +79,28 @@ static void test_momentum(void **state) {
     }
 }
 
+/* A stiff column that begins at rest density everywhere, so that every constraint is about to
+ * change sides: each step is solved all the same. */
+static void test_stiff_column(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(
+        context,
+        "{\"duration\": 1, \"time_step\": {\"fixed\": 0.005}, \"solver\": {\"tolerance\": 0.1, "
+        "\"linear_tolerance\": 0.1, \"linear_iterations\": 2000}, \"bodies\": [{\"name\": "
+        "\"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": [0, 0, "
+        "0], \"maximum\": [0.08, 0.4, 0.08]}}]}, \"constraints\": [{\"type\": \"fluid\", "
+        "\"stiffness\": 4e6}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
+        "[0.08, 0.5, 0.08]}, \"open\": [\"+y\"]}]}");
+    for (int step = 0; step < 20; step++) {
+        pdyn_step_info info = test_step(context, sim);
+        assert_true(info.step_residual <= 0.1);
+        assert_true(info.density_error_max < 1e-3);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A full tank at rest stays at rest: still, inside, at its height, the floor carrying the weight.
  */
 static void test_hydrostatic_rest(void **state) {
@@ -260,11 +282,11 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),         cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_hydrostatic_rest),  cmocka_unit_test(test_pin_reaction),
-        cmocka_unit_test(test_pin_path),          cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_divergence),        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_free_fall),        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_stiff_column),
+        cmocka_unit_test(test_pin_reaction),     cmocka_unit_test(test_pin_path),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_no_allocation),    cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }
