@@ -71,7 +71,7 @@ static void *resize(struct fluid *f, void *block, size_t old_count, size_t count
     return f->services->allocate(f->services->core, block, old_count * size, count * size);
 }
 
-/* Every array that is as long as the particles or the points, made where n is 0 and freed else. */
+/* Every array that is as long as the particles or the points, made or freed. */
 static bool resize_particles(struct fluid *f, size_t particles, size_t points, bool make) {
     struct {
         void **array;
@@ -191,7 +191,7 @@ INLINE int pick_near(const struct fluid *f, const v4 *at, const int *index, int 
         v4 d;
         memcpy(&d, f->x + 4 * index[k], sizeof d);
         d = *at - d;
-        double squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        double squared = v4_dot(&d, &d);
         memcpy(near->d[inside], &d, sizeof d);
         near->squared[inside] = squared, near->index[inside] = index[k];
         outside[others] = index[k];
@@ -287,7 +287,7 @@ INLINE double density_from(const struct fluid *f, const v4 *at, const int *index
                 memcpy(&g, gradients + 3 * (done + k), sizeof g);
                 d -= t * __builtin_convertvector(g, v4);
             }
-            squared[k] = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+            squared[k] = v4_dot(&d, &d);
         }
         for (int k = 0; k < n; k++) {
             double q = sqrt(squared[k]) * f->kernel.inverse, rest = q < 1.0 ? 1.0 - q : 0.0;

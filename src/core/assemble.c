@@ -142,6 +142,6 @@ void matrix_values(struct matrix *matrix, const struct system *sys, struct batch
     memset(matrix->value, 0, entries_of(matrix) * sizeof *matrix->value);
     for (int c = 0; c < matrix->dim * matrix->particles; c++) /* the diagonal block comes first */
         matrix->value[matrix->column_start[c] + c % matrix->dim] =
-            sys->mass[c / matrix->dim] / (sys->h * sys->h);
+            system_inertia(sys, c / matrix->dim);
     visit_batches(matrix, sys, rows, add_pair);
 }

@@ -10,12 +10,10 @@ pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct
     while (grid->buckets < capacity) grid->buckets *= 2;
     grid->start = NEW_ARRAY(context, grid->buckets + 1, int);
     grid->id = NEW_ARRAY(context, capacity, int);
-    grid->key = NEW_ARRAY(context, capacity, uint64_t);
     bool good = true;
     for (int a = 0; a < 3; a++) good &= (grid->x[a] = NEW_ARRAY(context, capacity, double)) != NULL;
     grid->bucket = NEW_ARRAY(context, capacity, int);
-    if (grid->start && (!capacity || (grid->id && grid->key && good && grid->bucket)))
-        return PDYN_OK;
+    if (grid->start && (!capacity || (grid->id && good && grid->bucket))) return PDYN_OK;
     grid_free(context, grid);
     return PDYN_NO_MEMORY;
 }
@@ -23,7 +21,6 @@ pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct
 void grid_free(pdyn_context *context, struct grid *grid) {
     FREE_ARRAY(context, grid->start, grid->buckets + 1);
     FREE_ARRAY(context, grid->id, grid->capacity);
-    FREE_ARRAY(context, grid->key, grid->capacity);
     for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity);
     FREE_ARRAY(context, grid->bucket, grid->capacity);
 }
@@ -57,10 +54,8 @@ pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, cons
     }
     for (int b = 1; b < grid->buckets; b++) end[b] += end[b - 1];
     for (int k = 0; k < points; k++) {
-        int source = id ? id[k] : k, slot = end[grid->bucket[k]]++, cell[3];
-        cell_of(grid, x + 3 * (size_t)source, cell);
+        int source = id ? id[k] : k, slot = end[grid->bucket[k]]++;
         grid->id[slot] = source;
-        grid->key[slot] = grid_key(cell[0], cell[1], cell[2]);
         for (int a = 0; a < 3; a++) grid->x[a][slot] = x[3 * (size_t)source + a];
     }
     return PDYN_OK;

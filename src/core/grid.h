@@ -8,12 +8,11 @@
 struct grid {
     double cell; /* m, edge of a cell */
     int capacity, points;
-    int buckets;   /* a power of two, at least the capacity */
-    int *start;    /* buckets + 1: first point of each bucket in the sorted arrays */
-    int *id;       /* points: what was sorted, ascending within a bucket */
-    uint64_t *key; /* points: packed cell */
-    double *x[3];  /* points each */
-    int *bucket;   /* points: scratch of the sort, in the order given */
+    int buckets;  /* a power of two, at least the capacity */
+    int *start;   /* buckets + 1: first point of each bucket in the sorted arrays */
+    int *id;      /* points: what was sorted, ascending within a bucket */
+    double *x[3]; /* points each */
+    int *bucket;  /* points: scratch of the sort, in the order given */
 };
 
 enum { GRID_RANGE = 1 << 20 }; /* cells from the origin in each direction */

@@ -10,8 +10,8 @@
 struct neighbours;
 
 /* volume: points (particles, then boundary), 0 for a particle that takes no part; centre:
- * particles. All arrays are copied. skin: a part of the support, >= 0. Memory: 97 bytes per
- * particle, 80 per boundary point and 5 per listed neighbour (about 55 of these). */
+ * particles. All arrays are copied. skin: a part of the support, >= 0. Memory: 89 bytes per
+ * particle, 72 per boundary point and 5 per listed neighbour (about 55 of these). */
 pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
                               int boundary, const double *boundary_x, const double *volume,
                               double support, double skin, struct neighbours **out);

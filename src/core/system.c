@@ -31,7 +31,7 @@ static void inertia(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     double energy = 0.0;
     for (int i = first; i < last; i++) {
-        double w = c->system->mass[i] / (c->system->h * c->system->h);
+        double w = system_inertia(c->system, i);
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double d = c->a[k] - c->system->s[k];
             c->out[k] = w * d;
@@ -86,7 +86,7 @@ WIDE static void apply_inertia(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
-        double w = c->system->mass[i] / (c->system->h * c->system->h);
+        double w = system_inertia(c->system, i);
         for (int k = 3 * i; k < 3 * i + 3; k++) c->out[k] = w * c->a[k];
     }
 }
@@ -118,7 +118,6 @@ static double one_sided_slope(struct system *sys, double t, double *curvature) {
 double system_line_minimum(struct system *sys, double descent, double curvature) {
     double bend, start = one_sided_slope(sys, 0.0, &bend);
     double low = 0.0, high = INFINITY, t = descent / (curvature + bend);
-    if (bend == 0.0 && !sys->changing) return t;
     for (int k = 0; k < 20; k++) {
         double slope = one_sided_slope(sys, t, &bend) - start + t * curvature - descent;
         if (fabs(slope) <= 0.01 * descent) break;
@@ -146,7 +145,7 @@ int system_go(struct system *sys, double t, double *y) {
 void system_diagonal(struct system *sys, double *blocks) {
     memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
     for (int i = 0; i < sys->particles; i++)
-        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = sys->mass[i] / (sys->h * sys->h);
+        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = system_inertia(sys, i);
     for (int b = 0; b < sys->batches; b++) batch_diagonal(sys->batch[b], blocks);
 }
 

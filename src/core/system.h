@@ -62,6 +62,11 @@ double system_dot(struct system *system, const double *a, const double *b);
 /* The sum of what each block of a loop over the particles left in `partial`. */
 double system_partial_sum(const struct system *system);
 
+/* What a particle's inertia adds to each of its diagonal entries in H, N/m. */
+static inline double system_inertia(const struct system *system, int i) {
+    return system->mass[i] / (system->h * system->h);
+}
+
 /* Adds scale x to y. */
 void system_axpy(struct system *system, double scale, const double *x, double *y);
 

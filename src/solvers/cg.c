@@ -96,7 +96,7 @@ static void invert_blocks(void *arg, int first, int last, int block) {
     const struct system *sys = c->cg->system;
     for (int i = first; i < last; i++) {
         double *D = c->cg->inverse + 6 * i;
-        if (!c->cg->held[i]) soften(D, sys->mass[i] / (sys->h * sys->h));
+        if (!c->cg->held[i]) soften(D, system_inertia(sys, i));
         invert(D);
     }
 }
