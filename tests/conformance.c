@@ -103,12 +103,6 @@ static double dot(const double *a, const double *b, int n) {
 
 static double norm(const double *a, int n) { return sqrt(dot(a, a, n)); }
 
-static double distance(const double *a, const double *b, int n) {
-    double sum = 0.0;
-    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
-    return sqrt(sum);
-}
-
 static void each_type(void (*check)(const pdyn_constraint_type *type)) {
     for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) check(*t);
 }
@@ -149,9 +143,9 @@ static void check_projection(const pdyn_constraint_type *type) {
     memcpy((double *)t.rows->view.u, once, 3 * (size_t)t.rows->rows * sizeof *once);
     type->project(t.rows->params, &t.rows->view, 0, t.rows->view.elements);
     double scale = 1e-9 + norm(once, 3 * t.rows->rows);
-    if (distance(once, t.rows->view.p, 3 * t.rows->rows) > 1e-6 * scale)
+    if (test_distance(once, t.rows->view.p, 3 * t.rows->rows) > 1e-6 * scale)
         fail_msg("%s: projecting twice moves by %g of %g", type->name,
-                 distance(once, t.rows->view.p, 3 * t.rows->rows), scale);
+                 test_distance(once, t.rows->view.p, 3 * t.rows->rows), scale);
     free(once);
     finish(&t);
 }
@@ -209,15 +203,15 @@ static void check_tiers(const pdyn_constraint_type *type) {
     batch_local(t.rows, t.x, 0.0, b);
     assert_true(t.batch->energy > 0.0);
     assert_true(fabs(t.batch->energy - t.rows->energy) <= 1e-10 * t.rows->energy);
-    assert_true(distance(a, b, t.n) <= 1e-10 * norm(b, t.n));
+    assert_true(test_distance(a, b, t.n) <= 1e-10 * norm(b, t.n));
     /* undamped: the rows' damping counts pairs in the skin of the lists, too */
     memset(a, 0, (size_t)t.n * sizeof *a), memset(b, 0, (size_t)t.n * sizeof *b);
     assert_int_equal(batch_linearise(t.batch, 0.0), PDYN_OK);
     assert_int_equal(batch_linearise(t.rows, 0.0), PDYN_OK);
     batch_apply(t.batch, t.u, a), batch_apply(t.rows, t.u, b);
-    assert_true(distance(a, b, t.n) <= 1e-9 * norm(b, t.n));
+    assert_true(test_distance(a, b, t.n) <= 1e-9 * norm(b, t.n));
     batch_diagonal(t.batch, da), batch_diagonal(t.rows, db);
-    assert_true(distance(da, db, 2 * t.n) <= 1e-9 * norm(db, 2 * t.n));
+    assert_true(test_distance(da, db, 2 * t.n) <= 1e-9 * norm(db, 2 * t.n));
     free(a), free(b), free(da), free(db);
     finish(&t);
 }
@@ -238,7 +232,7 @@ static void check_model(const pdyn_constraint_type *type) {
         int changed = batch_go(t.batch, 1.0, y);
         assert_true(fabs(dot(t.u, y, t.n) - (to - from)) <= 1e-9 * (fabs(from) + fabs(to)));
         assert_true((changed == 0) == (scale < 0.5));
-        assert_true(changed || distance(y, product, t.n) <= 1e-6 * norm(product, t.n));
+        assert_true(changed || test_distance(y, product, t.n) <= 1e-6 * norm(product, t.n));
         free(y), free(product);
         finish(&t);
     }
@@ -285,16 +279,16 @@ static void check_solvers(const pdyn_constraint_type *type) {
             assert_int_equal((*s)->solve(t.sim->solver_state, t.z, t.y, 1e-13, 100000, &iterations),
                              PDYN_OK);
             system_apply(&t.sim->system, t.y, t.z);
-            if (distance(t.z, t.u, t.n) > 1e-8 * norm(t.u, t.n))
+            if (test_distance(t.z, t.u, t.n) > 1e-8 * norm(t.u, t.n))
                 fail_msg("%s with %s: residual %g", type->name, (*s)->name,
-                         distance(t.z, t.u, t.n) / norm(t.u, t.n));
+                         test_distance(t.z, t.u, t.n) / norm(t.u, t.n));
             if (!first) {
                 first = array(t.n);
                 memcpy(first, t.y, (size_t)t.n * sizeof *first);
             }
-            if (distance(first, t.y, t.n) > 1e-8 * norm(first, t.n))
+            if (test_distance(first, t.y, t.n) > 1e-8 * norm(first, t.n))
                 fail_msg("%s: %s differs by %g", type->name, (*s)->name,
-                         distance(first, t.y, t.n) / norm(first, t.n));
+                         test_distance(first, t.y, t.n) / norm(first, t.n));
             finish(&t);
         }
         free(first);

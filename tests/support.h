@@ -2,6 +2,7 @@
 #ifndef TEST_SUPPORT_H
 #define TEST_SUPPORT_H
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,6 +39,12 @@ static inline pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim) {
 static inline double test_random(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return (double)(*state >> 11) * 0x1p-52 - 1.0;
+}
+
+static inline double test_distance(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(sum);
 }
 
 #endif

@@ -152,12 +152,6 @@ static void project_by_newton(const pdyn_sim *sim, int i, const double *x, doubl
     }
 }
 
-static double distance(const double *a, const double *b, int n) {
-    double sum = 0.0;
-    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
-    return sqrt(sum);
-}
-
 /* Every compressed constraint's copies end on its manifold, the others
  * stay. They end where the paper's iteration does, but for a second order of C. */
 static void test_projection(void **state) {
@@ -189,7 +183,7 @@ static void test_projection(void **state) {
         compressed += before > 0.0;
         assert_true(before > 0.0 ? fabs(after) < 1e-9 : after == before);
         project_by_newton(sim, i, x, q, g);
-        assert_true(distance(p, q, 3 * n) <= 0.1 * fabs(before) * distance(p, x, 3 * n));
+        assert_true(test_distance(p, q, 3 * n) <= 0.1 * fabs(before) * test_distance(p, x, 3 * n));
     }
     assert_true(compressed > n / 4 && compressed < n);
     batch_free(rows);

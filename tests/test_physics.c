@@ -79,6 +79,10 @@ static void test_momentum(void **state) {
     }
 }
 
+static void add_linear(void *user, const pdyn_iteration *it) {
+    *(int *)user += it->linear_iterations;
+}
+
 /* A stiff column that begins at rest density everywhere, so that every constraint is about to
  * change sides: each step is solved all the same. */
 static void test_stiff_column(void **state) {
@@ -92,8 +96,12 @@ static void test_stiff_column(void **state) {
         "0], \"maximum\": [0.08, 0.4, 0.08]}}]}, \"constraints\": [{\"type\": \"fluid\", "
         "\"stiffness\": 4e6}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
         "[0.08, 0.5, 0.08]}, \"open\": [\"+y\"]}]}");
+    int linear = 0;
+    pdyn_observe(sim, add_linear, &linear);
     for (int step = 0; step < 20; step++) {
         pdyn_step_info info = test_step(context, sim);
+        assert_int_equal(linear, info.linear_iterations); /* the observer sees all of them */
+        linear = 0;
         assert_true(info.step_residual <= 0.1);
         assert_true(info.density_error_max < 1e-3);
     }

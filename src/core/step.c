@@ -115,6 +115,7 @@ static void observe(const struct pdyn_sim *sim, const struct progress *p, int li
 static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
     double weight = measure_weight(sim);
+    int linear = 0; /* of the iterations before this one */
     bool moved = true;
     pdyn_status status = warm_start(sim, h, &p->energy);
     while (status == PDYN_OK) {
@@ -125,7 +126,8 @@ static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) 
                 "step %ld at %g s: the energy is not finite; the state is that of the "
                 "step before",
                 sim->steps + 1, sim->time);
-        observe(sim, p, 0);
+        observe(sim, p, p->linear - linear);
+        linear = p->linear;
         if (!moved || p->residual <= set->tolerance || p->outer >= set->outer_iterations) break;
         status = global_step(sim, p, &moved);
         p->outer++;
