@@ -202,8 +202,10 @@ INLINE int pick_near(const struct fluid *f, const v4 *at, const int *index, int 
 
 INLINE void evaluate(const struct kernel *kernel, int count, struct near *near) {
     for (int k = 0; k < count; k++) {
-        double r = sqrt(near->squared[k]);
-        near->value[k] = kernel_value(kernel, r), near->slope[k] = kernel_slope(kernel, r);
+        double q = sqrt(near->squared[k]) * kernel->inverse, rest = 1.0 - q;
+        near->value[k] =
+            kernel->value * (q <= 0.5 ? 1.0 - 6.0 * q * q * rest : 2.0 * rest * rest * rest);
+        near->slope[k] = kernel->slope * (q <= 0.5 ? 3.0 * q - 2.0 : -rest * rest / q);
     }
 }
 
@@ -287,7 +289,11 @@ INLINE double density_from(const struct fluid *f, const v4 *at, const int *index
             }
             squared[k] = v4_dot(&d, &d);
         }
-        for (int k = 0; k < n; k++) volume[k] *= kernel_value(&f->kernel, sqrt(squared[k]));
+        for (int k = 0; k < n; k++) {
+            double q = sqrt(squared[k]) * f->kernel.inverse, rest = q < 1.0 ? 1.0 - q : 0.0;
+            volume[k] *=
+                f->kernel.value * (q <= 0.5 ? 1.0 - 6.0 * q * q * rest : 2.0 * rest * rest * rest);
+        }
         for (int k = 0; k < n; k++) sum += volume[k];
     }
     return sum;

@@ -3,7 +3,6 @@
 #define PDYN_KERNEL_H
 
 #include "projdyn/vec3.h"
-#include "simd.h"
 
 struct kernel {
     double support, inverse; /* H, m; 1/H */
@@ -16,18 +15,18 @@ static inline struct kernel kernel_make(double support) {
     return (struct kernel){support, 1.0 / support, value, 6.0 * value / (support * support)};
 }
 
-/* Both without a branch, so that loops over neighbours run in lanes. */
-
 /* W(r), 1/m^3; zero from r = H on. */
-INLINE double kernel_value(const struct kernel *k, double r) {
-    double q = r * k->inverse, rest = q < 1.0 ? 1.0 - q : 0.0;
-    return k->value * (q <= 0.5 ? 1.0 - 6.0 * q * q * rest : 2.0 * rest * rest * rest);
+static inline double kernel_value(const struct kernel *k, double r) {
+    double q = r * k->inverse, rest = 1.0 - q;
+    if (q <= 0.5) return k->value * (1.0 - 6.0 * q * q * rest);
+    return q < 1.0 ? 2.0 * k->value * rest * rest * rest : 0.0;
 }
 
 /* W'(r) / r, 1/m^5, so that grad W(d) = kernel_slope(|d|) d; finite at r = 0. */
-INLINE double kernel_slope(const struct kernel *k, double r) {
-    double q = r * k->inverse, rest = q < 1.0 ? 1.0 - q : 0.0;
-    return k->slope * (q <= 0.5 ? 3.0 * q - 2.0 : -rest * rest / q);
+static inline double kernel_slope(const struct kernel *k, double r) {
+    double q = r * k->inverse, rest = 1.0 - q;
+    if (q <= 0.5) return k->slope * (3.0 * q - 2.0);
+    return q < 1.0 ? -k->slope * rest * rest / q : 0.0;
 }
 
 #endif
