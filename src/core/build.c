@@ -43,7 +43,7 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
         for (int k = 0; status == PDYN_OK && k < from->boxes; k++)
             status = sample_box_volume(c, &from->box[k], from->radius, all);
         if (status == PDYN_OK && from->is_surface)
-            status = sample_points(c, from->mesh.vertex, from->mesh.vertices, all);
+            status = points_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
         if (status != PDYN_OK) return status;
         body->count = all->count - body->first;
     }

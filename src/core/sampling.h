@@ -2,16 +2,8 @@
 #ifndef PDYN_SAMPLING_H
 #define PDYN_SAMPLING_H
 
+#include "points.h"
 #include "scene.h"
-
-struct points {
-    int count;
-    size_t capacity;
-    double *x; /* count x 3, m */
-};
-/* Adds points as they are. */
-pdyn_status sample_points(pdyn_context *context, const double *x, int count, struct points *out);
-void points_free(pdyn_context *context, struct points *points);
 
 /* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum.
  */
