@@ -21,6 +21,24 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box
     return PDYN_OK;
 }
 
+pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
+                                 double radius, struct points *out) {
+    double reach = sphere->radius - radius, half = floor(reach / (2.0 * radius) + 1e-9);
+    double side = 2.0 * half + 1.0;
+    if (!(side * side * side < POINTS_MOST)) return points_too_many(context);
+    pdyn_status status = PDYN_OK;
+    for (double k = -half; k <= half; k++)
+        for (double j = -half; j <= half; j++)
+            for (double i = -half; i <= half; i++) {
+                double from_centre[3] = {2.0 * radius * i, 2.0 * radius * j, 2.0 * radius * k};
+                if (vec3_length(from_centre) > reach * (1.0 + 1e-9)) continue;
+                vec3_add(from_centre, 1.0, sphere->center);
+                status = points_add(context, out, from_centre);
+                if (status != PDYN_OK) return status;
+            }
+    return status;
+}
+
 /* A lattice point lies on the surface where one of its indices is at an end whose face is there. */
 static bool on_face(const long cell[3], const long n[3], unsigned open) {
     for (int a = 0; a < 3; a++)

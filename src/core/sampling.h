@@ -10,6 +10,17 @@
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
                               struct points *out);
 
+/* Adds a cubic lattice of particles of this radius, each wholly inside the sphere, one of them in
+ * its centre. */
+pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
+                                 double radius, struct points *out);
+
+/* Adds a cubic lattice of particles of this radius, each wholly inside a mesh that passed
+ * mesh_check_closed; it lies in the middle of the mesh's bounding box. Inside is what an odd number
+ * of the mesh's sheets separates from the outside. */
+pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
+                               struct points *out);
+
 /* Adds a regular grid of points at most `spacing` apart on the faces of the box that are not open
  * (bits as in scene_solid). Edges that two faces share are sampled once. */
 pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box, unsigned open,
