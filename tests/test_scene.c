@@ -263,7 +263,7 @@ static const struct {
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX ", 'scale': 2}]}}"),
      "scene.json:2:96: bodies[0].particles.fill[0]: \"scale\" needs a \"mesh\" or a \"file\""},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX ", 'velocity': 2}]}}"),
-     "scene.json:2:109: bodies[0].particles.fill[0].velocity: expected an array of 3 numbers "
+     "scene.json:2:108: bodies[0].particles.fill[0].velocity: expected an array of 3 numbers "
      "(m/s), found 2"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'mesh': 3}]}}"),
      "scene.json:2:51: bodies[0].particles.fill[0].mesh: expected the name of a mesh file, .obj "
