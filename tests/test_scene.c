@@ -1062,6 +1062,13 @@ static void test_schema(void **state) {
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
         check_table(definition(name), (*t)->params, 1);
     }
+    static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
+    for (int k = 0; k < COUNT(fills); k++) {
+        const json_t *fill = definition(fills[k]);
+        assert_true(json_is_false(json_object_get(fill, "additionalProperties")));
+        assert_true(is_listed(json_object_get(fill, "required"), fills[k] + strlen("fill_")));
+        assert_int_equal(json_object_size(json_object_get(fill, "properties")), k < 2 ? 2 : 5);
+    }
     const json_t *solver = json_object_get(definition("solver"), "properties");
     const json_t *types = json_object_get(json_object_get(solver, "type"), "enum");
     size_t count = 1;
