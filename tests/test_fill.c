@@ -240,6 +240,20 @@ static void test_cube(void **state) {
     assert_int_equal(unlink("cube.obj"), 0);
 }
 
+/* An edge of the cube is split, and triangles that are as good as lines close the gap. */
+static void test_thin_triangles(void **state) {
+    (void)state;
+    static const char data[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n"
+                               "v 1 1 1\nv 0.5 1e-17 1e-18\n"
+                               "f 1 3 4 2 9\nf 5 6 8 7\nf 1 9 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"
+                               "f 2 4 8 6\n";
+    struct scene scene;
+    write_bytes("thin.obj", data, strlen(data));
+    assert_int_equal(read_good(0.05, "{'mesh': 'thin.obj'}", &scene)->start.count, 1000);
+    free_good(&scene);
+    assert_int_equal(unlink("thin.obj"), 0);
+}
+
 /* Every corner of the octahedron and all its edges lie on rows. */
 static void test_octahedron(void **state) {
     (void)state;
@@ -526,13 +540,14 @@ static void test_no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sphere),     cmocka_unit_test(test_velocities),
-        cmocka_unit_test(test_simulation), cmocka_unit_test(test_torus),
-        cmocka_unit_test(test_open_mesh),  cmocka_unit_test(test_cube),
-        cmocka_unit_test(test_octahedron), cmocka_unit_test(test_several_parts),
-        cmocka_unit_test(test_files),      cmocka_unit_test(test_placed_file),
-        cmocka_unit_test(test_own_files),  cmocka_unit_test(test_bad_files),
-        cmocka_unit_test(test_damaged),    cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_sphere),         cmocka_unit_test(test_velocities),
+        cmocka_unit_test(test_simulation),     cmocka_unit_test(test_torus),
+        cmocka_unit_test(test_open_mesh),      cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_thin_triangles), cmocka_unit_test(test_octahedron),
+        cmocka_unit_test(test_several_parts),  cmocka_unit_test(test_files),
+        cmocka_unit_test(test_placed_file),    cmocka_unit_test(test_own_files),
+        cmocka_unit_test(test_bad_files),      cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests_name("fill", tests, set_up, tear_down);
 }

@@ -287,10 +287,10 @@ static const struct {
     {BODY("{'particles': {'radius': 0.0005, 'fill': [\n   {'box': " BOX "}]}}"),
      "scene.json:3:12: bodies[0].particles.fill[0].box: expected at most 134217728 "
      "particles in the scene, found 1000000000 so far"},
-    {BODY("{'particles': {'radius': 0.0011, 'fill': [{'box': " BOX "}]}},\n"
-          "  {'particles': {'radius': 0.0011, 'fill': [{'box': " BOX "}]}}"),
-     "scene.json:3:53: bodies[1].particles.fill[0].box: expected at most 134217728 "
-     "particles in the scene, found 187153328 so far"},
+    {BODY("{'particles': {'radius': 0.004, 'fill': [{'box': " BOX "}]}},\n"
+          "  {'particles': {'radius': 0.00098, 'fill': [{'box': " BOX "}]}}"),
+     "scene.json:3:54: bodies[1].particles.fill[0].box: expected at most 134217728 "
+     "particles in the scene, found 134604125 so far"},
     {BODY(WATER ",\n  {'velocity': [1], 'particles': {}}"),
      "scene.json:3:16: bodies[1].velocity: expected an array of 3 numbers (m/s), found an "
      "array of 1"},

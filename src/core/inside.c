@@ -106,7 +106,7 @@ static double distance_to_edge(const double *x, const double *p, const double *q
     return vec3_length(from);
 }
 
-/* normal: of any length */
+/* normal: of any length; 0: only the edges count */
 static double distance_to_triangle(const double *x, const double *const corner[3],
                                    const double *normal) {
     double nearest = HUGE_VAL, length = vec3_length(normal), height = 0.0;
@@ -123,7 +123,7 @@ static double distance_to_triangle(const double *x, const double *const corner[3
     return above ? fmin(nearest, height / length) : nearest;
 }
 
-/* Of the row (j, k) the part from low to high in which the triangle's plane is close. */
+/* Cuts low to high down to the part of row (j, k) in which the triangle's plane is close. */
 static void clip_row(const struct lattice *l, const double *corner, const double *normal,
                      double distance, long j, long k, double *low, double *high) {
     double rest =
@@ -145,6 +145,8 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
         first[a] = index_from(l, a, low[a]), last[a] = index_from(l, a, high[a]);
     }
     cross(normal, u, v);
+    if (vec3_length(normal) < 1e-9 * vec3_length(u) * vec3_length(v)) /* rounding: no plane */
+        for (int a = 0; a < 3; a++) normal[a] = 0.0;
     for (long k = first[2]; k < last[2]; k++)
         for (long j = first[1]; j < last[1]; j++) {
             double from = low[0], to = high[0];
