@@ -229,16 +229,51 @@ static const struct {
      "scene.json:2:17: bodies[0].particles.radius: missing, expected a number from 1e-06 "
      "to 1000 m"},
     {BODY("{'particles': {'radius': 0.1}}"),
-     "scene.json:2:17: bodies[0].particles.fill: missing, expected at least one box to "
-     "fill"},
+     "scene.json:2:17: bodies[0].particles.fill: missing, expected at least one volume "
+     "to fill"},
     {BODY("{'particles': {'radius': 0.1, 'fill': []}}"),
-     "scene.json:2:41: bodies[0].particles.fill: expected at least one box to fill, found "
+     "scene.json:2:41: bodies[0].particles.fill: expected at least one volume to fill, found "
      "an array of 0"},
     {BODY("{'particles': {'radius': 0, 'fill': []}}"),
      "scene.json:2:28: bodies[0].particles.radius: expected a number from 1e-06 to 1000 "
      "m, found 0"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'spher': 1}]}}"),
+     "scene.json:2:43: bodies[0].particles.fill[0]: unknown key \"spher\"; did you mean "
+     "\"sphere\"?; known: box, sphere, mesh, file, scale, rotate, translate, velocity"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{}]}}"),
+     "scene.json:2:42: bodies[0].particles.fill[0]: expected exactly one of \"box\", "
+     "\"sphere\", \"mesh\" and \"file\", found 0"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': 1, 'file': 2}]}}"),
+     "scene.json:2:42: bodies[0].particles.fill[0]: expected exactly one of \"box\", "
+     "\"sphere\", \"mesh\" and \"file\", found 2"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'sphere': 1}]}}"),
-     "scene.json:2:43: bodies[0].particles.fill[0]: unknown key \"sphere\"; known: box"},
+     "scene.json:2:53: bodies[0].particles.fill[0].sphere: expected an object, found 1"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': "
+          "0.09}}]}}"),
+     "scene.json:2:53: bodies[0].particles.fill[0].sphere: no particle of radius 0.1 m fits "
+     "into it"},
+    {BODY("{'particles': {'radius': 1e-6, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': "
+          "1e6}}]}}"),
+     "scene.json:2:54: bodies[0].particles.fill[0].sphere: more than 536870911 points: the "
+     "particle radius is too small for the size of the scene"},
+    {BODY("{'particles': {'radius': 1, 'fill': [{'sphere': {'center': [-1e6, 0, 0], 'radius': "
+          "3}}]}}"),
+     "scene.json:2:51: bodies[0].particles.fill[0].sphere: expected particles at most 1e+06 m "
+     "from the origin, found x = -1000002 m"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX ", 'scale': 2}]}}"),
+     "scene.json:2:96: bodies[0].particles.fill[0]: \"scale\" needs a \"mesh\" or a \"file\""},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX ", 'velocity': 2}]}}"),
+     "scene.json:2:108: bodies[0].particles.fill[0].velocity: expected an array of 3 numbers "
+     "(m/s), found 2"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'mesh': 3}]}}"),
+     "scene.json:2:51: bodies[0].particles.fill[0].mesh: expected the name of a mesh file, .obj "
+     "or .ply, found 3"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'file': 3}]}}"),
+     "scene.json:2:51: bodies[0].particles.fill[0].file: expected the name of a file of "
+     "particles, .ply or .vtk, found 3"},
+    {BODY("{'particles': {'radius': 0.1, 'fill': [{'file': 'a.obj'}]}}"),
+     "scene.json:2:51: bodies[0].particles.fill[0].file: a.obj: expected a file of particles "
+     "ending with .ply or .vtk"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': {'minimum': [0, 0, 0]}}]}}"),
      "scene.json:2:50: bodies[0].particles.fill[0].box.maximum: missing, expected an "
      "array of 3 numbers (m)"},
@@ -252,10 +287,10 @@ static const struct {
     {BODY("{'particles': {'radius': 0.0005, 'fill': [\n   {'box': " BOX "}]}}"),
      "scene.json:3:12: bodies[0].particles.fill[0].box: expected at most 134217728 "
      "particles in the scene, found 1000000000 so far"},
-    {BODY("{'particles': {'radius': 0.0011, 'fill': [{'box': " BOX "}]}},\n"
-          "  {'particles': {'radius': 0.0011, 'fill': [{'box': " BOX "}]}}"),
-     "scene.json:3:53: bodies[1].particles.fill[0].box: expected at most 134217728 "
-     "particles in the scene, found 187153328 so far"},
+    {BODY("{'particles': {'radius': 0.004, 'fill': [{'box': " BOX "}]}},\n"
+          "  {'particles': {'radius': 0.00098, 'fill': [{'box': " BOX "}]}}"),
+     "scene.json:3:54: bodies[1].particles.fill[0].box: expected at most 134217728 "
+     "particles in the scene, found 134604125 so far"},
     {BODY(WATER ",\n  {'velocity': [1], 'particles': {}}"),
      "scene.json:3:16: bodies[1].velocity: expected an array of 3 numbers (m/s), found an "
      "array of 1"},
@@ -372,7 +407,7 @@ static const struct {
           "  {'particles': {'radius': 0.1, 'fill': [{'box': " BOX
           "}]}, 'constraints': [{'type': 'fluid'}]}"),
      "scene.json:3:124: bodies[1].constraints[0].type: only one body may have a \"fluid\" "
-     "constraint; put all boxes into its \"fill\""},
+     "constraint; put all volumes into its \"fill\""},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}, 'constraints': {}}"),
      "scene.json:2:114: bodies[0].constraints: expected an array of constraints, found an "
      "object"},
@@ -606,7 +641,7 @@ static void test_good_overrides(void **state) {
     assert_string_equal(scene.settings.solver_type, "cholesky");
     assert_false(scene.settings.newton);
     assert_true(scene.settings.h_fixed == 0.25);
-    assert_true(scene.body[0].box[0].max[1] == 3.0);
+    assert_int_equal(scene.body[0].start.count, 5 * 15 * 5);
     assert_string_equal(scene.name, "a=b");
     assert_true(scene.settings.duration == 6.0);
     assert_true(scene.settings.gravity[1] == -1.0);
@@ -639,7 +674,7 @@ static void test_defaults(void **state) {
     assert_int_equal(scene.body[0].constraints, 0);
     assert_true(scene.body[1].is_surface && scene.body[1].area_density == 1.0);
     assert_int_equal(scene.body[1].mesh.vertices, 9);
-    assert_int_equal(scene.body[1].boxes, 0);
+    assert_int_equal(scene.body[1].start.count, 0);
     free_good(&scene);
 }
 
@@ -680,8 +715,9 @@ static void check_full(const struct scene *scene) {
     assert_string_equal(s->solver_type, "cg");
     const struct scene_body *water = &scene->body[0], *sheet = &scene->body[1];
     assert_string_equal(water->name, "water");
-    assert_int_equal(water->boxes, 2);
-    assert_true(water->box[0].min[1] == 0.5 && water->box[1].max[0] == 2.02);
+    assert_int_equal(water->start.count, 50 * 50 * 50 + 1);
+    assert_close(water->start.x[1], 0.51);
+    assert_close(water->start.x[3 * 125000], 2.01);
     assert_true(water->radius == 0.01 && water->rest_density == 900.0 &&
                 water->velocity[1] == -1.0);
     assert_ptr_equal(water->constraint[0].type, registry_constraint("fluid"));
@@ -1025,6 +1061,13 @@ static void test_schema(void **state) {
         char name[64];
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
         check_table(definition(name), (*t)->params, 1);
+    }
+    static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
+    for (int k = 0; k < COUNT(fills); k++) {
+        const json_t *fill = definition(fills[k]);
+        assert_true(json_is_false(json_object_get(fill, "additionalProperties")));
+        assert_true(is_listed(json_object_get(fill, "required"), fills[k] + strlen("fill_")));
+        assert_int_equal(json_object_size(json_object_get(fill, "properties")), k < 2 ? 2 : 5);
     }
     const json_t *solver = json_object_get(definition("solver"), "properties");
     const json_t *types = json_object_get(json_object_get(solver, "type"), "enum");

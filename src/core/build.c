@@ -32,7 +32,7 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
     sim->topology = NEW_ARRAY(c, sim->bodies, struct topology);
     if (!sim->body || !sim->topology) return PDYN_NO_MEMORY;
     for (int b = 0; b < sim->bodies; b++) {
-        struct scene_body *from = &sim->scene.body[b];
+        const struct scene_body *from = &sim->scene.body[b];
         pdyn_body *body = &sim->body[b];
         *body = (pdyn_body){.name = from->name,
                             .first = all->count,
@@ -40,10 +40,9 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
                             .rest_density = from->rest_density,
                             .area_density = from->area_density};
         pdyn_status status = PDYN_OK;
-        for (int k = 0; status == PDYN_OK && k < from->boxes; k++)
-            status = sample_box_volume(c, &from->box[k], from->radius, all);
-        if (status == PDYN_OK && from->is_surface)
-            status = sample_points(c, from->mesh.vertex, from->mesh.vertices, all);
+        if (from->is_surface)
+            status = points_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
+        else status = points_add_all(c, all, from->start.x, from->start.count);
         if (status != PDYN_OK) return status;
         body->count = all->count - body->first;
     }
@@ -95,11 +94,21 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
         for (int i = 0; i < body->count; i++) {
             mass[i] = from->is_surface ? body->area_density * body->vertex_area[i]
                                        : body->rest_density * spacing * spacing * spacing;
-            memcpy(sim->v + 3 * (size_t)(body->first + i), from->velocity, sizeof from->velocity);
+            memcpy(sim->v + 3 * (size_t)(body->first + i),
+                   from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,
+                   sizeof from->velocity);
             sim->density[body->first + i] = body->rest_density;
         }
     }
     return PDYN_OK;
+}
+
+/* Where particles begin is known to the state from now on. */
+static void forget_start(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) {
+        points_free(sim->context, &sim->scene.body[b].start);
+        points_free(sim->context, &sim->scene.body[b].start_v);
+    }
 }
 
 /* ---- neighbours: fluid, cloth and walls -------------------------------------------------------
@@ -251,6 +260,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = allocate_state(sim, &all);
     points_free(sim->context, &all);
     if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;

@@ -16,6 +16,7 @@
 
 enum { MOST = INT_MAX / 8 };        /* vertices or triangles: 3 x 2 x these still count in int */
 static const double largest = 1e12; /* m: squares and products of coordinates stay finite */
+static const double fastest = 1e6;  /* m/s: what a scene may say, too */
 
 /* ---- words and errors ----------------------------------------------------------------------- */
 
@@ -34,6 +35,13 @@ void mesh_file_next_line(struct mesh_file *file) {
     const char *newline = memchr(file->at, '\n', (size_t)(end - file->at));
     file->at = newline ? newline + 1 : end;
     file->line += newline != NULL;
+}
+
+void mesh_file_skip_blank(struct mesh_file *file) {
+    struct mesh_word word;
+    while (!(word = mesh_file_word(file)).length && !mesh_file_at_end(file))
+        mesh_file_next_line(file);
+    file->at = word.text;
 }
 
 bool mesh_word_is(struct mesh_word word, const char *text) {
@@ -92,6 +100,20 @@ pdyn_status mesh_file_vertex(struct mesh_file *file, const double x[3]) {
     if (!mesh_file_reserve(file, &file->vertex, ((size_t)file->vertices + 1) * bytes))
         return PDYN_NO_MEMORY;
     memcpy((double *)file->vertex.data + 3 * file->vertices++, x, bytes);
+    return PDYN_OK;
+}
+
+pdyn_status mesh_file_velocity(struct mesh_file *file, const double v[3]) {
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(v[k]) <= fastest))
+            return mesh_file_fail(file,
+                                  "velocity %d: expected a finite %c of at most %g m/s, found %g",
+                                  file->velocities + file->first_index, "xyz"[k], fastest, v[k]);
+    if (file->velocities == MOST) return mesh_file_fail(file, "more than %d velocities", MOST);
+    size_t bytes = 3 * sizeof(double);
+    if (!mesh_file_reserve(file, &file->velocity, ((size_t)file->velocities + 1) * bytes))
+        return PDYN_NO_MEMORY;
+    memcpy((double *)file->velocity.data + 3 * file->velocities++, v, bytes);
     return PDYN_OK;
 }
 
@@ -183,7 +205,34 @@ static void *take(const struct mesh_file *file, struct mesh_array *array, size_t
     return taken;
 }
 
-static pdyn_status finish(struct mesh_file *file, struct mesh *out) {
+struct format {
+    const char *ending;
+    pdyn_status (*parse)(struct mesh_file *file);
+};
+
+/* Reads a file in one of two formats; what grew from it has to be released, after a failure too. */
+static pdyn_status read_file(struct mesh_file *file, const struct format formats[2],
+                             const char *what) {
+    size_t length = strlen(file->path), k = 0;
+    file->line = 1;
+    while (k < 2 && (length < 4 || strcasecmp(file->path + length - 4, formats[k].ending))) k++;
+    if (k == 2)
+        return context_fail(file->context, PDYN_BAD_INPUT,
+                            "%.1024s: expected a %s ending with %s or %s", file->path, what,
+                            formats[0].ending, formats[1].ending);
+    pdyn_status status = load(file);
+    return status == PDYN_OK ? parse(file, formats[k].parse) : status;
+}
+
+static void release_file(struct mesh_file *file) {
+    release(file, &file->vertex);
+    release(file, &file->triangle);
+    release(file, &file->velocity);
+    release(file, &file->last_face);
+    FREE_ARRAY(file->context, file->data, file->size + 1);
+}
+
+static pdyn_status take_mesh(struct mesh_file *file, struct mesh *out) {
     if (!file->triangles)
         return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles",
                             file->path);
@@ -197,25 +246,43 @@ static pdyn_status finish(struct mesh_file *file, struct mesh *out) {
 }
 
 pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out) {
-    static const struct {
-        const char *ending;
-        pdyn_status (*parse)(struct mesh_file *file);
-    } formats[] = {{".obj", mesh_obj_parse}, {".ply", mesh_ply_parse}};
+    static const struct format formats[2] = {{".obj", mesh_obj_parse}, {".ply", mesh_ply_parse}};
+    struct mesh_file file = {.context = context, .path = path};
     *out = (struct mesh){0};
-    size_t length = strlen(path), k = 0, n = sizeof formats / sizeof *formats;
-    while (k < n && (length < 4 || strcasecmp(path + length - 4, formats[k].ending))) k++;
-    if (k == n)
-        return context_fail(context, PDYN_BAD_INPUT,
-                            "%.1024s: expected a mesh file ending with .obj or .ply", path);
-    struct mesh_file file = {.context = context, .path = path, .line = 1};
-    pdyn_status status = load(&file);
-    if (status == PDYN_OK) status = parse(&file, formats[k].parse);
-    if (status == PDYN_OK) status = finish(&file, out);
-    release(&file, &file.vertex);
-    release(&file, &file.triangle);
-    release(&file, &file.last_face);
-    FREE_ARRAY(context, file.data, file.size + 1);
+    pdyn_status status = read_file(&file, formats, "mesh file");
+    if (status == PDYN_OK) status = take_mesh(&file, out);
+    release_file(&file);
     return status;
+}
+
+static pdyn_status take_particles(struct mesh_file *file, struct particles *out) {
+    if (!file->vertices)
+        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file has no particles",
+                            file->path);
+    size_t bytes = 3 * (size_t)file->vertices * sizeof(double);
+    bool moving = file->velocities;
+    out->count = file->vertices;
+    out->x = take(file, &file->vertex, bytes);
+    if (moving) out->v = take(file, &file->velocity, bytes);
+    if (out->x && (out->v || !moving)) return PDYN_OK;
+    particles_free(file->context, out);
+    return context_no_memory(file->context);
+}
+
+pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out) {
+    static const struct format formats[2] = {{".ply", mesh_ply_parse}, {".vtk", mesh_vtk_parse}};
+    struct mesh_file file = {.context = context, .path = path, .only_points = true};
+    *out = (struct particles){0};
+    pdyn_status status = read_file(&file, formats, "file of particles");
+    if (status == PDYN_OK) status = take_particles(&file, out);
+    release_file(&file);
+    return status;
+}
+
+void particles_free(pdyn_context *context, struct particles *particles) {
+    FREE_ARRAY(context, particles->x, 3 * (size_t)particles->count);
+    FREE_ARRAY(context, particles->v, 3 * (size_t)particles->count);
+    *particles = (struct particles){0};
 }
 
 /* ---- meshes --------------------------------------------------------------------------------- */

@@ -1,4 +1,5 @@
-/* Triangle meshes: reading OBJ and PLY, and the neighbourhood that constraints need. */
+/* Triangle meshes: reading OBJ and PLY, and the neighbourhood that constraints need. Points without
+ * triangles, from PLY and VTK. */
 #ifndef PDYN_MESH_H
 #define PDYN_MESH_H
 
@@ -34,7 +35,23 @@ pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const cha
  * than two triangles. A solid, whose surface is only sampled, does without. */
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* What a volume needs on top of mesh_check: no edge has an odd number of triangles, so that there
+ * is an inside. */
+pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name);
+
 void mesh_free(pdyn_context *context, struct mesh *mesh);
+
+struct particles {
+    int count;
+    double *x; /* count x 3, m */
+    double *v; /* count x 3, m/s; NULL: the file gives none */
+};
+
+/* Reads points by the ending of the file's name, .ply (vx, vy, vz are their velocities) or .vtk
+ * (legacy, before version 5; vectors named "velocity"). Coordinates are as those of mesh_read,
+ * velocities finite and at most 1e6 m/s. Fails as mesh_read does. */
+pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out);
+void particles_free(pdyn_context *context, struct particles *particles);
 
 /* Edges, areas, cotangents, borders and rings of a mesh that passed mesh_check_cloth, as pdyn_body
  * wants them (see module.h). Fails only without memory; *out is then empty. */

@@ -1,5 +1,5 @@
-/* A mesh file in memory, read from front to back, and the mesh that grows from it. Shared by
- * mesh.c and the file formats only. */
+/* A file of a mesh or of points in memory, read from front to back, and what grows from it. Shared
+ * by mesh.c and the file formats only. */
 #ifndef PDYN_MESH_FILE_H
 #define PDYN_MESH_FILE_H
 
@@ -18,11 +18,13 @@ struct mesh_file {
     const char *at;   /* how far it is read */
     const char *last; /* where the last word or value begins */
     long line;
-    bool binary;     /* messages tell places by byte, not by line */
-    int first_index; /* what the format calls the first vertex */
+    bool only_points; /* with their velocities, no faces */
+    bool binary;      /* messages tell places by byte, not by line */
+    int first_index;  /* what the format calls the first vertex */
     /* the mesh so far */
     int vertices, triangles, faces;
-    struct mesh_array vertex, triangle;
+    int velocities;
+    struct mesh_array vertex, triangle, velocity;
     struct mesh_array last_face;  /* per vertex: the last face that used it, counted from 1 */
     int corners, first, previous; /* of the current face */
 };
@@ -30,6 +32,7 @@ struct mesh_file {
 /* The formats; each reads all of the file. */
 pdyn_status mesh_obj_parse(struct mesh_file *file);
 pdyn_status mesh_ply_parse(struct mesh_file *file);
+pdyn_status mesh_vtk_parse(struct mesh_file *file); /* only points */
 
 /* Words of a line; a length of 0 says that the line has no more. */
 struct mesh_word {
@@ -38,6 +41,8 @@ struct mesh_word {
 };
 struct mesh_word mesh_file_word(struct mesh_file *file);
 void mesh_file_next_line(struct mesh_file *file);
+/* Goes to the next word, over ends of lines too, or to the end of the file. */
+void mesh_file_skip_blank(struct mesh_file *file);
 bool mesh_file_at_end(const struct mesh_file *file);
 bool mesh_word_is(struct mesh_word word, const char *text);
 bool mesh_word_number(struct mesh_word word, double *value);
@@ -52,6 +57,7 @@ bool mesh_file_reserve(const struct mesh_file *file, struct mesh_array *array, s
 
 /* Adds a vertex, or a polygon corner by corner as a fan; index counts from 0. */
 pdyn_status mesh_file_vertex(struct mesh_file *file, const double x[3]);
+pdyn_status mesh_file_velocity(struct mesh_file *file, const double v[3]);
 void mesh_file_begin_face(struct mesh_file *file);
 pdyn_status mesh_file_corner(struct mesh_file *file, int index);
 pdyn_status mesh_file_end_face(const struct mesh_file *file);

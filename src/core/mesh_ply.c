@@ -1,5 +1,6 @@
 /* PLY: a header that describes elements and their properties, then their values as text or as
- * bytes. Wanted are x, y, z of "vertex" and the list of corners of "face"; the rest is skipped. */
+ * bytes. Wanted are x, y, z of "vertex" and of a mesh the list of corners of "face", of points
+ * their velocity; the rest is skipped. */
 #include "mesh_file.h"
 
 #include <inttypes.h>
@@ -94,18 +95,25 @@ static const struct format formats[] = {
 
 /* ---- the header ----------------------------------------------------------------------------- */
 
-enum { SLOT_X, SLOT_Y, SLOT_Z, SLOT_CORNERS, SLOT_NONE, SLOTS };
-enum { VERTEX_SLOTS = 1 << SLOT_X | 1 << SLOT_Y | 1 << SLOT_Z };
+enum { SLOT_X, SLOT_Y, SLOT_Z, SLOT_VX, SLOT_VY, SLOT_VZ, SLOT_CORNERS, SLOT_NONE, SLOTS };
+enum {
+    VERTEX_SLOTS = 1 << SLOT_X | 1 << SLOT_Y | 1 << SLOT_Z,
+    VELOCITY_SLOTS = 1 << SLOT_VX | 1 << SLOT_VY | 1 << SLOT_VZ
+};
 
 static const struct {
     const char *element, *property;
     int slot;
+    bool of_mesh, of_points, required;
 } wanted[] = {
-    {"vertex", "x", SLOT_X},
-    {"vertex", "y", SLOT_Y},
-    {"vertex", "z", SLOT_Z},
-    {"face", "vertex_indices", SLOT_CORNERS},
-    {"face", "vertex_index", SLOT_CORNERS},
+    {"vertex", "x", SLOT_X, true, true, true},
+    {"vertex", "y", SLOT_Y, true, true, true},
+    {"vertex", "z", SLOT_Z, true, true, true},
+    {"vertex", "vx", SLOT_VX, false, true, false},
+    {"vertex", "vy", SLOT_VY, false, true, false},
+    {"vertex", "vz", SLOT_VZ, false, true, false},
+    {"face", "vertex_indices", SLOT_CORNERS, true, false, true},
+    {"face", "vertex_index", SLOT_CORNERS, true, false, true},
 };
 enum { WANTED = sizeof wanted / sizeof *wanted };
 
@@ -167,11 +175,15 @@ static const struct type *find_type(struct mesh_word word) {
     return NULL;
 }
 
+static bool is_wanted(const struct ply *ply, int k) {
+    return ply->file->only_points ? wanted[k].of_points : wanted[k].of_mesh;
+}
+
 /* Finds what a property is wanted for. */
 static pdyn_status assign_slot(struct ply *ply, struct element *element, struct property *p) {
     p->slot = SLOT_NONE;
     for (int k = 0; k < WANTED; k++)
-        if (mesh_word_is(element->name, wanted[k].element) &&
+        if (is_wanted(ply, k) && mesh_word_is(element->name, wanted[k].element) &&
             mesh_word_is(p->name, wanted[k].property))
             p->slot = wanted[k].slot;
     if (p->slot == SLOT_NONE) return PDYN_OK;
@@ -244,9 +256,12 @@ static pdyn_status read_header_line(struct ply *ply) {
 static pdyn_status check_header(const struct ply *ply) {
     if (!ply->format) return mesh_file_fail(ply->file, "expected a format line in the header");
     for (int k = 0; k < WANTED; k++)
-        if (!(ply->slots & 1 << wanted[k].slot))
+        if (is_wanted(ply, k) && wanted[k].required && !(ply->slots & 1 << wanted[k].slot))
             return mesh_file_fail(ply->file, "expected property '%s' of element '%s' in the header",
                                   wanted[k].property, wanted[k].element);
+    int velocity = ply->slots & VELOCITY_SLOTS;
+    if (velocity && velocity != VELOCITY_SLOTS)
+        return mesh_file_fail(ply->file, "expected all of 'vx', 'vy' and 'vz' or none of them");
     const struct element *element = ply->element.data;
     const struct property *property = ply->property.data;
     size_t left = (size_t)(ply->file->data + ply->file->size - ply->file->at);
@@ -324,26 +339,20 @@ static pdyn_status read_list(const struct ply *ply, struct place place, const st
     return status == PDYN_OK && face ? mesh_file_end_face(ply->file) : status;
 }
 
-/* Goes to the next word, over ends of lines too, or to the end of the file. */
-static void skip_blank(struct mesh_file *file) {
-    struct mesh_word word;
-    while (!(word = mesh_file_word(file)).length && !mesh_file_at_end(file))
-        mesh_file_next_line(file);
-    file->at = word.text;
-}
-
 static pdyn_status read_entry(const struct ply *ply, struct place place) {
     const struct element *element = place.element;
     const struct property *p = (const struct property *)ply->property.data + element->first;
     const struct property *end = p + element->properties;
     double slot[SLOTS];
     pdyn_status status = PDYN_OK;
-    if (!ply->format->binary) skip_blank(ply->file);
+    if (!ply->format->binary) mesh_file_skip_blank(ply->file);
     for (; p < end && status == PDYN_OK; p++)
         status = p->length ? read_list(ply, place, p)
                            : read_value(ply, place, p, p->type, slot + p->slot);
-    if (status == PDYN_OK && element->slots == VERTEX_SLOTS)
+    if (status == PDYN_OK && (element->slots & VERTEX_SLOTS) == VERTEX_SLOTS)
         status = mesh_file_vertex(ply->file, slot + SLOT_X);
+    if (status == PDYN_OK && element->slots == (VERTEX_SLOTS | VELOCITY_SLOTS))
+        status = mesh_file_velocity(ply->file, slot + SLOT_VX);
     if (status != PDYN_OK || ply->format->binary) return status;
     struct mesh_word more = mesh_file_word(ply->file);
     return more.length ? mesh_file_expected(ply->file, "the end of the line", more) : PDYN_OK;
@@ -357,7 +366,7 @@ static pdyn_status read_values(const struct ply *ply) {
             pdyn_status status = read_entry(ply, (struct place){element + e, k});
             if (status != PDYN_OK) return status;
         }
-    skip_blank(ply->file);
+    mesh_file_skip_blank(ply->file);
     if (mesh_file_at_end(ply->file)) return PDYN_OK;
     return mesh_file_fail(ply->file, "expected the end of the file after the last element");
 }

@@ -115,6 +115,17 @@ pdyn_status params_box(const struct json_at *at, struct scene_box *box) {
     return status;
 }
 
+pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere) {
+    static const pdyn_param table[] = {
+        {"center", PDYN_VECTOR, offsetof(struct scene_sphere, center), true, 0, -FARTHEST, FARTHEST,
+         "m", ""},
+        {"radius", PDYN_REAL, offsetof(struct scene_sphere, radius), true, 0, 0, FARTHEST, "m", ""},
+        {0}};
+    static const char *const none[] = {NULL};
+    pdyn_status status = params_check_keys(at, table, none);
+    return status == PDYN_OK ? params_read(at, table, NULL, sphere) : status;
+}
+
 /* ---- chosen vertices ------------------------------------------------------------------------- */
 
 /* A set of vertices while it is chosen. */
@@ -168,17 +179,8 @@ static pdyn_status choose_box(const struct json_at *at, struct choice *c) {
 }
 
 static pdyn_status choose_sphere(const struct json_at *at, struct choice *c) {
-    struct sphere {
-        double center[3], radius;
-    } sphere;
-    static const pdyn_param table[] = {
-        {"center", PDYN_VECTOR, offsetof(struct sphere, center), true, 0, -FARTHEST, FARTHEST, "m",
-         ""},
-        {"radius", PDYN_REAL, offsetof(struct sphere, radius), true, 0, 0, FARTHEST, "m", ""},
-        {0}};
-    static const char *const none[] = {NULL};
-    pdyn_status status = params_check_keys(at, table, none);
-    if (status == PDYN_OK) status = params_read(at, table, NULL, &sphere);
+    struct scene_sphere sphere;
+    pdyn_status status = params_sphere(at, &sphere);
     for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++)
         c->chosen[v] |= vec3_distance(c->surface->vertex + 3 * v, sphere.center) <= sphere.radius;
     return status;

@@ -36,5 +36,7 @@ pdyn_status params_reals(const struct json_at *at, int count, double min, double
                          const char *unit, double *out);
 /* {"minimum": [..], "maximum": [..]} with an extent in every direction */
 pdyn_status params_box(const struct json_at *at, struct scene_box *box);
+/* {"center": [..], "radius": r} */
+pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere);
 
 #endif

@@ -3,59 +3,40 @@
 #include "grid.h"
 #include "projdyn/vec3.h"
 
-#include <string.h>
-
-enum { MOST = INT32_MAX / 4 }; /* points */
-
-static pdyn_status too_many(pdyn_context *context) {
-    return context_fail(context, PDYN_BAD_INPUT,
-                        "more than %d points: the particle radius is too small "
-                        "for the size of the scene",
-                        MOST);
-}
-
-static pdyn_status add_point(pdyn_context *context, struct points *points, const double x[3]) {
-    size_t need = 3 * ((size_t)points->count + 1);
-    if (points->count == MOST) return too_many(context);
-    if (need > points->capacity) {
-        size_t capacity = 2 * need + 3 * 1024;
-        double *x_new = context_resize(context, points->x, points->capacity * sizeof *x_new,
-                                       capacity * sizeof *x_new);
-        if (!x_new) return context_no_memory(context);
-        points->x = x_new, points->capacity = capacity;
-    }
-    memcpy(points->x + 3 * (size_t)points->count++, x, 3 * sizeof *x);
-    return PDYN_OK;
-}
-
-pdyn_status sample_points(pdyn_context *context, const double *x, int count, struct points *out) {
-    pdyn_status status = PDYN_OK;
-    for (int i = 0; status == PDYN_OK && i < count; i++)
-        status = add_point(context, out, x + 3 * (size_t)i);
-    return status;
-}
-
-void points_free(pdyn_context *context, struct points *points) {
-    FREE_ARRAY(context, points->x, points->capacity);
-    *points = (struct points){0};
-}
-
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
                               struct points *out) {
     double cuts[3];
     long n[3];
     for (int a = 0; a < 3; a++)
         cuts[a] = floor((box->max[a] - box->min[a]) / (2.0 * radius) * (1.0 + 1e-12) + 1e-9);
-    if (!(cuts[0] * cuts[1] * cuts[2] < MOST)) return too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINTS_MOST)) return points_too_many(context);
     for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (long k = 0; k < n[0] * n[1] * n[2]; k++) {
         long cell[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
         double x[3];
         for (int a = 0; a < 3; a++) x[a] = box->min[a] + radius * (2.0 * (double)cell[a] + 1.0);
-        pdyn_status status = add_point(context, out, x);
+        pdyn_status status = points_add(context, out, x);
         if (status != PDYN_OK) return status;
     }
     return PDYN_OK;
+}
+
+pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
+                                 double radius, struct points *out) {
+    double reach = sphere->radius - radius, half = floor(reach / (2.0 * radius) + 1e-9);
+    double side = 2.0 * half + 1.0;
+    if (!(side * side * side < POINTS_MOST)) return points_too_many(context);
+    pdyn_status status = PDYN_OK;
+    for (double k = -half; k <= half; k++)
+        for (double j = -half; j <= half; j++)
+            for (double i = -half; i <= half; i++) {
+                double from_centre[3] = {2.0 * radius * i, 2.0 * radius * j, 2.0 * radius * k};
+                if (vec3_length(from_centre) > reach * (1.0 + 1e-9)) continue;
+                vec3_add(from_centre, 1.0, sphere->center);
+                status = points_add(context, out, from_centre);
+                if (status != PDYN_OK) return status;
+            }
+    return status;
 }
 
 /* A lattice point lies on the surface where one of its indices is at an end whose face is there. */
@@ -72,8 +53,8 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
     double cuts[3];
     long n[3], cell[3];
     for (int a = 0; a < 3; a++) cuts[a] = ceil((box->max[a] - box->min[a]) / spacing - 1e-9);
-    if (!(cuts[0] * cuts[1] + cuts[1] * cuts[2] + cuts[2] * cuts[0] < MOST))
-        return too_many(context);
+    if (!(cuts[0] * cuts[1] + cuts[1] * cuts[2] + cuts[2] * cuts[0] < POINTS_MOST))
+        return points_too_many(context);
     for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (cell[2] = 0; cell[2] <= n[2]; cell[2]++)
         for (cell[1] = 0; cell[1] <= n[1]; cell[1]++) {
@@ -85,7 +66,7 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
                 for (int a = 0; a < 3; a++)
                     x[a] =
                         box->min[a] + (box->max[a] - box->min[a]) * (double)cell[a] / (double)n[a];
-                pdyn_status status = on_face(cell, n, open) ? add_point(context, out, x) : PDYN_OK;
+                pdyn_status status = on_face(cell, n, open) ? points_add(context, out, x) : PDYN_OK;
                 if (status != PDYN_OK) return status;
             }
         }
@@ -110,7 +91,7 @@ static pdyn_status mesh_candidates(pdyn_context *context, const struct mesh *mes
                 for (int a = 0; a < 3; a++)
                     x[a] =
                         c[0][a] + i / cuts * (c[1][a] - c[0][a]) + j / cuts * (c[2][a] - c[0][a]);
-                pdyn_status status = add_point(context, out, x);
+                pdyn_status status = points_add(context, out, x);
                 if (status != PDYN_OK) return status;
             }
     }
@@ -141,7 +122,7 @@ pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, 
         status = PDYN_NO_MEMORY;
     if (status == PDYN_OK) thin_out(&grid, &all, 0.75 * spacing, taken);
     for (int i = 0; status == PDYN_OK && i < all.count; i++)
-        if (taken[i]) status = add_point(context, out, all.x + 3 * (size_t)i);
+        if (taken[i]) status = points_add(context, out, all.x + 3 * (size_t)i);
     FREE_ARRAY(context, taken, all.count);
     grid_free(context, &grid);
     points_free(context, &all);

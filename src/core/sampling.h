@@ -2,21 +2,24 @@
 #ifndef PDYN_SAMPLING_H
 #define PDYN_SAMPLING_H
 
+#include "points.h"
 #include "scene.h"
-
-struct points {
-    int count;
-    size_t capacity;
-    double *x; /* count x 3, m */
-};
-/* Adds points as they are. */
-pdyn_status sample_points(pdyn_context *context, const double *x, int count, struct points *out);
-void points_free(pdyn_context *context, struct points *points);
 
 /* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum.
  */
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
                               struct points *out);
+
+/* Adds a cubic lattice of particles of this radius, each wholly inside the sphere, one of them in
+ * its centre. */
+pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
+                                 double radius, struct points *out);
+
+/* Adds a cubic lattice of particles of this radius, each wholly inside a mesh that passed
+ * mesh_check_closed; it lies in the middle of the mesh's bounding box. Inside is what an odd number
+ * of the mesh's sheets separates from the outside. */
+pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
+                               struct points *out);
 
 /* Adds a regular grid of points at most `spacing` apart on the faces of the box that are not open
  * (bits as in scene_solid). Edges that two faces share are sampled once. */

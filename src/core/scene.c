@@ -1,7 +1,9 @@
 #include "scene.h"
 
+#include "fill.h"
 #include "near.h"
 #include "params.h"
+#include "placed.h"
 #include "registry.h"
 
 #include "projdyn/vec3.h"
@@ -10,13 +12,12 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_PARTICLES = 1 << 27, NAMES = 64, HINT = 768 };
+enum { NAMES = 64, HINT = 768 };
 
 /* What is known while a scene is read. */
 struct reader {
     pdyn_context *context;
     struct scene *scene;
-    size_t folder;             /* bytes of the file's name up to its last '/' */
     double particles;          /* so far, in all bodies */
     bool operator_used;        /* a body has a constraint with an operator of its own */
     struct scene_body *body;   /* being read */
@@ -173,66 +174,6 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     return status;
 }
 
-/* ---- meshes ---------------------------------------------------------------------------------- */
-
-struct transform {
-    double scale[3], rotate[3], translate[3];
-};
-
-static const pdyn_param transform_params[] = {
-    {"rotate", PDYN_VECTOR, offsetof(struct transform, rotate), false, 0, -1e6, 1e6, "degrees", ""},
-    {"translate", PDYN_VECTOR, offsetof(struct transform, translate), false, 0, -1e6, 1e6, "m", ""},
-    {0}};
-
-/* One number for all directions, or three. */
-static pdyn_status read_scale(const struct json_at *at, double least, double scale[3]) {
-    pdyn_status status = PDYN_OK;
-    for (int k = 0; k < 3; k++) scale[k] = 1.0;
-    if (json_is_array(at->value)) return params_reals(at, 3, least, 1e6, "1", scale);
-    if (at->value) status = params_real(at, least, 1e6, "1", &scale[0]);
-    scale[1] = scale[2] = scale[0];
-    return status;
-}
-
-static pdyn_status read_transform(const struct json_at *owner, double least,
-                                  struct transform *out) {
-    struct json_at scale = json_member(owner, "scale");
-    pdyn_status status = read_scale(&scale, least, out->scale);
-    if (status == PDYN_OK && !(out->scale[0] * out->scale[1] * out->scale[2] != 0.0))
-        status = json_expected(&scale, "a scale that is not 0");
-    if (status == PDYN_OK) status = params_read(owner, transform_params, NULL, out);
-    return status;
-}
-
-/* Scales, turns about x, then y, then z, and moves. */
-static void place(const struct transform *t, struct mesh *mesh) {
-    for (int v = 0; v < mesh->vertices; v++) {
-        double *x = mesh->vertex + 3 * v;
-        for (int a = 0; a < 3; a++) x[a] *= t->scale[a];
-        for (int a = 0; a < 3; a++) {
-            double angle = fmod(t->rotate[a], 360.0) * (acos(-1.0) / 180.0);
-            double *p = &x[(a + 1) % 3], *q = &x[(a + 2) % 3], before = *p;
-            *p = cos(angle) * before - sin(angle) * *q;
-            *q = sin(angle) * before + cos(angle) * *q;
-        }
-        vec3_add(x, 1.0, t->translate);
-    }
-}
-
-/* A mesh from a file beside the scene. */
-static pdyn_status read_mesh(struct reader *r, const struct json_at *at, struct mesh *mesh) {
-    const char *name = json_string_value(at->value);
-    if (!name) return json_expected(at, "the name of a mesh file, .obj or .ply");
-    size_t folder = *name == '/' ? 0 : r->folder, size = folder + strlen(name) + 1;
-    char *path = NEW_ARRAY(r->context, size, char);
-    if (!path) return PDYN_NO_MEMORY;
-    memcpy(path, r->scene->file, folder);
-    strcpy(path + folder, name);
-    pdyn_status status = json_wrap(at, mesh_read(r->context, path, mesh));
-    FREE_ARRAY(r->context, path, size);
-    return status;
-}
-
 /* ---- bodies ---------------------------------------------------------------------------------- */
 
 static const pdyn_param body_params[] = {{"velocity", PDYN_VECTOR,
@@ -251,49 +192,21 @@ static const pdyn_param surface_params[] = {{"area_density", PDYN_REAL,
                                              1e-6, 1e6, "kg/m^2", ""},
                                             {0}};
 
-static pdyn_status count_particles(struct reader *r, const struct json_at *at, double count) {
-    r->particles += count;
-    if (r->particles <= MOST_PARTICLES) return PDYN_OK;
-    return json_fail(at, "expected at most %d particles in the scene, found %.10g so far",
-                     MOST_PARTICLES, r->particles);
-}
-
-/* Counts as sample_box_volume does. */
 static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
-    static const char *const keys[] = {"box", NULL};
-    struct scene_body *body = r->body;
-    struct scene_box *box = &body->box[index];
-    struct json_at inner = json_member(at, "box");
-    double count = 1.0;
-    pdyn_status status = params_check_keys(at, NULL, keys);
-    if (status == PDYN_OK) status = params_box(&inner, box);
-    for (int a = 0; a < 3 && status == PDYN_OK; a++) {
-        double edge = box->max[a] - box->min[a];
-        double along = floor(edge / (2.0 * body->radius) * (1.0 + 1e-12) + 1e-9);
-        count *= along;
-        if (along < 1.0)
-            status = json_fail(
-                &inner,
-                "expected edges of at least %.10g m (twice the radius), found %.10g m along %c",
-                2.0 * body->radius, edge, "xyz"[a]);
-    }
-    return status == PDYN_OK ? count_particles(r, &inner, count) : status;
+    (void)index;
+    return fill_read(at, r->body, &r->particles);
 }
 
 static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
     static const char *const others[] = {"fill", NULL};
     struct scene_body *body = r->body;
     struct json_at fill = json_member(at, "fill");
-    int boxes = 0;
+    int fills = 0;
     pdyn_status status = params_check_keys(at, particles_params, others);
     if (status == PDYN_OK) status = params_read(at, particles_params, NULL, body);
-    if (status == PDYN_OK) status = read_count(&fill, "an array of boxes to fill", &boxes);
-    if (status == PDYN_OK && !boxes) status = json_expected(&fill, "at least one box to fill");
-    if (status != PDYN_OK) return status;
-    body->box = NEW_ARRAY(r->context, boxes, struct scene_box);
-    if (!body->box) return PDYN_NO_MEMORY;
-    body->boxes = boxes;
-    return read_each(r, &fill, read_fill);
+    if (status == PDYN_OK) status = read_count(&fill, "an array of volumes to fill", &fills);
+    if (status == PDYN_OK && !fills) status = json_expected(&fill, "at least one volume to fill");
+    return status == PDYN_OK ? read_each(r, &fill, read_fill) : status;
 }
 
 static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct mesh *mesh) {
@@ -311,7 +224,7 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
         status = params_int(&element, 2, MOST_PARTICLES, &vertices[k]);
     }
     if (status == PDYN_OK)
-        status = count_particles(r, &vertices_at, (double)vertices[0] * vertices[1]);
+        status = fill_count(&vertices_at, (double)vertices[0] * vertices[1], &r->particles);
     if (status == PDYN_OK && sag_at.value) status = params_real(&sag_at, -1e6, 1e6, "m", &sag);
     if (status != PDYN_OK) return status;
     return json_wrap(at, mesh_grid(r->context, size, vertices, sag, mesh));
@@ -326,13 +239,14 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     pdyn_status status = params_check_keys(at, surface_params, others);
     if (status == PDYN_OK) status = check_one_of(at, "grid", "mesh");
     if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
-    if (status == PDYN_OK) status = read_transform(at, 1e-6, &transform);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
     if (grid.value) status = read_grid(r, &grid, &body->mesh);
-    else status = read_mesh(r, &mesh, &body->mesh);
-    if (status == PDYN_OK && mesh.value) status = count_particles(r, &mesh, body->mesh.vertices);
+    else status = placed_mesh(&mesh, &body->mesh);
+    if (status == PDYN_OK && mesh.value)
+        status = fill_count(&mesh, body->mesh.vertices, &r->particles);
     if (status != PDYN_OK) return status;
-    place(&transform, &body->mesh);
+    transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
     status = mesh_check(r->context, &body->mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_cloth(r->context, &body->mesh, "as placed");
     return json_wrap(grid.value ? &grid : &mesh, status);
@@ -364,7 +278,7 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
         return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
     if (type->op && r->operator_used)
         return json_fail(
-            at, "only one body may have a \"%s\" constraint; put all boxes into its \"fill\"",
+            at, "only one body may have a \"%s\" constraint; put all volumes into its \"fill\"",
             type->name);
     return PDYN_OK;
 }
@@ -429,15 +343,11 @@ static pdyn_status read_open_side(struct reader *r, const struct json_at *at, in
 
 static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
                               const struct json_at *box) {
-    static const char *const others[] = {"scale", "rotate", "translate"};
     struct json_at open = json_member(owner, "open");
     int sides;
     r->solid->is_box = true;
-    for (int k = 0; k < 3; k++) {
-        struct json_at other = json_member(owner, others[k]);
-        if (other.value) return json_fail_at_key(&other, "\"%s\" needs a \"mesh\"", others[k]);
-    }
-    pdyn_status status = params_box(box, &r->solid->box);
+    pdyn_status status = transform_refuse(owner, "a \"mesh\"");
+    if (status == PDYN_OK) status = params_box(box, &r->solid->box);
     if (status == PDYN_OK) status = read_count(&open, "an array of sides like \"+y\"", &sides);
     if (status == PDYN_OK) status = read_each(r, &open, read_open_side);
     if (status == PDYN_OK && r->solid->open == 0x3F)
@@ -450,10 +360,10 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *owner,
     struct transform transform;
     struct json_at open = json_member(owner, "open");
     if (open.value) return json_fail_at_key(&open, "\"open\" needs a \"box\"");
-    pdyn_status status = read_transform(owner, -1e6, &transform);
-    if (status == PDYN_OK) status = read_mesh(r, mesh, &r->solid->mesh);
+    pdyn_status status = transform_read(owner, -1e6, &transform);
+    if (status == PDYN_OK) status = placed_mesh(mesh, &r->solid->mesh);
     if (status != PDYN_OK) return status;
-    place(&transform, &r->solid->mesh);
+    transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
     return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
 }
 
@@ -520,8 +430,6 @@ pdyn_status scene_read(pdyn_context *context, const char *path, const char *text
                        const char *const *set, int sets, struct scene *out) {
     struct reader reader = {.context = context, .scene = out};
     struct text_locale locale;
-    const char *slash = text ? NULL : strrchr(path, '/');
-    if (slash) reader.folder = (size_t)(slash - path) + 1;
     *out = (struct scene){0};
     if (!text_begin(&locale)) return context_no_memory(context);
     pdyn_status status = copy_text(context, path, &out->file);
@@ -539,7 +447,8 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
         context_resize(context, constraint->params, constraint->type->params_size, 0);
     }
     FREE_ARRAY(context, body->constraint, body->constraints);
-    FREE_ARRAY(context, body->box, body->boxes);
+    points_free(context, &body->start);
+    points_free(context, &body->start_v);
     mesh_free(context, &body->mesh);
     free_text(context, &body->name);
 }

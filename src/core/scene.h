@@ -6,10 +6,15 @@
 
 #include "context.h"
 #include "mesh.h"
+#include "points.h"
 #include "projdyn/module.h"
 
 struct scene_box {
     double min[3], max[3]; /* m; min < max in every axis */
+};
+
+struct scene_sphere {
+    double center[3], radius; /* m */
 };
 
 struct scene_constraint {
@@ -22,12 +27,11 @@ struct scene_body {
     /* exactly one of the two: */
     bool is_surface;
     struct mesh mesh; /* surface: rest positions in the world, after scale, rotation, translation */
-    int boxes;
-    struct scene_box *box; /* particles: filled with a lattice of spacing 2 radius */
-    double radius;         /* m */
-    double rest_density;   /* kg/m^3 */
-    double area_density;   /* kg/m^2 */
-    double velocity[3];    /* m/s, at the start */
+    struct points start, start_v; /* particles: where they begin, and how fast, m/s */
+    double radius;                /* m */
+    double rest_density;          /* kg/m^3 */
+    double area_density;          /* kg/m^2 */
+    double velocity[3];           /* m/s, at the start; of particles, what a fill says goes first */
     int constraints;
     struct scene_constraint *constraint; /* a type at most once per body */
 };

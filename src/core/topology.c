@@ -60,7 +60,8 @@ static double corner_measures(const struct mesh *mesh, int corner, double *dot) 
     return vec3_length(n);
 }
 
-/* ---- what cloth asks of a mesh -------------------------------------------------------------- */
+/* ---- what cloth and volumes ask of a mesh
+ * -------------------------------------------------------------- */
 
 static pdyn_status check_used(pdyn_context *context, const struct mesh *mesh, const char *name) {
     bool *used = NEW_ARRAY(context, mesh->vertices, bool);
@@ -110,6 +111,24 @@ pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, con
     pdyn_status status = check_used(context, mesh, name);
     if (status == PDYN_OK) status = check_areas(context, mesh, name);
     if (status == PDYN_OK) status = check_edges(context, mesh, name);
+    return status;
+}
+
+pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    int sides = 3 * mesh->triangles, last;
+    struct side *side = sorted_sides(context, mesh);
+    if (!side) return PDYN_NO_MEMORY;
+    pdyn_status status = PDYN_OK;
+    for (int first = 0; first < sides && status == PDYN_OK; first = last) {
+        last = edge_end(side, sides, first);
+        if ((last - first) % 2)
+            status = context_fail(context, PDYN_BAD_INPUT,
+                                  "%.1024s: the mesh is not closed: the edge between vertices %d "
+                                  "and %d has %d triangle%s, expected 2",
+                                  name, side[first].end[0], side[first].end[1], last - first,
+                                  last - first == 1 ? "" : "s");
+    }
+    FREE_ARRAY(context, side, sides);
     return status;
 }
 

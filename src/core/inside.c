@@ -1,0 +1,195 @@
+/* Filling a closed mesh with particles. Every triangle leaves its marks on a lattice: where rows
+ * along x pass through it, and what is too close to it. A row is inside after an odd number of
+ * passages. Which rows an edge meets is decided by its two ends alone, alike for the triangles that
+ * share it, so that no row slips through between two of them. */
+#include "sampling.h"
+
+#include "projdyn/vec3.h"
+
+enum { PASSED = 1, CLOSE = 2 };
+
+struct lattice {
+    double origin[3], spacing;
+    long n[3];
+    unsigned char *mark; /* n[0] x n[1] x n[2], along x first */
+};
+
+/* In the middle of the box, every cell wholly inside it; n of 0: there is no room. */
+static pdyn_status lay_lattice(pdyn_context *context, const struct mesh *mesh, double spacing,
+                               struct lattice *out) {
+    double cuts[3];
+    *out = (struct lattice){.spacing = spacing};
+    for (int a = 0; a < 3; a++) {
+        double min = HUGE_VAL, max = -HUGE_VAL;
+        for (int i = 0; i < 3 * mesh->triangles; i++) {
+            double x = mesh->vertex[3 * (size_t)mesh->triangle[i] + a];
+            min = fmin(min, x), max = fmax(max, x);
+        }
+        cuts[a] = floor((max - min) / spacing * (1.0 + 1e-12) + 1e-9);
+        out->origin[a] = 0.5 * (min + max) - 0.5 * spacing * (cuts[a] - 1.0);
+    }
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINTS_MOST)) return points_too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] > 0.0)) return PDYN_OK;
+    for (int a = 0; a < 3; a++) out->n[a] = (long)cuts[a];
+    out->mark = NEW_ARRAY(context, out->n[0] * out->n[1] * out->n[2], unsigned char);
+    return out->mark ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+static double place(const struct lattice *l, int axis, long index) {
+    return l->origin[axis] + l->spacing * (double)index;
+}
+
+/* The first index at or beyond x, from 0 to n. */
+static long index_from(const struct lattice *l, int axis, double x) {
+    double index = ceil((x - l->origin[axis]) / l->spacing);
+    return (long)fmin(fmax(index, 0.0), (double)l->n[axis]);
+}
+
+static unsigned char *marks(const struct lattice *l, long j, long k) {
+    return l->mark + (size_t)(l->n[0] * (j + l->n[1] * k));
+}
+
+/* ---- where rows pass ------------------------------------------------------------------------- */
+
+/* The point (x, y) of an edge in layer k, between whose ends the layer lies. */
+static void cut_edge(const struct lattice *l, const double *p, const double *q, long k,
+                     double at[2]) {
+    const double *low = p[2] < q[2] ? p : q, *high = p[2] < q[2] ? q : p;
+    double t = (place(l, 2, k) - low[2]) / (high[2] - low[2]);
+    for (int a = 0; a < 2; a++) at[a] = low[a] + t * (high[a] - low[a]);
+}
+
+static void mark_layer(const struct lattice *l, const double *p, const double *q, long k) {
+    const double *low = p[1] < q[1] ? p : q, *high = p[1] < q[1] ? q : p;
+    long last = index_from(l, 1, high[1]);
+    for (long j = index_from(l, 1, low[1]); j < last; j++) {
+        double t = (place(l, 1, j) - low[1]) / (high[1] - low[1]);
+        long i = index_from(l, 0, low[0] + t * (high[0] - low[0]));
+        if (i < l->n[0]) marks(l, j, k)[i] ^= PASSED;
+    }
+}
+
+static void mark_passed(const struct lattice *l, const double *const corner[3]) {
+    long from[3];
+    for (int c = 0; c < 3; c++) from[c] = index_from(l, 2, corner[c][2]);
+    long first = l->n[2], last = 0;
+    for (int c = 0; c < 3; c++) {
+        if (from[c] < first) first = from[c];
+        if (from[c] > last) last = from[c];
+    }
+    for (long k = first; k < last; k++) {
+        double end[3][2];
+        int ends = 0;
+        for (int c = 0; c < 3; c++) {
+            int d = (c + 1) % 3;
+            if ((from[c] <= k) != (from[d] <= k)) cut_edge(l, corner[c], corner[d], k, end[ends++]);
+        }
+        mark_layer(l, end[0], end[1], k);
+    }
+}
+
+/* ---- what is too close ----------------------------------------------------------------------- */
+
+static void cross(double *out, const double *u, const double *v) {
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3, c = (a + 2) % 3;
+        out[a] = u[b] * v[c] - u[c] * v[b];
+    }
+}
+
+static double distance_to_edge(const double *x, const double *p, const double *q) {
+    double along[3], from[3];
+    for (int a = 0; a < 3; a++) along[a] = q[a] - p[a], from[a] = x[a] - p[a];
+    double square = vec3_dot(along, along);
+    double t = square > 0.0 ? fmin(fmax(vec3_dot(from, along) / square, 0.0), 1.0) : 0.0;
+    vec3_add(from, -t, along);
+    return vec3_length(from);
+}
+
+/* normal: of any length; 0: only the edges count */
+static double distance_to_triangle(const double *x, const double *const corner[3],
+                                   const double *normal) {
+    double nearest = HUGE_VAL, length = vec3_length(normal), height = 0.0;
+    bool above = length > 0.0;
+    for (int c = 0; c < 3; c++) {
+        const double *p = corner[c], *q = corner[(c + 1) % 3];
+        double along[3], from[3], inwards[3];
+        for (int a = 0; a < 3; a++) along[a] = q[a] - p[a], from[a] = x[a] - p[a];
+        cross(inwards, normal, along);
+        above &= vec3_dot(inwards, from) >= 0.0;
+        height = fabs(vec3_dot(normal, from));
+        nearest = fmin(nearest, distance_to_edge(x, p, q));
+    }
+    return above ? fmin(nearest, height / length) : nearest;
+}
+
+/* Cuts low to high down to the part of row (j, k) in which the triangle's plane is close. */
+static void clip_row(const struct lattice *l, const double *corner, const double *normal,
+                     double distance, long j, long k, double *low, double *high) {
+    double rest =
+        normal[1] * (place(l, 1, j) - corner[1]) + normal[2] * (place(l, 2, k) - corner[2]);
+    double room = distance * vec3_length(normal);
+    if (normal[0] != 0.0) {
+        double middle = corner[0] - rest / normal[0], half = room / fabs(normal[0]);
+        *low = fmax(*low, middle - half), *high = fmin(*high, middle + half);
+    } else if (fabs(rest) > room) *high = -HUGE_VAL;
+}
+
+static void mark_close(const struct lattice *l, const double *const corner[3], double distance) {
+    double u[3], v[3], normal[3], low[3], high[3];
+    long first[3], last[3];
+    for (int a = 0; a < 3; a++) {
+        u[a] = corner[1][a] - corner[0][a], v[a] = corner[2][a] - corner[0][a];
+        low[a] = fmin(corner[0][a], fmin(corner[1][a], corner[2][a])) - distance;
+        high[a] = fmax(corner[0][a], fmax(corner[1][a], corner[2][a])) + distance;
+        first[a] = index_from(l, a, low[a]), last[a] = index_from(l, a, high[a]);
+    }
+    cross(normal, u, v);
+    if (vec3_length(normal) < 1e-9 * vec3_length(u) * vec3_length(v)) /* rounding: no plane */
+        for (int a = 0; a < 3; a++) normal[a] = 0.0;
+    for (long k = first[2]; k < last[2]; k++)
+        for (long j = first[1]; j < last[1]; j++) {
+            double from = low[0], to = high[0];
+            clip_row(l, corner[0], normal, distance, j, k, &from, &to);
+            long end = index_from(l, 0, to);
+            for (long i = index_from(l, 0, from); i < end; i++) {
+                double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
+                if (distance_to_triangle(x, corner, normal) < distance) marks(l, j, k)[i] |= CLOSE;
+            }
+        }
+}
+
+/* ---- the volume ------------------------------------------------------------------------------ */
+
+static pdyn_status add_inside(pdyn_context *context, const struct lattice *l, struct points *out) {
+    for (long k = 0; k < l->n[2]; k++)
+        for (long j = 0; j < l->n[1]; j++) {
+            const unsigned char *mark = marks(l, j, k);
+            bool inside = false;
+            for (long i = 0; i < l->n[0]; i++) {
+                inside ^= mark[i] & PASSED;
+                if (!inside || mark[i] & CLOSE) continue;
+                double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
+                pdyn_status status = points_add(context, out, x);
+                if (status != PDYN_OK) return status;
+            }
+        }
+    return PDYN_OK;
+}
+
+pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
+                               struct points *out) {
+    struct lattice lattice;
+    pdyn_status status = lay_lattice(context, mesh, 2.0 * radius, &lattice);
+    if (status != PDYN_OK) return status;
+    for (int t = 0; lattice.mark && t < mesh->triangles; t++) {
+        const double *corner[3];
+        for (int c = 0; c < 3; c++)
+            corner[c] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * (size_t)t + c];
+        mark_passed(&lattice, corner);
+        mark_close(&lattice, corner, radius * (1.0 - 1e-6)); /* rounding keeps what just touches */
+    }
+    status = add_inside(context, &lattice, out);
+    FREE_ARRAY(context, lattice.mark, lattice.n[0] * lattice.n[1] * lattice.n[2]);
+    return status;
+}

@@ -1,0 +1,252 @@
+/* Legacy VTK before version 5, text or big endian bytes: points of POLYDATA or UNSTRUCTURED_GRID,
+ * and their vectors named "velocity"; cells and other data are passed over. */
+#include "mesh_file.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- numbers -------------------------------------------------------------------------------- */
+
+static double from_float(uint64_t bits) {
+    uint32_t low = (uint32_t)bits;
+    float value;
+    memcpy(&value, &low, sizeof value);
+    return value;
+}
+static double from_double(uint64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+struct type {
+    const char *name;
+    size_t size;
+    double (*decode)(uint64_t bits); /* NULL: no coordinates are written so */
+};
+static const struct type types[] = {
+    {"float", 4, from_float},   {"double", 8, from_double}, {"char", 1, NULL},
+    {"unsigned_char", 1, NULL}, {"short", 2, NULL},         {"unsigned_short", 2, NULL},
+    {"int", 4, NULL},           {"unsigned_int", 4, NULL},  {"vtkIdType", 4, NULL},
+    {"long", 8, NULL},          {"unsigned_long", 8, NULL},
+};
+static const struct type *const vtk_int = &types[6];
+
+static pdyn_status read_text(struct mesh_file *file, double *value) {
+    mesh_file_skip_blank(file);
+    struct mesh_word word = mesh_file_word(file);
+    return mesh_word_number(word, value) ? PDYN_OK : mesh_file_expected(file, "a number", word);
+}
+
+static pdyn_status read_bytes(struct mesh_file *file, const struct type *type, double *value) {
+    file->last = file->at;
+    if ((size_t)(file->data + file->size - file->at) < type->size)
+        return mesh_file_expected(file, type->name, (struct mesh_word){0});
+    uint64_t bits = 0;
+    for (size_t k = 0; k < type->size; k++) bits = bits << 8 | (unsigned char)*file->at++;
+    *value = type->decode ? type->decode(bits) : 0.0;
+    return PDYN_OK;
+}
+
+static pdyn_status read_number(struct mesh_file *file, const struct type *type, double *value) {
+    return file->binary ? read_bytes(file, type, value) : read_text(file, value);
+}
+
+/* Vectors from the next line on, each given to `add`; NULL: they are passed over. */
+typedef pdyn_status add_fn(struct mesh_file *file, const double x[3]);
+static pdyn_status read_values(struct mesh_file *file, const struct type *type, int64_t count,
+                               add_fn *add) {
+    double value[3];
+    pdyn_status status = PDYN_OK;
+    mesh_file_next_line(file);
+    for (int64_t k = 0; k < count && status == PDYN_OK; k++) {
+        status = read_number(file, type, &value[k % 3]);
+        if (status == PDYN_OK && add && k % 3 == 2) status = add(file, value);
+    }
+    return status;
+}
+
+/* ---- words of a section's first line -------------------------------------------------------- */
+
+struct vtk {
+    struct mesh_file *file;
+    int64_t tuples; /* of the data that follow */
+    bool on_points; /* they belong to the points */
+};
+
+static pdyn_status read_count(struct mesh_file *file, const char *what, int64_t *out) {
+    double value;
+    struct mesh_word word = mesh_file_word(file);
+    if (!mesh_word_number(word, &value) || !(value >= 0.0 && value <= 1e9) || value != floor(value))
+        return mesh_file_expected(file, what, word);
+    *out = (int64_t)value;
+    return PDYN_OK;
+}
+
+static pdyn_status read_type(struct mesh_file *file, const struct type **out) {
+    struct mesh_word word = mesh_file_word(file);
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++)
+        if (mesh_word_is(word, types[k].name)) return *out = &types[k], PDYN_OK;
+    return mesh_file_expected(file, "a type such as float or int", word);
+}
+
+static pdyn_status read_real_type(struct mesh_file *file, const struct type **out) {
+    pdyn_status status = read_type(file, out);
+    if (status != PDYN_OK || (*out)->decode) return status;
+    return mesh_file_fail(file, "expected float or double, found %s", (*out)->name);
+}
+
+/* ---- sections ------------------------------------------------------------------------------- */
+
+static pdyn_status read_dataset(struct vtk *vtk) {
+    struct mesh_word word = mesh_file_word(vtk->file);
+    if (mesh_word_is(word, "POLYDATA") || mesh_word_is(word, "UNSTRUCTURED_GRID")) return PDYN_OK;
+    return mesh_file_expected(vtk->file, "POLYDATA or UNSTRUCTURED_GRID", word);
+}
+
+static pdyn_status read_points(struct vtk *vtk) {
+    int64_t count = 0;
+    const struct type *type = NULL;
+    if (vtk->file->vertices) return mesh_file_fail(vtk->file, "POINTS are given twice");
+    pdyn_status status = read_count(vtk->file, "a number of points", &count);
+    if (status == PDYN_OK) status = read_real_type(vtk->file, &type);
+    return status == PDYN_OK ? read_values(vtk->file, type, 3 * count, mesh_file_vertex) : status;
+}
+
+static pdyn_status skip_cells(struct vtk *vtk) {
+    int64_t count = 0;
+    pdyn_status status = read_count(vtk->file, "a number of cells", &count);
+    if (status == PDYN_OK) status = read_count(vtk->file, "a number of integers", &count);
+    return status == PDYN_OK ? read_values(vtk->file, vtk_int, count, NULL) : status;
+}
+
+static pdyn_status skip_cell_types(struct vtk *vtk) {
+    int64_t count = 0;
+    pdyn_status status = read_count(vtk->file, "a number of cells", &count);
+    return status == PDYN_OK ? read_values(vtk->file, vtk_int, count, NULL) : status;
+}
+
+static pdyn_status begin_point_data(struct vtk *vtk) {
+    vtk->on_points = true;
+    pdyn_status status = read_count(vtk->file, "a number of points", &vtk->tuples);
+    if (status != PDYN_OK || vtk->tuples == vtk->file->vertices) return status;
+    return mesh_file_fail(vtk->file, "expected data of the %d points above", vtk->file->vertices);
+}
+
+static pdyn_status begin_cell_data(struct vtk *vtk) {
+    vtk->on_points = false;
+    return read_count(vtk->file, "a number of cells", &vtk->tuples);
+}
+
+static pdyn_status skip_scalars(struct vtk *vtk) {
+    int64_t parts = 1;
+    const struct type *type = NULL;
+    mesh_file_word(vtk->file); /* the name */
+    pdyn_status status = read_type(vtk->file, &type);
+    const char *after = vtk->file->at;
+    bool last = !mesh_file_word(vtk->file).length;
+    vtk->file->at = after;
+    if (status == PDYN_OK && !last)
+        status = read_count(vtk->file, "a number of components", &parts);
+    if (status != PDYN_OK) return status;
+    mesh_file_next_line(vtk->file);
+    struct mesh_word word = mesh_file_word(vtk->file);
+    if (!mesh_word_is(word, "LOOKUP_TABLE"))
+        return mesh_file_expected(vtk->file, "LOOKUP_TABLE", word);
+    return read_values(vtk->file, type, parts * vtk->tuples, NULL);
+}
+
+/* The velocity where it is that, passed over otherwise. */
+static pdyn_status read_array(struct vtk *vtk, struct mesh_word name, const struct type *type,
+                              int64_t numbers) {
+    bool wanted = vtk->on_points && mesh_word_is(name, "velocity") && numbers == 3 * vtk->tuples;
+    if (!wanted) return read_values(vtk->file, type, numbers, NULL);
+    if (!type->decode)
+        return mesh_file_fail(vtk->file, "expected velocities of float or double, found %s",
+                              type->name);
+    if (vtk->file->velocities) return mesh_file_fail(vtk->file, "velocities are given twice");
+    return read_values(vtk->file, type, numbers, mesh_file_velocity);
+}
+
+static pdyn_status read_vectors(struct vtk *vtk) {
+    const struct type *type = NULL;
+    struct mesh_word name = mesh_file_word(vtk->file);
+    pdyn_status status = read_type(vtk->file, &type);
+    return status == PDYN_OK ? read_array(vtk, name, type, 3 * vtk->tuples) : status;
+}
+
+static pdyn_status read_field(struct vtk *vtk) {
+    int64_t arrays = 0, parts = 0, tuples = 0;
+    mesh_file_word(vtk->file); /* the name */
+    pdyn_status status = read_count(vtk->file, "a number of arrays", &arrays);
+    for (int64_t k = 0; k < arrays && status == PDYN_OK; k++) {
+        const struct type *type = NULL;
+        mesh_file_skip_blank(vtk->file);
+        struct mesh_word name = mesh_file_word(vtk->file);
+        status = read_count(vtk->file, "a number of components", &parts);
+        if (status == PDYN_OK) status = read_count(vtk->file, "a number of tuples", &tuples);
+        if (status == PDYN_OK) status = read_type(vtk->file, &type);
+        if (status == PDYN_OK) status = read_array(vtk, name, type, parts * tuples);
+    }
+    return status;
+}
+
+static pdyn_status read_section(struct vtk *vtk) {
+    static const struct {
+        const char *name;
+        pdyn_status (*read)(struct vtk *vtk);
+    } sections[] = {
+        {"DATASET", read_dataset},
+        {"POINTS", read_points},
+        {"VERTICES", skip_cells},
+        {"LINES", skip_cells},
+        {"POLYGONS", skip_cells},
+        {"TRIANGLE_STRIPS", skip_cells},
+        {"CELLS", skip_cells},
+        {"CELL_TYPES", skip_cell_types},
+        {"POINT_DATA", begin_point_data},
+        {"CELL_DATA", begin_cell_data},
+        {"SCALARS", skip_scalars},
+        {"VECTORS", read_vectors},
+        {"NORMALS", read_vectors},
+        {"FIELD", read_field},
+    };
+    struct mesh_word word = mesh_file_word(vtk->file);
+    for (size_t k = 0; k < sizeof sections / sizeof *sections; k++)
+        if (mesh_word_is(word, sections[k].name)) return sections[k].read(vtk);
+    return mesh_file_expected(vtk->file, "POINTS, CELLS, POINT_DATA, VECTORS or another section",
+                              word);
+}
+
+/* Two lines of header, and the word that says how numbers are written. */
+static pdyn_status read_header(struct mesh_file *file) {
+    static const char *const magic[] = {"#", "vtk", "DataFile", "Version"};
+    double version;
+    struct mesh_word word;
+    for (int k = 0; k < 4; k++) {
+        word = mesh_file_word(file);
+        if (!mesh_word_is(word, magic[k]))
+            return mesh_file_expected(file, "'# vtk DataFile Version'", word);
+    }
+    word = mesh_file_word(file);
+    if (!mesh_word_number(word, &version) || !(version < 5.0))
+        return mesh_file_expected(file, "a version before 5", word);
+    mesh_file_next_line(file);
+    mesh_file_next_line(file);
+    word = mesh_file_word(file);
+    file->binary = mesh_word_is(word, "BINARY");
+    if (!file->binary && !mesh_word_is(word, "ASCII"))
+        return mesh_file_expected(file, "ASCII or BINARY", word);
+    return PDYN_OK;
+}
+
+pdyn_status mesh_vtk_parse(struct mesh_file *file) {
+    struct vtk vtk = {.file = file};
+    pdyn_status status = read_header(file);
+    mesh_file_skip_blank(file);
+    while (status == PDYN_OK && !mesh_file_at_end(file)) {
+        status = read_section(&vtk);
+        mesh_file_skip_blank(file);
+    }
+    return status;
+}
