@@ -244,18 +244,25 @@ static int read_points(struct reader *r, struct frame *frame) {
     return code;
 }
 
+static int read_scalars(struct reader *r, const char *name, int count, float **out) {
+    char line[LINE];
+    snprintf(line, sizeof line, "SCALARS %s float 1", name);
+    int code = expect_line(r, line);
+    if (code == EXIT_GOOD) code = expect_line(r, "LOOKUP_TABLE default");
+    return code == EXIT_GOOD ? read_floats(r, (size_t)count, name, out) : code;
+}
+
 static int read_data(struct reader *r, struct frame *frame) {
     char line[LINE];
-    size_t count = (size_t)frame->count;
     snprintf(line, sizeof line, "POINT_DATA %d", frame->count);
     int code = expect_line(r, line);
     if (!frame->triangles) {
-        if (code == EXIT_GOOD) code = expect_line(r, "SCALARS density float 1");
-        if (code == EXIT_GOOD) code = expect_line(r, "LOOKUP_TABLE default");
-        if (code == EXIT_GOOD) code = read_floats(r, count, "density", &frame->density);
+        if (code == EXIT_GOOD) code = read_scalars(r, "density", frame->count, &frame->density);
+        if (code == EXIT_GOOD) code = read_scalars(r, "pressure", frame->count, &frame->pressure);
     }
     if (code == EXIT_GOOD) code = expect_line(r, "VECTORS velocity float");
-    if (code == EXIT_GOOD) code = read_floats(r, 3 * count, "velocity", &frame->velocity);
+    if (code == EXIT_GOOD)
+        code = read_floats(r, 3 * (size_t)frame->count, "velocity", &frame->velocity);
     return code;
 }
 
@@ -286,6 +293,7 @@ void frame_free(struct frame *frame) {
     free(frame->x);
     free(frame->velocity);
     free(frame->density);
+    free(frame->pressure);
     free(frame->triangle);
     *frame = (struct frame){0};
 }

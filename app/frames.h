@@ -12,6 +12,7 @@ struct frame {
     float *x;        /* m,      count x 3 */
     float *velocity; /* m/s,    count x 3; NULL in a file of boundary points */
     float *density;  /* kg/m^3, count; only of particles */
+    float *pressure; /* Pa,     count; only of particles */
     int *triangle;   /* triangles x 3 */
 };
 

@@ -192,12 +192,51 @@ static void test_projection(void **state) {
     pdyn_destroy(context);
 }
 
+/* Sum of the densities at x + t d, each times a pressure. */
+static double pressed_density(struct pdyn_sim *sim, const double *x, double t, const double *d,
+                              const double *pressure) {
+    const struct batch *fluid = sim->system.batch[0];
+    double energy, sum = 0.0;
+    memcpy(sim->trial, x, 3 * (size_t)sim->system.particles * sizeof *x);
+    system_axpy(&sim->system, t, d, sim->trial);
+    assert_int_equal(system_local(&sim->system, sim->trial, &energy, sim->trial_gradient), PDYN_OK);
+    fluid->type->op->density(fluid->op, sim->density);
+    for (int i = 0; i < sim->system.particles; i++) sum += pressure[i] * sim->density[i];
+    return sum;
+}
+
+/* Pressure does the work of the constraints: sum of p_i V d(rho_i / rho_0) is their gradient times
+ * d, whatever the displacement d. */
+static void test_pressure(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, block);
+    int n = sim->system.particles;
+    const struct batch *fluid = sim->system.batch[0];
+    double *x = sim->x_next, *d = sim->direction, energy, t = 1e-7;
+    uint64_t seed = 5;
+    for (int k = 0; k < 3 * n; k++) x[k] = 0.99 * sim->x[k] + 0.004 * test_random(&seed);
+    for (int k = 0; k < 3 * n; k++) d[k] = test_random(&seed);
+    memcpy(sim->system.s, x, 3 * (size_t)n * sizeof *x); /* no inertia in the gradient */
+    sim->system.h = 0.01;
+    assert_int_equal(system_local(&sim->system, x, &energy, sim->gradient), PDYN_OK);
+    fluid->type->op->pressure(fluid->op, sim->pressure);
+    double volume = sim->system.mass[0] / 1000.0;
+    double work = volume / 1000.0 *
+                  (pressed_density(sim, x, t, d, sim->pressure) -
+                   pressed_density(sim, x, -t, d, sim->pressure)) /
+                  (2.0 * t);
+    double expected = system_dot(&sim->system, sim->gradient, d);
+    assert_true(fabs(work / expected - 1.0) < 1e-5);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel),
-        cmocka_unit_test(test_neighbours),
-        cmocka_unit_test(test_surface_volumes),
-        cmocka_unit_test(test_projection),
+        cmocka_unit_test(test_kernel),          cmocka_unit_test(test_neighbours),
+        cmocka_unit_test(test_surface_volumes), cmocka_unit_test(test_projection),
+        cmocka_unit_test(test_pressure),
     };
     return cmocka_run_group_tests_name("kernels", tests, NULL, NULL);
 }

@@ -104,7 +104,7 @@ class Output(unittest.TestCase):
     def check_arrays(self, body, points, arrays):
         count = body["count"]
         self.assertEqual(points.shape, (count, 3))
-        wanted = {"velocity", "density"} if body["kind"] == "particles" else {"velocity"}
+        wanted = {"velocity", "density", "pressure"} if body["kind"] == "particles" else {"velocity"}
         self.assertEqual(set(arrays), wanted)
         self.assertEqual(arrays["velocity"].shape, (count, 3))
         for values in (points, *arrays.values()):
@@ -114,6 +114,9 @@ class Output(unittest.TestCase):
             self.assertEqual(len(density), count)
             self.assertTrue((density > 0.1 * body["rest_density"]).all(), density.min())
             self.assertTrue((density < 10 * body["rest_density"]).all(), density.max())
+            pressed = arrays["pressure"].ravel() > 0
+            self.assertEqual(len(pressed), count)
+            self.assertTrue((density[pressed] >= body["rest_density"]).all())
 
     def check_cells(self, body, cells):
         if body["kind"] == "particles":
@@ -151,7 +154,8 @@ class Output(unittest.TestCase):
                 self.assertTrue((velocity == arrays["velocity"]).all())
                 self.assertEqual("density" in mesh.point_data, body["kind"] == "particles")
                 if body["kind"] == "particles":
-                    self.assertTrue((mesh.point_data["density"] == arrays["density"]).all())
+                    for name in ("density", "pressure"):
+                        self.assertTrue((mesh.point_data[name] == arrays[name]).all())
                 else:
                     self.assertTrue((mesh.cells_dict["triangle"] == cells).all())
 

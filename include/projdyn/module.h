@@ -144,6 +144,9 @@ typedef struct pdyn_operator {
     void (*diagonal)(void *self, double eps, double *blocks);
     /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. */
     void (*density)(void *self, double *density);
+    /* Pressure of the body's particles at the x of the last local step, Pa: read before a product
+     * follows it. NULL: none. */
+    void (*pressure)(void *self, double *pressure);
     /* Changes velocities after the step (viscosity), at the x of the last local step. NULL: none.
      */
     void (*velocity)(void *self, double *v);

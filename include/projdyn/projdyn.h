@@ -136,12 +136,13 @@ PDYN_API const char *pdyn_step_type(const pdyn_sim *sim); /* "projective" or "ne
 PDYN_API uint64_t pdyn_state_hash(const pdyn_sim *sim);   /* FNV-1a over the bits of x and v */
 
 typedef struct pdyn_state {
-    int particles;         /* all unknowns, bodies one after the other */
-    const double *x;       /* m,   particles x 3 */
-    const double *v;       /* m/s, particles x 3 */
-    const double *mass;    /* kg,  particles */
-    const double *density; /* kg/m^3, particles; rest density where there is no fluid constraint */
-    int boundary;          /* static boundary points */
+    int particles;          /* all unknowns, bodies one after the other */
+    const double *x;        /* m,   particles x 3 */
+    const double *v;        /* m/s, particles x 3 */
+    const double *mass;     /* kg,  particles */
+    const double *density;  /* kg/m^3, particles; rest density where there is no fluid constraint */
+    const double *pressure; /* Pa, particles; 0 where there is no fluid constraint */
+    int boundary;           /* static boundary points */
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
     int constraints; /* batches: a constraint type on a body */

@@ -568,6 +568,12 @@ static void density(void *self, double *out) {
         out[i] = f->rest_density * (1.0 + f->value[i]);
 }
 
+/* The constraint does the work of a pressure: flux dC = -p dV, and dC = -dV / V. */
+static void pressure(void *self, double *out) {
+    const struct fluid *f = self;
+    for (int i = f->first; i < f->first + f->count; i++) out[i] = f->flux[i] / f->particle_volume;
+}
+
 /* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair
  * is the same on both sides, so momentum stays. */
 WIDE static void add_viscosity(void *arg, int first, int last, int block) {
@@ -609,5 +615,6 @@ const pdyn_operator fluid_operator = {
     .go = go,
     .diagonal = diagonal,
     .density = density,
+    .pressure = pressure,
     .velocity = velocity,
 };

@@ -11,6 +11,12 @@ double measure_weight(const struct pdyn_sim *sim) {
     return (g > 0.0 ? g : 9.81) * sqrt(sum);
 }
 
+/* What an operator knows about its particles at the end of a step. */
+static void fetch(struct pdyn_sim *sim, const struct batch *b) {
+    if (b->op && b->type->op->density) b->type->op->density(b->op, sim->density);
+    if (b->op && b->type->op->pressure) b->type->op->pressure(b->op, sim->pressure);
+}
+
 pdyn_status measure_end(struct pdyn_sim *sim) {
     const struct system *sys = &sim->system;
     for (int k = 0; k < 3 * sys->particles; k++)
@@ -19,9 +25,7 @@ pdyn_status measure_end(struct pdyn_sim *sim) {
                                 "step %ld at %g s: particle %d has no finite "
                                 "position; the state is that of the step before",
                                 sim->steps + 1, sim->time, k / 3);
-    for (int b = 0; b < sys->batches; b++)
-        if (sys->batch[b]->op && sys->batch[b]->type->op->density)
-            sys->batch[b]->type->op->density(sys->batch[b]->op, sim->density);
+    for (int b = 0; b < sys->batches; b++) fetch(sim, sys->batch[b]);
     return PDYN_OK;
 }
 

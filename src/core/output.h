@@ -5,7 +5,7 @@
 #include "sim.h"
 
 /* The current state of a body in a file of its own, float: positions, velocity, and the triangles
- * of a surface or the density of particles. PDYN_IO_FAILED: the file is not there. */
+ * of a surface or the density and pressure of particles. PDYN_IO_FAILED: the file is not there. */
 pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
 /* The static points on the solids. */

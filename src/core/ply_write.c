@@ -1,17 +1,18 @@
-/* PLY, binary little endian: vertices with velocity (vx, vy, vz) and, of particles, density; faces.
- */
+/* PLY, binary little endian: vertices with velocity (vx, vy, vz) and, of particles, density and
+ * pressure; faces. */
 #include "file_out.h"
 #include "output.h"
 
 static const enum byte_order order = LITTLE_ENDIAN_BYTES;
 
 static void write_header(struct file_out *file, const pdyn_body_info *info, double time) {
-    static const char *const properties[] = {"x", "y", "z", "vx", "vy", "vz", "density"};
+    static const char *const properties[] = {"x",  "y",  "z",       "vx",
+                                             "vy", "vz", "density", "pressure"};
     file_out_print(file,
                    "ply\nformat binary_little_endian 1.0\ncomment projdyn %s t=%.9g s\n"
                    "element vertex %d\n",
                    info->name, time, info->count);
-    for (int k = 0; k < (info->triangles ? 6 : 7); k++)
+    for (int k = 0; k < (info->triangles ? 6 : 8); k++)
         file_out_print(file, "property float %s\n", properties[k]);
     if (info->triangles)
         file_out_print(file, "element face %d\nproperty list uchar int vertex_indices\n",
@@ -29,7 +30,9 @@ pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path) {
     for (int i = info.first; i < info.first + info.count; i++) {
         file_out_reals(&file, order, state.x + 3 * i, 3);
         file_out_reals(&file, order, state.v + 3 * i, 3);
-        if (!info.triangles) file_out_reals(&file, order, state.density + i, 1);
+        if (info.triangles) continue;
+        file_out_reals(&file, order, state.density + i, 1);
+        file_out_reals(&file, order, state.pressure + i, 1);
     }
     for (int t = 0; t < info.triangles; t++) {
         file_out_bytes(&file, &(const unsigned char){3}, 1);

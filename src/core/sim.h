@@ -26,6 +26,7 @@ struct pdyn_sim {
     struct system system; /* particles' masses, prediction, batches: what is minimised */
     double *x, *v;        /* particles x 3: the state, m, m/s */
     double *density;      /* particles, kg/m^3 */
+    double *pressure;     /* particles, Pa */
     double *x_next;       /* particles x 3: the iterate */
     double *gradient;     /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */

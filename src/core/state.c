@@ -21,6 +21,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .v = sim->v,
                         .mass = sim->system.mass,
                         .density = sim->density,
+                        .pressure = sim->pressure,
                         .boundary = sim->boundary.count,
                         .boundary_x = sim->boundary.x,
                         .bodies = sim->bodies,

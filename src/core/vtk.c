@@ -36,24 +36,29 @@ static void write_triangles(struct file_out *file, const int *triangle, int coun
     write_types(file, TRIANGLE_CELL, count);
 }
 
+static void write_scalars(struct file_out *file, const char *name, const double *value, int count) {
+    file_out_print(file, "SCALARS %s float 1\nLOOKUP_TABLE default\n", name);
+    file_out_reals(file, order, value, (size_t)count);
+    file_out_print(file, "\n");
+}
+
 pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
     struct file_out file;
     pdyn_status status = file_out_open(sim->context, path, &file);
     if (status != PDYN_OK) return status;
     pdyn_state state = pdyn_get_state(sim);
     pdyn_body_info info = pdyn_get_body(sim, body);
-    size_t first = (size_t)info.first, count = (size_t)info.count;
+    size_t first = (size_t)info.first;
     write_points(&file, info.name, pdyn_time(sim), state.x + 3 * first, info.count);
     if (info.triangles) write_triangles(&file, info.triangle, info.triangles);
     else write_vertices(&file, info.count);
     file_out_print(&file, "\nPOINT_DATA %d\n", info.count);
     if (!info.triangles) {
-        file_out_print(&file, "SCALARS density float 1\nLOOKUP_TABLE default\n");
-        file_out_reals(&file, order, state.density + first, count);
-        file_out_print(&file, "\n");
+        write_scalars(&file, "density", state.density + first, info.count);
+        write_scalars(&file, "pressure", state.pressure + first, info.count);
     }
     file_out_print(&file, "VECTORS velocity float\n");
-    file_out_reals(&file, order, state.v + 3 * first, 3 * count);
+    file_out_reals(&file, order, state.v + 3 * first, 3 * (size_t)info.count);
     file_out_print(&file, "\n");
     return file_out_close(&file);
 }

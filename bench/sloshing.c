@@ -1,0 +1,110 @@
+/* The first mode of water in a rectangular tank, half as deep as long: its frequency against linear
+ * theory, omega^2 = g k tanh(k D), k = pi / L, and its decay against the length of the step and the
+ * viscosity.
+ *
+ * The water starts with a small speed along the tank everywhere. The walls turn that into the odd
+ * modes; the third one moves the centre of mass some 2 % as far as the first. Frequency and decay
+ * come from the centre of mass along the tank: from the times when it passes the middle, and from
+ * its farthest point in between. Swings shorter than a tenth of a spacing are left out: particles
+ * no longer change places in them. */
+#include "validation.h"
+
+#include <math.h>
+
+enum { WIDTH = 8, MOST_SWINGS = 64 };
+
+static const double length = 1.0, speed = 0.2; /* m, m/s */
+
+struct swings {
+    int count;                                       /* times the middle was passed */
+    double time[MOST_SWINGS], farthest[MOST_SWINGS]; /* s; m, since the time before */
+};
+
+/* m, from the middle of the tank */
+static double centre(const pdyn_state *s) {
+    double sum = 0.0;
+    for (int i = 0; i < s->particles; i++) sum += s->x[3 * i];
+    return sum / s->particles - 0.5 * length;
+}
+
+static void add_passage(struct swings *s, double time, double farthest) {
+    if (s->count == MOST_SWINGS) die("more than %d swings", MOST_SWINGS);
+    s->time[s->count] = time, s->farthest[s->count++] = farthest;
+}
+
+static struct swings swing(pdyn_context *context, const char *directory,
+                           const struct water *water) {
+    char name[64];
+    struct swings swings = {0};
+    pdyn_sim *sim = water_load(context, water);
+    const pdyn_state state = pdyn_get_state(sim);
+    double before = 0.0, farthest = 0.0;
+    snprintf(name, sizeof name, "sloshing_%g_%g", water->step, water->viscosity);
+    FILE *csv = open_csv(directory, name);
+    fprintf(csv, "time_s,centre_m\n");
+    while (pdyn_time(sim) < water->duration) {
+        pdyn_step_info info = water_step(context, sim);
+        double x = centre(&state);
+        fprintf(csv, "%.6g,%.6g\n", info.time, x);
+        if (x * before < 0.0) {
+            if (farthest < 0.1 * water->spacing) break;
+            add_passage(&swings, info.time - info.h * x / (x - before), farthest);
+            farthest = 0.0;
+        }
+        farthest = fmax(farthest, fabs(x)), before = x;
+    }
+    fclose(csv);
+    pdyn_free(sim);
+    return swings;
+}
+
+/* Slope of y over 0, 1, 2, ... by least squares. */
+static double slope(const double *y, int count) {
+    double sum = 0.0, squares = 0.0;
+    for (int k = 0; k < count; k++) {
+        double x = k - 0.5 * (count - 1);
+        sum += x * y[k], squares += x * x;
+    }
+    return sum / squares;
+}
+
+/* The whole swings' farthest points decay by exp(-rate t). */
+static void fit(const struct swings *s, double *omega, double *rate) {
+    double logarithm[MOST_SWINGS];
+    double half = slope(s->time, s->count);
+    for (int k = 0; k < s->count; k++) logarithm[k] = log(s->farthest[k]);
+    *omega = acos(-1.0) / half;
+    *rate = -slope(logarithm, s->count) / half;
+}
+
+static void print_row(const struct water *water, const struct swings *swings, double theory) {
+    double omega, rate;
+    printf("| %g | %g |", 1e3 * water->step, water->viscosity);
+    if (swings->count < 3) {
+        printf(" fewer than three swings | | | |\n");
+        return;
+    }
+    fit(swings, &omega, &rate);
+    printf(" %d | %.3f (%+.1f %%) | %.3f | %.3f |\n", swings->count, omega,
+           100.0 * (omega / theory - 1.0), rate, 0.5 * theory * theory * water->step);
+}
+
+void sloshing(pdyn_context *context, const char *directory, double seconds, int cells) {
+    static const double steps[] = {0.01, 0.005, 0.0025}, viscosities[] = {0.0, 0.02, 0.1};
+    double d = length / cells, k = acos(-1.0) / length;
+    struct water water = {.spacing = d,
+                          .cells = {cells, cells / 2, WIDTH},
+                          .tank = {length, 0.75 * length, WIDTH * d},
+                          .speed = speed,
+                          .duration = seconds};
+    double theory = sqrt(g * k * tanh(k * water.cells[1] * d));
+    printf("| h, ms | viscosity | half swings | omega, 1/s (theory %.3f) | decay, 1/s | omega^2 h "
+           "/ 2 |\n"
+           "|---|---|---|---|---|---|\n",
+           theory);
+    for (int i = 0; i < 9; i++) {
+        water.step = steps[i / 3], water.viscosity = viscosities[i % 3];
+        struct swings swings = swing(context, directory, &water);
+        print_row(&water, &swings, theory);
+    }
+}

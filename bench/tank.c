@@ -1,0 +1,141 @@
+/* Water at rest in a tank: the pressure against rho g depth, the loss of volume, the kinetic
+ * energy, and what a step at rest costs. */
+#include "validation.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct layer { /* of particles, a spacing thick: sums over the last second */
+    double count, depth, pressure, density;
+};
+
+struct rest {
+    struct water water;
+    char name[64];
+    struct layer *layer;         /* water.cells[1] + 1, from the floor up */
+    double surface;              /* m */
+    double steps, outer, linear; /* of the last second */
+    double kinetic, potential;   /* J, means over it */
+    double density_error;        /* at the end */
+};
+
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Half a spacing above the middle one of as many particles as make a layer, from the top. */
+static double surface_height(const struct rest *r, const pdyn_state *s) {
+    int layer = r->water.cells[0] * r->water.cells[2];
+    double *y = allocate((size_t)s->particles, sizeof *y);
+    for (int i = 0; i < s->particles; i++) y[i] = s->x[3 * i + 1];
+    qsort(y, (size_t)s->particles, sizeof *y, ascending);
+    double middle = y[s->particles - layer / 2];
+    free(y);
+    return middle + 0.5 * r->water.spacing;
+}
+
+static void add_layers(struct rest *r, const pdyn_state *s) {
+    for (int i = 0; i < s->particles; i++) {
+        double y = s->x[3 * i + 1];
+        int k = (int)fmax(0.0, y / r->water.spacing);
+        if (k > r->water.cells[1]) die("a particle has left the water");
+        struct layer *layer = &r->layer[k];
+        layer->count++, layer->depth += r->surface - y;
+        layer->pressure += s->pressure[i], layer->density += s->density[i];
+    }
+}
+
+static void add_step(struct rest *r, const pdyn_step_info *info) {
+    r->steps++, r->outer += info->outer_iterations, r->linear += info->linear_iterations;
+    r->kinetic += info->kinetic_energy, r->potential += info->potential_energy;
+    r->density_error = info->density_error_mean;
+}
+
+static void settle(struct rest *r, pdyn_context *context, const char *directory) {
+    char name[80];
+    pdyn_sim *sim = water_load(context, &r->water);
+    const pdyn_state state = pdyn_get_state(sim);
+    snprintf(name, sizeof name, "%s_steps", r->name);
+    FILE *csv = open_csv(directory, name);
+    fprintf(csv, "time_s,kinetic_J,surface_m,density_error_mean,outer,linear,residual\n");
+    while (pdyn_time(sim) < r->water.duration) {
+        pdyn_step_info info = water_step(context, sim);
+        r->surface = surface_height(r, &state);
+        fprintf(csv, "%.6g,%.6g,%.9g,%.6g,%d,%d,%.4g\n", info.time, info.kinetic_energy, r->surface,
+                info.density_error_mean, info.outer_iterations, info.linear_iterations,
+                info.step_residual);
+        if (info.time < r->water.duration - 1.0) continue;
+        add_step(r, &info);
+        add_layers(r, &state);
+    }
+    fclose(csv);
+    pdyn_free(sim);
+}
+
+/* Far from surface and floor: two support radii, of two spacings each. */
+static bool inside(const struct rest *r, double depth) {
+    double away = 4.0 * r->water.spacing;
+    return depth > away && r->surface - depth > away;
+}
+
+/* Writes the profile; returns the worst relative deviation of a layer's pressure inside. */
+static double write_profile(const struct rest *r, const char *directory) {
+    double worst = 0.0;
+    FILE *csv = open_csv(directory, r->name);
+    fprintf(csv, "depth_m,pressure_Pa,rho_g_depth_Pa,density_kg_m3\n");
+    for (int k = 0; k <= r->water.cells[1]; k++) {
+        const struct layer *l = &r->layer[k];
+        if (l->count == 0.0) continue;
+        double depth = l->depth / l->count, pressure = l->pressure / l->count;
+        double expected = DENSITY * g * depth;
+        fprintf(csv, "%.9g,%.9g,%.9g,%.9g\n", depth, pressure, expected, l->density / l->count);
+        if (inside(r, depth)) worst = fmax(worst, fabs(pressure / expected - 1.0));
+    }
+    fclose(csv);
+    return worst;
+}
+
+/* Slope of the pressure with depth, by least squares over the particles' layers inside, over rho g.
+ */
+static double relative_slope(const struct rest *r) {
+    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for (int k = 0; k <= r->water.cells[1]; k++) {
+        const struct layer *l = &r->layer[k];
+        double depth = l->depth / l->count, pressure = l->pressure / l->count;
+        if (l->count == 0.0 || !inside(r, depth)) continue;
+        n++, x += depth, y += pressure, xx += depth * depth, xy += depth * pressure;
+    }
+    return (n * xy - x * y) / (n * xx - x * x) / (DENSITY * g);
+}
+
+static void rest_run(pdyn_context *context, const char *directory, double seconds, int depth,
+                     int width) {
+    double d = 0.02;
+    struct rest r = {.water = {.spacing = d,
+                               .cells = {width, depth, width},
+                               .tank = {width * d, (depth + 10) * d, width * d},
+                               .viscosity = 0.02,
+                               .step = 0.005,
+                               .duration = seconds}};
+    snprintf(r.name, sizeof r.name, "tank_%dx%d", depth, width);
+    r.layer = allocate((size_t)depth + 1, sizeof *r.layer);
+    settle(&r, context, directory);
+    double worst = write_profile(&r, directory);
+    printf("| %d x %d x %d | %.1f %% | %+.1f %% | %.2f %% | %.3f %% | %.1e | %.1f | %.0f |\n",
+           width, depth, width, 100.0 * worst, 100.0 * (relative_slope(&r) - 1.0),
+           100.0 * (1.0 - r.surface / (depth * d)), 100.0 * r.density_error,
+           r.kinetic / r.potential, r.outer / r.steps, r.linear / r.steps);
+    free(r.layer);
+}
+
+void tank(pdyn_context *context, const char *directory, double seconds, int count, char **sizes) {
+    printf("| particles | pressure: worst layer | slope | volume lost | density error | kinetic / "
+           "potential energy | outer | linear |\n|---|---|---|---|---|---|---|---|\n");
+    for (int k = 0; k < count; k++) {
+        int depth, width;
+        if (sscanf(sizes[k], "%dx%d", &depth, &width) != 2 || depth < 12 || width < 1)
+            die("expected DEPTHxWIDTH, at least 12 deep, found %s", sizes[k]);
+        rest_run(context, directory, seconds, depth, width);
+    }
+}

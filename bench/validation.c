@@ -1,0 +1,93 @@
+/* The fluid against what is known. Each command writes CSV files into DIRECTORY and prints a table
+ * as markdown:
+ *
+ *     validation martin_moyce DIRECTORY CELLS...        dam break, CELLS particles across the base
+ *     validation tank DIRECTORY SECONDS DEPTHxWIDTH...  at rest, so many particles deep and wide
+ *     validation sloshing DIRECTORY SECONDS CELLS       first mode, CELLS particles along the tank
+ *
+ * The box of a tank holds fluid up to its faces: a lattice of particles that touches them is at
+ * rest density. So lengths count from the faces, and water ends half a spacing beyond its outermost
+ * particles. */
+#include "validation.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+void die(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fputs("validation: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+    exit(1);
+}
+
+void *allocate(size_t count, size_t size) {
+    void *block = calloc(count, size);
+    if (!block) die("out of memory");
+    return block;
+}
+
+/* At rest the error is about 0.45 p d / w. */
+static double stiffness(const struct water *water) {
+    double pressure = DENSITY * g * water->cells[1] * water->spacing;
+    return 0.45 * pressure * water->spacing / 1e-3;
+}
+
+static void write_scene(const struct water *water, char *text, size_t size) {
+    const double d = water->spacing, *tank = water->tank;
+    const int *n = water->cells;
+    snprintf(text, size,
+             "{\"duration\": %.17g, \"frame_interval\": %.17g, \"time_step\": {\"%s\": %.17g}, "
+             "\"solver\": {\"tolerance\": 0.1, \"linear_tolerance\": 0.1, \"linear_iterations\": "
+             "2000}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
+             "\"particles\": {\"radius\": %.17g, \"rest_density\": %d, \"fill\": [{\"box\": "
+             "{\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}}]}, \"constraints\": "
+             "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g}]}], \"solids\": "
+             "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}, \"open\": "
+             "[\"+y\"]}]}",
+             water->duration, water->duration, water->adaptive ? "maximum" : "fixed", water->step,
+             water->speed, 0.5 * d, DENSITY, n[0] * d, n[1] * d, n[2] * d, stiffness(water),
+             water->viscosity, tank[0], tank[1], tank[2]);
+}
+
+pdyn_sim *water_load(pdyn_context *context, const struct water *water) {
+    char text[2048];
+    pdyn_sim *sim;
+    write_scene(water, text, sizeof text);
+    if (pdyn_load_text(context, text, "validation", NULL, 0, &sim) != PDYN_OK)
+        die("%s", pdyn_last_error(context));
+    return sim;
+}
+
+pdyn_step_info water_step(pdyn_context *context, pdyn_sim *sim) {
+    pdyn_step_info info;
+    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
+    return info;
+}
+
+FILE *open_csv(const char *directory, const char *name) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.csv", directory, name);
+    FILE *file = fopen(path, "w");
+    if (!file) die("%s: cannot be written", path);
+    return file;
+}
+
+int main(int argc, char **argv) {
+    const char *command = argc > 3 ? argv[1] : "";
+    pdyn_context *context;
+    if (pdyn_create(NULL, &context) != PDYN_OK) die("no context");
+    if (!strcmp(command, "martin_moyce")) martin_moyce(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "tank") && argc > 4)
+        tank(context, argv[2], atof(argv[3]), argc - 4, argv + 4);
+    else if (!strcmp(command, "sloshing") && argc == 5)
+        sloshing(context, argv[2], atof(argv[3]), atoi(argv[4]));
+    else
+        die("usage: validation martin_moyce DIRECTORY CELLS... | tank DIRECTORY SECONDS "
+            "DEPTHxWIDTH... | sloshing DIRECTORY SECONDS CELLS");
+    pdyn_destroy(context);
+    return 0;
+}

@@ -1,0 +1,41 @@
+/* What the validations share: a block of water in the corner of a tank, and where results go. */
+#ifndef VALIDATION_H
+#define VALIDATION_H
+
+#include "projdyn/projdyn.h"
+
+#include <stdio.h>
+
+enum { DENSITY = 1000 };      /* kg/m^3 */
+static const double g = 9.81; /* m/s^2 */
+
+/* A lattice of particles that touches the floor and the walls at the origin, and the walls across
+ * from these where the tank is as wide as the water. */
+struct water {
+    double spacing;   /* m, two particle radii */
+    int cells[3];     /* particles along x, y, z */
+    double tank[3];   /* m; open at the top */
+    double speed;     /* m/s, along x, at the start */
+    double viscosity; /* XSPH */
+    double step;      /* s: of every step */
+    bool adaptive;    /* `step` is the longest, CFL makes it shorter */
+    double duration;  /* s */
+};
+
+/* Ends the program with a message. */
+void die(const char *format, ...) PDYN_PRINTF(1, 2);
+void *allocate(size_t count, size_t size); /* zeros */
+
+/* The density constraint is so stiff that the floor is 0.1 % too dense. */
+pdyn_sim *water_load(pdyn_context *context, const struct water *water);
+pdyn_step_info water_step(pdyn_context *context, pdyn_sim *sim);
+
+/* DIRECTORY/NAME.csv, to be written. */
+FILE *open_csv(const char *directory, const char *name);
+
+/* Each writes CSV files into a directory and prints a table as markdown. */
+void martin_moyce(pdyn_context *context, const char *directory, int count, char **cells);
+void tank(pdyn_context *context, const char *directory, double seconds, int count, char **sizes);
+void sloshing(pdyn_context *context, const char *directory, double seconds, int cells);
+
+#endif

@@ -1,0 +1,33 @@
+#!/bin/sh
+# Measures the fluid against what is known (bench/validation.c), draws docs/validation.svg and fills the tables of
+# docs/validation.md. `quick`: small sizes, for a look; leaves docs/ alone and writes to out/validation instead.
+set -eu
+cd "$(dirname "$0")/.."
+scripts/install.sh gnuplot-nox
+scripts/build.sh
+out=out/validation
+rm -rf "$out"
+mkdir -p "$out"
+case ${1:-} in
+quick) cells="8 12" deep=16x8 wide="16x4 16x8" rest=2 along=20 swing=3 docs=$out ;;
+"") cells="8 16 32" deep=80x8 wide="24x8 24x16 24x32" rest=10 along=32 swing=6 docs=docs ;;
+*) echo "usage: scripts/validation.sh [quick]" >&2; exit 2 ;;
+esac
+# shellcheck disable=SC2086
+{
+    build/bench/validation martin_moyce "$out" $cells >"$out/martin_moyce.md"
+    build/bench/validation tank "$out" "$rest" "$deep" >"$out/tank.md"
+    build/bench/validation tank "$out" 3 $wide >"$out/width.md"
+    build/bench/validation sloshing "$out" "$swing" "$along" >"$out/sloshing.md"
+}
+gnuplot -e "target='$docs/validation.svg'; deep='$deep'" scripts/validation.gnuplot
+# Between <!-- NAME --> and <!-- end --> stands NAME.md.
+awk -v out="$out" '
+    /^<!-- end -->$/ { skip = 0 }
+    !skip
+    /^<!-- [a-z_]+ -->$/ && $2 != "end" {
+        file = out "/" $2 ".md"
+        while ((getline line <file) > 0) print line
+        skip = 1
+    }' docs/validation.md >"$out/filled.md"
+mv "$out/filled.md" "$docs/validation.md"
