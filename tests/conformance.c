@@ -219,7 +219,7 @@ static void check_tiers(const pdyn_constraint_type *type) {
 /* The model along a direction: its slope is that of the gradient's change, with and without changes
  * of side; without, the change is the product. */
 static void check_model(const pdyn_constraint_type *type) {
-    if (!type->op || !type->op->aim) return;
+    if (!type->op) return;
     for (double scale = 1e-10; scale < 10.0; scale *= 1e10) {
         struct trial t = start(type, "auto", 0.002);
         double *y = array(t.n), *product = array(t.n), unused;

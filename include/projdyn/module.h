@@ -119,7 +119,18 @@ typedef struct pdyn_neighbours {
     unsigned revision; /* moves when the lists do */
 } pdyn_neighbours;
 
-/* Vectors (x, u, y, d, gradient: particles x 3) have room for one number more, so that the last
+/* One-sided scalar constraints C_i <= 0, as the last local step left them: to first order, i has the
+ * energy k_i / 2 max(0, C_i)^2. */
+typedef struct pdyn_scalars {
+    int count;
+    const double *value;     /* count: C_i; negative where there is room */
+    const double *stiffness; /* count: k_i = w / |grad C_i|^2; 0 where a constraint can do nothing */
+    const double *squares;   /* count: |grad C_i|^2 over all its particles */
+    const double *held;      /* particles: the weights of all constraints that select a particle, N/m:
+                                what eps = 1 puts on the diagonal of H */
+} pdyn_scalars;
+
+/* Vectors (x, u, y, gradient: particles x 3) have room for one number more, so that the last
  * particle's can be loaded as four. */
 typedef struct pdyn_operator {
     /* Returns the operator's state or NULL without memory. */
@@ -129,23 +140,18 @@ typedef struct pdyn_operator {
     bool (*neighbours)(void *self, const pdyn_neighbours *lists);
     /* Local step at x: returns the energy, adds the gradient to `gradient` (particles x 3). */
     double (*local)(void *self, const double *x, double *gradient);
-    /* y += w G' ((1 - eps)(I - J) + eps I) G u at the x of the last local step. */
-    void (*apply)(void *self, double eps, const double *u, double *y);
-    /* One-sided constraints (NULL: there are none). Their model is max(0, C + grad C . d)^2: `aim`
-     * looks from the d reached so far along u, adding to y what of `apply` is not one-sided;
-     * `slope` gives the derivative of the one-sided energy at d + t u by t, and the second one;
-     * `go` goes there, adds the change of the gradient to y, and returns how many constraints
-     * changed sides. `apply` and `diagonal` use the sides at d from then on; a local step begins at
-     * d = 0 again. */
-    void (*aim)(void *self, double eps, const double *u, double *y);
-    double (*slope)(void *self, double eps, double t, double *curvature);
-    int (*go)(void *self, double eps, double t, double *y);
-    /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
-    void (*diagonal)(void *self, double eps, double *blocks);
+    /* The constraints at the x of the last local step, as have the next three. */
+    pdyn_scalars (*scalars)(void *self);
+    /* rate_i = grad C_i . u for the constraints marked in `which` (count), 0 for the others. */
+    void (*rate)(void *self, const bool *which, const double *u, double *rate);
+    /* y += sum of multiplier_i grad C_i */
+    void (*force)(void *self, const double *multiplier, double *y);
+    /* Adds the 3 x 3 block diagonal of the sum of stiffness_i grad C_i grad C_i', packed xx xy xz
+     * yy yz zz, particles x 6. */
+    void (*diagonal)(void *self, const double *stiffness, double *blocks);
     /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. */
     void (*density)(void *self, double *density);
-    /* Pressure of the body's particles at the x of the last local step, Pa: read before a product
-     * follows it. NULL: none. */
+    /* Pressure of the body's particles at the x of the last local step, Pa. NULL: none. */
     void (*pressure)(void *self, double *pressure);
     /* Changes velocities after the step (viscosity), at the x of the last local step. NULL: none.
      */

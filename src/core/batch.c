@@ -61,16 +61,17 @@ static void local_rows(void *arg, int first, int last, int block) {
     b->partial[block] = energy;
 }
 
-void batch_local(struct batch *b, const double *x, double time, double *gradient) {
+pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {
     b->view.time = time;
     if (b->op) {
         b->energy = b->type->op->local(b->op, x, gradient);
-        return;
+        return scalars_begin(&b->scalars);
     }
     for_range(b, b->view.elements, ELEMENTS, local_rows, x, NULL, 0.0);
     b->energy = 0.0;
     for (int k = 0; k < pool_blocks(b->view.elements, ELEMENTS); k++) b->energy += b->partial[k];
     for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, gradient, 0.0);
+    return PDYN_OK;
 }
 
 /* ---- tangent --------------------------------------------------------------------------------- */
@@ -127,27 +128,25 @@ static void apply_rows(void *arg, int first, int last, int block) {
 
 void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
-        b->type->op->apply(b->op, b->eps, u, y);
+        scalars_apply(&b->scalars, b->eps, u, y);
         return;
     }
     for_range(b, b->view.elements, ELEMENTS, apply_rows, u, NULL, 0.0);
     for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, y, 0.0);
 }
 
-bool batch_one_sided(const struct batch *b) { return b->op && b->type->op->aim; }
-
 void batch_aim(struct batch *b, const double *u, double *y) {
-    if (batch_one_sided(b)) b->type->op->aim(b->op, b->eps, u, y);
+    if (b->op) scalars_aim(&b->scalars, b->eps, u, y);
     else batch_apply(b, u, y);
 }
 
 double batch_slope(struct batch *b, double t, double *curvature) {
     *curvature = 0.0;
-    return batch_one_sided(b) ? b->type->op->slope(b->op, b->eps, t, curvature) : 0.0;
+    return b->op ? scalars_slope(&b->scalars, b->eps, t, curvature) : 0.0;
 }
 
 int batch_go(struct batch *b, double t, double *y) {
-    return batch_one_sided(b) ? b->type->op->go(b->op, b->eps, t, y) : 0;
+    return b->op ? scalars_go(&b->scalars, b->eps, t, y) : 0;
 }
 
 void batch_block(const struct batch *b, int k, int m, double B[9]) {
@@ -189,7 +188,7 @@ static void diagonal_rows(void *arg, int first, int last, int block) {
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {
-    if (b->op) b->type->op->diagonal(b->op, b->eps, blocks);
+    if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
     else for_range(b, b->touch_count, PARTICLES, diagonal_rows, NULL, blocks, 0.0);
 }
 
@@ -302,7 +301,11 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     if (!type->op || rows_only) status = create_rows(b);
     else if (!(b->op = type->op->create(params, body, services)))
         status = context_no_memory(context);
-    else status = batch_neighbours(b, neighbours);
+    else {
+        b->scalars = (struct scalars){
+            .context = context, .op = type->op, .self = b->op, .particles = neighbours->particles};
+        status = batch_neighbours(b, neighbours);
+    }
     if (status == PDYN_OK) return status;
     batch_free(b);
     *out = NULL;
@@ -318,7 +321,7 @@ void batch_free(struct batch *b) {
     if (!b) return;
     pdyn_context *c = b->context;
     pdyn_batch *v = &b->view;
-    if (b->op) b->type->op->free(b->op);
+    if (b->op) b->type->op->free(b->op), scalars_free(&b->scalars);
     if (b->block_start) FREE_ARRAY(c, b->block, b->block_start[v->elements]);
     if (v->data) context_resize(c, v->data, data_bytes(b), 0);
     FREE_ARRAY(c, v->element_row, v->elements + 1);

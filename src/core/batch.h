@@ -7,15 +7,17 @@
 #include "context.h"
 #include "neighbours.h"
 #include "projdyn/module.h"
+#include "scalars.h"
 
 struct batch {
     pdyn_context *context;
     const pdyn_constraint_type *type;
     const void *params;
-    pdyn_batch view; /* what the type sees; arrays owned here */
-    void *op;        /* operator tier: the type's state */
-    double eps;      /* damping of the current linearisation */
-    double energy;   /* J, at the last local step */
+    pdyn_batch view;        /* what the type sees; arrays owned here */
+    void *op;               /* operator tier: the type's state */
+    struct scalars scalars; /* and its constraints */
+    double eps;             /* damping of the current linearisation */
+    double energy;          /* J, at the last local step */
 
     /* rows tier */
     int rows, entries;
@@ -40,7 +42,7 @@ void batch_free(struct batch *batch);
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
 
 /* Local step at x (particles x 3): projects, sets batch->energy, adds to the gradient, in N. */
-void batch_local(struct batch *batch, const double *x, double time, double *gradient);
+pdyn_status batch_local(struct batch *batch, const double *x, double time, double *gradient);
 
 /* Fixes the tangent at the x of the last local step, damped with eps in [0, 1]. */
 pdyn_status batch_linearise(struct batch *batch, double eps);
@@ -48,9 +50,7 @@ pdyn_status batch_linearise(struct batch *batch, double eps);
 /* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
 void batch_apply(struct batch *batch, const double *u, double *y);
 
-/* The model along a direction u, see pdyn_operator; all of what is not one-sided is in batch_aim.
- */
-bool batch_one_sided(const struct batch *batch);
+/* The model along a direction u, see scalars.h; all of what is not one-sided is in batch_aim. */
 void batch_aim(struct batch *batch, const double *u, double *y);
 double batch_slope(struct batch *batch, double t, double *curvature);
 int batch_go(struct batch *batch, double t, double *y);

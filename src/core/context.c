@@ -23,6 +23,8 @@ const char *pdyn_status_text(pdyn_status status) {
 
 static void *libc_allocate(void *user, void *block, size_t old_size, size_t new_size) {
     (void)user, (void)old_size;
+    enum { LINE = 64 }; /* bytes of a cache line: what is loaded at once then lies in one */
+    if (new_size && !block) return aligned_alloc(LINE, (new_size + LINE - 1) / LINE * LINE);
     if (new_size) return realloc(block, new_size);
     free(block);
     return NULL;

@@ -64,12 +64,12 @@ pdyn_status system_local(struct system *sys, const double *x, double *energy, do
     sys->x = x;
     for_particles(sys, inertia, x, NULL, gradient, 0.0);
     *energy = system_partial_sum(sys);
-    for (int b = 0; b < sys->batches; b++) {
-        batch_local(sys->batch[b], x, sys->time, gradient);
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
+        status = batch_local(sys->batch[b], x, sys->time, gradient);
         *energy += sys->batch[b]->energy;
     }
     sys->ms_local += clock_ms() - start;
-    return PDYN_OK;
+    return status;
 }
 
 /* ---- the operator H -------------------------------------------------------------------------- */

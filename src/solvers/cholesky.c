@@ -79,8 +79,8 @@ static pdyn_status update_twins(struct cholesky *c, bool lists_moved) {
                        : batch_create(c->context, from->type, from->params, from->view.body, NULL,
                                       neighbours_view(sys->neighbours), true, &c->rows[b]);
         if (status != PDYN_OK) return status;
-        batch_local(c->rows[b], sys->x, sys->time, c->unused);
-        status = batch_linearise(c->rows[b], sys->eps);
+        status = batch_local(c->rows[b], sys->x, sys->time, c->unused);
+        if (status == PDYN_OK) status = batch_linearise(c->rows[b], sys->eps);
         if (status != PDYN_OK) return status;
     }
     return PDYN_OK;

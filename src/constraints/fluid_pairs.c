@@ -1,0 +1,169 @@
+/* Sums over the packed pairs of each particle. */
+#include "fluid_pairs.h"
+
+#include "projdyn/vec3.h"
+
+/* Sums run in several lanes, so that no addition waits for the one before. */
+enum { LANES = 4 };
+
+typedef void add_fn(const struct fluid *f, int pair, const double *values, v4 *sum);
+
+INLINE void sum_pairs(const struct fluid *f, int i, add_fn *add, const double *values, v4 *out) {
+    v4 sum[LANES] = {{0}};
+    int s = f->pair_start[i], end = f->pair_end[i];
+    for (; s + LANES <= end; s += LANES)
+        for (int k = 0; k < LANES; k++) add(f, s + k, values, &sum[k]);
+    for (; s < end; s++) add(f, s, values, &sum[0]);
+    *out = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+static void copy_vectors(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    for (int i = first; i < last; i++)
+        memcpy(c->f->vector + 4 * i, c->in + 3 * i, 3 * sizeof *c->in);
+}
+
+/* ---- rate: an SPH divergence ----------------------------------------------------------------- */
+
+INLINE void add_product(const struct fluid *f, int pair, const double *vector, v4 *sum) {
+    v4 g, v;
+    load_pair(f, pair, &g);
+    memcpy(&v, vector + 4 * (size_t)f->pair_index[pair], sizeof v);
+    *sum += g * v;
+}
+
+WIDE static void divergence(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    const struct fluid *f = c->f;
+    for (int k = first; k < last; k++) {
+        int i = f->first + k;
+        v4 sum = {0}, own, at;
+        if (c->which[k]) sum_pairs(f, i, add_product, f->vector, &sum);
+        memcpy(&own, f->gradient + 4 * i, sizeof own);
+        memcpy(&at, f->vector + 4 * i, sizeof at);
+        own *= at;
+        c->out[k] = c->which[k] ? (own[0] + own[1] + own[2]) - (sum[0] + sum[1] + sum[2]) : 0.0;
+    }
+}
+
+void fluid_rate(void *self, const bool *which, const double *u, double *rate) {
+    struct fluid *f = self;
+    struct fluid_call call = {f, NULL, rate, which};
+    for_particles(f, f->particles, copy_vectors, u, NULL);
+    f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, divergence, &call);
+}
+
+/* ---- force: a pressure gradient -------------------------------------------------------------- */
+
+INLINE void add_flux(const struct fluid *f, int pair, const double *flux, v4 *sum) {
+    v4 g;
+    load_pair(f, pair, &g);
+    *sum += flux[f->pair_index[pair]] * g;
+}
+
+WIDE static void gradients(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    const struct fluid *f = c->f;
+    for (int i = first; i < last; i++) {
+        v4 sum, own;
+        sum_pairs(f, i, add_flux, c->in, &sum);
+        memcpy(&own, f->gradient + 4 * i, sizeof own);
+        sum += c->in[i] * own;
+        v4_add_to(c->out + 3 * i, &sum);
+    }
+}
+
+void fluid_add_gradients(struct fluid *f, const double *multiplier, double *y) {
+    for_particles(f, f->particles, gradients, multiplier, y);
+}
+
+static void spread(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    memcpy(c->out + first, c->in + first, (size_t)(last - first) * sizeof *c->in);
+}
+
+void fluid_force(void *self, const double *multiplier, double *y) {
+    struct fluid *f = self;
+    for_particles(f, f->count, spread, multiplier, f->multiplier + f->first);
+    fluid_add_gradients(f, f->multiplier, y);
+}
+
+/* ---- block diagonal -------------------------------------------------------------------------- */
+
+INLINE void add_outer_product(v4 sum[3], double scale, const v4 *a) {
+    for (int k = 0; k < 3; k++) sum[k] += scale * (*a)[k] * *a;
+}
+
+WIDE static void diagonal_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    const struct fluid *f = c->f;
+    for (int i = first; i < last; i++) {
+        v4 sum[3] = {{0}}, g;
+        for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) {
+            load_pair(f, s, &g);
+            add_outer_product(sum, c->in[f->pair_index[s]], &g);
+        }
+        memcpy(&g, f->gradient + 4 * i, sizeof g);
+        add_outer_product(sum, c->in[i], &g);
+        double *D = c->out + 6 * i;
+        D[0] += sum[0][0], D[1] += sum[0][1], D[2] += sum[0][2];
+        D[3] += sum[1][1], D[4] += sum[1][2], D[5] += sum[2][2];
+    }
+}
+
+void fluid_diagonal(void *self, const double *stiffness, double *blocks) {
+    struct fluid *f = self;
+    for_particles(f, f->count, spread, stiffness, f->multiplier + f->first);
+    for_particles(f, f->particles, diagonal_blocks, f->multiplier, blocks);
+}
+
+/* ---- viscosity ------------------------------------------------------------------------------- */
+
+/* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair
+ * is the same on both sides, so momentum stays. */
+WIDE static void add_viscosity(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    const struct fluid *f = c->f;
+    for (int i = f->first + first; i < f->first + last; i++) {
+        v4 sum = {0}, own;
+        for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) {
+            v4 v;
+            memcpy(&v, f->vector + 4 * (size_t)f->pair_index[s], sizeof v);
+            sum += (double)f->pair[4 * (size_t)s + 3] * v;
+        }
+        v4_set(&own, c->out + 3 * i, 0.0);
+        sum = f->params.viscosity * (sum - sum[3] * own);
+        v4_add_to(c->out + 3 * i, &sum);
+    }
+}
+
+/* Velocities before viscosity, and 1; all 0 of what is no fluid. */
+static void copy_velocities(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    for (int i = first; i < last; i++) {
+        v4 v = {0};
+        if (is_fluid(c->f, i)) v4_set(&v, c->in + 3 * i, 1.0);
+        memcpy(c->f->vector + 4 * i, &v, sizeof v);
+    }
+}
+
+static void clear_last_lane(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct fluid_call *c = arg;
+    for (int i = first; i < last; i++) c->f->vector[4 * i + 3] = 0.0;
+}
+
+void fluid_viscosity(void *self, double *v) {
+    struct fluid *f = self;
+    if (f->params.viscosity == 0.0) return;
+    for_particles(f, f->particles, copy_velocities, v, NULL);
+    for_particles(f, f->count, add_viscosity, NULL, v);
+    for_particles(f, f->particles, clear_last_lane, NULL, NULL);
+}

@@ -1,0 +1,83 @@
+/* The state of the fluid operator, and what its files share.
+ *
+ * A row for every particle of every constraint would be some 30 rows a particle. What is kept
+ * instead, for every pair inside the support, is the gradient of the kernel and its value; all
+ * displacements u - p of constraint i are t_i times that. Every pass runs over the pairs of a
+ * particle and writes only to it.
+ *
+ * Pairs are kept in single precision, sums and everything else in double; a pair is the same in
+ * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 20
+ * bytes per listed neighbour, 137 per particle of the system and 32 per boundary point. */
+#ifndef PDYN_FLUID_PAIRS_H
+#define PDYN_FLUID_PAIRS_H
+
+#include "../core/simd.h"
+#include "fluid.h"
+
+enum { FLUID_GRAIN = 128 }; /* particles of a parallel block */
+
+struct fluid {
+    const pdyn_services *services;
+    const pdyn_neighbours *lists;
+    struct fluid_params params;
+    struct kernel kernel;       /* times the volume of a particle */
+    int first, count;           /* the fluid's particles in the system */
+    int particles, points;      /* of the system; with the boundary */
+    double rest_density;        /* kg/m^3 */
+    double particle_volume;     /* m^3 */
+    size_t pairs;               /* capacity of what is kept per listed neighbour */
+    int *block_start;           /* blocks + 1: first pair of each block of particles */
+    int *pair_start, *pair_end; /* particles: its pairs inside the support, packed by blocks */
+    int *pair_index;            /* pairs: the neighbour */
+    float *pair;                /* pairs x 4: grad W(x_i - x_j) times the volume of the one that is
+                                   no fluid (of fluid: 1), 1/m, and W */
+    double *x;                  /* points x 4: where the last local step was, and the volume */
+    double *gradient;           /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
+    double *vector;             /* particles x 4: what a pass reads of the neighbours */
+    double *value;              /* particles: C_i, negative where there is room */
+    double *squares;            /* particles: |grad C_i|^2, 1/m^2 */
+    double *stiffness;          /* particles: w / |grad C_i|^2, N m */
+    double *flux;               /* particles: what constraint i gives along its gradient, N m */
+    double *held;               /* particles: weights of the constraints that it is in, N/m */
+    double *multiplier;         /* particles: those of `force`, 0 for what is no fluid */
+    double *partial;            /* an energy for each parallel block */
+};
+
+struct fluid_call { /* arguments of a parallel loop */
+    struct fluid *f;
+    const double *in;
+    double *out;
+    const bool *which;
+};
+
+static inline bool is_fluid(const struct fluid *f, int i) {
+    return i >= f->first && i < f->first + f->count;
+}
+
+static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, const double *in,
+                                 double *out) {
+    struct fluid_call call = {f, in, out, NULL};
+    f->services->parallel_for(f->services->core, count, FLUID_GRAIN, fn, &call);
+}
+
+/* The gradient and the value of a pair. */
+INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
+    const float *from = f->pair + 4 * (size_t)pair;
+    double wide[4]; /* as a loop, four lanes are converted by one instruction */
+    for (int a = 0; a < 4; a++) wide[a] = (double)from[a];
+    memcpy(out, wide, sizeof wide);
+}
+
+/* Local step: C_i, its gradient, the pairs and the projection at x. Returns the energy. */
+double fluid_project(struct fluid *f, const double *x);
+
+/* y += sum of the multipliers (particles) times the gradients of their constraints. */
+void fluid_add_gradients(struct fluid *f, const double *multiplier, double *y);
+
+/* The passes over pairs, see pdyn_operator. */
+void fluid_rate(void *self, const bool *which, const double *u, double *rate);
+void fluid_force(void *self, const double *multiplier, double *y);
+void fluid_diagonal(void *self, const double *stiffness, double *blocks);
+void fluid_viscosity(void *self, double *v);
+
+#endif

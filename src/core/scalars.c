@@ -1,0 +1,165 @@
+#include "scalars.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+
+enum { GRAIN = 2048 };
+
+struct call {
+    struct scalars *s;
+    const double *u;
+    double *out;
+    double eps, t;
+};
+
+static void release(struct scalars *s) {
+    FREE_ARRAY(s->context, s->reached, s->capacity);
+    FREE_ARRAY(s->context, s->rate, s->capacity);
+    FREE_ARRAY(s->context, s->multiplier, s->capacity);
+    FREE_ARRAY(s->context, s->acts, s->capacity);
+    FREE_ARRAY(s->context, s->possible, s->capacity);
+    FREE_ARRAY(s->context, s->partial, 2 * (size_t)pool_blocks(s->capacity, GRAIN));
+    s->capacity = 0;
+}
+
+static pdyn_status reserve(struct scalars *s, int count) {
+    if (count <= s->capacity) return PDYN_OK;
+    release(s);
+    s->capacity = count;
+    s->reached = NEW_ARRAY(s->context, count, double);
+    s->rate = NEW_ARRAY(s->context, count, double);
+    s->multiplier = NEW_ARRAY(s->context, count, double);
+    s->acts = NEW_ARRAY(s->context, count, bool);
+    s->possible = NEW_ARRAY(s->context, count, bool);
+    s->partial = NEW_ARRAY(s->context, 2 * (size_t)pool_blocks(count, GRAIN), double);
+    bool good = s->reached && s->rate && s->multiplier && s->acts && s->possible && s->partial;
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void scalars_free(struct scalars *s) { release(s); }
+
+static void for_all(struct scalars *s, int count, pdyn_range_fn *fn, const double *u, double *out,
+                    double eps, double t) {
+    struct call call = {s, u, out, eps, t};
+    pool_for(s->context->pool, count, GRAIN, fn, &call);
+}
+
+static void take_sides(void *arg, int first, int last, int block) {
+    (void)block;
+    struct scalars *s = ((const struct call *)arg)->s;
+    for (int i = first; i < last; i++) {
+        s->reached[i] = s->at.value[i];
+        s->possible[i] = s->at.stiffness[i] > 0.0;
+        s->acts[i] = s->possible[i] && s->at.value[i] > 0.0;
+    }
+}
+
+pdyn_status scalars_begin(struct scalars *s) {
+    s->at = s->op->scalars(s->self);
+    pdyn_status status = reserve(s, s->at.count);
+    if (status == PDYN_OK) for_all(s, s->at.count, take_sides, NULL, NULL, 0.0, 0.0);
+    return status;
+}
+
+/* ---- H --------------------------------------------------------------------------------------- */
+
+static void add_held(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++)
+        vec3_add(c->out + 3 * i, c->eps * c->s->at.held[i], c->u + 3 * i);
+}
+
+static void damp(struct scalars *s, double eps, const double *u, double *y) {
+    if (eps > 0.0) for_all(s, s->particles, add_held, u, y, eps, 0.0);
+}
+
+static void multiply_stiffness(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct scalars *s = c->s;
+    for (int i = first; i < last; i++) s->multiplier[i] *= (1.0 - c->eps) * s->at.stiffness[i];
+}
+
+void scalars_apply(struct scalars *s, double eps, const double *u, double *y) {
+    if (eps < 1.0) {
+        s->op->rate(s->self, s->acts, u, s->multiplier);
+        for_all(s, s->at.count, multiply_stiffness, NULL, NULL, eps, 0.0);
+        s->op->force(s->self, s->multiplier, y);
+    }
+    damp(s, eps, u, y);
+}
+
+static void acting_stiffness(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct scalars *s = c->s;
+    for (int i = first; i < last; i++)
+        s->multiplier[i] = s->acts[i] ? (1.0 - c->eps) * s->at.stiffness[i] : 0.0;
+}
+
+static void add_held_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++)
+        for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.held[i];
+}
+
+void scalars_diagonal(struct scalars *s, double eps, double *blocks) {
+    for_all(s, s->at.count, acting_stiffness, NULL, NULL, eps, 0.0);
+    s->op->diagonal(s->self, s->multiplier, blocks);
+    if (eps > 0.0) for_all(s, s->particles, add_held_blocks, NULL, blocks, eps, 0.0);
+}
+
+/* ---- along a direction ----------------------------------------------------------------------- */
+
+void scalars_aim(struct scalars *s, double eps, const double *u, double *y) {
+    if (eps < 1.0) s->op->rate(s->self, s->possible, u, s->rate);
+    damp(s, eps, u, y);
+}
+
+static void add_slopes(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct scalars *s = c->s;
+    double slope = 0.0, curvature = 0.0;
+    for (int i = first; i < last; i++) {
+        double there = s->reached[i] + c->t * s->rate[i];
+        double k = there > 0.0 ? s->at.stiffness[i] * s->rate[i] : 0.0;
+        slope += k * there, curvature += k * s->rate[i];
+    }
+    s->partial[2 * block] = slope, s->partial[2 * block + 1] = curvature;
+}
+
+double scalars_slope(struct scalars *s, double eps, double t, double *curvature) {
+    double sum = *curvature = 0.0;
+    if (eps == 1.0) return 0.0;
+    for_all(s, s->at.count, add_slopes, NULL, NULL, eps, t);
+    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++)
+        sum += s->partial[2 * b], *curvature += s->partial[2 * b + 1];
+    *curvature *= 1.0 - eps;
+    return (1.0 - eps) * sum;
+}
+
+static void change_sides(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct scalars *s = c->s;
+    double changed = 0.0;
+    for (int i = first; i < last; i++) {
+        double from = s->reached[i], to = from + c->t * s->rate[i];
+        bool acts = to > 0.0 && s->possible[i];
+        s->multiplier[i] = (1.0 - c->eps) * s->at.stiffness[i] * (fmax(0.0, to) - fmax(0.0, from));
+        changed += acts != s->acts[i];
+        s->reached[i] = to, s->acts[i] = acts;
+    }
+    s->partial[block] = changed;
+}
+
+int scalars_go(struct scalars *s, double eps, double t, double *y) {
+    double changed = 0.0;
+    if (eps == 1.0) return 0;
+    for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
+    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++) changed += s->partial[b];
+    s->op->force(s->self, s->multiplier, y);
+    return (int)changed;
+}

@@ -1,0 +1,41 @@
+/* The operator tier's scalar constraints in the model of E: constraint i has the energy
+ * k_i / 2 max(0, C_i + grad C_i . d)^2, and d, the way gone from the x of the last local step, says
+ * on which side each one is. With the damping eps, (1 - eps) of that and eps times the diagonal of
+ * the projective step. */
+#ifndef PDYN_SCALARS_H
+#define PDYN_SCALARS_H
+
+#include "context.h"
+#include "projdyn/module.h"
+
+struct scalars {
+    pdyn_context *context;
+    const pdyn_operator *op;
+    void *self; /* the operator's state */
+    int particles, capacity;
+    pdyn_scalars at;    /* the x of the last local step */
+    double *reached;    /* count: C_i where d is */
+    double *rate;       /* count: grad C_i . u for the u aimed along */
+    double *multiplier; /* count: scratch */
+    bool *acts;         /* count: C_i is positive where d is */
+    bool *possible;     /* count: C_i can act at all */
+    double *partial;    /* two sums for each parallel block */
+};
+
+/* Begins at d = 0 after a local step; grows with the number of constraints. */
+pdyn_status scalars_begin(struct scalars *s);
+void scalars_free(struct scalars *s);
+
+/* y += ((1 - eps) sum over those that act of k_i grad C_i grad C_i' + eps held) u */
+void scalars_apply(struct scalars *s, double eps, const double *u, double *y);
+/* Adds the block diagonal of the same. */
+void scalars_diagonal(struct scalars *s, double eps, double *blocks);
+
+/* Aims along u from d; y += eps held u. */
+void scalars_aim(struct scalars *s, double eps, const double *u, double *y);
+/* The derivative of the one-sided energy at d + t u by t, and the second one. */
+double scalars_slope(struct scalars *s, double eps, double t, double *curvature);
+/* d += t u; adds the change of the gradient to y. Returns how many changed sides. */
+int scalars_go(struct scalars *s, double eps, double t, double *y);
+
+#endif
