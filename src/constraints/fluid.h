@@ -26,11 +26,12 @@ static inline struct kernel fluid_kernel(const pdyn_body *body) {
 
 /* The length t > 0 at which a constraint of value c > 0 is met on the line p = u - t grad C(u):
  * Newton's first step c / |grad C|^2, then secant steps until |C| < tolerance. `value` gives C at
- * t.
- */
+ * t. It need not be asked where c is small: Newton's step leaves an error of -0.6 to 1.0 c^2
+ * (measured in collapsing and in resting water). */
 static inline double fluid_root(double (*value)(const void *line, double t), const void *line,
                                 double c, double squares, double tolerance) {
     double t = c / squares, t_before = 0.0;
+    if (2.0 * c * c < tolerance) return t;
     for (int k = 0; c >= tolerance && k < 20; k++) {
         double next = value(line, t), slope = (next - c) / (t - t_before);
         if (fabs(next) < tolerance || !(slope < 0.0)) break;

@@ -20,21 +20,27 @@ struct sum {            /* over the neighbours of one particle i */
     int members;        /* fluid particles among these */
 };
 
+INLINE void difference(const double *x, const v4 *at, int index, v4 *out) {
+    v4 row;
+    memcpy(&row, x + 4 * (size_t)index, sizeof row);
+    *out = *at - row;
+}
+
 /* Four points' differences from `at`, by lanes: x, y, z, volume. */
 INLINE void differences(const double *x, const v4 *at, const int *index, v4 out[4]) {
-    v4 row[4], a, b, c, d;
-    for (int k = 0; k < 4; k++) {
-        memcpy(&row[k], x + 4 * (size_t)index[k], sizeof row[k]);
-        row[k] = *at - row[k];
-    }
-    a = __builtin_shufflevector(row[0], row[1], 0, 4, 2, 6);
-    b = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
-    c = __builtin_shufflevector(row[2], row[3], 0, 4, 2, 6);
-    d = __builtin_shufflevector(row[2], row[3], 1, 5, 3, 7);
-    out[0] = __builtin_shufflevector(a, c, 0, 1, 4, 5);
-    out[1] = __builtin_shufflevector(b, d, 0, 1, 4, 5);
-    out[2] = __builtin_shufflevector(a, c, 2, 3, 6, 7);
-    out[3] = __builtin_shufflevector(b, d, 2, 3, 6, 7);
+    v4 a, b, c, d;
+    difference(x, at, index[0], &a);
+    difference(x, at, index[1], &b);
+    difference(x, at, index[2], &c);
+    difference(x, at, index[3], &d);
+    v4 xz = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+       yv = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    v4 xz2 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    v4 yv2 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    out[0] = __builtin_shufflevector(xz, xz2, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(yv, yv2, 0, 1, 4, 5);
+    out[2] = __builtin_shufflevector(xz, xz2, 2, 3, 6, 7);
+    out[3] = __builtin_shufflevector(yv, yv2, 2, 3, 6, 7);
 }
 
 /* The last four of a list that is no multiple of four long go on with its last one. */
@@ -206,13 +212,13 @@ INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) 
     double w = f->params.stiffness;
     v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
     memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
-    f->value[i] = sum->c, f->squares[i] = sum->squares;
+    f->error[i] = f->value[i] = sum->c, f->squares[i] = sum->squares;
     f->stiffness[i] = sum->squares > 0.0 ? w / sum->squares : 0.0;
     f->flux[i] = 0.0;
     if (!(sum->c > 0.0 && sum->squares > 0.0)) return 0.0;
     double t =
         fluid_root(value_on_line, &line, sum->c, sum->squares, f->params.projection_tolerance);
-    f->flux[i] = w * t;
+    f->flux[i] = w * t, f->value[i] = t * sum->squares;
     return 0.5 * w * t * t * sum->squares;
 }
 

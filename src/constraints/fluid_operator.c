@@ -19,6 +19,7 @@ static bool resize_particles(struct fluid *f, size_t particles, size_t points, b
         {(void **)&f->x, 4 * points, sizeof(double)},
         {(void **)&f->gradient, 4 * particles, sizeof(double)},
         {(void **)&f->vector, 4 * particles, sizeof(double)},
+        {(void **)&f->error, particles, sizeof(double)},
         {(void **)&f->value, particles, sizeof(double)},
         {(void **)&f->squares, particles, sizeof(double)},
         {(void **)&f->stiffness, particles, sizeof(double)},
@@ -120,7 +121,7 @@ static pdyn_scalars scalars(void *self) {
 static void density(void *self, double *out) {
     const struct fluid *f = self;
     for (int i = f->first; i < f->first + f->count; i++)
-        out[i] = f->rest_density * (1.0 + f->value[i]);
+        out[i] = f->rest_density * (1.0 + f->error[i]);
 }
 
 /* The constraint does the work of a pressure: flux dC = -p dV, and dC = -dV / V. */

@@ -7,7 +7,7 @@
  *
  * Pairs are kept in single precision, sums and everything else in double; a pair is the same in
  * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 20
- * bytes per listed neighbour, 137 per particle of the system and 32 per boundary point. */
+ * bytes per listed neighbour, 145 per particle of the system and 32 per boundary point. */
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 
@@ -34,7 +34,8 @@ struct fluid {
     double *x;                  /* points x 4: where the last local step was, and the volume */
     double *gradient;           /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
     double *vector;             /* particles x 4: what a pass reads of the neighbours */
-    double *value;              /* particles: C_i, negative where there is room */
+    double *error;              /* particles: C_i, negative where there is room */
+    double *value;              /* particles: the same as the projection measures it */
     double *squares;            /* particles: |grad C_i|^2, 1/m^2 */
     double *stiffness;          /* particles: w / |grad C_i|^2, N m */
     double *flux;               /* particles: what constraint i gives along its gradient, N m */

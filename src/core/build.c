@@ -223,20 +223,33 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
+/* Fluid alone: its multipliers; a constant matrix: its factor; else conjugate gradients. */
+static const char *automatic(const struct pdyn_sim *sim, const char **reason) {
+    const struct system *sys = &sim->system;
+    if (sim->scene.settings.newton && registry_solver("dual")->fits(sys)) {
+        *reason = "nothing but the fluid acts: its pressures are solved for";
+        return "dual";
+    }
+    if (!sim->scene.settings.newton && !sys->changing) {
+        *reason = "the matrix is constant: it is factored once for each length of step";
+        return "cholesky";
+    }
+    *reason = sys->changing ? "the fluid's constraints change every step"
+                            : "the matrix of the newton step changes in every iteration";
+    return "cg";
+}
+
 static pdyn_status choose_solver(struct pdyn_sim *sim) {
     const struct scene_settings *set = &sim->scene.settings;
     const char *name = set->solver_type, *reason = "as the scene asks";
-    if (!strcmp(name, "auto")) {
-        bool direct = !set->newton && !sim->system.changing;
-        name = direct ? "cholesky" : "cg";
-        reason = direct ? "the matrix is constant: it is factored once for each length of step"
-                 : sim->system.changing
-                     ? "the fluid's constraints change every step"
-                     : "the matrix of the newton step changes in every iteration";
-    }
+    if (!strcmp(name, "auto")) name = automatic(sim, &reason);
     sim->solver = registry_solver(name);
     if (!sim->solver)
         return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
+    if (sim->solver->fits && !sim->solver->fits(&sim->system))
+        return context_fail(sim->context, PDYN_BAD_INPUT,
+                            "solver \"%s\" does not fit this scene: %s", name,
+                            sim->solver->summary);
     sim->solver_reason = reason;
     if (sim->solver->direct && (sim->system.changing || set->newton))
         context_log(

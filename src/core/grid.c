@@ -5,24 +5,29 @@
 #include <math.h>
 #include <string.h>
 
-pdyn_status grid_create(pdyn_context *context, int capacity, double cell, struct grid *grid) {
-    *grid = (struct grid){.cell = cell, .capacity = capacity, .buckets = 1};
-    while (grid->buckets < capacity) grid->buckets *= 2;
-    grid->start = NEW_ARRAY(context, grid->buckets + 1, int);
+pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struct grid *grid) {
+    *grid = (struct grid){.cell = reach / GRID_REACH, .capacity = capacity};
     grid->id = NEW_ARRAY(context, capacity, int);
-    bool good = true;
+    grid->order = NEW_ARRAY(context, capacity, int);
+    grid->swapped = NEW_ARRAY(context, capacity, int);
+    grid->key = NEW_ARRAY(context, capacity, int64_t);
+    grid->point_key = NEW_ARRAY(context, capacity, int64_t);
+    grid->start = NEW_ARRAY(context, capacity + 1, int);
+    bool good = grid->id && grid->order && grid->swapped && grid->key && grid->point_key;
     for (int a = 0; a < 3; a++) good &= (grid->x[a] = NEW_ARRAY(context, capacity, double)) != NULL;
-    grid->bucket = NEW_ARRAY(context, capacity, int);
-    if (grid->start && (!capacity || (grid->id && good && grid->bucket))) return PDYN_OK;
+    if (grid->start && (!capacity || good)) return PDYN_OK;
     grid_free(context, grid);
     return PDYN_NO_MEMORY;
 }
 
 void grid_free(pdyn_context *context, struct grid *grid) {
-    FREE_ARRAY(context, grid->start, grid->buckets + 1);
     FREE_ARRAY(context, grid->id, grid->capacity);
+    FREE_ARRAY(context, grid->order, grid->capacity);
+    FREE_ARRAY(context, grid->swapped, grid->capacity);
+    FREE_ARRAY(context, grid->key, grid->capacity);
+    FREE_ARRAY(context, grid->point_key, grid->capacity);
+    FREE_ARRAY(context, grid->start, grid->capacity + 1);
     for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity);
-    FREE_ARRAY(context, grid->bucket, grid->capacity);
 }
 
 static void cell_of(const struct grid *grid, const double *x, int cell[3]) {
@@ -34,47 +39,120 @@ static bool in_range(const struct grid *grid, const double *x) {
     return fabs(x[0]) < bound && fabs(x[1]) < bound && fabs(x[2]) < bound;
 }
 
-pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
-                      const double *x) {
-    grid->points = points;
-    int *end = grid->start + 1; /* shifted by one, so that filling turns starts into ends */
-    memset(grid->start, 0, (size_t)(grid->buckets + 1) * sizeof *grid->start);
-    for (int k = 0; k < points; k++) {
-        const double *at = x + 3 * (size_t)(id ? id[k] : k);
+/* Far outside there is no cell, and so no key. */
+static int64_t key_of(const struct grid *grid, const int cell[3]) {
+    return (cell[0] - grid->low[0]) + grid->pitch[0] * (cell[1] - grid->low[1]) +
+           grid->pitch[1] * (cell[2] - grid->low[2]);
+}
+
+/* The box of cells in use gives the keys; a margin keeps runs along x from going round its ends. */
+static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int *id,
+                            const double *x) {
+    int low[3] = {GRID_RANGE, GRID_RANGE, GRID_RANGE}, high[3] = {-GRID_RANGE, -GRID_RANGE, 0};
+    for (int k = 0; k < grid->points; k++) {
+        int cell[3], i = id ? id[k] : k;
+        const double *at = x + 3 * (size_t)i;
         if (!in_range(grid, at))
             return context_fail(
                 context, PDYN_DIVERGED,
                 "point %d is at (%g, %g, %g): the simulation has diverged or something "
                 "left the scene",
-                id ? id[k] : k, at[0], at[1], at[2]);
-        int cell[3];
+                i, at[0], at[1], at[2]);
         cell_of(grid, at, cell);
-        grid->bucket[k] = grid_bucket(grid, grid_key(cell[0], cell[1], cell[2]));
-        if (grid->bucket[k] + 1 < grid->buckets) end[grid->bucket[k] + 1]++;
+        for (int a = 0; a < 3; a++) {
+            if (cell[a] < low[a]) low[a] = cell[a];
+            if (cell[a] > high[a]) high[a] = cell[a];
+        }
     }
-    for (int b = 1; b < grid->buckets; b++) end[b] += end[b - 1];
-    for (int k = 0; k < points; k++) {
-        int source = id ? id[k] : k, slot = end[grid->bucket[k]]++;
-        grid->id[slot] = source;
-        for (int a = 0; a < 3; a++) grid->x[a][slot] = x[3 * (size_t)source + a];
-    }
+    for (int a = 0; a < 3; a++) grid->low[a] = low[a] - GRID_REACH;
+    grid->pitch[0] = high[0] - low[0] + 1 + 2 * GRID_REACH;
+    grid->pitch[1] = grid->pitch[0] * (high[1] - low[1] + 1 + 2 * GRID_REACH);
     return PDYN_OK;
+}
+
+/* Sorts `order` by the keys of the points that it names, eleven bits at a time, from the lowest. */
+static void sort_by_key(struct grid *grid) {
+    enum { BITS = 11, BINS = 1 << BITS };
+    int64_t all = 0;
+    for (int k = 0; k < grid->points; k++) all |= grid->point_key[k];
+    for (int shift = 0; shift == 0 || all >> shift; shift += BITS) {
+        int end[BINS + 1] = {0};
+        for (int k = 0; k < grid->points; k++)
+            end[1 + (grid->point_key[k] >> shift & (BINS - 1))]++;
+        for (int b = 0; b < BINS; b++) end[b + 1] += end[b];
+        for (int k = 0; k < grid->points; k++) {
+            int point = grid->order[k];
+            grid->swapped[end[grid->point_key[point] >> shift & (BINS - 1)]++] = point;
+        }
+        int *sorted = grid->swapped;
+        grid->swapped = grid->order, grid->order = sorted;
+    }
+}
+
+/* The points in the order of their cells, and where each cell begins. */
+static void fill_cells(struct grid *grid, const int *id, const double *x) {
+    grid->cells = 0;
+    for (int k = 0; k < grid->points; k++) {
+        int point = grid->order[k], i = id ? id[point] : point;
+        int64_t key = grid->point_key[point];
+        grid->id[k] = i;
+        for (int a = 0; a < 3; a++) grid->x[a][k] = x[3 * (size_t)i + a];
+        if (grid->cells && grid->key[grid->cells - 1] == key) continue;
+        grid->key[grid->cells] = key, grid->start[grid->cells++] = k;
+    }
+    grid->start[grid->cells] = grid->points;
+}
+
+pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
+                      const double *x) {
+    grid->points = points;
+    pdyn_status status = find_box(context, grid, id, x);
+    if (status != PDYN_OK) return status;
+    for (int k = 0; k < points; k++) {
+        int cell[3];
+        cell_of(grid, x + 3 * (size_t)(id ? id[k] : k), cell);
+        grid->point_key[k] = key_of(grid, cell), grid->order[k] = k;
+    }
+    sort_by_key(grid);
+    fill_cells(grid, id, x);
+    return PDYN_OK;
+}
+
+/* The first cell whose key is at least `key`, looked for from cell `c` on in growing steps. */
+static int find_cell(const struct grid *grid, int64_t key, int c) {
+    int low = -1, high = grid->cells, step = 1; /* key[low] < key <= key[high] */
+    if (c < high && grid->key[c] < key)
+        for (low = c; low + step < high; step *= 2) {
+            if (grid->key[low + step] >= key) high = low + step;
+            else low += step;
+        }
+    else
+        for (high = c < high ? c : high; high - step > low; step *= 2) {
+            if (grid->key[high - step] < key) low = high - step;
+            else high -= step;
+        }
+    while (high - low > 1) {
+        int middle = low + (high - low) / 2;
+        if (grid->key[middle] < key) low = middle;
+        else high = middle;
+    }
+    return high;
 }
 
 void grid_around(const struct grid *grid, const double *at, struct grid_cells *cells) {
     int cell[3];
     cell_of(grid, at, cell);
-    uint64_t middle = grid_key(cell[0], cell[1], cell[2]);
-    if (cells->key == middle) return;
-    cells->key = middle, cells->count = 0;
-    for (int n = 0; n < 27; n++) {
-        int bucket = grid_bucket(
-            grid, grid_key(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1));
-        int first = grid->start[bucket], last = grid->start[bucket + 1];
-        bool known = first == last;
-        for (int k = 0; k < cells->count; k++) known |= cells->first[k] == first;
-        if (known) continue;
-        cells->first[cells->count] = first, cells->last[cells->count++] = last;
+    int64_t middle = key_of(grid, cell);
+    if (cells->known && cells->key == middle) return;
+    cells->known = true, cells->key = middle;
+    for (int r = 0; r < GRID_RUNS; r++) {
+        int width = 2 * GRID_REACH + 1;
+        int64_t key = middle - GRID_REACH + (r % width - GRID_REACH) * grid->pitch[0] +
+                      (r / width - GRID_REACH) * grid->pitch[1];
+        int c = cells->cell[r] = find_cell(grid, key, cells->cell[r]);
+        cells->first[r] = grid->start[c];
+        while (c < grid->cells && grid->key[c] <= key + 2 * GRID_REACH) c++;
+        cells->last[r] = grid->start[c];
     }
 }
 
@@ -82,20 +160,27 @@ void grid_around(const struct grid *grid, const double *at, struct grid_cells *c
 WIDE static int query(const struct grid *grid, const struct grid_cells *cells, const double *at,
                       double radius, int self, const bool *keep, int *list, int room) {
     enum { CHUNK = 32 };
-    double squared[CHUNK], x = at[0], y = at[1], z = at[2];
+    double squared[CHUNK], x = at[0], y = at[1], z = at[2], limit = radius * radius;
     int found = 0;
-    for (int c = 0; c < cells->count; c++)
-        for (int first = cells->first[c]; first < cells->last[c]; first += CHUNK) {
-            int count = cells->last[c] - first < CHUNK ? cells->last[c] - first : CHUNK;
+    for (int r = 0; r < GRID_RUNS; r++)
+        for (int first = cells->first[r]; first < cells->last[r]; first += CHUNK) {
+            int count = cells->last[r] - first < CHUNK ? cells->last[r] - first : CHUNK;
             for (int k = 0; k < count; k++) {
                 double dx = grid->x[0][first + k] - x, dy = grid->x[1][first + k] - y,
                        dz = grid->x[2][first + k] - z;
                 squared[k] = dx * dx + dy * dy + dz * dz;
             }
+            if (!keep && found + count <= room) {
+                for (int k = 0; k < count; k++) {
+                    list[found] = grid->id[first + k];
+                    found += (squared[k] < limit) & (grid->id[first + k] != self);
+                }
+                continue;
+            }
             for (int k = 0; k < count; k++) {
                 int id = grid->id[first + k];
                 list[found < room ? found : room] = id;
-                found += (squared[k] < radius * radius) & (id != self) & (!keep || keep[id]);
+                found += (squared[k] < limit) & (id != self) & (!keep || keep[id]);
             }
         }
     return found;

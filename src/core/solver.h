@@ -11,7 +11,9 @@ struct solver_type {
     const char *name, *summary;
     bool direct; /* factors a matrix: costs a factorisation where the constraints change every step
                   */
-    size_t state_size; /* zeroed before create */
+    bool keeps_multipliers; /* its memory of the last step; the next one then starts from s */
+    size_t state_size;      /* zeroed before create */
+    bool (*fits)(const struct system *system); /* NULL: any system */
     /* Refer to the system from now on. */
     pdyn_status (*create)(void *self, pdyn_context *context, struct system *system);
     /* Minimises the model of E that has the gradient -b at d = 0, until its gradient is at most

@@ -13,7 +13,7 @@
 enum { BACKTRACKS = 6 };
 
 struct progress { /* of the minimisation of one step */
-    double energy, residual;
+    double start, energy, residual; /* start: the energy at first */
     int outer, linear;
 };
 
@@ -36,7 +36,7 @@ static void predict(struct pdyn_sim *sim, double h) {
  * and destroy the motion of unconverged steps.) */
 static pdyn_status warm_start(struct pdyn_sim *sim, double h, double *energy) {
     pdyn_status status = system_local(&sim->system, sim->x_next, energy, sim->gradient);
-    if (status != PDYN_OK || sim->last_h == 0.0) return status;
+    if (status != PDYN_OK || sim->last_h == 0.0 || sim->solver->keeps_multipliers) return status;
     double warm, ratio = h / sim->last_h;
     memcpy(sim->trial, sim->x_next, bytes_of(sim));
     system_axpy(&sim->system, ratio * ratio, sim->correction, sim->trial);
@@ -50,17 +50,20 @@ static pdyn_status warm_start(struct pdyn_sim *sim, double h, double *energy) {
 }
 
 /* x_next + direction, halved until E falls enough (Armijo). *length: what was taken, 0 for none;
- * then the iterate and its local step are as before. */
-static pdyn_status descend(struct pdyn_sim *sim, double *energy, double *length) {
+ * then the iterate and its local step are as before. Unfinished multipliers may raise E from one
+ * iteration to the next; then it must stay below that of the start. */
+static pdyn_status descend(struct pdyn_sim *sim, double start, double *energy, double *length) {
     struct system *sys = &sim->system;
     double slope = system_dot(sys, sim->gradient, sim->direction), trial;
+    double bound = *energy;
+    if (sim->solver->keeps_multipliers) bound = start, slope = 0.0;
     *length = 1.0;
     for (int k = 0; k < BACKTRACKS; k++, *length *= 0.5) {
         memcpy(sim->trial, sim->x_next, bytes_of(sim));
         system_axpy(sys, *length, sim->direction, sim->trial);
         pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        if (trial <= *energy + 1e-4 * *length * slope + 1e-13 * fabs(*energy)) {
+        if (trial <= bound + 1e-4 * *length * slope + 1e-13 * fabs(bound)) {
             memcpy(sim->x_next, sim->trial, bytes_of(sim));
             memcpy(sim->gradient, sim->trial_gradient, bytes_of(sim));
             *energy = trial;
@@ -77,9 +80,10 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     int iterations = 0;
     memset(sim->direction, 0, bytes_of(sim));
     for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];
-    pdyn_status status =
-        sim->solver->solve(sim->solver_state, sim->negative, sim->direction, set->linear_tolerance,
-                           set->linear_iterations, &iterations);
+    double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
+    pdyn_status status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction,
+                                            fmax(set->linear_tolerance, enough),
+                                            set->linear_iterations, &iterations);
     p->linear += iterations;
     return status;
 }
@@ -89,7 +93,7 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
     double length = 0.0;
     pdyn_status status = system_linearise(&sim->system, sim->damping);
     if (status == PDYN_OK) status = solve_model(sim, p);
-    if (status == PDYN_OK) status = descend(sim, &p->energy, &length);
+    if (status == PDYN_OK) status = descend(sim, p->start, &p->energy, &length);
     if (status != PDYN_OK) return status;
     *moved = length > 0.0 || sim->damping < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
@@ -118,6 +122,7 @@ static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) 
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
     pdyn_status status = warm_start(sim, h, &p->energy);
+    p->start = p->energy;
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
         if (!isfinite(p->energy) || !isfinite(p->residual))

@@ -1,0 +1,284 @@
+/* Conjugate gradients on the multipliers, for scenes where the constraints of one operator are all
+ * there is: the rest of H, B = M/h^2 + eps held, is then diagonal. With G the gradients of the
+ * constraints and K their stiffness, the model of E is minimal where
+ *
+ *     d = B^-1 (b - G' (lambda - K max(0, C)))          b contains the forces of the last local
+ * step C + G d - K^-1 lambda = 0, or less where lambda = 0;    lambda >= 0
+ *
+ * which is S lambda = rhs with S = K^-1 + G B^-1 G' and bounds: the pressure equation of
+ * incompressible SPH (Ihmsen et al. 2014, Bender & Koschier 2015), made compliant by K.
+ *
+ * The multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
+ * meet the inertia exactly, however early the iteration ends; what is left open is how far each
+ * constraint gives way under its multiplier. In the unknowns x (cg.c) it is the other way round: a
+ * stiff constraint that is not met yet throws its particles about.
+ *
+ * Bounds: multipliers may become negative on the way, until what does so matters; then they are
+ * clipped and the conjugate directions begin anew. */
+#include "../core/solver.h"
+#include "../core/system.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Share of a step, in the norm of S's diagonal, that may lie beyond the bounds. */
+static const double most_beyond = 0.05;
+
+/* Constraints with more room than this (a relative density, for a fluid) stay out of a solve; the
+ * next local step looks at them again. */
+static const double much_room = 0.1;
+
+struct dual {
+    pdyn_context *context;
+    struct system *system;
+    struct scalars *at; /* the constraints */
+    int count;
+    double *multiplier; /* count: lambda, kept from step to step */
+    double *g;          /* count: C + G d - lambda / k: what the multiplier does not meet */
+    double *p, *q;      /* count: direction; S times it */
+    double *inverse;    /* count: of S's diagonal */
+    bool *in;           /* count: takes part */
+    double *b, *d;      /* particles x 3: the solve's arguments */
+    double *sums;       /* four partial sums for each parallel block */
+    double target;      /* of the gradient's estimate, N */
+};
+
+struct call {
+    struct dual *s;
+    double scale;
+    const double *in;
+    double *out;
+};
+
+enum { SUMS = 4 };
+
+static void release(void *self) {
+    struct dual *s = self;
+    FREE_ARRAY(s->context, s->multiplier, s->count);
+    FREE_ARRAY(s->context, s->g, s->count);
+    FREE_ARRAY(s->context, s->p, s->count);
+    FREE_ARRAY(s->context, s->q, s->count);
+    FREE_ARRAY(s->context, s->inverse, s->count);
+    FREE_ARRAY(s->context, s->in, s->count);
+    FREE_ARRAY(s->context, s->sums, SUMS * (size_t)pool_blocks(s->count, SYSTEM_GRAIN));
+}
+
+static bool fits(const struct system *system) {
+    return system->batches == 1 && system->batch[0]->op;
+}
+
+static pdyn_status create(void *self, pdyn_context *context, struct system *system) {
+    struct dual *s = self;
+    s->context = context, s->system = system;
+    s->at = &system->batch[0]->scalars;
+    s->count = system->batch[0]->view.elements;
+    s->multiplier = NEW_ARRAY(context, s->count, double);
+    s->g = NEW_ARRAY(context, s->count, double);
+    s->p = NEW_ARRAY(context, s->count, double);
+    s->q = NEW_ARRAY(context, s->count, double);
+    s->inverse = NEW_ARRAY(context, s->count, double);
+    s->in = NEW_ARRAY(context, s->count, bool);
+    s->sums = NEW_ARRAY(context, SUMS * (size_t)pool_blocks(s->count, SYSTEM_GRAIN), double);
+    bool good = s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums;
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+/* ---- loops over constraints and particles -----------------------------------------------------
+ */
+
+static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, const double *in,
+                    double *out) {
+    struct call call = {s, scale, in, out};
+    pool_for(s->context->pool, count, SYSTEM_GRAIN, fn, &call);
+}
+
+static double sum_of(const struct dual *s, int which) {
+    double sum = 0.0;
+    for (int b = 0; b < pool_blocks(s->count, SYSTEM_GRAIN); b++) sum += s->sums[SUMS * b + which];
+    return sum;
+}
+
+/* What a force moves a particle, m/N: B^-1. */
+static double mobility(const struct dual *s, int i) {
+    return 1.0 / (system_inertia(s->system, i) + s->system->eps * s->at->at.held[i]);
+}
+
+/* k of the model: what the damping leaves of it. */
+static double stiffness(const struct dual *s, int i) {
+    return (1.0 - s->system->eps) * s->at->at.stiffness[i];
+}
+
+/* out = B^-1 (in - out), in: NULL for 0 */
+static void move(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++) {
+        double m = mobility(c->s, i);
+        for (int k = 3 * i; k < 3 * i + 3; k++)
+            c->out[k] = c->in ? m * (c->in[k] - c->out[k]) : -m * c->out[k];
+    }
+}
+
+/* d = B^-1 (b - G' multiplier), b: NULL for 0 */
+static void displace(struct dual *s, const double *b, const double *multiplier) {
+    size_t n = 3 * (size_t)s->system->particles;
+    memset(s->d, 0, n * sizeof *s->d);
+    s->at->op->force(s->at->self, multiplier, s->d);
+    for_all(s, s->system->particles, move, 0.0, b, s->d);
+}
+
+static void begin(void *arg, int first, int last, int block) {
+    (void)block;
+    struct dual *s = ((const struct call *)arg)->s;
+    const pdyn_scalars *at = &s->at->at;
+    int particle = s->system->batch[0]->view.body->first;
+    for (int i = first; i < last; i++) {
+        s->in[i] = stiffness(s, i) > 0.0;
+        if (!s->in[i]) s->multiplier[i] = 0.0;
+        s->inverse[i] =
+            s->in[i] ? 1.0 / (1.0 / stiffness(s, i) + mobility(s, particle + i) * at->squares[i])
+                     : 0.0;
+        s->p[i] = s->multiplier[i] - stiffness(s, i) * fmax(0.0, at->value[i]);
+    }
+}
+
+/* q: G d of the start. Leaves out those that have much room. */
+static void find_residual(void *arg, int first, int last, int block) {
+    (void)block;
+    struct dual *s = ((const struct call *)arg)->s;
+    const pdyn_scalars *at = &s->at->at;
+    for (int i = first; i < last; i++) {
+        s->g[i] = at->value[i] + s->q[i];
+        if (s->in[i]) s->g[i] -= s->multiplier[i] / stiffness(s, i);
+        s->in[i] = s->in[i] && (s->multiplier[i] > 0.0 || s->g[i] > -much_room);
+        s->p[i] = 0.0;
+    }
+}
+
+/* Goes along p; scale: how far. Sums: the step beyond the bounds, the step, the model's gradient by
+ * its constraints, g . z */
+static void advance(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct dual *s = c->s;
+    const pdyn_scalars *at = &s->at->at;
+    double beyond = 0.0, all = 0.0, gradient = 0.0, gz = 0.0;
+    for (int i = first; i < last; i++) {
+        if (!s->in[i]) continue;
+        double step = c->scale * s->p[i], D = s->inverse[i];
+        double l = s->multiplier[i] += step, g = s->g[i] -= c->scale * s->q[i];
+        if (l < 0.0) beyond += l * l / D;
+        all += step * step / D;
+        if (l == 0.0 && g <= 0.0) continue;
+        double missing = fmax(stiffness(s, i) * g, -l);
+        gradient += missing * missing * at->squares[i];
+        gz += g * g * D;
+    }
+    double *sums = s->sums + SUMS * block;
+    sums[0] = beyond, sums[1] = all, sums[2] = gradient, sums[3] = gz;
+}
+
+/* p = z + scale p where the bounds allow */
+static void next_direction(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct dual *s = c->s;
+    for (int i = first; i < last; i++) {
+        bool allowed = s->in[i] && (s->multiplier[i] != 0.0 || s->g[i] > 0.0);
+        s->p[i] = allowed ? s->g[i] * s->inverse[i] + c->scale * s->p[i] : 0.0;
+    }
+}
+
+/* q, from -G B^-1 G' p, becomes S p. Sums: g . p, p . q */
+static void add_compliance(void *arg, int first, int last, int block) {
+    struct dual *s = ((const struct call *)arg)->s;
+    double gp = 0.0, pq = 0.0;
+    for (int i = first; i < last; i++) {
+        s->q[i] = s->in[i] ? s->p[i] / stiffness(s, i) - s->q[i] : 0.0;
+        gp += s->g[i] * s->p[i], pq += s->p[i] * s->q[i];
+    }
+    s->sums[SUMS * block] = gp, s->sums[SUMS * block + 1] = pq;
+}
+
+/* q = S p */
+static void multiply(struct dual *s) {
+    displace(s, NULL, s->p);
+    s->at->op->rate(s->at->self, s->in, s->d, s->q);
+    for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
+}
+
+/* p = what leads back to the bounds */
+static void clip(void *arg, int first, int last, int block) {
+    (void)block;
+    struct dual *s = ((const struct call *)arg)->s;
+    for (int i = first; i < last; i++) s->p[i] = fmax(0.0, -s->multiplier[i]);
+}
+
+/* Back to the bounds, and g with it. */
+static void project(struct dual *s) {
+    for_all(s, s->count, clip, 0.0, NULL, NULL);
+    multiply(s);
+    for_all(s, s->count, advance, 1.0, NULL, NULL);
+}
+
+/* p = lambda - K max(0, C), within the bounds */
+static void find_change(void *arg, int first, int last, int block) {
+    (void)block;
+    struct dual *s = ((const struct call *)arg)->s;
+    const pdyn_scalars *at = &s->at->at;
+    for (int i = first; i < last; i++) {
+        s->multiplier[i] = fmax(0.0, s->multiplier[i]);
+        s->p[i] = s->multiplier[i] - stiffness(s, i) * fmax(0.0, at->value[i]);
+    }
+}
+
+/* ---- the solve --------------------------------------------------------------------------------
+ */
+
+static void start(struct dual *s) {
+    for_all(s, s->count, begin, 0.0, NULL, NULL);
+    displace(s, s->b, s->p);
+    s->at->op->rate(s->at->self, s->in, s->d, s->q);
+    for_all(s, s->count, find_residual, 0.0, NULL, NULL);
+    memset(s->q, 0, (size_t)s->count * sizeof *s->q);
+    for_all(s, s->count, advance, 0.0, NULL, NULL);
+}
+
+static void iterate(struct dual *s, int max_iterations, int *iterations) {
+    double before = 0.0;
+    while (sum_of(s, 2) > s->target * s->target && *iterations < max_iterations) {
+        double gz = sum_of(s, 3);
+        for_all(s, s->count, next_direction, before > 0.0 ? gz / before : 0.0, NULL, NULL);
+        before = gz;
+        multiply(s);
+        double curvature = sum_of(s, 1);
+        if (!(curvature > 0.0)) return; /* the residual is exhausted, or not a number */
+        for_all(s, s->count, advance, sum_of(s, 0) / curvature, NULL, NULL);
+        ++*iterations;
+        if (sum_of(s, 0) > most_beyond * sum_of(s, 1)) project(s), before = 0.0;
+    }
+}
+
+static pdyn_status solve(void *self, double *b, double *y, double tolerance, int max_iterations,
+                         int *iterations) {
+    struct dual *s = self;
+    s->b = b, s->d = y;
+    s->target = tolerance * sqrt(system_dot(s->system, b, b));
+    *iterations = 0;
+    start(s);
+    iterate(s, max_iterations, iterations);
+    for_all(s, s->count, find_change, 0.0, NULL, NULL);
+    displace(s, b, s->p);
+    return PDYN_OK;
+}
+
+const struct solver_type pdyn_solver_dual = {
+    .name = "dual",
+    .summary = "conjugate gradients on the multipliers (pressures), kept from step to step; for "
+               "scenes of fluid alone",
+    .keeps_multipliers = true,
+    .state_size = sizeof(struct dual),
+    .fits = fits,
+    .create = create,
+    .solve = solve,
+    .free = release,
+};
