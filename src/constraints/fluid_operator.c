@@ -19,6 +19,7 @@ struct fluid {
     struct kernel kernel;       /* times the volume of a particle */
     int first, count;           /* the fluid's particles in the system */
     int particles, points;      /* of the system; with the boundary */
+    unsigned volumes;           /* revision of the volumes in x */
     double rest_density;        /* kg/m^3 */
     double particle_volume;     /* m^3 */
     size_t pairs;               /* capacity of what is kept per listed neighbour */
@@ -152,8 +153,9 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     if (!f->x) {
         f->particles = lists->particles, f->points = lists->points;
         if (!resize_particles(f, (size_t)f->particles, (size_t)f->points, true)) return false;
-        set_points(f);
     }
+    if (f->volumes != lists->volume_revision) set_points(f);
+    f->volumes = lists->volume_revision;
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);
