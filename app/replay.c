@@ -34,9 +34,9 @@ struct plane {
 };
 
 struct body {
-    const char *name; /* owned by the run's `bodies` */
-    json_t *series;   /* its file */
-    json_t *files;    /* the frames in it */
+    const char *name;            /* owned by the run's `bodies` */
+    json_t *series;              /* its file */
+    json_t *files;               /* the frames in it */
     int count, triangles;        /* count: the most points of a frame */
     int *points;                 /* frames: particles may come and go */
     int *triangle;               /* triangles x 3 */
@@ -644,10 +644,11 @@ static json_t *json_bodies(const struct run *run) {
     for (int b = 0; b < run->count; b++) {
         const struct body *body = &run->body[b];
         failed |= json_array_append_new(
-            bodies, json_pack("{s:s, s:i, s:o, s:i, s:f, s:b, s:f, s:f}", "name", body->name, "count",
-                              body->count, "points", json_points(run, body), "triangles", body->triangles, "radius", body->radius,
-                              "density", body->rest_density > 0.0, "max_speed", body->max_speed,
-                              "max_error", body->max_error));
+            bodies,
+            json_pack("{s:s, s:i, s:o, s:i, s:f, s:b, s:f, s:f}", "name", body->name, "count",
+                      body->count, "points", json_points(run, body), "triangles", body->triangles,
+                      "radius", body->radius, "density", body->rest_density > 0.0, "max_speed",
+                      body->max_speed, "max_error", body->max_error));
     }
     if (!failed) return bodies;
     json_decref(bodies);

@@ -134,7 +134,8 @@ PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
 PDYN_API const char *pdyn_step_type(const pdyn_sim *sim); /* "projective" or "newton" */
-PDYN_API uint64_t pdyn_state_hash(const pdyn_sim *sim);   /* FNV-1a over the bits of the live x and v */
+PDYN_API uint64_t
+pdyn_state_hash(const pdyn_sim *sim); /* FNV-1a over the bits of the live x and v */
 
 typedef struct pdyn_state {
     int particles;          /* all unknowns, bodies one after the other */
@@ -143,8 +144,8 @@ typedef struct pdyn_state {
     const double *mass;     /* kg,  particles */
     const double *density;  /* kg/m^3, particles; rest density where there is no fluid constraint */
     const double *pressure; /* Pa, particles; 0 where there is no fluid constraint */
-    const bool *live; /* particles: the others are not in the scene, now; NULL: all are */
-    int boundary;     /* static boundary points */
+    const bool *live;       /* particles: the others are not in the scene, now; NULL: all are */
+    int boundary;           /* static boundary points */
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
     int constraints; /* batches: a constraint type on a body */

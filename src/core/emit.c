@@ -47,8 +47,7 @@ static void add_particle(struct pdyn_sim *sim, int b, const double x[3], const d
 
 static bool takes(const struct scene_outlet *outlet, const double x[3]) {
     bool inside = true;
-    for (int a = 0; a < 3; a++)
-        inside &= x[a] >= outlet->box.min[a] && x[a] <= outlet->box.max[a];
+    for (int a = 0; a < 3; a++) inside &= x[a] >= outlet->box.min[a] && x[a] <= outlet->box.max[a];
     return inside != outlet->outside;
 }
 
@@ -167,8 +166,7 @@ void emit_tell(struct pdyn_sim *sim) {
 
 void emit_hold(struct pdyn_sim *sim) {
     for (int i = 0; sim->emit && i < sim->system.particles; i++)
-        if (!sim->emit->live[i])
-            memcpy(sim->system.s + 3 * i, sim->x + 3 * i, 3 * sizeof *sim->x);
+        if (!sim->emit->live[i]) memcpy(sim->system.s + 3 * i, sim->x + 3 * i, 3 * sizeof *sim->x);
 }
 
 void emit_step(struct pdyn_sim *sim) {

@@ -17,8 +17,9 @@ const pdyn_param inlet_params[] = {
     {"duration", PDYN_REAL, offsetof(struct scene_inlet, duration), false, 0, 1e-9, 1e6, "s", ""},
     {0}};
 
-const pdyn_param outlet_params[] = {
-    {"outside", PDYN_BOOL, offsetof(struct scene_outlet, outside), false, 0, 0, 1, "", ""}, {0}};
+const pdyn_param outlet_params[] = {{"outside", PDYN_BOOL, offsetof(struct scene_outlet, outside),
+                                     false, 0, -INFINITY, INFINITY, "", ""},
+                                    {0}};
 
 /* An inlet while it is read: its plane has the axes `across` and `up`. */
 struct opening {
@@ -85,8 +86,7 @@ static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
     struct json_at center = json_member(at, "center"), size_at = json_member(at, "size");
     double size[2], n[2];
     pdyn_status status = params_check_keys(at, NULL, keys);
-    if (status == PDYN_OK)
-        status = params_reals(&center, 3, -farthest, farthest, "m", o->center);
+    if (status == PDYN_OK) status = params_reals(&center, 3, -farthest, farthest, "m", o->center);
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 0.0, 1e6, "m", size);
     for (int a = 0; a < 2 && status == PDYN_OK; a++) {
         n[a] = floor(size[a] / o->spacing * (1.0 + 1e-12) + 1e-9);

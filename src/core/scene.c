@@ -453,8 +453,8 @@ static pdyn_status read_outlets(struct reader *r, const struct json_at *array) {
 }
 
 static pdyn_status read_all(struct reader *r, const struct json_at *root) {
-    static const char *const others[] = {"$schema", "name",   "gravity", "time_step",
-                                         "solver",  "bodies", "solids",  "outlets", NULL};
+    static const char *const others[] = {"$schema", "name",   "gravity", "time_step", "solver",
+                                         "bodies",  "solids", "outlets", NULL};
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
     struct json_at outlets = json_member(root, "outlets");

@@ -17,7 +17,7 @@ struct scene_sphere {
     double center[3], radius; /* m */
 };
 
-struct scene_inlet { /* lets one layer of particles in after the other, a spacing apart */
+struct scene_inlet {        /* lets one layer of particles in after the other, a spacing apart */
     double direction[3];    /* of length 1 */
     double speed;           /* m/s */
     double start, duration; /* s; duration 0: until the end of the scene */
@@ -46,8 +46,8 @@ struct scene_body {
     double area_density;          /* kg/m^2 */
     int inlets;                   /* of particles */
     struct scene_inlet *inlet;
-    int budget; /* particles that the inlets may add to those at the start */
-    double velocity[3];           /* m/s, at the start; of particles, what a fill says goes first */
+    int budget;         /* particles that the inlets may add to those at the start */
+    double velocity[3]; /* m/s, at the start; of particles, what a fill says goes first */
     int constraints;
     struct scene_constraint *constraint; /* a type at most once per body */
 };

@@ -23,8 +23,7 @@ static void write_values(struct file_out *file, const pdyn_sim *sim, const pdyn_
                        (size_t)width * (size_t)info->count);
     else
         for (int i = info->first; i < info->first + info->count; i++)
-            if (emit_is_live(sim, i))
-                file_out_reals(file, order, value + width * i, (size_t)width);
+            if (emit_is_live(sim, i)) file_out_reals(file, order, value + width * i, (size_t)width);
 }
 
 static void write_types(struct file_out *file, int type, int count) {
