@@ -382,6 +382,8 @@ static int survey(struct run *run) {
             frame_free(&frame);
             if (code != EXIT_GOOD) return code;
         }
+    if (run->box.min[0] > run->box.max[0])
+        return fail("%s: expected at least one particle in some frame, found none", run->directory);
     for (int b = 0; b < run->count && code == EXIT_GOOD; b++) code = make_planes(&run->body[b]);
     if (code == EXIT_GOOD && make_path(path, run, "boundary", ".vtk") && access(path, F_OK) == 0)
         code = frame_read_boundary(path, &run->boundary);

@@ -203,13 +203,15 @@ static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int in
     return inlet_read(at, r->body->radius, r->scene->settings.duration, &r->body->inlet[index]);
 }
 
-/* Without a budget there is room for all that the inlets emit. */
+/* Without a budget there is room for all that the inlets emit; for one particle at least, as the
+ * scene may end before. */
 static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
                                const struct json_at *inlets) {
     struct scene_body *body = r->body;
     struct json_at at = json_member(owner, "budget");
     double total = 0.0;
     for (int k = 0; k < body->inlets; k++) total += inlet_total(&body->inlet[k]);
+    if (body->inlets) total = fmax(total, 1.0);
     if (at.value && !body->inlets) return json_fail_at_key(&at, "\"budget\" needs \"inlets\"");
     pdyn_status status =
         fill_count(at.value ? &at : inlets, at.value ? body->budget : total, &r->particles);
