@@ -345,9 +345,9 @@ static int check_report(const struct run *run, int b, const struct frame *frame,
 
 static int survey_frame(struct run *run, int b, struct frame *frame, int f, const char *path) {
     struct body *body = &run->body[b];
-    int code = check_report(run, b, frame, path);
-    if (code == EXIT_GOOD)
-        code = f ? check_frame(body, frame, path) : begin_body(body, frame, run->frames);
+    int code = f ? check_frame(body, frame, path) : EXIT_GOOD;
+    if (code == EXIT_GOOD) code = check_report(run, b, frame, path);
+    if (code == EXIT_GOOD && !f) code = begin_body(body, frame, run->frames);
     if (code != EXIT_GOOD) return code;
     body->points[f] = frame->count;
     if (frame->count > body->count) body->count = frame->count;
