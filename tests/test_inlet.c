@@ -82,6 +82,20 @@ static void test_place(void **state) {
     pdyn_destroy(context);
 }
 
+/* Four of the layer's eight columns are in the middle of a block: nothing enters there. */
+static void test_blocked(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{" STEPS FLOAT ", \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"fill\": "
+                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.1, 0.1, 0.1]}}], "
+                 "\"inlets\": [{\"rectangle\": {\"center\": [0.05, 0.05, 0.05], \"size\": [0.2, "
+                 "0.1]}, \"direction\": [0, 0, 1], \"speed\": 1}]}}]}");
+    assert_int_equal(pdyn_get_body(sim, 0).live, 4 * 4 * 4 + LAYER / 2);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A jet in the open is at most at rest density. */
 static void test_free_jet(void **state) {
     (void)state;
@@ -219,10 +233,11 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_emitted_mass), cmocka_unit_test(test_place),
-        cmocka_unit_test(test_free_jet),     cmocka_unit_test(test_before_the_start),
-        cmocka_unit_test(test_outlet),       cmocka_unit_test(test_exhausted),
-        cmocka_unit_test(test_momentum),     cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_emitted_mass),      cmocka_unit_test(test_place),
+        cmocka_unit_test(test_blocked),           cmocka_unit_test(test_free_jet),
+        cmocka_unit_test(test_before_the_start),  cmocka_unit_test(test_outlet),
+        cmocka_unit_test(test_exhausted),         cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("inlet", tests, NULL, NULL);
 }

@@ -4,6 +4,10 @@
 
 #include <string.h>
 
+/* How close to others a particle may enter, in spacings: a stream keeps one, and in a fluid that is
+ * in the way there is hardly a gap as wide. Particles closer than that would burst apart. */
+static const double clearance = 0.8;
+
 /* ---- the live and the others ----------------------------------------------------------------- */
 
 /* A stack with the first particle on top. */
@@ -79,17 +83,37 @@ static double layers_due(const struct pdyn_sim *sim, const struct emit_inlet *in
     return travelled < 0.0 ? 0.0 : fmin(from->layers, floor(travelled) + 1.0);
 }
 
+/* Lists the body's particles close to the plane that has come this far from the inlet. */
+static int find_near(const struct pdyn_sim *sim, const struct emit_inlet *inlet, double distance) {
+    const struct scene_inlet *from = inlet->from;
+    const pdyn_body *body = &sim->body[inlet->body];
+    double place = vec3_dot(from->layer.x, from->direction) + distance;
+    double reach = clearance * spacing_of(sim, inlet);
+    int count = 0;
+    for (int i = body->first; i < body->first + body->count; i++)
+        if (sim->emit->live[i] && fabs(vec3_dot(sim->x + 3 * i, from->direction) - place) < reach)
+            sim->emit->near[count++] = i;
+    return count;
+}
+
+static bool is_clear(const struct pdyn_sim *sim, const double x[3], double reach, int near) {
+    for (int k = 0; k < near; k++)
+        if (vec3_distance(x, sim->x + 3 * sim->emit->near[k]) < reach) return false;
+    return true;
+}
+
 /* The next layer, where it has come to by now: it may have entered within the step. */
 static void emit_layer(struct pdyn_sim *sim, struct emit_inlet *inlet) {
     const struct scene_inlet *from = inlet->from;
-    double v[3] = {0}, distance = (sim->time - from->start) * from->speed -
-                                  inlet->layers * spacing_of(sim, inlet);
+    double v[3] = {0}, spacing = spacing_of(sim, inlet);
+    double distance = (sim->time - from->start) * from->speed - inlet->layers * spacing;
+    int near = find_near(sim, inlet, distance);
     vec3_add(v, from->speed, from->direction);
     for (int k = 0; k < from->layer.count; k++) {
         const double *at = from->layer.x + 3 * (size_t)k;
         double x[3] = {at[0], at[1], at[2]};
         vec3_add(x, distance, from->direction);
-        add_particle(sim, inlet->body, x, v);
+        if (is_clear(sim, x, clearance * spacing, near)) add_particle(sim, inlet->body, x, v);
     }
     inlet->layers++;
 }
@@ -128,9 +152,10 @@ static pdyn_status allocate(struct pdyn_sim *sim, int inlets) {
     e->live = NEW_ARRAY(c, sim->system.particles, bool);
     e->vacant = NEW_ARRAY(c, sim->bodies, int);
     e->slot = NEW_ARRAY(c, sim->system.particles, int);
+    e->near = NEW_ARRAY(c, sim->system.particles, int);
     e->inlet = NEW_ARRAY(c, inlets, struct emit_inlet);
     e->inlets = inlets;
-    bool good = e->live && e->vacant && e->slot && (e->inlet || !inlets);
+    bool good = e->live && e->vacant && e->slot && e->near && (e->inlet || !inlets);
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
@@ -156,6 +181,7 @@ void emit_free(struct pdyn_sim *sim) {
     FREE_ARRAY(c, e->live, sim->system.particles);
     FREE_ARRAY(c, e->vacant, sim->bodies);
     FREE_ARRAY(c, e->slot, sim->system.particles);
+    FREE_ARRAY(c, e->near, sim->system.particles);
     FREE_ARRAY(c, e->inlet, e->inlets);
     FREE_ARRAY(c, sim->emit, 1);
 }

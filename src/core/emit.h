@@ -18,13 +18,14 @@ struct emit {
     bool *live;  /* particles */
     int *vacant; /* bodies: how many of each are not live, */
     int *slot;   /* particles: these, a stack from the body's first on */
+    int *near;   /* particles: scratch, those close to a layer */
     int inlets;
     struct emit_inlet *inlet;
     long emitted, removed; /* so far */
 };
 
 /* Begins with the particles that the bodies are filled with, and with the layers due at time 0.
- * Memory: 5 bytes per particle. */
+ * Memory: 9 bytes per particle. */
 pdyn_status emit_create(struct pdyn_sim *sim);
 void emit_free(struct pdyn_sim *sim);
 
