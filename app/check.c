@@ -11,7 +11,11 @@ static void describe(const pdyn_sim *sim) {
         pdyn_body_info body = pdyn_get_body(sim, b);
         if (body.triangles)
             printf("body %s: %d vertices, %d triangles\n", body.name, body.count, body.triangles);
-        else printf("body %s: %d particles of radius %g m\n", body.name, body.count, body.radius);
+        else if (body.live == body.count)
+            printf("body %s: %d particles of radius %g m\n", body.name, body.count, body.radius);
+        else
+            printf("body %s: %d particles of radius %g m, and room for %d more\n", body.name,
+                   body.live, body.radius, body.count - body.live);
     }
     for (int k = 0; k < state.constraints; k++) {
         pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);

@@ -106,7 +106,7 @@ static int expect_line(struct reader *r, const char *expected) {
     return code;
 }
 
-/* A line made of `format` and a number from 1; eight digits at most. */
+/* A line made of `format` and a number; eight digits at most. */
 static int read_count(struct reader *r, const char *before, const char *after, int *count) {
     char line[LINE], again[LINE], shape[LINE];
     size_t at = r->at;
@@ -114,10 +114,10 @@ static int read_count(struct reader *r, const char *before, const char *after, i
     int code = read_line(r, line, shape);
     if (code != EXIT_GOOD) return code;
     size_t skip = strlen(before);
-    long number = strlen(line) > skip ? strtol(line + skip, NULL, 10) : 0;
+    long number = strlen(line) > skip ? strtol(line + skip, NULL, 10) : -1;
     snprintf(again, sizeof again, "%s%ld%s", before, number, after);
-    if (strcmp(line, again) || number < 1 || number > 99999999)
-        return fail_at(r, at, "expected the line \"%s\" with N from 1, found \"%.80s\"", shape,
+    if (strcmp(line, again) || number < 0 || number > 99999999)
+        return fail_at(r, at, "expected the line \"%s\" with a number N, found \"%.80s\"", shape,
                        line);
     *count = (int)number;
     return EXIT_GOOD;
@@ -147,7 +147,7 @@ static int end_block(struct reader *r) {
 static int read_floats(struct reader *r, size_t count, const char *what, float **out) {
     int code = need_words(r, count, what);
     if (code != EXIT_GOOD) return code;
-    float *values = malloc(count * sizeof *values);
+    float *values = malloc((count + 1) * sizeof *values); /* a frame may be empty */
     if (!values) return no_memory(r->path, count * sizeof *values);
     *out = values;
     for (size_t i = 0; i < count; i++) {

@@ -162,6 +162,27 @@ cat >"$dir/fall.json" <<EOF
 EOF
 expect "step that fails" 1 "projdyn: point" "$program" run "$dir/fall.json" -o "$dir/fall"
 expect "failure is reported" 0 '"failed": "point' cat "$dir/fall/report.json"
+cat >"$dir/jet.json" <<EOF
+{"duration": 0.3, "frame_interval": 0.1, "time_step": {"fixed": 0.01}, "gravity": [0, 0, 0],
+ "bodies": [{"name": "jet", "particles": {"radius": 0.05, "inlets":
+   [{"rectangle": {"center": [0, 0, 0], "size": [0.3, 0.2]}, "direction": [1, 0, 0], "speed": 1, "start": 0.05}]}}],
+ "outlets": [{"box": {"minimum": [0.14, -1, -1], "maximum": [9, 1, 1]}}]}
+EOF
+expect "room for a jet" 0 "0 particles of radius 0.05 m, and room for 18 more" "$program" check "$dir/jet.json"
+expect "jet" 0 "" "$program" run "$dir/jet.json" -o "$dir/jet" --ply --quiet
+for frame in 0:0 1:6 2:6 3:6; do # entering at 0.05, 0.15 and 0.25 s, leaving 0.14 s later
+    expect "points of the jet, frame $frame" 0 "POINTS ${frame#*:} float" \
+        grep -a POINTS "$dir/jet/jet_00000${frame%:*}.vtk"
+    expect "vertices of the jet, frame $frame" 0 "element vertex ${frame#*:}" \
+        grep -a "element vertex" "$dir/jet/jet_00000${frame%:*}.ply"
+done
+expect "the jet's particles" 0 '"peak": 12' cat "$dir/jet/report.json"
+expect "emitted" 0 '"emitted": 18' cat "$dir/jet/report.json"
+expect "removed" 0 '"removed": 12' cat "$dir/jet/report.json"
+expect "replay of a jet" 0 "4 frames" "$program" replay "$dir/jet"
+expect "its particles come and go" 0 '"points":[0,6,6,6]' cat "$dir/jet/replay.html"
+expect "nothing yet" 0 "" "$program" run "$dir/jet.json" -o "$dir/jet" --time 0.04 --quiet
+expect "replay of nothing yet" 2 "at least one particle in some frame" "$program" replay "$dir/jet"
 for signal in INT TERM; do
     stop_run "$dir/stop$signal" $signal --set frame_interval=0.1
     expect "$signal" 0 "130" echo $ended

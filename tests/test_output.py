@@ -24,11 +24,12 @@ except ImportError as missing:
 
 TIME = 0.1  # s
 COLUMNS = (
-    "time_s,h_s,outer_iterations,linear_iterations,density_error_mean,density_error_max,"
+    "time_s,h_s,outer_iterations,linear_iterations,particles,density_error_mean,density_error_max,"
     "step_residual,kinetic_J,potential_J,constraint_J,momentum_x,momentum_y,momentum_z,"
     "pin_reaction_x_N,pin_reaction_y_N,pin_reaction_z_N,ms_neighbours,ms_local,ms_global,ms_contact"
 ).split(",")
-REPORT = """version scene name threads particles.fluid particles.cloth particles.boundary bodies
+REPORT = """version scene name threads particles.fluid particles.cloth particles.boundary
+particles.start particles.peak particles.end particles.emitted particles.removed bodies
 constraints solver.type solver.step solver.reason steps simulated_s wall_s ms_per_step
 ms.neighbours ms.local ms.global ms.contact ms.output outer_iterations.mean outer_iterations.max
 linear_iterations.mean linear_iterations.max density_error.mean density_error.worst_mean
@@ -226,18 +227,20 @@ class Output(unittest.TestCase):
         time, h = table[:, 0], table[:, 1]
         self.assertTrue(np.allclose(np.cumsum(h), time, rtol=1e-6))
         self.assertAlmostEqual(time[-1], self.report["simulated_s"], delta=1e-8)
-        for key, column in (("outer_iterations", 2), ("linear_iterations", 3), ("step_residual", 6)):
+        for key in ("outer_iterations", "linear_iterations", "step_residual"):
+            column = COLUMNS.index(key)
             self.assertAlmostEqual(self.report[key]["mean"], table[:, column].mean(),
                                    delta=1e-6 * max(1, table[:, column].mean()))
             self.assertAlmostEqual(self.report[key]["max"], table[:, column].max(),
                                    delta=1e-6 * max(1, table[:, column].max()))
-        self.assertAlmostEqual(self.report["density_error"]["worst_mean"], table[:, 4].max(), 6)
+        self.assertAlmostEqual(self.report["density_error"]["worst_mean"], table[:, 5].max(), 6)
+        self.assertEqual(self.report["particles"]["peak"], table[:, 4].max())
         self.assertAlmostEqual(self.report["time_step"]["min"], h.min(), delta=1e-9)
         end = self.report["energy"]["end"]
         told = [end["kinetic"], end["potential"], end["constraint"],
                 *self.report["momentum"]["end"], *self.report["pin_reaction"]]
-        self.assertTrue(np.allclose(told, table[-1, 7:16], rtol=1e-7, atol=1e-12))
-        self.assertAlmostEqual(self.report["pin_reaction_N"], np.linalg.norm(table[-1, 13:16]), 5)
+        self.assertTrue(np.allclose(told, table[-1, 8:17], rtol=1e-7, atol=1e-12))
+        self.assertAlmostEqual(self.report["pin_reaction_N"], np.linalg.norm(table[-1, 14:17]), 5)
 
     def test_report(self):
         for path in REPORT:

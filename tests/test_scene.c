@@ -1,5 +1,6 @@
 /* Scenes: good ones with all that comes of them, bad ones with their messages, overrides,
  * allocation failure, and the schema against the tables of parameters. Texts here have ' for ". */
+#include "inlet.h"
 #include "near.h"
 #include "registry.h"
 #include "scene.h"
@@ -121,9 +122,12 @@ static void assert_failure(pdyn_status status, const struct scene *scene, const 
 #define FLUID(constraints)                                                                         \
     BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]},\n"                            \
          " 'constraints': [" constraints "]}")
-#define LETTERS_13    "abcdefghijklm"
-#define LETTERS_65    LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13
-#define PIN(vertices) CLOTH("{'type': 'pin', 'vertices': " vertices "}")
+#define INLETS(text)    BODY("{'particles': {'radius': 0.1,\n" text "}}")
+#define DISC            "'disc': {'center': [0, 0, 0], 'radius': 1}, "
+#define RECTANGLE(size) "'rectangle': {'center': [0, 0, 0], 'size': [" size "]}, "
+#define LETTERS_13      "abcdefghijklm"
+#define LETTERS_65      LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13
+#define PIN(vertices)   CLOTH("{'type': 'pin', 'vertices': " vertices "}")
 
 static const struct {
     const char *text, *error;
@@ -149,10 +153,10 @@ static const struct {
      "scene.json:1:27: bodies: expected an array of bodies, found an object"},
     {TOP("'gravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
-     "name, gravity, time_step, solver, bodies, solids, duration, frame_interval"},
+     "name, gravity, time_step, solver, bodies, solids, outlets, duration, frame_interval"},
     {TOP("'\\u0067ravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
-     "name, gravity, time_step, solver, bodies, solids, duration, frame_interval"},
+     "name, gravity, time_step, solver, bodies, solids, outlets, duration, frame_interval"},
     {TOP("'gravity': [0, -9.81]"),
      "scene.json:2:13: gravity: expected an array of 3 numbers (m/s^2), found an array of "
      "2"},
@@ -221,18 +225,19 @@ static const struct {
      "known: name, particles, surface, constraints, velocity"},
     {BODY("{'particles': {'raduis': 0.1}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"raduis\"; did you mean "
-     "\"radius\"?; known: fill, radius, rest_density"},
+     "\"radius\"?; known: fill, inlets, radius, rest_density, budget"},
     {BODY("{'particles': {'density': 1000}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"density\"; did you mean "
-     "\"rest_density\"?; known: fill, radius, rest_density"},
+     "\"rest_density\"?; known: fill, inlets, radius, rest_density, budget"},
     {BODY("{'particles': {'fill': []}}"),
      "scene.json:2:17: bodies[0].particles.radius: missing, expected a number from 1e-06 "
      "to 1000 m"},
     {BODY("{'particles': {'radius': 0.1}}"),
      "scene.json:2:17: bodies[0].particles.fill: missing, expected at least one volume "
-     "to fill"},
+     "to fill, or \"inlets\""},
     {BODY("{'particles': {'radius': 0.1, 'fill': []}}"),
-     "scene.json:2:41: bodies[0].particles.fill: expected at least one volume to fill, found "
+     "scene.json:2:41: bodies[0].particles.fill: expected at least one volume to fill, or "
+     "\"inlets\", found "
      "an array of 0"},
     {BODY("{'particles': {'radius': 0, 'fill': []}}"),
      "scene.json:2:28: bodies[0].particles.radius: expected a number from 1e-06 to 1000 "
@@ -485,6 +490,50 @@ static const struct {
     {TOP("'solids': [{'mesh': 7}]"),
      "scene.json:2:22: solids[0].mesh: expected the name of a mesh file, .obj or .ply, "
      "found 7"},
+    /* inlets */
+    {INLETS("'fill': [{'box': " BOX "}], 'inlets': 1"),
+     "scene.json:3:76: bodies[0].particles.inlets: expected an array of inlets, found 1"},
+    {INLETS("'inlets': []"),
+     "scene.json:2:17: bodies[0].particles.fill: missing, expected at least one "
+     "volume to fill, or \"inlets\""},
+    {INLETS("'inlets': [{" DISC "'direction': [0, 0, 0], 'speed': 1}]"),
+     "scene.json:3:70: bodies[0].particles.inlets[0].direction: expected a direction that is not "
+     "0, found an array of 3"},
+    {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 0}]"),
+     "scene.json:3:90: bodies[0].particles.inlets[0].speed: expected a number from 1e-06 to "
+     "1000000 m/s, found 0"},
+    {INLETS("'inlets': [{'direction': [1, 0, 0], 'speed': 1}]"),
+     "scene.json:3:12: bodies[0].particles.inlets[0]: expected exactly one of \"rectangle\" and "
+     "\"disc\", found neither"},
+    {INLETS("'inlets': [{" DISC RECTANGLE("1, 1") "'direction': [1, 0, 0], 'speed': 1}]"),
+     "scene.json:3:12: bodies[0].particles.inlets[0]: expected exactly one of \"rectangle\" and "
+     "\"disc\", found both"},
+    {INLETS("'inlets': [{" RECTANGLE("1, 0.1") "'direction': [1, 0, 0], 'speed': 1}]"),
+     "scene.json:3:56: bodies[0].particles.inlets[0].rectangle.size: expected edges of at least "
+     "0.2 m (twice the radius), found 0.1 m"},
+    {INLETS("'inlets': [{" RECTANGLE("1e6, 1e6") "'direction': [1, 0, 0], 'speed': 1}]"),
+     "scene.json:3:26: bodies[0].particles.inlets[0].rectangle: expected at most 134217728 "
+     "particles in a layer, found about 2.5e+13"},
+    {INLETS("'inlets': [{" DISC "'direction': [0, 2, 0], 'up': [0, -1, 0], 'speed': 1}]"),
+     "scene.json:3:87: bodies[0].particles.inlets[0].up: expected a direction that is not 0 and "
+     "not that of the stream, found an array of 3"},
+    {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1, 'stop': 1}]"),
+     "scene.json:3:93: bodies[0].particles.inlets[0]: unknown key \"stop\"*"},
+    {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1e6, 'start': 0.5}]"),
+     "scene.json:3:11: bodies[0].particles.inlets: expected at most 134217728 particles in the "
+     "scene, found 202500000 so far"},
+    {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1}], 'budget': 0"),
+     "scene.json:3:105: bodies[0].particles.budget: expected a whole number from 1 to 134217728, "
+     "found 0"},
+    {INLETS("'fill': [{'box': " BOX "}], 'budget': 5"),
+     "scene.json:3:66: bodies[0].particles: \"budget\" needs \"inlets\""},
+    /* outlets */
+    {TOP("'outlets': {}"),
+     "scene.json:2:13: outlets: expected an array of outlets, found an object"},
+    {TOP("'outlets': [{'outside': true}]"),
+     "scene.json:2:14: outlets[0].box: missing, expected an object"},
+    {TOP("'outlets': [{'box': " BOX ", 'outside': 1}]"),
+     "scene.json:2:79: outlets[0].outside: expected true or false, found 1"},
 };
 
 static void test_bad_scenes(void **state) {
@@ -545,7 +594,8 @@ static const struct {
      "type, step, tolerance, outer_iterations, linear_tolerance, linear_iterations"},
     {"solvr.type=cg",
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: "
-     "$schema, name, gravity, time_step, solver, bodies, solids, duration, frame_interval"},
+     "$schema, name, gravity, time_step, solver, bodies, solids, outlets, duration, "
+     "frame_interval"},
     {"solver.type=gc",
      "--set solver.type=gc: solver.type: unknown solver \"gc\"; did you mean \"cg\"?; "
      "known: auto, *"},
@@ -1054,7 +1104,7 @@ static void check_table(const json_t *object, const pdyn_param *table, size_t ot
 
 static void test_schema(void **state) {
     (void)state;
-    check_table(schema, settings_general_params, 7);
+    check_table(schema, settings_general_params, 8);
     check_table(definition("time_step"), settings_time_step_params, 0);
     check_table(definition("solver"), settings_solver_params, 2);
     for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) {
@@ -1062,6 +1112,9 @@ static void test_schema(void **state) {
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
         check_table(definition(name), (*t)->params, 1);
     }
+    check_table(definition("inlet_rectangle"), inlet_params, 2);
+    check_table(definition("inlet_disc"), inlet_params, 2);
+    check_table(definition("outlet"), outlet_params, 1);
     static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
     for (int k = 0; k < COUNT(fills); k++) {
         const json_t *fill = definition(fills[k]);

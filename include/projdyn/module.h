@@ -116,7 +116,8 @@ typedef struct pdyn_neighbours {
      * there to end; particles each, numbers of points in `index`. */
     const int *start, *boundary_start, *end;
     const int *index;
-    unsigned revision; /* moves when the lists do */
+    unsigned revision;        /* moves when the lists do */
+    unsigned volume_revision; /* moves when volumes do */
 } pdyn_neighbours;
 
 /* One-sided scalar constraints C_i <= 0, as the last local step left them. With the displacement

@@ -100,6 +100,7 @@ typedef struct pdyn_step_info {
     bool frame;           /* the step ended exactly at a frame */
     int outer_iterations; /* local/global iterations */
     int linear_iterations;
+    int particles;             /* live ones, of bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;
     double step_residual; /* |grad E| / |M g| at the end of the step */
@@ -133,7 +134,8 @@ PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
 PDYN_API const char *pdyn_step_type(const pdyn_sim *sim); /* "projective" or "newton" */
-PDYN_API uint64_t pdyn_state_hash(const pdyn_sim *sim);   /* FNV-1a over the bits of x and v */
+PDYN_API uint64_t
+pdyn_state_hash(const pdyn_sim *sim); /* FNV-1a over the bits of the live x and v */
 
 typedef struct pdyn_state {
     int particles;          /* all unknowns, bodies one after the other */
@@ -142,6 +144,7 @@ typedef struct pdyn_state {
     const double *mass;     /* kg,  particles */
     const double *density;  /* kg/m^3, particles; rest density where there is no fluid constraint */
     const double *pressure; /* Pa, particles; 0 where there is no fluid constraint */
+    const bool *live;       /* particles: the others are not in the scene, now; NULL: all are */
     int boundary;           /* static boundary points */
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
@@ -152,6 +155,7 @@ PDYN_API pdyn_state pdyn_get_state(const pdyn_sim *sim);
 typedef struct pdyn_body_info {
     const char *name;
     int first, count;    /* its particles */
+    int live;            /* how many of these are in the scene, now */
     double radius;       /* m, of a body of particles; 0 for a surface */
     double rest_density; /* kg/m^3, of a body of particles; 0 for a surface */
     int triangles;       /* of a surface; 0 for a body of particles */

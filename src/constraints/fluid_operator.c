@@ -88,8 +88,9 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     if (!f->x) {
         f->particles = lists->particles, f->points = lists->points;
         if (!resize_particles(f, (size_t)f->particles, (size_t)f->points, true)) return false;
-        set_points(f);
     }
+    if (f->volumes != lists->volume_revision) set_points(f);
+    f->volumes = lists->volume_revision;
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);

@@ -1,5 +1,6 @@
 /* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver.
  */
+#include "emit.h"
 #include "registry.h"
 #include "sampling.h"
 #include "sim.h"
@@ -43,6 +44,8 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
         if (from->is_surface)
             status = points_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
         else status = points_add_all(c, all, from->start.x, from->start.count);
+        for (int k = 0; status == PDYN_OK && k < from->budget; k++)
+            status = points_add(c, all, (const double[3]){0});
         if (status != PDYN_OK) return status;
         body->count = all->count - body->first;
     }
@@ -95,9 +98,10 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
         for (int i = 0; i < body->count; i++) {
             mass[i] = from->is_surface ? body->area_density * body->vertex_area[i]
                                        : body->rest_density * spacing * spacing * spacing;
-            memcpy(sim->v + 3 * (size_t)(body->first + i),
-                   from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,
-                   sizeof from->velocity);
+            if (from->is_surface || i < from->start_v.count)
+                memcpy(sim->v + 3 * (size_t)(body->first + i),
+                       from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,
+                       sizeof from->velocity);
             sim->density[body->first + i] = body->rest_density;
         }
     }
@@ -190,6 +194,7 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
         status =
             neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x, volume,
                               4.0 * fluid->radius, 0.01 * SKIN_PERCENT, &sim->neighbours);
+    if (status == PDYN_OK) emit_tell(sim);
     if (status == PDYN_OK) status = neighbours_build(sim->neighbours, sim->x);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
     FREE_ARRAY(sim->context, centre, n);
@@ -274,6 +279,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = allocate_state(sim, &all);
     points_free(sim->context, &all);
     if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) status = emit_create(sim);
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
@@ -335,6 +341,7 @@ void pdyn_free(pdyn_sim *sim) {
     FREE_ARRAY(c, sim->density, sim->system.particles);
     FREE_ARRAY(c, sim->pressure, sim->system.particles);
     free_system(sim);
+    emit_free(sim);
     neighbours_free(sim->neighbours);
     points_free(c, &sim->boundary);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);

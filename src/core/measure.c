@@ -1,5 +1,7 @@
 #include "measure.h"
 
+#include "emit.h"
+
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -7,8 +9,8 @@
 double measure_weight(const struct pdyn_sim *sim) {
     double g = vec3_length(sim->scene.settings.gravity), sum = 0.0;
     for (int i = 0; i < sim->system.particles; i++)
-        sum += sim->system.mass[i] * sim->system.mass[i];
-    return (g > 0.0 ? g : 9.81) * sqrt(sum);
+        if (emit_is_live(sim, i)) sum += sim->system.mass[i] * sim->system.mass[i];
+    return sum > 0.0 ? (g > 0.0 ? g : 9.81) * sqrt(sum) : 1.0; /* before the first particle */
 }
 
 /* What an operator knows about its particles at the end of a step. */
@@ -34,13 +36,15 @@ static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->rest_density == 0.0) continue;
-        for (int i = body->first; i < body->first + body->count; i++, count++) {
+        for (int i = body->first; i < body->first + body->count; i++) {
+            if (!emit_is_live(sim, i)) continue;
             double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);
-            sum += error;
+            sum += error, count++;
             info->density_error_max = fmax(info->density_error_max, error);
         }
     }
     info->density_error_mean = count > 0.0 ? sum / count : 0.0;
+    info->particles = (int)count;
 }
 
 static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {

@@ -14,6 +14,8 @@ struct neighbours {
     double reach;                          /* m: support and skin */
     double skin;                           /* m */
     bool *centre;                          /* particles */
+    double centre_volume;                  /* m^3 */
+    int most;                              /* particles that may take part */
     int active;                            /* particles that take part, */
     int *id;                               /* active: these */
     double *volume, *boundary_x, *built_x; /* built_x: particles x 3, where the lists were built */
@@ -66,6 +68,9 @@ pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *
         if (boundary) memcpy(n->boundary_x, boundary_x, 3 * (size_t)boundary * sizeof *boundary_x);
         for (int i = 0; i < particles; i++)
             if (volume[i] > 0.0) n->id[n->active++] = i;
+        for (int i = 0; i < particles; i++)
+            if (centre[i]) n->centre_volume = volume[i];
+        n->most = n->active, n->view.volume_revision = 1;
         n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
         n->view.start = n->start, n->view.boundary_start = n->boundary_start;
         n->view.end = n->end;
@@ -99,6 +104,18 @@ void neighbours_free(struct neighbours *n) {
 }
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *n) { return &n->view; }
+
+/* Who takes no part has an empty list. */
+void neighbours_change(struct neighbours *n, const bool *live) {
+    n->active = 0;
+    for (int i = 0; i < n->view.particles; i++) {
+        if (n->centre[i]) n->volume[i] = live[i] ? n->centre_volume : 0.0;
+        if (n->volume[i] > 0.0) n->id[n->active++] = i;
+        else n->start[i] = n->boundary_start[i] = n->end[i] = 0;
+    }
+    n->built = false;
+    n->view.volume_revision++;
+}
 
 /* ---- do the lists still hold? ---------------------------------------------------------------- */
 
@@ -171,7 +188,7 @@ static void fill_lists(void *arg, int first, int last, int block) {
 
 /* Makes room for the fullest block, and some more, so that a warmed-up step allocates nothing. */
 static pdyn_status reserve(struct neighbours *n, int most) {
-    size_t blocks = (size_t)pool_blocks(n->active, PARTICLES);
+    size_t blocks = (size_t)pool_blocks(n->most, PARTICLES);
     size_t capacity = blocks * ((size_t)most + (size_t)most / 4 + 1);
     if (capacity > INT32_MAX)
         return context_fail(n->context, PDYN_DIVERGED,

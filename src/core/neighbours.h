@@ -17,6 +17,11 @@ pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *
                               double support, double skin, struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
+/* Of the centres only those take part from now on that are live; lists have to be built again. All
+ * centres must have the same volume, and takes part what has one at first: there is room for that.
+ */
+void neighbours_change(struct neighbours *neighbours, const bool *live);
+
 /* Are the lists complete at x (particles x 3)? */
 bool neighbours_hold(struct neighbours *neighbours, const double *x);
 

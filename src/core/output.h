@@ -17,6 +17,7 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, const char *path);
     X(h_s, h)                                                                                      \
     X(outer_iterations, outer_iterations)                                                          \
     X(linear_iterations, linear_iterations)                                                        \
+    X(particles, particles)                                                                        \
     X(density_error_mean, density_error_mean)                                                      \
     X(density_error_max, density_error_max)                                                        \
     X(step_residual, step_residual)                                                                \

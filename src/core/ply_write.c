@@ -1,5 +1,6 @@
 /* PLY, binary little endian: vertices with velocity (vx, vy, vz) and, of particles, density and
  * pressure; faces. */
+#include "emit.h"
 #include "file_out.h"
 #include "output.h"
 
@@ -11,7 +12,7 @@ static void write_header(struct file_out *file, const pdyn_body_info *info, doub
     file_out_print(file,
                    "ply\nformat binary_little_endian 1.0\ncomment projdyn %s t=%.9g s\n"
                    "element vertex %d\n",
-                   info->name, time, info->count);
+                   info->name, time, info->live);
     for (int k = 0; k < (info->triangles ? 6 : 8); k++)
         file_out_print(file, "property float %s\n", properties[k]);
     if (info->triangles)
@@ -28,6 +29,7 @@ pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path) {
     pdyn_body_info info = pdyn_get_body(sim, body);
     write_header(&file, &info, pdyn_time(sim));
     for (int i = info.first; i < info.first + info.count; i++) {
+        if (!emit_is_live(sim, i)) continue;
         file_out_reals(&file, order, state.x + 3 * i, 3);
         file_out_reals(&file, order, state.v + 3 * i, 3);
         if (info.triangles) continue;

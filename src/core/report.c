@@ -1,5 +1,6 @@
 /* The report of a run: report.json. */
 #include "clock.h"
+#include "emit.h"
 #include "file_out.h"
 #include "measure.h"
 #include "output.h"
@@ -75,14 +76,21 @@ static json_t *mean_max(const struct report *report, int column) {
 
 /* ---- the scene ------------------------------------------------------------------------------- */
 
-static json_t *particles(const pdyn_sim *sim) {
+/* fluid: that there is room for; start, peak and end: that were live. */
+static json_t *particles(const struct report *report, const pdyn_sim *sim) {
+    const struct emit *e = sim->emit;
     pdyn_state state = pdyn_get_state(sim);
     int fluid = 0, cloth = 0;
     for (int b = 0; b < state.bodies; b++) {
         pdyn_body_info body = pdyn_get_body(sim, b);
         *(body.triangles ? &cloth : &fluid) += body.count;
     }
-    return json_pack("{s:i, s:i, s:i}", "fluid", fluid, "cloth", cloth, "boundary", state.boundary);
+    int start = report->start.particles;
+    int peak = (int)fmax(start, report->tally[STEP_particles].max);
+    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:i, s:I, s:I}", "fluid", fluid, "cloth", cloth,
+                     "boundary", state.boundary, "start", start, "peak", peak, "end",
+                     report->end.particles, "emitted", (json_int_t)(e ? e->emitted : 0), "removed",
+                     (json_int_t)(e ? e->removed : 0));
 }
 
 static json_t *body(const pdyn_body_info *info) {
@@ -150,11 +158,11 @@ static double peak_rss_bytes(void) {
     return 1024.0 * (double)usage.ru_maxrss;
 }
 
-static json_t *describe_scene(const pdyn_sim *sim) {
+static json_t *describe_scene(const struct report *report, const pdyn_sim *sim) {
     return json_pack(
         "{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version", pdyn_version(),
         "scene", text(sim->context, sim->scene.file), "name", text(sim->context, sim->scene.name),
-        "threads", pdyn_thread_count(sim->context), "particles", particles(sim), "bodies",
+        "threads", pdyn_thread_count(sim->context), "particles", particles(report, sim), "bodies",
         bodies(sim), "constraints", constraints(sim), "solver", "type", pdyn_solver_type(sim),
         "step", pdyn_step_type(sim), "reason", text(sim->context, pdyn_solver_reason(sim)));
 }
@@ -187,7 +195,7 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
 /* Everything in one object, or NULL without memory. */
 static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
                      const char *failed) {
-    json_t *root = describe_scene(sim), *run = describe_run(report, sim);
+    json_t *root = describe_scene(report, sim), *run = describe_run(report, sim);
     json_t *result = describe_result(report, sim);
     char *dump = NULL;
     if (root && run && result && !json_object_update(root, run) &&

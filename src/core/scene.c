@@ -1,6 +1,7 @@
 #include "scene.h"
 
 #include "fill.h"
+#include "inlet.h"
 #include "near.h"
 #include "params.h"
 #include "placed.h"
@@ -185,6 +186,7 @@ static const pdyn_param particles_params[] = {
     {"radius", PDYN_REAL, offsetof(struct scene_body, radius), true, 0, 1e-6, 1e3, "m", ""},
     {"rest_density", PDYN_REAL, offsetof(struct scene_body, rest_density), false, 1000, 1e-3, 1e6,
      "kg/m^3", ""},
+    {"budget", PDYN_INT, offsetof(struct scene_body, budget), false, 0, 1, MOST_PARTICLES, "", ""},
     {0}};
 
 static const pdyn_param surface_params[] = {{"area_density", PDYN_REAL,
@@ -197,16 +199,52 @@ static pdyn_status read_fill(struct reader *r, const struct json_at *at, int ind
     return fill_read(at, r->body, &r->particles);
 }
 
-static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"fill", NULL};
+static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int index) {
+    return inlet_read(at, r->body->radius, r->scene->settings.duration, &r->body->inlet[index]);
+}
+
+/* Without a budget there is room for all that the inlets emit; for one particle at least, as the
+ * scene may end before. */
+static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
+                               const struct json_at *inlets) {
     struct scene_body *body = r->body;
-    struct json_at fill = json_member(at, "fill");
+    struct json_at at = json_member(owner, "budget");
+    double total = 0.0;
+    for (int k = 0; k < body->inlets; k++) total += inlet_total(&body->inlet[k]);
+    if (body->inlets) total = fmax(total, 1.0);
+    if (at.value && !body->inlets) return json_fail_at_key(&at, "\"budget\" needs \"inlets\"");
+    pdyn_status status =
+        fill_count(at.value ? &at : inlets, at.value ? body->budget : total, &r->particles);
+    if (status == PDYN_OK && !at.value) body->budget = (int)total;
+    return status;
+}
+
+static pdyn_status read_inlets(struct reader *r, const struct json_at *owner) {
+    struct scene_body *body = r->body;
+    struct json_at array = json_member(owner, "inlets");
+    int count;
+    pdyn_status status = read_count(&array, "an array of inlets", &count);
+    if (status == PDYN_OK && count) {
+        body->inlet = NEW_ARRAY(r->context, count, struct scene_inlet);
+        if (!body->inlet) return PDYN_NO_MEMORY;
+        body->inlets = count;
+        status = read_each(r, &array, read_inlet);
+    }
+    return status == PDYN_OK ? read_budget(r, owner, &array) : status;
+}
+
+static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"fill", "inlets", NULL};
+    struct scene_body *body = r->body;
+    struct json_at fill = json_member(at, "fill"), inlets = json_member(at, "inlets");
     int fills = 0;
     pdyn_status status = params_check_keys(at, particles_params, others);
     if (status == PDYN_OK) status = params_read(at, particles_params, NULL, body);
     if (status == PDYN_OK) status = read_count(&fill, "an array of volumes to fill", &fills);
-    if (status == PDYN_OK && !fills) status = json_expected(&fill, "at least one volume to fill");
-    return status == PDYN_OK ? read_each(r, &fill, read_fill) : status;
+    if (status == PDYN_OK && !fills && !json_array_size(inlets.value))
+        status = json_expected(&fill, "at least one volume to fill, or \"inlets\"");
+    if (status == PDYN_OK) status = read_each(r, &fill, read_fill);
+    return status == PDYN_OK ? read_inlets(r, at) : status;
 }
 
 static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct mesh *mesh) {
@@ -402,17 +440,33 @@ static pdyn_status read_solids(struct reader *r, const struct json_at *array) {
     return read_each(r, array, read_solid);
 }
 
+static pdyn_status read_outlet(struct reader *r, const struct json_at *at, int index) {
+    return outlet_read(at, &r->scene->outlet[index]);
+}
+
+static pdyn_status read_outlets(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = read_count(array, "an array of outlets", &count);
+    if (status != PDYN_OK || !count) return status;
+    r->scene->outlet = NEW_ARRAY(r->context, count, struct scene_outlet);
+    if (!r->scene->outlet) return PDYN_NO_MEMORY;
+    r->scene->outlets = count;
+    return read_each(r, array, read_outlet);
+}
+
 static pdyn_status read_all(struct reader *r, const struct json_at *root) {
-    static const char *const others[] = {"$schema", "name",   "gravity", "time_step",
-                                         "solver",  "bodies", "solids",  NULL};
+    static const char *const others[] = {"$schema", "name",   "gravity", "time_step", "solver",
+                                         "bodies",  "solids", "outlets", NULL};
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
+    struct json_at outlets = json_member(root, "outlets");
     pdyn_status status = params_check_keys(root, settings_general_params, others);
     if (status == PDYN_OK) status = read_general(r, root);
     if (status == PDYN_OK) status = read_time_step(r, &time_step);
     if (status == PDYN_OK) status = read_solver(r, &solver);
     if (status == PDYN_OK) status = read_bodies(r, &bodies);
     if (status == PDYN_OK) status = read_solids(r, &solids);
+    if (status == PDYN_OK) status = read_outlets(r, &outlets);
     return status;
 }
 
@@ -447,6 +501,8 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
         context_resize(context, constraint->params, constraint->type->params_size, 0);
     }
     FREE_ARRAY(context, body->constraint, body->constraints);
+    for (int k = 0; k < body->inlets; k++) points_free(context, &body->inlet[k].layer);
+    FREE_ARRAY(context, body->inlet, body->inlets);
     points_free(context, &body->start);
     points_free(context, &body->start_v);
     mesh_free(context, &body->mesh);
@@ -461,6 +517,7 @@ void scene_free(pdyn_context *context, struct scene *scene) {
     }
     FREE_ARRAY(context, scene->body, scene->bodies);
     FREE_ARRAY(context, scene->solid, scene->solids);
+    FREE_ARRAY(context, scene->outlet, scene->outlets);
     free_text(context, &scene->file);
     free_text(context, &scene->name);
     *scene = (struct scene){0};

@@ -17,6 +17,19 @@ struct scene_sphere {
     double center[3], radius; /* m */
 };
 
+struct scene_inlet {        /* lets one layer of particles in after the other, a spacing apart */
+    double direction[3];    /* of length 1 */
+    double speed;           /* m/s */
+    double start, duration; /* s; duration 0: until the end of the scene */
+    double layers;          /* in all, whole */
+    struct points layer;    /* where its particles enter */
+};
+
+struct scene_outlet { /* removes particles */
+    struct scene_box box;
+    bool outside; /* those outside the box, not those inside */
+};
+
 struct scene_constraint {
     const pdyn_constraint_type *type;
     void *params; /* type->params_size bytes, filled from type->params */
@@ -31,7 +44,10 @@ struct scene_body {
     double radius;                /* m */
     double rest_density;          /* kg/m^3 */
     double area_density;          /* kg/m^2 */
-    double velocity[3];           /* m/s, at the start; of particles, what a fill says goes first */
+    int inlets;                   /* of particles */
+    struct scene_inlet *inlet;
+    int budget;         /* particles that the inlets may add to those at the start */
+    double velocity[3]; /* m/s, at the start; of particles, what a fill says goes first */
     int constraints;
     struct scene_constraint *constraint; /* a type at most once per body */
 };
@@ -63,9 +79,10 @@ struct scene {
     char *file; /* as named by the user, for messages and the report */
     char *name; /* "name" of the scene; may be empty */
     struct scene_settings settings;
-    int bodies, solids;
+    int bodies, solids, outlets;
     struct scene_body *body;
     struct scene_solid *solid;
+    struct scene_outlet *outlet;
 };
 
 /* Reads and checks a scene. Meshes are found relative to the scene file's folder. `text` NULL: read

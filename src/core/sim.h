@@ -35,6 +35,8 @@ struct pdyn_sim {
     double damping;     /* eps, kept from step to step */
     bool anchored;      /* some constraint can take momentum from the system */
 
+    struct emit *emit; /* particles that come and go; NULL where none does */
+
     struct neighbours *neighbours; /* NULL where no constraint needs them */
 
     const struct solver_type *solver;

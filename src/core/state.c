@@ -1,5 +1,5 @@
 /* Reading a simulation's state through the public API. */
-#include "sim.h"
+#include "emit.h"
 
 double pdyn_time(const pdyn_sim *sim) { return sim->time; }
 double pdyn_duration(const pdyn_sim *sim) { return sim->scene.settings.duration; }
@@ -22,6 +22,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .mass = sim->system.mass,
                         .density = sim->density,
                         .pressure = sim->pressure,
+                        .live = sim->emit ? sim->emit->live : NULL,
                         .boundary = sim->boundary.count,
                         .boundary_x = sim->boundary.x,
                         .bodies = sim->bodies,
@@ -30,8 +31,14 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
 
 pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
     const pdyn_body *b = &sim->body[body];
-    return (pdyn_body_info){b->name,         b->first,     b->count,   b->radius,
-                            b->rest_density, b->triangles, b->triangle};
+    return (pdyn_body_info){.name = b->name,
+                            .first = b->first,
+                            .count = b->count,
+                            .live = emit_count(sim, body),
+                            .radius = b->radius,
+                            .rest_density = b->rest_density,
+                            .triangles = b->triangles,
+                            .triangle = b->triangle};
 }
 
 pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
@@ -45,7 +52,15 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
     return hash;
 }
 
+/* A vector's bits, of all live particles. */
+static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
+    size_t one = 3 * sizeof *vector;
+    if (!sim->emit) return hash_bytes(hash, vector, (size_t)sim->system.particles * one);
+    for (int i = 0; i < sim->system.particles; i++)
+        if (sim->emit->live[i]) hash = hash_bytes(hash, vector + 3 * i, one);
+    return hash;
+}
+
 uint64_t pdyn_state_hash(const pdyn_sim *sim) {
-    size_t size = 3 * (size_t)sim->system.particles * sizeof(double);
-    return hash_bytes(hash_bytes(0xCBF29CE484222325u, sim->x, size), sim->v, size);
+    return hash_vector(hash_vector(0xCBF29CE484222325u, sim, sim->x), sim, sim->v);
 }

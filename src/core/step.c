@@ -2,6 +2,7 @@
  * new velocity. Implicit Euler as a minimisation (Bouaziz et al. 2014). The global step is the
  * damped newton step of E; with eps = 1 it is that of classic Projective Dynamics. */
 #include "clock.h"
+#include "emit.h"
 #include "measure.h"
 #include "sim.h"
 #include "timestep.h"
@@ -28,6 +29,7 @@ static void predict(struct pdyn_sim *sim, double h) {
     sim->system.time = sim->time + h;
     for (int k = 0; k < 3 * sim->system.particles; k++)
         sim->system.s[k] = sim->x[k] + h * sim->v[k] + h * h * g[k % 3];
+    emit_hold(sim);
     memcpy(sim->x_next, sim->system.s, bytes_of(sim));
 }
 
@@ -147,11 +149,13 @@ static pdyn_status keep_momentum(struct pdyn_sim *sim) {
     double moved[3] = {0}, mass = 0.0, energy;
     if (sim->anchored) return PDYN_OK;
     for (int i = 0; i < sys->particles; i++) {
+        if (!emit_is_live(sim, i)) continue;
         mass += sys->mass[i];
         for (int a = 0; a < 3; a++)
             moved[a] += sys->mass[i] * (sim->x_next[3 * i + a] - sys->s[3 * i + a]);
     }
-    for (int k = 0; k < 3 * sys->particles; k++) sim->x_next[k] -= moved[k % 3] / mass;
+    for (int k = 0; k < 3 * sys->particles; k++)
+        if (emit_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
     return system_local(sys, sim->x_next, &energy, sim->gradient);
 }
 
@@ -184,6 +188,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     accept(sim, end.h);
 
     timestep_advance(sim, &end);
+    emit_step(sim);
     *info = (pdyn_step_info){.time = sim->time,
                              .h = end.h,
                              .frame = end.frame,

@@ -1,4 +1,5 @@
 /* Legacy VTK, version 4.2, binary (big endian): an unstructured grid of points and cells. */
+#include "emit.h"
 #include "file_out.h"
 #include "output.h"
 
@@ -7,13 +8,22 @@ enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
 static const enum byte_order order = BIG_ENDIAN_BYTES;
 
 /* The format allows 256 bytes of title. */
-static void write_points(struct file_out *file, const char *title, double time, const double *x,
-                         int count) {
+static void write_head(struct file_out *file, const char *title, double time, int points) {
     file_out_print(file,
                    "# vtk DataFile Version 4.2\nprojdyn %.200s t=%.9g s\nBINARY\n"
                    "DATASET UNSTRUCTURED_GRID\nPOINTS %d float\n",
-                   title, time, count);
-    file_out_reals(file, order, x, 3 * (size_t)count);
+                   title, time, points);
+}
+
+/* The values of a body's live particles out of the system's, `width` numbers each. */
+static void write_values(struct file_out *file, const pdyn_sim *sim, const pdyn_body_info *info,
+                         const double *value, int width) {
+    if (info->live == info->count)
+        file_out_reals(file, order, value + width * info->first,
+                       (size_t)width * (size_t)info->count);
+    else
+        for (int i = info->first; i < info->first + info->count; i++)
+            if (emit_is_live(sim, i)) file_out_reals(file, order, value + width * i, (size_t)width);
 }
 
 static void write_types(struct file_out *file, int type, int count) {
@@ -36,9 +46,10 @@ static void write_triangles(struct file_out *file, const int *triangle, int coun
     write_types(file, TRIANGLE_CELL, count);
 }
 
-static void write_scalars(struct file_out *file, const char *name, const double *value, int count) {
+static void write_scalars(struct file_out *file, const pdyn_sim *sim, const pdyn_body_info *info,
+                          const char *name, const double *value) {
     file_out_print(file, "SCALARS %s float 1\nLOOKUP_TABLE default\n", name);
-    file_out_reals(file, order, value, (size_t)count);
+    write_values(file, sim, info, value, 1);
     file_out_print(file, "\n");
 }
 
@@ -48,17 +59,17 @@ pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
     if (status != PDYN_OK) return status;
     pdyn_state state = pdyn_get_state(sim);
     pdyn_body_info info = pdyn_get_body(sim, body);
-    size_t first = (size_t)info.first;
-    write_points(&file, info.name, pdyn_time(sim), state.x + 3 * first, info.count);
+    write_head(&file, info.name, pdyn_time(sim), info.live);
+    write_values(&file, sim, &info, state.x, 3);
     if (info.triangles) write_triangles(&file, info.triangle, info.triangles);
-    else write_vertices(&file, info.count);
-    file_out_print(&file, "\nPOINT_DATA %d\n", info.count);
+    else write_vertices(&file, info.live);
+    file_out_print(&file, "\nPOINT_DATA %d\n", info.live);
     if (!info.triangles) {
-        write_scalars(&file, "density", state.density + first, info.count);
-        write_scalars(&file, "pressure", state.pressure + first, info.count);
+        write_scalars(&file, sim, &info, "density", state.density);
+        write_scalars(&file, sim, &info, "pressure", state.pressure);
     }
     file_out_print(&file, "VECTORS velocity float\n");
-    file_out_reals(&file, order, state.v + 3 * first, 3 * (size_t)info.count);
+    write_values(&file, sim, &info, state.v, 3);
     file_out_print(&file, "\n");
     return file_out_close(&file);
 }
@@ -68,7 +79,8 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, const char *path) {
     pdyn_status status = file_out_open(sim->context, path, &file);
     if (status != PDYN_OK) return status;
     pdyn_state state = pdyn_get_state(sim);
-    write_points(&file, "boundary", pdyn_time(sim), state.boundary_x, state.boundary);
+    write_head(&file, "boundary", pdyn_time(sim), state.boundary);
+    file_out_reals(&file, order, state.boundary_x, 3 * (size_t)state.boundary);
     write_vertices(&file, state.boundary);
     file_out_print(&file, "\n");
     return file_out_close(&file);

@@ -1,0 +1,243 @@
+/* Inlets and outlets: what comes in, where, how dense, and that it goes again. */
+#include "emit.h"
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A jet of 8 x 4 particles of 0.025 m: `time` begins the scene, `more` ends the inlet. */
+#define JET(time, more, budget)                                                                    \
+    "{" time ", \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.0125, "           \
+    "\"inlets\": [{\"rectangle\": {\"center\": [0, 0.5, 0], \"size\": [0.2, 0.1]}, "               \
+    "\"direction\": [3, 0, 4], \"speed\": 2" more "}]" budget                                      \
+    "}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}]"
+#define STEPS "\"duration\": 1, \"frame_interval\": 0.003, \"time_step\": {\"fixed\": 0.003}"
+#define FLOAT ", \"gravity\": [0, 0, 0]"
+enum { LAYER = 8 * 4 };
+static const double spacing = 0.025, direction[3] = {0.6, 0.0, 0.8};
+
+/* What falls through an outlet, 4 x 4 particles a layer. */
+static const char *const fountain =
+    "{\"duration\": 2, \"frame_interval\": 0.005, \"time_step\": {\"fixed\": 0.005}, \"bodies\": "
+    "[{\"name\": \"water\", \"particles\": {\"radius\": 0.0125, \"inlets\": [{\"rectangle\": "
+    "{\"center\": [0, 0.2, 0], \"size\": [0.1, 0.1]}, \"direction\": [0, -1, 0], \"speed\": 2}], "
+    "\"budget\": 400}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}], "
+    "\"outlets\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1, 1, 1]}, \"outside\": "
+    "true}]}";
+
+/* The layers that have entered by the end of the step, each where the stream has carried it. */
+static void test_emitted_mass(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", "") "}");
+    const pdyn_state s = pdyn_get_state(sim);
+    double particle = 1000.0 * spacing * spacing * spacing;
+    for (int n = 1; n <= 60; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        double mass = 0.0, expected = 1000.0 * 0.2 * 0.1 * 2.0 * info.time;
+        for (int i = 0; i < s.particles; i++) {
+            if (!s.live[i]) continue;
+            double layers = (2.0 * info.time - vec3_dot(s.x + 3 * i, direction)) / spacing;
+            assert_true(fabs(layers - round(layers)) < 1e-3);
+            assert_true(fabs(s.x[3 * i + 1] - 0.5) < 0.05);
+            mass += s.mass[i];
+        }
+        assert_true(mass >= expected - 1e-9 && mass <= expected + LAYER * particle + 1e-9);
+        assert_true(fabs(mass - info.particles * particle) < 1e-9);
+        assert_true(fabs(vec3_dot(info.momentum, direction) - 2.0 * mass) < 1e-6 * mass);
+        assert_true(info.density_error_max < 0.005);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* The layer that enters within a step lies exactly where it must, and a disc lies in its plane. */
+static void test_place(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS FLOAT ", \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"inlets\": "
+        "[{\"disc\": {\"center\": [1, 2, 3], \"radius\": 0.06}, \"direction\": [0, -2, "
+        "0], \"up\": [1, 5, 1], \"speed\": 3, \"start\": 0.0095, \"duration\": 0.01}]}}]}");
+    const pdyn_state s = pdyn_get_state(sim);
+    const int in_disc = 21; /* i^2 + j^2 <= 2.4^2, both of them at most 2 but for the corners */
+    assert_int_equal(s.particles, 2 * in_disc); /* entering at 0.0095 s and 0.0178 s */
+    for (int n = 0; n < 3; n++) assert_int_equal(test_step(context, sim).particles, 0);
+    assert_int_equal(test_step(context, sim).particles, in_disc);
+    for (int i = 0; i < in_disc; i++) {
+        double *x = sim->x + 3 * i;
+        assert_true(fabs(x[1] - (2.0 - 3.0 * (0.012 - 0.0095))) < 1e-12);
+        assert_true(hypot(x[0] - 1.0, x[2] - 3.0) <= 0.06);
+        double up = (x[0] - 1.0 + x[2] - 3.0) * sqrt(0.5) / spacing;
+        assert_true(fabs(up - round(up)) < 1e-9);
+        assert_true(sim->v[3 * i + 1] == -3.0);
+    }
+    for (int n = 0; n < 10; n++) test_step(context, sim);
+    assert_int_equal(sim->emit->emitted, 2 * in_disc);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Four of the layer's eight columns are in the middle of a block: nothing enters there. */
+static void test_blocked(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{" STEPS FLOAT ", \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"fill\": "
+                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.1, 0.1, 0.1]}}], "
+                 "\"inlets\": [{\"rectangle\": {\"center\": [0.05, 0.05, 0.05], \"size\": [0.2, "
+                 "0.1]}, \"direction\": [0, 0, 1], \"speed\": 1}]}}]}");
+    assert_int_equal(pdyn_get_body(sim, 0).live, 4 * 4 * 4 + LAYER / 2);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A jet in the open is at most at rest density. */
+static void test_free_jet(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim =
+        test_load(context, JET("\"duration\": 1, \"time_step\": {\"maximum\": 0.004}", "", "") "}");
+    while (pdyn_time(sim) < 0.3) assert_true(test_step(context, sim).density_error_max < 0.005);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* What is not live is nowhere: no mass, no energy, no neighbours, no constraint. */
+static void test_before_the_start(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, JET(STEPS, ", \"start\": 0.5", "") "}");
+    uint64_t hash = pdyn_state_hash(sim);
+    for (int n = 0; n < 5; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        assert_true(info.particles == 0 && info.step_residual == 0.0);
+        assert_true(info.kinetic_energy == 0.0 && info.potential_energy == 0.0);
+        assert_true(info.constraint_energy == 0.0 && info.density_error_mean == 0.0);
+    }
+    assert_true(pdyn_state_hash(sim) == hash);
+    assert_int_equal(pdyn_get_body(sim, 0).live, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
+    long *left = user; /* never fails below 0 */
+    (void)old_size;
+    if (!new_size) return free(block), NULL;
+    return (*left)-- == 0 ? NULL : realloc(block, new_size);
+}
+
+static pdyn_context *counting_context(int threads, long *left) {
+    pdyn_options options = pdyn_default_options();
+    pdyn_context *context = NULL;
+    options.threads = threads, options.allocate = count_allocation, options.allocate_user = left;
+    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    return context;
+}
+
+/* What leaves returns to the budget: four times as much flows through as there is room for, without
+ * allocation, with the same bits for any number of threads. */
+static void test_outlet(void **state) {
+    (void)state;
+    uint64_t hash[3];
+    for (int threads = 1; threads <= 3; threads++) {
+        long left = -1, before = 0;
+        pdyn_context *context = counting_context(threads, &left);
+        pdyn_sim *sim = test_load(context, fountain);
+        const pdyn_state s = pdyn_get_state(sim);
+        for (int n = 0; n < 250; n++) {
+            pdyn_step_info info = test_step(context, sim);
+            if (n == 100) before = left;
+            assert_int_equal(info.particles, sim->emit->emitted - sim->emit->removed);
+            assert_true(n < 100 || (info.particles > 60 && info.particles < 200));
+            for (int i = 0; i < s.particles; i++) assert_true(!s.live[i] || s.x[3 * i + 1] >= 0.0);
+        }
+        assert_int_equal(left, before);
+        assert_true(sim->emit->removed > 1400 && !sim->emit->inlet[0].closed);
+        hash[threads - 1] = pdyn_state_hash(sim);
+        pdyn_free(sim);
+        assert_int_equal(pdyn_bytes_in_use(context), 0);
+        pdyn_destroy(context);
+        assert_true(hash[threads - 1] == hash[0]);
+    }
+}
+
+static void count_warning(void *user, pdyn_log_level level, const char *message) {
+    *(int *)user += level == PDYN_LOG_WARNING && strstr(message, "budget of 100 particles");
+}
+
+/* Room for three layers: then the inlet closes and says so, once. */
+static void test_exhausted(void **state) {
+    (void)state;
+    int warnings = 0;
+    pdyn_options options = pdyn_default_options();
+    pdyn_context *context = NULL;
+    options.threads = 1, options.log = count_warning, options.log_user = &warnings;
+    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", ", \"budget\": 100") "}");
+    assert_int_equal(pdyn_get_state(sim).particles, 100);
+    for (int n = 0; n < 40; n++) test_step(context, sim);
+    assert_int_equal(pdyn_get_body(sim, 0).live, 3 * LAYER);
+    assert_int_equal(warnings, 1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* An unfinished solve makes up no momentum of what is not there. */
+static void test_momentum(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{" STEPS FLOAT ", \"solver\": {\"outer_iterations\": 1, \"linear_iterations\": "
+                 "3}, \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"fill\": [{\"box\": "
+                 "{\"minimum\": [0.2, 0, 0], \"maximum\": [0.3, 0.1, 0.1]}, \"velocity\": [-3, 0, "
+                 "0]}, {\"box\": {\"minimum\": [0.3, 0.013, 0], \"maximum\": [0.4, 0.1, 0.1]}, "
+                 "\"velocity\": [-5, 0, 0]}], \"inlets\": [{\"disc\": {\"center\": [9, 9, 9], "
+                 "\"radius\": 0.01}, \"direction\": [1, 0, 0], \"speed\": 1, \"start\": 0.9}]}, "
+                 "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}]}");
+    double first[3] = {0}, touched = 0.0;
+    const pdyn_state s = pdyn_get_state(sim);
+    for (int i = 0; i < s.particles; i++) vec3_add(first, s.mass[i], s.v + 3 * i);
+    for (int n = 0; n < 20; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        touched = fmax(touched, info.constraint_energy);
+        assert_true(vec3_distance(info.momentum, first) < 1e-12 * vec3_length(first));
+    }
+    assert_true(touched > 1e-6);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* An allocator that fails at the k-th call, for every k: an error, no crash, nothing kept. */
+static void test_failing_allocator(void **state) {
+    (void)state;
+    pdyn_status status = PDYN_NO_MEMORY;
+    for (long budget = 1; status != PDYN_OK; budget++) {
+        long left = budget;
+        pdyn_context *context = counting_context(1, &left);
+        pdyn_sim *sim = NULL;
+        status = pdyn_load_text(context, fountain, "test", NULL, 0, &sim);
+        if (status == PDYN_OK) status = pdyn_step(sim, NULL);
+        assert_true(status == PDYN_OK || status == PDYN_NO_MEMORY);
+        pdyn_free(sim);
+        assert_int_equal(pdyn_bytes_in_use(context), 0);
+        pdyn_destroy(context);
+        assert_true(budget < 10000);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_emitted_mass),      cmocka_unit_test(test_place),
+        cmocka_unit_test(test_blocked),           cmocka_unit_test(test_free_jet),
+        cmocka_unit_test(test_before_the_start),  cmocka_unit_test(test_outlet),
+        cmocka_unit_test(test_exhausted),         cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_failing_allocator),
+    };
+    return cmocka_run_group_tests_name("inlet", tests, NULL, NULL);
+}
