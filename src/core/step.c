@@ -13,8 +13,8 @@
 
 enum { BACKTRACKS = 6 };
 
-struct progress { /* of the minimisation of one step */
-    double start, energy, residual; /* start: the energy at first */
+struct progress {                    /* of the minimisation of one step */
+    double before, energy, residual; /* before: the energy an iteration earlier */
     int outer, linear;
 };
 
@@ -52,13 +52,13 @@ static pdyn_status warm_start(struct pdyn_sim *sim, double h, double *energy) {
 }
 
 /* x_next + direction, halved until E falls enough (Armijo). *length: what was taken, 0 for none;
- * then the iterate and its local step are as before. Unfinished multipliers may raise E from one
- * iteration to the next; then it must stay below that of the start. */
-static pdyn_status descend(struct pdyn_sim *sim, double start, double *energy, double *length) {
+ * then the iterate and its local step are as before. Unfinished multipliers may raise E once;
+ * then it has to fall below what it was before that. */
+static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy, double *length) {
     struct system *sys = &sim->system;
     double slope = system_dot(sys, sim->gradient, sim->direction), trial;
     double bound = *energy;
-    if (sim->solver->keeps_multipliers) bound = start, slope = 0.0;
+    if (sim->solver->keeps_multipliers) bound = fmax(before, *energy), slope = 0.0;
     *length = 1.0;
     for (int k = 0; k < BACKTRACKS; k++, *length *= 0.5) {
         memcpy(sim->trial, sim->x_next, bytes_of(sim));
@@ -90,19 +90,29 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     return status;
 }
 
+/* Levenberg-Marquardt: more damping where the full step went too far, less where it was good. With
+ * multipliers the first iteration is undamped, for it alone carries the motion, and damping shrinks
+ * from step to step only: what needs it is the change of a fluid's gradients under pressure, which
+ * the model does not know and which lasts. */
+static double more_damping(double eps) { return fmin(1.0, fmax(10.0 * eps, 1e-6)); }
+static double less_damping(double eps) { return eps > 1e-7 ? 0.1 * eps : 0.0; }
+
+static double damping_now(const struct pdyn_sim *sim, const struct progress *p) {
+    return sim->solver->keeps_multipliers && p->outer == 0 ? 0.0 : sim->damping;
+}
+
 /* One global step. *moved is false where no step lowers E any more. */
 static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *moved) {
-    double length = 0.0;
-    pdyn_status status = system_linearise(&sim->system, sim->damping);
+    double length = 0.0, energy = p->energy;
+    pdyn_status status = system_linearise(&sim->system, damping_now(sim, p));
     if (status == PDYN_OK) status = solve_model(sim, p);
-    if (status == PDYN_OK) status = descend(sim, p->start, &p->energy, &length);
+    if (status == PDYN_OK) status = descend(sim, p->before, &p->energy, &length);
+    p->before = energy;
     if (status != PDYN_OK) return status;
     *moved = length > 0.0 || sim->damping < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
-    /* Levenberg-Marquardt: more damping where the full step went too far, less where it was good.
-     */
-    if (length < 1.0) sim->damping = fmin(1.0, fmax(10.0 * sim->damping, 1e-6));
-    else sim->damping = sim->damping > 1e-7 ? 0.1 * sim->damping : 0.0;
+    if (length < 1.0 || p->energy > energy) sim->damping = more_damping(sim->damping);
+    else if (!sim->solver->keeps_multipliers) sim->damping = less_damping(sim->damping);
     return PDYN_OK;
 }
 
@@ -123,8 +133,9 @@ static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) 
     double weight = measure_weight(sim);
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
+    if (sim->solver->keeps_multipliers && set->newton) sim->damping = less_damping(sim->damping);
     pdyn_status status = warm_start(sim, h, &p->energy);
-    p->start = p->energy;
+    p->before = p->energy;
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
         if (!isfinite(p->energy) || !isfinite(p->residual))
