@@ -142,7 +142,8 @@ typedef struct pdyn_state {
     const double *mass;     /* kg,  particles */
     const double *density;  /* kg/m^3, particles; rest density where there is no fluid constraint */
     const double *pressure; /* Pa, particles; 0 where there is no fluid constraint */
-    int boundary;           /* static boundary points */
+    int boundary;           /* boundary points: on solids */
+    int moving;             /* the last of these: on solids that move */
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
     int constraints; /* batches: a constraint type on a body */

@@ -21,6 +21,7 @@ struct fluid {
     int particles, points;      /* of the system; with the boundary */
     double rest_density;        /* kg/m^3 */
     double particle_volume;     /* m^3 */
+    unsigned boundary;          /* revision of the boundary points in x */
     size_t pairs;               /* capacity of what is kept per listed neighbour */
     int *block_start;           /* blocks + 1: first pair of each block of GRAIN particles */
     int *pair_start, *pair_end; /* particles: its pairs inside the support, packed by blocks; the
@@ -128,11 +129,20 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
 }
 
 static void set_points(struct fluid *f) {
+    f->boundary = f->lists->boundary_revision;
     for (int i = 0; i < f->points; i++) {
         const double *x = f->lists->boundary_x + 3 * (i - f->particles);
         for (int a = 0; i >= f->particles && a < 3; a++) f->x[4 * i + a] = x[a];
         f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
     }
+}
+
+/* Boundary points that have moved since the last local step. */
+static void follow_boundary(struct fluid *f) {
+    if (f->boundary == f->lists->boundary_revision) return;
+    for (int i = f->particles; i < f->points; i++)
+        memcpy(f->x + 4 * i, f->lists->boundary_x + 3 * (i - f->particles), 3 * sizeof *f->x);
+    f->boundary = f->lists->boundary_revision;
 }
 
 /* Gives every block of particles a part of the pairs; returns how many there are. */
@@ -473,6 +483,7 @@ WIDE static void add_gradients(void *arg, int first, int last, int block) {
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
+    follow_boundary(f);
     for_particles(f, f->particles, set_positions, x, NULL, 0.0);
     for_particles(f, f->particles, local_project, NULL, NULL, 0.0);
     for_particles(f, f->particles, add_gradients, NULL, gradient, 0.0);

@@ -23,6 +23,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .density = sim->density,
                         .pressure = sim->pressure,
                         .boundary = sim->boundary.count,
+                        .moving = sim->motion.points,
                         .boundary_x = sim->boundary.x,
                         .bodies = sim->bodies,
                         .constraints = sim->system.batches};

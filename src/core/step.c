@@ -172,10 +172,14 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     sim->system.ms_neighbours = sim->system.ms_local = 0.0;
 
     predict(sim, end.h);
+    motion_carry(sim, sim->system.time);
     pdyn_status status = minimise(sim, end.h, &progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     if (status == PDYN_OK) status = measure_end(sim);
-    if (status != PDYN_OK) return status;
+    if (status != PDYN_OK) {
+        motion_carry(sim, sim->time);
+        return status;
+    }
     accept(sim, end.h);
 
     timestep_advance(sim, &end);
