@@ -370,7 +370,7 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *owner,
     return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
 }
 
-static const pdyn_param key_params[] = {
+const pdyn_param scene_key_params[] = {
     {"time", PDYN_REAL, offsetof(struct scene_key, time), true, 0, -1e6, 1e6, "s", ""},
     {"translate", PDYN_VECTOR, offsetof(struct scene_key, translate), false, 0, -1e6, 1e6, "m", ""},
     {"rotate", PDYN_VECTOR, offsetof(struct scene_key, rotate), false, 0, -1e6, 1e6, "degrees", ""},
@@ -380,8 +380,8 @@ static pdyn_status read_key(struct reader *r, const struct json_at *at, int inde
     static const char *const none[] = {NULL};
     struct scene_key *key = &r->solid->key[index];
     struct json_at time = json_member(at, "time");
-    pdyn_status status = params_check_keys(at, key_params, none);
-    if (status == PDYN_OK) status = params_read(at, key_params, NULL, key);
+    pdyn_status status = params_check_keys(at, scene_key_params, none);
+    if (status == PDYN_OK) status = params_read(at, scene_key_params, NULL, key);
     if (status != PDYN_OK || !index || key->time > key[-1].time) return status;
     return json_fail(&time, "expected a time after %.10g s, found %.10g s", key[-1].time,
                      key->time);

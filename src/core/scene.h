@@ -42,6 +42,8 @@ struct scene_key {       /* where a solid is at a time, from where it was put */
     double rotate[3];    /* degrees about x, then y, then z, through the pivot */
 };
 
+extern const pdyn_param scene_key_params[]; /* ends with a name of NULL */
+
 struct scene_solid {
     char *name;
     bool is_box;
