@@ -168,7 +168,9 @@ typedef struct pdyn_constraint_info {
 PDYN_API pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint);
 
 /* Output. A frame is one file per body, DIR/NAME_000012.vtk (legacy VTK 4.2, binary), listed with
- * its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. Files appear whole or not at all. */
+ * its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. The points of solids that rest are
+ * in DIR/boundary.vtk, those of solids that move are one more body, "boundary". Files appear whole
+ * or not at all. */
 typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);

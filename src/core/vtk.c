@@ -63,13 +63,15 @@ pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
     return file_out_close(&file);
 }
 
-pdyn_status vtk_write_boundary(const pdyn_sim *sim, const char *path) {
+pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path) {
     struct file_out file;
     pdyn_status status = file_out_open(sim->context, path, &file);
     if (status != PDYN_OK) return status;
     pdyn_state state = pdyn_get_state(sim);
-    write_points(&file, "boundary", pdyn_time(sim), state.boundary_x, state.boundary);
-    write_vertices(&file, state.boundary);
+    int resting = state.boundary - state.moving, count = moving ? state.moving : resting;
+    const double *x = state.boundary_x + (moving ? 3 * (size_t)resting : 0);
+    write_points(&file, "boundary", pdyn_time(sim), x, count);
+    write_vertices(&file, count);
     file_out_print(&file, "\n");
     return file_out_close(&file);
 }
