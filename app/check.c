@@ -22,7 +22,8 @@ static void describe(const pdyn_sim *sim) {
         printf("constraint %s on %s: %d elements\n", constraint.type, constraint.body,
                constraint.elements);
     }
-    printf("boundary: %d points\n", state.boundary);
+    printf("boundary: %d points", state.boundary);
+    printf(state.moving ? ", %d of them on solids that move\n" : "\n", state.moving);
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));

@@ -53,8 +53,8 @@ struct box {
 struct run {
     const char *directory;
     json_t *report, *bodies, *metrics; /* report NULL: there is none */
-    int count, frames;
-    struct body *body;
+    int count, parts, frames;
+    struct body *body; /* parts: the bodies, then boundary points that move, if there are any */
     struct box box;
     struct frame boundary; /* no points: there is none */
     struct box boundary_box;
@@ -119,10 +119,11 @@ static int by_name(const struct dirent **a, const struct dirent **b) {
 static int is_series(const struct dirent *entry) {
     static const char ending[] = ".vtk.series";
     size_t length = strlen(entry->d_name), tail = sizeof ending - 1;
-    return length > tail && !strcmp(entry->d_name + length - tail, ending);
+    return length > tail && !strcmp(entry->d_name + length - tail, ending) &&
+           strcmp(entry->d_name, "boundary.vtk.series") != 0;
 }
 
-/* A run that was killed left no report: every series is a body. */
+/* A run that was killed left no report: every series but that of the boundary is a body. */
 static int find_series(struct run *run) {
     struct dirent **entry;
     int count = scandir(run->directory, &entry, is_series, by_name);
@@ -196,6 +197,18 @@ static int open_body(struct run *run, int b) {
     return code;
 }
 
+/* Points on solids that move: a body of nothing but points. */
+static int open_moving(struct run *run) {
+    struct body *moving = &run->body[run->count];
+    char path[PATH];
+    if (!make_path(path, run, "boundary", ".vtk.series") || access(path, F_OK)) return EXIT_GOOD;
+    run->parts++;
+    moving->name = "boundary";
+    int code = load_json(path, &moving->series);
+    moving->files = json_object_get(moving->series, "files");
+    return code == EXIT_GOOD ? check_series(moving, path) : code;
+}
+
 static double frame_time(const struct body *body, int f) {
     return json_number_value(json_object_get(json_array_get(body->files, (size_t)f), "time"));
 }
@@ -203,13 +216,13 @@ static double frame_time(const struct body *body, int f) {
 /* A run may be killed between the bodies of a frame: what all have counts. */
 static int count_frames(struct run *run) {
     size_t frames = json_array_size(run->body[0].files);
-    for (int b = 1; b < run->count; b++) {
+    for (int b = 1; b < run->parts; b++) {
         size_t more = json_array_size(run->body[b].files);
         if (more < frames) frames = more;
     }
     if (!frames) return fail("%s: expected at least one frame, found none", run->directory);
     run->frames = (int)frames;
-    for (int b = 1; b < run->count; b++)
+    for (int b = 1; b < run->parts; b++)
         for (int f = 0; f < run->frames; f++) {
             double time = frame_time(&run->body[b], f), expected = frame_time(&run->body[0], f);
             if (fabs(time - expected) > 1e-9 * (1.0 + fabs(expected)))
@@ -224,15 +237,16 @@ static int count_frames(struct run *run) {
 static int open_run(struct run *run) {
     int code = find_bodies(run);
     if (code != EXIT_GOOD) return code;
-    run->count = (int)json_array_size(run->bodies);
-    run->body = calloc((size_t)run->count, sizeof *run->body);
+    run->count = run->parts = (int)json_array_size(run->bodies);
+    run->body = calloc((size_t)run->count + 1, sizeof *run->body);
     if (!run->body) return no_memory();
     for (int b = 0; b < run->count && code == EXIT_GOOD; b++) code = open_body(run, b);
+    if (code == EXIT_GOOD) code = open_moving(run);
     return code == EXIT_GOOD ? count_frames(run) : code;
 }
 
 static void close_run(struct run *run) {
-    for (int b = 0; b < run->count; b++) {
+    for (int b = 0; b < run->parts; b++) {
         struct body *body = &run->body[b];
         json_decref(body->series);
         free(body->triangle);
@@ -305,13 +319,13 @@ static int begin_body(struct body *body, struct frame *frame, int frames) {
     body->triangle = frame->triangle;
     body->count = frame->count;
     frame->triangle = NULL;
+    body->planes = frame->density || !frame->count ? PLANES : 3;
     body->points = calloc((size_t)frames, sizeof *body->points);
     return body->points ? EXIT_GOOD : no_memory();
 }
 
 static int make_planes(struct body *body) {
     size_t count = (size_t)body->count + 1; /* of particles that never came, too */
-    body->planes = body->triangles ? 3 : PLANES;
     for (int p = 0; p < body->planes; p++) {
         struct plane *plane = &body->plane[p];
         plane->wide = p < 3;
@@ -338,7 +352,8 @@ static int check_frame(const struct body *body, const struct frame *frame, const
 static int check_report(const struct run *run, int b, const struct frame *frame, const char *path) {
     json_t *count = json_object_get(json_array_get(run->bodies, (size_t)b), "count");
     long long most = json_integer_value(count), least = frame->triangles ? most : 0;
-    if (!run->report || (frame->count >= least && frame->count <= most)) return EXIT_GOOD;
+    if (!run->report || b == run->count || (frame->count >= least && frame->count <= most))
+        return EXIT_GOOD;
     return fail("%s: expected %s%lld points as report.json says, found %d", path,
                 frame->triangles ? "" : "at most ", most, frame->count);
 }
@@ -351,10 +366,9 @@ static int survey_frame(struct run *run, int b, struct frame *frame, int f, cons
     if (code != EXIT_GOOD) return code;
     body->points[f] = frame->count;
     if (frame->count > body->count) body->count = frame->count;
-    if (!frame->triangles && frame->count && !(body->radius > 0.0))
-        body->radius = guess_radius(frame);
+    if (frame->density && frame->count && !(body->radius > 0.0)) body->radius = guess_radius(frame);
     grow_box(&run->box, frame);
-    for (int i = 0; i < frame->count && !frame->triangles; i++) {
+    for (int i = 0; i < frame->count && frame->density; i++) {
         body->max_speed = fmax(body->max_speed, speed_of(frame, i));
         body->max_error = fmax(body->max_error, error_of(body, frame, i));
     }
@@ -366,7 +380,7 @@ static int read_body_frame(const struct run *run, int b, int f, char path[PATH],
     json_t *entry = json_array_get(run->body[b].files, (size_t)f);
     const char *name = json_string_value(json_object_get(entry, "name"));
     if (!make_path(path, run, name, "")) return fail("%s: the path is too long", name);
-    return frame_read(path, frame);
+    return b < run->count ? frame_read(path, frame) : frame_read_boundary(path, frame);
 }
 
 static int survey(struct run *run) {
@@ -374,7 +388,7 @@ static int survey(struct run *run) {
     int code = EXIT_GOOD;
     run->box = run->boundary_box = nothing;
     for (int f = 0; f < run->frames; f++)
-        for (int b = 0; b < run->count; b++) {
+        for (int b = 0; b < run->parts; b++) {
             struct frame frame;
             code = read_body_frame(run, b, f, path, &frame);
             if (code != EXIT_GOOD) return code;
@@ -384,7 +398,7 @@ static int survey(struct run *run) {
         }
     if (run->box.min[0] > run->box.max[0])
         return fail("%s: expected at least one particle in some frame, found none", run->directory);
-    for (int b = 0; b < run->count && code == EXIT_GOOD; b++) code = make_planes(&run->body[b]);
+    for (int b = 0; b < run->parts && code == EXIT_GOOD; b++) code = make_planes(&run->body[b]);
     if (code == EXIT_GOOD && make_path(path, run, "boundary", ".vtk") && access(path, F_OK) == 0)
         code = frame_read_boundary(path, &run->boundary);
     grow_box(&run->boundary_box, &run->boundary);
@@ -562,7 +576,7 @@ static void quantise_frame(const struct run *run, struct body *body, const struc
         for (int k = 0; k < 3; k++)
             body->plane[k].now[i] =
                 quantise(frame->x[3 * i + k], run->box.min[k], run->box.max[k], 65535.0);
-        if (body->triangles) continue;
+        if (!frame->density) continue;
         body->plane[3].now[i] =
             quantise(sqrt(speed_of(frame, i)), 0.0, sqrt(body->max_speed), 255.0);
         body->plane[4].now[i] =
@@ -618,7 +632,7 @@ static int pack_all(struct run *run, struct page *page) {
     for (int b = 0; b < run->count; b++) pack_triangles(page, &run->body[b]);
     pack_boundary(page, run);
     for (int f = 0; f < run->frames && code == EXIT_GOOD && !page->failed; f++)
-        for (int b = 0; b < run->count && code == EXIT_GOOD; b++)
+        for (int b = 0; b < run->parts && code == EXIT_GOOD; b++)
             code = pack_frame(run, page, b, f);
     if (code == EXIT_GOOD) pack(page, NULL, 0, Z_FINISH);
     deflateEnd(&page->deflate);
@@ -670,9 +684,12 @@ static json_t *compose_meta(const struct run *run) {
     json_t *boundary = run->boundary.count ? json_pack("{s:i, s:o}", "count", run->boundary.count,
                                                        "box", json_box(&run->boundary_box))
                                            : json_null();
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:O?}", "about", about, "times", times, "box",
+    json_t *moving = run->parts > run->count
+                         ? json_pack("{s:i}", "count", run->body[run->count].count)
+                         : json_null();
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?}", "about", about, "times", times, "box",
                      json_box(&run->box), "bodies", json_bodies(run), "boundary", boundary,
-                     "metrics", run->metrics);
+                     "moving", moving, "metrics", run->metrics);
 }
 
 /* Inside a script element: no '<' may stand there, and JSON has it in strings alone. */

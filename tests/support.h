@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -39,6 +40,23 @@ static inline pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim) {
 static inline double test_random(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return (double)(*state >> 11) * 0x1p-52 - 1.0;
+}
+
+/* Counts allocations; as the user of an allocator. */
+struct counter {
+    long calls, budget; /* budget < 0: no limit */
+};
+
+static inline void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
+    struct counter *counter = user;
+    (void)old_size;
+    if (!new_size) {
+        free(block);
+        return NULL;
+    }
+    __atomic_fetch_add(&counter->calls, 1, __ATOMIC_RELAXED);
+    if (counter->budget >= 0 && counter->calls > counter->budget) return NULL;
+    return realloc(block, new_size);
 }
 
 static inline double test_distance(const double *a, const double *b, int n) {

@@ -125,17 +125,10 @@ static void test_before_the_start(void **state) {
     pdyn_destroy(context);
 }
 
-static void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
-    long *left = user; /* never fails below 0 */
-    (void)old_size;
-    if (!new_size) return free(block), NULL;
-    return (*left)-- == 0 ? NULL : realloc(block, new_size);
-}
-
-static pdyn_context *counting_context(int threads, long *left) {
+static pdyn_context *counting_context(int threads, struct counter *counter) {
     pdyn_options options = pdyn_default_options();
     pdyn_context *context = NULL;
-    options.threads = threads, options.allocate = count_allocation, options.allocate_user = left;
+    options.threads = threads, options.allocate = count_allocation, options.allocate_user = counter;
     assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
     return context;
 }
@@ -146,18 +139,19 @@ static void test_outlet(void **state) {
     (void)state;
     uint64_t hash[3];
     for (int threads = 1; threads <= 3; threads++) {
-        long left = -1, before = 0;
-        pdyn_context *context = counting_context(threads, &left);
+        struct counter counter = {.budget = -1};
+        long before = 0;
+        pdyn_context *context = counting_context(threads, &counter);
         pdyn_sim *sim = test_load(context, fountain);
         const pdyn_state s = pdyn_get_state(sim);
         for (int n = 0; n < 250; n++) {
             pdyn_step_info info = test_step(context, sim);
-            if (n == 100) before = left;
+            if (n == 100) before = counter.calls;
             assert_int_equal(info.particles, sim->emit->emitted - sim->emit->removed);
             assert_true(n < 100 || (info.particles > 60 && info.particles < 200));
             for (int i = 0; i < s.particles; i++) assert_true(!s.live[i] || s.x[3 * i + 1] >= 0.0);
         }
-        assert_int_equal(left, before);
+        assert_int_equal(counter.calls, before);
         assert_true(sim->emit->removed > 1400 && !sim->emit->inlet[0].closed);
         hash[threads - 1] = pdyn_state_hash(sim);
         pdyn_free(sim);
@@ -218,8 +212,8 @@ static void test_failing_allocator(void **state) {
     (void)state;
     pdyn_status status = PDYN_NO_MEMORY;
     for (long budget = 1; status != PDYN_OK; budget++) {
-        long left = budget;
-        pdyn_context *context = counting_context(1, &left);
+        struct counter counter = {.budget = budget};
+        pdyn_context *context = counting_context(1, &counter);
         pdyn_sim *sim = NULL;
         status = pdyn_load_text(context, fountain, "test", NULL, 0, &sim);
         if (status == PDYN_OK) status = pdyn_step(sim, NULL);

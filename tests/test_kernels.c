@@ -62,29 +62,41 @@ static void check_lists(const pdyn_neighbours *l, const struct cloud *c, const d
     }
 }
 
-static void test_neighbours(void **state) {
-    (void)state;
-    pdyn_context *context = test_context(2);
+/* A random walk of the particles, while the last `moving` boundary points drift: sometimes within
+ * the skin, sometimes not. */
+static void walk(pdyn_context *context, double stride, int moving) {
     struct cloud *c = malloc(sizeof *c);
     uint64_t seed = 3;
     struct neighbours *n;
     assert_non_null(c);
     fill_cloud(c, 1);
+    double *carried = c->boundary + 3 * (B - moving);
     assert_int_equal(
-        neighbours_create(context, N, c->centre, B, c->boundary, c->volume, 0.2, 0.1, &n), PDYN_OK);
-    for (int move = 0; move < 40;
-         move++) { /* a random walk: sometimes within the skin, sometimes not */
+        neighbours_create(context, N, c->centre, B, c->boundary, moving, c->volume, 0.2, 0.1, &n),
+        PDYN_OK);
+    for (int move = 0; move < 40; move++) {
         if (!neighbours_hold(n, c->x)) assert_int_equal(neighbours_build(n, c->x), PDYN_OK);
         check_lists(neighbours_view(n), c, c->x);
-        for (int k = 0; k < 3 * N; k++) c->x[k] += 0.002 * test_random(&seed);
+        for (int k = 0; k < 3 * N; k++) c->x[k] += stride * test_random(&seed);
+        for (int k = 0; k < 3 * moving; k++) carried[k] += k % 2 ? 0.0015 : -0.0015;
+        if (moving) neighbours_move(n, carried);
     }
     unsigned revision = neighbours_view(n)->revision;
     assert_true(revision > 1 && revision < 40); /* kept at times, rebuilt at times */
+    assert_int_equal(neighbours_view(n)->boundary_revision, moving ? 40 : 0);
     c->x[7] = NAN;
     assert_false(neighbours_hold(n, c->x));
     assert_int_equal(neighbours_build(n, c->x), PDYN_DIVERGED);
     neighbours_free(n);
     free(c);
+}
+
+static void test_neighbours(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    walk(context, 0.002, 0);
+    walk(context, 0.002, 90);
+    walk(context, 0.0003, 90); /* only the boundary makes lists fail */
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);
 }
@@ -192,6 +204,30 @@ static void test_projection(void **state) {
     pdyn_destroy(context);
 }
 
+/* Densities see boundary points where they are carried. */
+static void test_carried_density(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    const char *const set[] = {"solids.0.motion=[{\"time\": 0}, {\"time\": 1, \"translate\": "
+                               "[0.02, 0.01, 0], \"rotate\": [0, 3, 5]}]"};
+    pdyn_sim *sim = NULL;
+    assert_int_equal(pdyn_load_text(context, block, "block", set, 1, &sim), PDYN_OK);
+    const struct batch *fluid = sim->system.batch[0];
+    sim->system.h = 0.01;
+    for (int k = 0; k <= 10; k++) {
+        double energy;
+        motion_carry(sim, 0.1 * k);
+        assert_int_equal(system_local(&sim->system, sim->x, &energy, sim->gradient), PDYN_OK);
+        fluid->type->op->density(fluid->op, sim->density);
+        for (int i = 0; i < sim->system.particles; i++)
+            assert_true(fabs(sim->density[i] / 1000.0 - 1.0 - density_error(sim, i, sim->x)) <
+                        1e-12);
+    }
+    assert_true(neighbours_view(sim->neighbours)->revision > 1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Sum of the densities at x + t d, each times a pressure. */
 static double pressed_density(struct pdyn_sim *sim, const double *x, double t, const double *d,
                               const double *pressure) {
@@ -236,7 +272,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_kernel),          cmocka_unit_test(test_neighbours),
         cmocka_unit_test(test_surface_volumes), cmocka_unit_test(test_projection),
-        cmocka_unit_test(test_pressure),
+        cmocka_unit_test(test_pressure),        cmocka_unit_test(test_carried_density),
     };
     return cmocka_run_group_tests_name("kernels", tests, NULL, NULL);
 }

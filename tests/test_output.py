@@ -217,6 +217,35 @@ class Output(unittest.TestCase):
             self.assertEqual((types, arrays), ({1}, {}))
             self.assertTrue((meshio.read(path).points == points).all())
 
+    def test_moving_boundary(self):
+        motion = [{"time": 0}, {"time": 1, "translate": [1, 0, 0]}]
+        walls = {"name": "lid", "box": {"minimum": [-0.6, 2, -0.6], "maximum": [0.6, 2.1, 0.6]}}
+        tank = json.loads(pathlib.Path(SCENE).read_text())["solids"][0]
+        for resting in ([], [walls]):
+            with self.subTest(resting=len(resting)), tempfile.TemporaryDirectory() as name:
+                directory = pathlib.Path(name)
+                (directory / "boundary.vtk").write_text("of a former run")
+                solids = json.dumps(resting + [tank | {"motion": motion}])
+                done = run(name, "--time", str(TIME), "--set", f"solids={solids}")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                count = json.loads((directory / "report.json").read_text())["particles"]["boundary"]
+                path = directory / "boundary.vtk"
+                self.assertEqual(path.exists(), len(resting) > 0)
+                rest = len(read_vtk(path)[0]) if resting else 0
+                files = json.loads((directory / "boundary.vtk.series").read_text())["files"]
+                body = self.series(self.report["bodies"][0])["files"]
+                self.assertEqual([f["time"] for f in files], [f["time"] for f in body])
+                first = read_vtk(directory / files[0]["name"])[0]
+                self.assertEqual(len(first), count - rest)
+                for file in files:
+                    points, cells, types, arrays = read_vtk(directory / file["name"])
+                    self.assertEqual((types, arrays), ({1}, {}))
+                    moved = first + [file["time"], 0, 0]
+                    self.assertLess(np.abs(points - moved).max(), 1e-6)
+                self.assertEqual(run(name, "--time", str(TIME)).returncode, 0)
+                left = {path.name for path in directory.glob("boundary*")}
+                self.assertEqual(left, {"boundary.vtk"})
+
     def test_metrics(self):
         with open(self.directory / "metrics.csv", newline="") as file:
             header, *rows = csv.reader(file)

@@ -236,22 +236,6 @@ static void test_divergence(void **state) {
     pdyn_destroy(context);
 }
 
-struct counter {
-    long calls, budget; /* budget < 0: no limit */
-};
-
-static void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
-    struct counter *counter = user;
-    (void)old_size;
-    if (!new_size) {
-        free(block);
-        return NULL;
-    }
-    __atomic_fetch_add(&counter->calls, 1, __ATOMIC_RELAXED);
-    if (counter->budget >= 0 && counter->calls > counter->budget) return NULL;
-    return realloc(block, new_size);
-}
-
 static const char *coupled =
     "{\"duration\": 1, \"time_step\": {\"fixed\": 0.002}, \"frame_interval\": 0.002, \"bodies\": "
     "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.2, 0.7, 0.2]}", "") ", " SHEET(

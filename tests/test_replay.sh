@@ -106,6 +106,17 @@ screenshot "$run/replay.html" "frame=1&play=0" "$folder/first.png"
 expect_pixels "$folder/first.png"
 mv "$folder/report.json" "$run/report.json"
 
+# Solids that move are drawn where they are in a frame, with a report or without.
+"$projdyn" run "$scene" -o "$folder/moving" --time 0.1 --quiet \
+    --set 'solids.tank.motion=[{"time": 0}, {"time": 1, "translate": [0, -1, 0]}]'
+for report in told missing; do
+    "$projdyn" replay "$folder/moving" 2>"$folder/out"
+    grep -q '"moving":{"count":' "$folder/moving/replay.html" || fail "nothing moves in the page"
+    screenshot "$folder/moving/replay.html" "frame=3&play=0" "$folder/moving_$report.png"
+    expect_pixels "$folder/moving_$report.png"
+    rm -f "$folder/moving/report.json"
+done
+
 # Bad input names the file and leaves no page.
 water=$run/water_000003.vtk
 rm "$run/replay.html"

@@ -534,6 +534,22 @@ static const struct {
      "scene.json:2:14: outlets[0].box: missing, expected an object"},
     {TOP("'outlets': [{'box': " BOX ", 'outside': 1}]"),
      "scene.json:2:79: outlets[0].outside: expected true or false, found 1"},
+    {TOP("'solids': [{'box': " BOX ", 'pivot': [0, 0, 0]}]"),
+     "scene.json:2:67: solids[0]: \"pivot\" needs a \"motion\""},
+    {TOP("'solids': [{'box': " BOX ", 'motion': {}}]"),
+     "scene.json:2:77: solids[0].motion: expected an array of keys, found an object"},
+    {TOP("'solids': [{'box': " BOX ", 'motion': []}]"),
+     "scene.json:2:77: solids[0].motion: expected at least one key, found an array of 0"},
+    {TOP("'solids': [{'box': " BOX ", 'motion': [{'translate': [0, 0, 0]}]}]"),
+     "scene.json:2:78: solids[0].motion[0].time: missing, expected a number from -1000000 to "
+     "1000000 s"},
+    {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 0, 'rotation': [0, 0, 0]}]}]"),
+     "scene.json:2:90: solids[0].motion[0]: unknown key \"rotation\"; did you mean \"rotate\"?; "
+     "known: time, translate, rotate"},
+    {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 1},\n {'time': 1}]}]"),
+     "scene.json:3:11: solids[0].motion[1].time: expected a time after 1 s, found 1 s"},
+    {TOP("'solids': [{'box': " BOX ", 'motion': [{'time': 1}], 'pivot': [0, 0]}]"),
+     "scene.json:2:101: solids[0].pivot: expected an array of 3 numbers (m), found an array of 2"},
 };
 
 static void test_bad_scenes(void **state) {
@@ -748,8 +764,10 @@ static const char full[] =
     "'radius': 0.5}}],\n"
     "      'stiffness': 5, 'path': [[0, 0, 0, 0], [1, 0, 2, 0]]}]}],\n"
     "'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [1, 2, 1]}, 'open': "
-    "['+y', '-z']},\n"
-    "  {'mesh': 'wall.obj', 'scale': [1, -2, 1]}]}";
+    "['+y', '-z'],\n"
+    "   'motion': [{'time': 0}, {'time': 2, 'translate': [1, 0, 0], 'rotate': [0, 720, 0]}]},\n"
+    "  {'mesh': 'wall.obj', 'scale': [1, -2, 1], 'translate': [0, 0, 5], 'motion': [{'time': 0}]},"
+    "\n  {'mesh': 'wall.obj', 'motion': [{'time': 0}], 'pivot': [4, 5, 6]}]}";
 
 static const char wall[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
@@ -776,12 +794,18 @@ static void check_full(const struct scene *scene) {
     assert_int_equal(sheet->constraints, 3);
     assert_ptr_equal(sheet->constraint[2].type, registry_constraint("pin"));
     assert_true(stiffness_of(scene, 1) == 1000.0);
-    assert_int_equal(scene->solids, 2);
+    assert_int_equal(scene->solids, 3);
     assert_true(scene->solid[0].is_box && scene->solid[0].box.max[1] == 2.0);
     assert_int_equal(scene->solid[0].open, 1 << 3 | 1 << 4);
     assert_string_equal(scene->solid[1].name, "solid1");
     assert_int_equal(scene->solid[1].mesh.triangles, 1);
     assert_true(scene->solid[1].mesh.vertex[7] == -2.0);
+    const struct scene_key *key = scene->solid[0].key;
+    assert_int_equal(scene->solid[0].keys, 2);
+    assert_true(key[1].time == 2.0 && key[1].translate[0] == 1.0 && key[1].rotate[1] == 720.0);
+    assert_true(key[0].translate[0] == 0.0 && key[0].rotate[1] == 0.0);
+    assert_true(scene->solid[0].pivot[0] == 0.5 && scene->solid[0].pivot[1] == 1.0);
+    assert_true(scene->solid[1].pivot[2] == 5.0 && scene->solid[2].pivot[2] == 6.0);
 }
 
 /* The parameter at `name` in the struct of a constraint. */
@@ -1107,6 +1131,7 @@ static void test_schema(void **state) {
     check_table(schema, settings_general_params, 8);
     check_table(definition("time_step"), settings_time_step_params, 0);
     check_table(definition("solver"), settings_solver_params, 2);
+    check_table(definition("motion_key"), scene_key_params, 0);
     for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) {
         char name[64];
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);

@@ -105,7 +105,7 @@ typedef struct pdyn_services { /* what core offers to an operator */
     void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);
 } pdyn_services;
 
-/* Points that take part in SPH sums: particles of the system first, then static boundary points. */
+/* Points that take part in SPH sums: particles of the system first, then points on solids. */
 typedef struct pdyn_neighbours {
     double support;           /* m: pairs closer than this are all listed */
     int particles;            /* of the system */
@@ -116,8 +116,9 @@ typedef struct pdyn_neighbours {
      * there to end; particles each, numbers of points in `index`. */
     const int *start, *boundary_start, *end;
     const int *index;
-    unsigned revision;        /* moves when the lists do */
-    unsigned volume_revision; /* moves when volumes do */
+    unsigned revision;          /* moves when the lists do */
+    unsigned volume_revision;   /* moves when volumes do */
+    unsigned boundary_revision; /* moves when boundary points do */
 } pdyn_neighbours;
 
 /* One-sided scalar constraints C_i <= 0, as the last local step left them. With the displacement

@@ -145,7 +145,8 @@ typedef struct pdyn_state {
     const double *density;  /* kg/m^3, particles; rest density where there is no fluid constraint */
     const double *pressure; /* Pa, particles; 0 where there is no fluid constraint */
     const bool *live;       /* particles: the others are not in the scene, now; NULL: all are */
-    int boundary;           /* static boundary points */
+    int boundary;           /* boundary points: on solids */
+    int moving;             /* the last of these: on solids that move */
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
     int constraints; /* batches: a constraint type on a body */
@@ -171,7 +172,9 @@ typedef struct pdyn_constraint_info {
 PDYN_API pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint);
 
 /* Output. A frame is one file per body, DIR/NAME_000012.vtk (legacy VTK 4.2, binary), listed with
- * its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. Files appear whole or not at all. */
+ * its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. The points of solids that rest are
+ * in DIR/boundary.vtk, those of solids that move are one more body, "boundary". Files appear whole
+ * or not at all. */
 typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);

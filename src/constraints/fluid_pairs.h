@@ -23,7 +23,8 @@ struct fluid {
     struct kernel kernel;       /* times the volume of a particle */
     int first, count;           /* the fluid's particles in the system */
     int particles, points;      /* of the system; with the boundary */
-    unsigned volumes;           /* revision of the volumes in x */
+    unsigned volumes;           /* revision of the volumes in x, */
+    unsigned boundary;          /* and of the boundary points */
     double rest_density;        /* kg/m^3 */
     double particle_volume;     /* m^3 */
     size_t pairs;               /* capacity of what is kept per listed neighbour */

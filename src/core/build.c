@@ -132,21 +132,46 @@ static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
  * wall, 1.000 along an edge, 1.004 in a corner, by summing the kernel). */
 static const double wall_offset = 0.6; /* spacings */
 
-static pdyn_status sample_solids(struct pdyn_sim *sim, double spacing) {
-    for (int k = 0; k < sim->scene.solids; k++) {
-        const struct scene_solid *solid = &sim->scene.solid[k];
-        struct scene_box walls = solid->box;
-        for (int a = 0; a < 3; a++) {
-            walls.min[a] -= wall_offset * spacing;
-            walls.max[a] += wall_offset * spacing;
-        }
-        pdyn_status status =
-            solid->is_box
-                ? sample_box_surface(sim->context, &walls, solid->open, spacing, &sim->boundary)
-                : sample_mesh_surface(sim->context, &solid->mesh, spacing, &sim->boundary);
-        if (status != PDYN_OK) return status;
+static pdyn_status sample_solid(struct pdyn_sim *sim, const struct scene_solid *solid,
+                                double spacing) {
+    struct scene_box walls = solid->box;
+    if (!solid->is_box)
+        return sample_mesh_surface(sim->context, &solid->mesh, spacing, &sim->boundary);
+    for (int a = 0; a < 3; a++) {
+        walls.min[a] -= wall_offset * spacing;
+        walls.max[a] += wall_offset * spacing;
     }
-    return PDYN_OK;
+    return sample_box_surface(sim->context, &walls, solid->open, spacing, &sim->boundary);
+}
+
+/* First what rests, then what moves. */
+static pdyn_status sample_solids(struct pdyn_sim *sim, double spacing) {
+    const struct scene *scene = &sim->scene;
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < scene->solids && status == PDYN_OK; k++)
+        if (!scene->solid[k].keys) status = sample_solid(sim, &scene->solid[k], spacing);
+    for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
+        int first = sim->boundary.count;
+        if (!scene->solid[k].keys) continue;
+        status = sample_solid(sim, &scene->solid[k], spacing);
+        if (status == PDYN_OK) status = motion_add(sim, &scene->solid[k], first);
+    }
+    return status;
+}
+
+/* Of what rests together, and of each solid that moves by itself, for these stay the same. */
+static pdyn_status boundary_volumes(struct pdyn_sim *sim, double support, double *volume) {
+    const struct motion *motion = &sim->motion;
+    int resting = sim->boundary.count - motion->points;
+    pdyn_status status =
+        neighbours_surface_volumes(sim->context, resting, sim->boundary.x, support, volume);
+    for (int k = 0; k < motion->solids && status == PDYN_OK; k++) {
+        const struct moving *m = &motion->solid[k];
+        status = neighbours_surface_volumes(sim->context, m->count,
+                                            sim->boundary.x + 3 * (size_t)m->first, support,
+                                            volume + m->first);
+    }
+    return status;
 }
 
 /* A sheet is watertight while its points stay close enough for the fluid to feel no hole. */
@@ -177,8 +202,7 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, do
                                                         2.0 * spacing, volume + body->first);
         if (status != PDYN_OK) return status;
     }
-    return neighbours_surface_volumes(sim->context, sim->boundary.count, sim->boundary.x,
-                                      2.0 * spacing, volume + sim->system.particles);
+    return boundary_volumes(sim, 2.0 * spacing, volume + sim->system.particles);
 }
 
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
@@ -190,10 +214,11 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     double *volume = NEW_ARRAY(sim->context, n + sim->boundary.count, double);
     bool *centre = NEW_ARRAY(sim->context, n, bool);
     status = volume && centre ? fill_volumes(sim, fluid, volume, centre) : PDYN_NO_MEMORY;
+    motion_carry(sim, 0.0);
     if (status == PDYN_OK)
-        status =
-            neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x, volume,
-                              4.0 * fluid->radius, 0.01 * SKIN_PERCENT, &sim->neighbours);
+        status = neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x,
+                                   sim->motion.points, volume, 4.0 * fluid->radius,
+                                   0.01 * SKIN_PERCENT, &sim->neighbours);
     if (status == PDYN_OK) emit_tell(sim);
     if (status == PDYN_OK) status = neighbours_build(sim->neighbours, sim->x);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
@@ -344,6 +369,7 @@ void pdyn_free(pdyn_sim *sim) {
     emit_free(sim);
     neighbours_free(sim->neighbours);
     points_free(c, &sim->boundary);
+    motion_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
     FREE_ARRAY(c, sim->topology, sim->bodies);
     FREE_ARRAY(c, sim->body, sim->bodies);

@@ -20,6 +20,9 @@ struct neighbours {
     int *id;                               /* active: these */
     double *volume, *boundary_x, *built_x; /* built_x: particles x 3, where the lists were built */
     struct grid moving, fixed;
+    int carried;                       /* the last boundary points, which may move */
+    double *built_carried;             /* carried x 3, where the lists were built */
+    double carried_by;                 /* m, the farthest of them since then */
     int *start, *boundary_start, *end; /* particles */
     int *index;                        /* for each block of slots `room` and one */
     int room;                          /* neighbours of a block */
@@ -41,23 +44,39 @@ static pdyn_status allocate(struct neighbours *n, int particles, int boundary) {
     n->volume = NEW_ARRAY(c, particles + boundary, double);
     n->boundary_x = NEW_ARRAY(c, 3 * (size_t)boundary, double);
     n->built_x = NEW_ARRAY(c, 3 * (size_t)particles, double);
+    n->built_carried = NEW_ARRAY(c, 3 * (size_t)n->carried, double);
     n->start = NEW_ARRAY(c, particles, int);
     n->boundary_start = NEW_ARRAY(c, particles, int);
     n->end = NEW_ARRAY(c, particles, int);
     n->used = NEW_ARRAY(c, pool_blocks(particles, PARTICLES), int);
     n->moved = NEW_ARRAY(c, pool_blocks(particles, MOVES), bool);
     bool good = n->centre && n->id && n->volume && (!boundary || n->boundary_x) && n->built_x &&
-                n->start && n->boundary_start && n->end && n->used && n->moved;
+                (!n->carried || n->built_carried) && n->start && n->boundary_start && n->end &&
+                n->used && n->moved;
     if (!good) return PDYN_NO_MEMORY;
     return grid_create(c, particles, n->reach, &n->moving);
 }
 
+/* The part of the boundary that may move. */
+static double *carried_x(const struct neighbours *n) {
+    return n->boundary_x + 3 * (size_t)(n->view.points - n->view.particles - n->carried);
+}
+
+static pdyn_status sort_boundary(struct neighbours *n) {
+    if (n->carried) memcpy(n->built_carried, carried_x(n), 3 * (size_t)n->carried * sizeof(double));
+    n->carried_by = 0.0;
+    return grid_sort(n->context, &n->fixed, n->view.points - n->view.particles, NULL,
+                     n->boundary_x);
+}
+
 pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
-                              int boundary, const double *boundary_x, const double *volume,
-                              double support, double skin, struct neighbours **out) {
+                              int boundary, const double *boundary_x, int moving,
+                              const double *volume, double support, double skin,
+                              struct neighbours **out) {
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
+    n->carried = moving;
     n->skin = skin * support, n->reach = support + n->skin;
     n->view = (pdyn_neighbours){
         .support = support, .particles = particles, .points = particles + boundary};
@@ -76,7 +95,7 @@ pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *
         n->view.end = n->end;
         status = grid_create(context, boundary, n->reach, &n->fixed);
     }
-    if (status == PDYN_OK) status = grid_sort(context, &n->fixed, boundary, NULL, boundary_x);
+    if (status == PDYN_OK) status = sort_boundary(n);
     if (status == PDYN_OK) return status;
     neighbours_free(n);
     *out = NULL;
@@ -94,6 +113,7 @@ void neighbours_free(struct neighbours *n) {
     FREE_ARRAY(c, n->volume, particles + boundary);
     FREE_ARRAY(c, n->boundary_x, 3 * (size_t)boundary);
     FREE_ARRAY(c, n->built_x, 3 * (size_t)particles);
+    FREE_ARRAY(c, n->built_carried, 3 * (size_t)n->carried);
     FREE_ARRAY(c, n->start, particles);
     FREE_ARRAY(c, n->boundary_start, particles);
     FREE_ARRAY(c, n->end, particles);
@@ -119,9 +139,23 @@ void neighbours_change(struct neighbours *n, const bool *live) {
 
 /* ---- do the lists still hold? ---------------------------------------------------------------- */
 
+void neighbours_move(struct neighbours *n, const double *x) {
+    double *carried = carried_x(n);
+    n->carried_by = 0.0;
+    memcpy(carried, x, 3 * (size_t)n->carried * sizeof *x);
+    for (size_t k = 0; k < 3 * (size_t)n->carried; k += 3)
+        n->carried_by = fmax(n->carried_by, vec3_distance(carried + k, n->built_carried + k));
+    n->view.boundary_revision++;
+}
+
+/* How far a particle may have moved: towards another one that has too, or a boundary point. */
+static double slack(const struct neighbours *n) {
+    return fmax(0.0, fmin(0.5 * n->skin, n->skin - n->carried_by));
+}
+
 static void find_moved(void *arg, int first, int last, int block) {
     const struct call *c = arg;
-    double limit = 0.25 * c->n->skin * c->n->skin;
+    double limit = slack(c->n) * slack(c->n);
     bool moved = false;
     for (int k = first; k < last; k++) {
         const double *a = c->x + 3 * c->n->id[k], *b = c->n->built_x + 3 * c->n->id[k];
@@ -214,7 +248,8 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
 
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
-    pdyn_status status = grid_sort(n->context, &n->moving, n->active, n->id, x);
+    pdyn_status status = n->carried_by > 0.0 ? sort_boundary(n) : PDYN_OK;
+    if (status == PDYN_OK) status = grid_sort(n->context, &n->moving, n->active, n->id, x);
     if (status == PDYN_OK) status = fill(n, x);
     if (status != PDYN_OK) return status;
     memcpy(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);

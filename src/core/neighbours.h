@@ -1,6 +1,7 @@
 /* Neighbour lists for SPH sums. Lists hold every pair closer than the support plus a skin at the
- * time they were built, so they stay complete until some particle has moved by half the skin. Pairs
- * are those of a centre (a particle that needs sums) with any other taking part, both ways. */
+ * time they were built, so they stay complete until some particle has moved by half the skin, or by
+ * what moving boundary points have left of it. Pairs are those of a centre (a particle that needs
+ * sums) with any other taking part, both ways. */
 #ifndef PDYN_NEIGHBOURS_H
 #define PDYN_NEIGHBOURS_H
 
@@ -10,17 +11,21 @@
 struct neighbours;
 
 /* volume: points (particles, then boundary), 0 for a particle that takes no part; centre:
- * particles. All arrays are copied. skin: a part of the support, >= 0. Memory: 89 bytes per
- * particle, 72 per boundary point and 5 per listed neighbour (about 55 of these). */
+ * particles; moving: so many of the last boundary points may move. All arrays are copied. skin: a
+ * part of the support, >= 0. Memory: 89 bytes per particle, 72 per boundary point, 24 more where it
+ * may move, and 5 per listed neighbour (about 55 of these). */
 pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
-                              int boundary, const double *boundary_x, const double *volume,
-                              double support, double skin, struct neighbours **out);
+                              int boundary, const double *boundary_x, int moving,
+                              const double *volume, double support, double skin,
+                              struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
 /* Of the centres only those take part from now on that are live; lists have to be built again. All
  * centres must have the same volume, and takes part what has one at first: there is room for that.
  */
 void neighbours_change(struct neighbours *neighbours, const bool *live);
+/* The boundary points that may move are now at x (moving x 3). */
+void neighbours_move(struct neighbours *neighbours, const double *x);
 
 /* Are the lists complete at x (particles x 3)? */
 bool neighbours_hold(struct neighbours *neighbours, const double *x);

@@ -8,8 +8,8 @@
  * of a surface or the density and pressure of particles. PDYN_IO_FAILED: the file is not there. */
 pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
-/* The static points on the solids. */
-pdyn_status vtk_write_boundary(const pdyn_sim *sim, const char *path);
+/* The points on the solids that rest, or on those that move. */
+pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path);
 
 /* The numbers of a step, as columns of metrics.csv and members of pdyn_step_info. */
 #define STEP_NUMBERS(X)                                                                            \

@@ -383,9 +383,11 @@ static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
                               const struct json_at *box) {
     struct json_at open = json_member(owner, "open");
     int sides;
+    struct scene_box *walls = &r->solid->box;
     r->solid->is_box = true;
     pdyn_status status = transform_refuse(owner, "a \"mesh\"");
-    if (status == PDYN_OK) status = params_box(box, &r->solid->box);
+    if (status == PDYN_OK) status = params_box(box, walls);
+    for (int a = 0; a < 3; a++) r->solid->pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
     if (status == PDYN_OK) status = read_count(&open, "an array of sides like \"+y\"", &sides);
     if (status == PDYN_OK) status = read_each(r, &open, read_open_side);
     if (status == PDYN_OK && r->solid->open == 0x3F)
@@ -402,19 +404,55 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *owner,
     if (status == PDYN_OK) status = placed_mesh(mesh, &r->solid->mesh);
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
+    memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
     return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
 }
 
+const pdyn_param scene_key_params[] = {
+    {"time", PDYN_REAL, offsetof(struct scene_key, time), true, 0, -1e6, 1e6, "s", ""},
+    {"translate", PDYN_VECTOR, offsetof(struct scene_key, translate), false, 0, -1e6, 1e6, "m", ""},
+    {"rotate", PDYN_VECTOR, offsetof(struct scene_key, rotate), false, 0, -1e6, 1e6, "degrees", ""},
+    {0}};
+
+static pdyn_status read_key(struct reader *r, const struct json_at *at, int index) {
+    static const char *const none[] = {NULL};
+    struct scene_key *key = &r->solid->key[index];
+    struct json_at time = json_member(at, "time");
+    pdyn_status status = params_check_keys(at, scene_key_params, none);
+    if (status == PDYN_OK) status = params_read(at, scene_key_params, NULL, key);
+    if (status != PDYN_OK || !index || key->time > key[-1].time) return status;
+    return json_fail(&time, "expected a time after %.10g s, found %.10g s", key[-1].time,
+                     key->time);
+}
+
+static pdyn_status read_motion(struct reader *r, const struct json_at *owner) {
+    struct scene_solid *solid = r->solid;
+    struct json_at motion = json_member(owner, "motion"), pivot = json_member(owner, "pivot");
+    int count;
+    if (!motion.value && pivot.value)
+        return json_fail_at_key(&pivot, "\"pivot\" needs a \"motion\"");
+    pdyn_status status = read_count(&motion, "an array of keys", &count);
+    if (status != PDYN_OK || !motion.value) return status;
+    if (!count) return json_expected(&motion, "at least one key");
+    if (pivot.value) status = params_reals(&pivot, 3, -1e6, 1e6, "m", solid->pivot);
+    if (status != PDYN_OK) return status;
+    solid->key = NEW_ARRAY(r->context, count, struct scene_key);
+    if (!solid->key) return PDYN_NO_MEMORY;
+    solid->keys = count;
+    return read_each(r, &motion, read_key);
+}
+
 static pdyn_status read_solid(struct reader *r, const struct json_at *at, int index) {
-    static const char *const keys[] = {"name",  "box",    "open",      "mesh",
-                                       "scale", "rotate", "translate", NULL};
+    static const char *const keys[] = {"name",   "box",       "open",   "mesh",  "scale",
+                                       "rotate", "translate", "motion", "pivot", NULL};
     struct scene_solid *solid = r->solid = &r->scene->solid[index];
     struct json_at box = json_member(at, "box"), mesh = json_member(at, "mesh");
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = read_name(r, at, "solid", index, &solid->name);
     if (status == PDYN_OK) status = check_one_of(at, "box", "mesh");
     if (status != PDYN_OK) return status;
-    return box.value ? read_walls(r, at, &box) : read_shape(r, at, &mesh);
+    status = box.value ? read_walls(r, at, &box) : read_shape(r, at, &mesh);
+    return status == PDYN_OK ? read_motion(r, at) : status;
 }
 
 /* ---- the scene ------------------------------------------------------------------------------- */
@@ -513,6 +551,7 @@ void scene_free(pdyn_context *context, struct scene *scene) {
     for (int b = 0; b < scene->bodies; b++) free_body(context, &scene->body[b]);
     for (int s = 0; s < scene->solids; s++) {
         mesh_free(context, &scene->solid[s].mesh);
+        FREE_ARRAY(context, scene->solid[s].key, scene->solid[s].keys);
         free_text(context, &scene->solid[s].name);
     }
     FREE_ARRAY(context, scene->body, scene->bodies);

@@ -52,12 +52,23 @@ struct scene_body {
     struct scene_constraint *constraint; /* a type at most once per body */
 };
 
+struct scene_key {       /* where a solid is at a time, from where it was put */
+    double time;         /* s */
+    double translate[3]; /* m */
+    double rotate[3];    /* degrees about x, then y, then z, through the pivot */
+};
+
+extern const pdyn_param scene_key_params[]; /* ends with a name of NULL */
+
 struct scene_solid {
     char *name;
     bool is_box;
     struct scene_box box;
     unsigned open;    /* bit 2 a: no face at the minimum of axis a; bit 2 a + 1: at the maximum */
     struct mesh mesh; /* in the world */
+    int keys;         /* 0: it rests */
+    struct scene_key *key; /* times ascending; in between linear in all numbers, outside held */
+    double pivot[3];       /* m, in the world */
 };
 
 struct scene_settings {      /* the scene's own "solver" and "time_step" and general values */

@@ -5,6 +5,7 @@
 #include "batch.h"
 #include "context.h"
 #include "mesh.h"
+#include "motion.h"
 #include "neighbours.h"
 #include "sampling.h"
 #include "scene.h"
@@ -20,7 +21,8 @@ struct pdyn_sim {
     pdyn_body *body;           /* what modules see */
     struct topology *topology; /* bodies; empty for particles */
     double *rest;              /* particles x 3: the bodies' rest positions, m */
-    struct points boundary;    /* static points on the solids */
+    struct points boundary;    /* points on the solids */
+    struct motion motion;      /* of the last of these */
     pdyn_services services;    /* what operators may call */
 
     struct system system; /* particles' masses, prediction, batches: what is minimised */

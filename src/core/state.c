@@ -24,6 +24,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .pressure = sim->pressure,
                         .live = sim->emit ? sim->emit->live : NULL,
                         .boundary = sim->boundary.count,
+                        .moving = sim->motion.points,
                         .boundary_x = sim->boundary.x,
                         .bodies = sim->bodies,
                         .constraints = sim->system.batches};

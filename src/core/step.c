@@ -18,6 +18,11 @@ struct progress {                    /* of the minimisation of one step */
     int outer, linear;
 };
 
+struct taken {                 /* a step along the direction */
+    double length;             /* 1: all of it */
+    double slope, slope_after; /* of E along it, before and after */
+};
+
 static size_t bytes_of(const struct pdyn_sim *sim) {
     return 3 * (size_t)sim->system.particles * sizeof(double);
 }
@@ -51,28 +56,30 @@ static pdyn_status warm_start(struct pdyn_sim *sim, double h, double *energy) {
     return PDYN_OK;
 }
 
-/* x_next + direction, halved until E falls enough (Armijo). *length: what was taken, 0 for none;
- * then the iterate and its local step are as before. Unfinished multipliers may raise E once;
+/* x_next + direction, halved until E falls enough (Armijo). step->length: what was taken, 0 for
+ * none; then the iterate and its local step are as before. Unfinished multipliers may raise E once;
  * then it has to fall below what it was before that. */
-static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy, double *length) {
+static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
+                           struct taken *step) {
     struct system *sys = &sim->system;
     double slope = system_dot(sys, sim->gradient, sim->direction), trial;
     double bound = *energy;
+    *step = (struct taken){.length = 1.0, .slope = slope};
     if (sim->solver->keeps_multipliers) bound = fmax(before, *energy), slope = 0.0;
-    *length = 1.0;
-    for (int k = 0; k < BACKTRACKS; k++, *length *= 0.5) {
+    for (int k = 0; k < BACKTRACKS; k++, step->length *= 0.5) {
         memcpy(sim->trial, sim->x_next, bytes_of(sim));
-        system_axpy(sys, *length, sim->direction, sim->trial);
+        system_axpy(sys, step->length, sim->direction, sim->trial);
         pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        if (trial <= bound + 1e-4 * *length * slope + 1e-13 * fabs(bound)) {
+        if (trial <= bound + 1e-4 * step->length * slope + 1e-13 * fabs(bound)) {
             memcpy(sim->x_next, sim->trial, bytes_of(sim));
             memcpy(sim->gradient, sim->trial_gradient, bytes_of(sim));
             *energy = trial;
+            step->slope_after = system_dot(sys, sim->gradient, sim->direction);
             return PDYN_OK;
         }
     }
-    *length = 0.0;
+    step->length = 0.0;
     return system_local(sys, sim->x_next, energy, sim->gradient);
 }
 
@@ -90,29 +97,36 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     return status;
 }
 
-/* Levenberg-Marquardt: more damping where the full step went too far, less where it was good. With
- * multipliers the first iteration is undamped, for it alone carries the motion, and damping shrinks
- * from step to step only: what needs it is the change of a fluid's gradients under pressure, which
- * the model does not know and which lasts. */
-static double more_damping(double eps) { return fmin(1.0, fmax(10.0 * eps, 1e-6)); }
-static double less_damping(double eps) { return eps > 1e-7 ? 0.1 * eps : 0.0; }
+/* Levenberg-Marquardt: more damping where the step went too far, less where it was good. With
+ * multipliers the first iteration is undamped, for it alone carries the motion, and damping lasts:
+ * what needs it is the change of a fluid's gradients under pressure, which the model does not know.
+ * There, the slope along the step says at its end whether it was too long or too short. */
+static double more_damping(double eps, double factor) {
+    return fmin(1.0, fmax(factor * eps, 1e-6));
+}
 
-static double damping_now(const struct pdyn_sim *sim, const struct progress *p) {
-    return sim->solver->keeps_multipliers && p->outer == 0 ? 0.0 : sim->damping;
+static double less_damping(double eps, double factor) { return eps > 1e-7 ? eps / factor : 0.0; }
+
+static void adapt_damping(struct pdyn_sim *sim, const struct taken *step) {
+    double factor = 4.0, overshoot = step->slope_after / fmax(fabs(step->slope), 1e-300);
+    if (!sim->solver->keeps_multipliers) factor = 10.0, overshoot = step->length < 1.0 ? 1.0 : -1.0;
+    if (step->length < 1.0 || overshoot > 0.5) sim->damping = more_damping(sim->damping, factor);
+    else if (overshoot < -0.5) sim->damping = less_damping(sim->damping, factor);
 }
 
 /* One global step. *moved is false where no step lowers E any more. */
 static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *moved) {
-    double length = 0.0, energy = p->energy;
-    pdyn_status status = system_linearise(&sim->system, damping_now(sim, p));
+    struct taken taken = {0};
+    double energy = p->energy;
+    bool first = sim->solver->keeps_multipliers && p->outer == 0;
+    pdyn_status status = system_linearise(&sim->system, first ? 0.0 : sim->damping);
     if (status == PDYN_OK) status = solve_model(sim, p);
-    if (status == PDYN_OK) status = descend(sim, p->before, &p->energy, &length);
+    if (status == PDYN_OK) status = descend(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
-    *moved = length > 0.0 || sim->damping < 1.0;
+    *moved = taken.length > 0.0 || sim->damping < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
-    if (length < 1.0 || p->energy > energy) sim->damping = more_damping(sim->damping);
-    else if (!sim->solver->keeps_multipliers) sim->damping = less_damping(sim->damping);
+    if (!first) adapt_damping(sim, &taken);
     return PDYN_OK;
 }
 
@@ -133,7 +147,8 @@ static pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) 
     double weight = measure_weight(sim);
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
-    if (sim->solver->keeps_multipliers && set->newton) sim->damping = less_damping(sim->damping);
+    if (sim->solver->keeps_multipliers && set->newton)
+        sim->damping = less_damping(sim->damping, 4.0);
     pdyn_status status = warm_start(sim, h, &p->energy);
     p->before = p->energy;
     while (status == PDYN_OK) {
@@ -192,10 +207,14 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     sim->system.ms_neighbours = sim->system.ms_local = 0.0;
 
     predict(sim, end.h);
+    motion_carry(sim, sim->system.time);
     pdyn_status status = minimise(sim, end.h, &progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     if (status == PDYN_OK) status = measure_end(sim);
-    if (status != PDYN_OK) return status;
+    if (status != PDYN_OK) {
+        motion_carry(sim, sim->time);
+        return status;
+    }
     accept(sim, end.h);
 
     timestep_advance(sim, &end);

@@ -16,12 +16,13 @@ static double fastest(const struct pdyn_sim *sim, double h, double *radius) {
     return speed + h * vec3_length(sim->scene.settings.gravity);
 }
 
-/* CFL (Weiler et al. 2016): no particle travels more than `cfl` radii in a step. A step shrinks as
- * far as it must at once, and grows by at most a tenth. */
+/* CFL (Weiler et al. 2016): no particle and no solid travels more than `cfl` radii in a step. A
+ * step shrinks as far as it must at once, and grows by at most a tenth. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *set = &sim->scene.settings;
     double radius, h = sim->last_h > 0.0 ? fmin(set->h_max, 1.1 * sim->last_h) : set->h_max;
-    double speed = fastest(sim, h, &radius);
+    double speed =
+        fmax(fastest(sim, h, &radius), motion_speed(&sim->motion, sim->time, sim->time + h));
     if (radius > 0.0 && speed * h > set->cfl * radius) h = set->cfl * radius / speed;
     return fmax(h, set->h_min);
 }

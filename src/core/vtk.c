@@ -74,14 +74,16 @@ pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
     return file_out_close(&file);
 }
 
-pdyn_status vtk_write_boundary(const pdyn_sim *sim, const char *path) {
+pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path) {
     struct file_out file;
     pdyn_status status = file_out_open(sim->context, path, &file);
     if (status != PDYN_OK) return status;
     pdyn_state state = pdyn_get_state(sim);
-    write_head(&file, "boundary", pdyn_time(sim), state.boundary);
-    file_out_reals(&file, order, state.boundary_x, 3 * (size_t)state.boundary);
-    write_vertices(&file, state.boundary);
+    int resting = state.boundary - state.moving, count = moving ? state.moving : resting;
+    const double *x = state.boundary_x + (moving ? 3 * (size_t)resting : 0);
+    write_head(&file, "boundary", pdyn_time(sim), count);
+    file_out_reals(&file, order, x, 3 * (size_t)count);
+    write_vertices(&file, count);
     file_out_print(&file, "\n");
     return file_out_close(&file);
 }

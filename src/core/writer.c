@@ -38,14 +38,19 @@ static const char *path_of(pdyn_writer *writer, const char *format, ...) {
     return writer->path;
 }
 
-static const char *body_name(const pdyn_writer *writer, int body) {
-    return pdyn_get_body(writer->sim, body).name;
+/* What has a file in every frame: the bodies, then the boundary points that move. */
+static int parts(const pdyn_writer *writer) {
+    return writer->sim->bodies + (writer->sim->motion.points > 0);
+}
+
+static const char *part_name(const pdyn_writer *writer, int part) {
+    return part < writer->sim->bodies ? pdyn_get_body(writer->sim, part).name : "boundary";
 }
 
 static pdyn_status keep_directory(pdyn_writer *writer, const char *directory) {
     size_t longest = strlen("boundary.vtk");
     for (int b = 0; b < writer->sim->bodies; b++) {
-        size_t length = strlen(body_name(writer, b));
+        size_t length = strlen(part_name(writer, b));
         if (length > longest) longest = length;
     }
     writer->directory = strlen(directory) + 1;
@@ -79,9 +84,9 @@ static pdyn_status make_directory(pdyn_writer *writer) {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* Lists the first `frames` frames of a body. */
-static pdyn_status write_series(pdyn_writer *writer, int body, int frames) {
-    const char *name = body_name(writer, body);
+/* Lists the first `frames` frames of a part. */
+static pdyn_status write_series(pdyn_writer *writer, int part, int frames) {
+    const char *name = part_name(writer, part);
     struct file_out file;
     pdyn_status status =
         file_out_open(writer->context, path_of(writer, "%s.vtk.series", name), &file);
@@ -94,12 +99,13 @@ static pdyn_status write_series(pdyn_writer *writer, int body, int frames) {
     return file_out_close(&file);
 }
 
-static pdyn_status write_body(pdyn_writer *writer, int body) {
-    const char *name = body_name(writer, body);
-    pdyn_status status =
-        vtk_write_body(writer->sim, body, path_of(writer, "%s_%06d.vtk", name, writer->frames));
+static pdyn_status write_part(pdyn_writer *writer, int part) {
+    const char *name = part_name(writer, part);
+    const char *path = path_of(writer, "%s_%06d.vtk", name, writer->frames);
+    if (part == writer->sim->bodies) return vtk_write_boundary(writer->sim, true, path);
+    pdyn_status status = vtk_write_body(writer->sim, part, path);
     if (status != PDYN_OK || !writer->ply) return status;
-    return ply_write_body(writer->sim, body, path_of(writer, "%s_%06d.ply", name, writer->frames));
+    return ply_write_body(writer->sim, part, path_of(writer, "%s_%06d.ply", name, writer->frames));
 }
 
 static pdyn_status keep_time(pdyn_writer *writer) {
@@ -118,10 +124,9 @@ static pdyn_status keep_time(pdyn_writer *writer) {
 /* First the files, then the series that list them: these never name what is not there. */
 static pdyn_status write_frame(pdyn_writer *writer) {
     pdyn_status status = keep_time(writer);
-    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
-        status = write_body(writer, b);
-    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
-        status = write_series(writer, b, writer->frames + 1);
+    for (int p = 0; p < parts(writer) && status == PDYN_OK; p++) status = write_part(writer, p);
+    for (int p = 0; p < parts(writer) && status == PDYN_OK; p++)
+        status = write_series(writer, p, writer->frames + 1);
     if (status == PDYN_OK) writer->frames++;
     return status;
 }
@@ -144,22 +149,25 @@ static bool is_frame(const char *file, const char *name) {
     return digits >= 6 && digits <= 10 && !strcmp(file + length + 1 + digits, ".vtk");
 }
 
+static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
+    if (!unlink(path) || errno == ENOENT) return PDYN_OK;
+    return context_fail(writer->context, PDYN_IO_FAILED,
+                        "%.1024s: cannot remove the file of a former run: %s", path,
+                        strerror(errno));
+}
+
 static pdyn_status remove_frame(pdyn_writer *writer, const char *file) {
     static const char *const endings[] = {"vtk", "ply"};
     int stem = (int)(strlen(file) - strlen("vtk"));
-    for (int k = 0; k < 2; k++) {
-        const char *path = path_of(writer, "%.*s%s", stem, file, endings[k]);
-        if (unlink(path) && errno != ENOENT)
-            return context_fail(writer->context, PDYN_IO_FAILED,
-                                "%.1024s: cannot remove the frame of a former run: %s", path,
-                                strerror(errno));
-    }
-    return PDYN_OK;
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < 2 && status == PDYN_OK; k++)
+        status = remove_file(writer, path_of(writer, "%.*s%s", stem, file, endings[k]));
+    return status;
 }
 
 /* A series that cannot be read is not ours and lists nothing. */
-static pdyn_status remove_frames(pdyn_writer *writer, int body) {
-    const char *name = body_name(writer, body), *path = path_of(writer, "%s.vtk.series", name);
+static pdyn_status remove_frames(pdyn_writer *writer, const char *name) {
+    const char *path = path_of(writer, "%s.vtk.series", name);
     struct stat info;
     if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
     json_t *series = json_load_file(path, 0, NULL), *files = json_object_get(series, "files");
@@ -228,15 +236,26 @@ pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
 
 /* ---- the whole ------------------------------------------------------------------------------- */
 
+/* Points that rest are written once. What a former run left of others would be shown with ours. */
+static pdyn_status begin_boundary(pdyn_writer *writer) {
+    pdyn_state state = pdyn_get_state(writer->sim);
+    const char *path = path_of(writer, "boundary.vtk");
+    pdyn_status status = state.boundary > state.moving
+                             ? vtk_write_boundary(writer->sim, false, path)
+                             : remove_file(writer, path);
+    if (status == PDYN_OK) status = remove_frames(writer, "boundary");
+    if (status != PDYN_OK || state.moving) return status;
+    return remove_file(writer, path_of(writer, "boundary.vtk.series"));
+}
+
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     pdyn_status status = keep_directory(writer, directory);
     if (status == PDYN_OK) status = make_directory(writer);
-    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++) {
-        status = remove_frames(writer, b);
-        if (status == PDYN_OK) status = write_series(writer, b, 0);
+    if (status == PDYN_OK) status = begin_boundary(writer);
+    for (int p = 0; p < parts(writer) && status == PDYN_OK; p++) {
+        status = remove_frames(writer, part_name(writer, p));
+        if (status == PDYN_OK) status = write_series(writer, p, 0);
     }
-    if (status == PDYN_OK && pdyn_get_state(writer->sim).boundary)
-        status = vtk_write_boundary(writer->sim, path_of(writer, "boundary.vtk"));
     if (status == PDYN_OK) status = open_metrics(writer);
     report_open(&writer->report, writer->sim);
     return status;
