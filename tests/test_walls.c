@@ -1,0 +1,86 @@
+/* Fast water against walls: none gets out, or through a thin plate, at the CFL limit. */
+#include "support.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#define WATER(box, velocity)                                                                       \
+    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005, \"cfl\": "    \
+    "1}, "                                                                                         \
+    "\"solver\": {\"tolerance\": 0.5, \"outer_iterations\": 10}, \"bodies\": [{\"name\": "         \
+    "\"water\", \"velocity\": " velocity ", \"particles\": {\"radius\": 0.0125, \"fill\": "        \
+    "[{\"box\": " box "}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e6}]}], "
+
+static const char *jet = WATER("{\"minimum\": [0.3, 0.3, 0.3], \"maximum\": [0.5, 0.5, 0.5]}",
+                               "[-11.5, -11.5, -11.5]") /* 20 m/s into a corner */
+    "\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.6, 0.6]}}]}";
+
+/* The largest distance of a particle's centre beyond the faces of the box [0, size]^3, m. */
+static double beyond(const pdyn_state *s, double size) {
+    double most = -INFINITY;
+    for (int k = 0; k < 3 * s->particles; k++) most = fmax(most, fmax(-s->x[k], s->x[k] - size));
+    return most;
+}
+
+/* The wall's samples lie 0.6 spacings beyond a face: none comes there. */
+static void test_corner(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, jet);
+    const pdyn_state s = pdyn_get_state(sim);
+    double most = -INFINITY;
+    while (pdyn_time(sim) < 0.06) {
+        test_step(context, sim);
+        most = fmax(most, beyond(&s, 0.6));
+    }
+    assert_true(most > -0.0125); /* it has arrived */
+    if (most > 0.6 * 0.025) fail_msg("a particle is %g m behind a wall", most);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A plate without thickness across a shaft, as a mesh. Returns its name. */
+static const char *write_plate(void) {
+    static char path[] = "plate_XXXXXX.obj";
+    int file = mkstemps(path, 4);
+    FILE *out = file < 0 ? NULL : fdopen(file, "w");
+    assert_non_null(out);
+    fputs("v 0 0.2 0\nv 0.3 0.2 0\nv 0.3 0.2 0.3\nv 0 0.2 0.3\nf 1 2 3\nf 1 3 4\n", out);
+    assert_int_equal(fclose(out), 0);
+    return path;
+}
+
+/* Water falls on it with 10 m/s and stays above. */
+static void test_plate(void **state) {
+    (void)state;
+    char text[2048];
+    const char *path = write_plate();
+    pdyn_context *context = test_context(2);
+    snprintf(
+        text, sizeof text,
+        "%s\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
+        "[0.3, 0.8, 0.3]}}, {\"mesh\": \"%s\"}]}",
+        WATER("{\"minimum\": [0.05, 0.3, 0.05], \"maximum\": [0.25, 0.5, 0.25]}", "[0, -10, 0]"),
+        path);
+    pdyn_sim *sim = test_load(context, text);
+    unlink(path);
+    const pdyn_state s = pdyn_get_state(sim);
+    double lowest = INFINITY;
+    while (pdyn_time(sim) < 0.1) {
+        test_step(context, sim);
+        for (int i = 0; i < s.particles; i++) lowest = fmin(lowest, s.x[3 * i + 1]);
+    }
+    assert_true(lowest < 0.23);
+    if (lowest < 0.2) fail_msg("a particle is %g m below the plate", 0.2 - lowest);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_corner),
+        cmocka_unit_test(test_plate),
+    };
+    return cmocka_run_group_tests_name("walls", tests, NULL, NULL);
+}
