@@ -10,8 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- a small scene for any type ---------------------------------------------------------------
- */
+/* ---- a small scene for any type -------------------------------------------------------------- */
 
 static double value_for(const pdyn_param *p) {
     if (!p->required) return p->def;
@@ -107,8 +106,7 @@ static void each_type(void (*check)(const pdyn_constraint_type *type)) {
     for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) check(*t);
 }
 
-/* ---- the mathematics --------------------------------------------------------------------------
- */
+/* ---- the mathematics ------------------------------------------------------------------------- */
 
 static double energy_at(struct trial *t, const double *x) {
     double energy, *scratch = array(t->n);
@@ -238,8 +236,7 @@ static void check_model(const pdyn_constraint_type *type) {
     }
 }
 
-/* ---- the contract ------------------------------------------------------------------------------
- */
+/* ---- the contract ---------------------------------------------------------------------------- */
 
 /* Callbacks write to their own range only, and give the same rows each time. */
 static void check_ranges(const pdyn_constraint_type *type) {
@@ -262,8 +259,7 @@ static void check_ranges(const pdyn_constraint_type *type) {
     finish(&t);
 }
 
-/* ---- with every solver -------------------------------------------------------------------------
- */
+/* ---- with every solver ----------------------------------------------------------------------- */
 
 static bool fits(const struct solver_type *solver, const pdyn_constraint_type *type) {
     struct trial t = start(type, "auto", 0.002);

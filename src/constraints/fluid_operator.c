@@ -109,8 +109,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     return f->pair_index && f->pair;
 }
 
-/* ---- what core calls --------------------------------------------------------------------------
- */
+/* ---- what core calls ------------------------------------------------------------------------- */
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;

@@ -116,8 +116,7 @@ static void forget_start(struct pdyn_sim *sim) {
     }
 }
 
-/* ---- neighbours: fluid, cloth and walls -------------------------------------------------------
- */
+/* ---- neighbours: fluid, cloth and walls ------------------------------------------------------ */
 
 /* The body whose constraint works on SPH sums, or NULL. */
 static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {

@@ -62,6 +62,11 @@ double system_dot(struct system *system, const double *a, const double *b);
 /* The sum of what each block of a loop over the particles left in `partial`. */
 double system_partial_sum(const struct system *system);
 
+/* Bytes of a vector, particles x 3. */
+static inline size_t system_bytes(const struct system *system) {
+    return 3 * (size_t)system->particles * sizeof(double);
+}
+
 /* What a particle's inertia adds to each of its diagonal entries in H, N/m. */
 static inline double system_inertia(const struct system *system, int i) {
     return system->mass[i] / (system->h * system->h);

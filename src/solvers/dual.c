@@ -83,8 +83,7 @@ static pdyn_status create(void *self, pdyn_context *context, struct system *syst
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* ---- loops over constraints and particles -----------------------------------------------------
- */
+/* ---- loops over constraints and particles ---------------------------------------------------- */
 
 static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, const double *in,
                     double *out) {
@@ -231,8 +230,7 @@ static void find_change(void *arg, int first, int last, int block) {
     }
 }
 
-/* ---- the solve --------------------------------------------------------------------------------
- */
+/* ---- the solve ------------------------------------------------------------------------------- */
 
 static void start(struct dual *s) {
     for_all(s, s->count, begin, 0.0, NULL, NULL);

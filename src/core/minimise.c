@@ -1,0 +1,164 @@
+/* Local and global steps in turn. The global step is the damped newton step of E; with eps = 1 it
+ * is that of classic Projective Dynamics. */
+#include "minimise.h"
+
+#include "measure.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { BACKTRACKS = 6 };
+
+struct taken {                 /* a step along the direction */
+    double length;             /* 1: all of it */
+    double slope, slope_after; /* of E along it, before and after */
+};
+
+static void take_trial(struct pdyn_sim *sim) {
+    memcpy(sim->x_next, sim->trial, system_bytes(&sim->system));
+    memcpy(sim->gradient, sim->trial_gradient, system_bytes(&sim->system));
+}
+
+/* ---- one global step ------------------------------------------------------------------------- */
+
+/* The direction to the minimum of E's model. */
+static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
+    const struct scene_settings *set = &sim->scene.settings;
+    int iterations = 0;
+    memset(sim->direction, 0, system_bytes(&sim->system));
+    for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];
+    double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
+    pdyn_status status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction,
+                                            fmax(set->linear_tolerance, enough),
+                                            set->linear_iterations, &iterations);
+    p->linear += iterations;
+    return status;
+}
+
+/* x_next + direction, halved until E falls enough (Armijo). step->length: what was taken, 0 for
+ * none; then the iterate and its local step are as before. Unfinished multipliers may raise E once;
+ * then it has to fall below what it was before that. */
+static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
+                           struct taken *step) {
+    struct system *sys = &sim->system;
+    double slope = system_dot(sys, sim->gradient, sim->direction), trial;
+    double bound = *energy;
+    *step = (struct taken){.length = 1.0, .slope = slope};
+    if (sim->solver->keeps_multipliers) bound = fmax(before, *energy), slope = 0.0;
+    for (int k = 0; k < BACKTRACKS; k++, step->length *= 0.5) {
+        memcpy(sim->trial, sim->x_next, system_bytes(&sim->system));
+        system_axpy(sys, step->length, sim->direction, sim->trial);
+        pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
+        if (status != PDYN_OK) return status;
+        if (trial <= bound + 1e-4 * step->length * slope + 1e-13 * fabs(bound)) {
+            take_trial(sim);
+            *energy = trial;
+            step->slope_after = system_dot(sys, sim->gradient, sim->direction);
+            return PDYN_OK;
+        }
+    }
+    step->length = 0.0;
+    return system_local(sys, sim->x_next, energy, sim->gradient);
+}
+
+/* Levenberg-Marquardt: more damping where the step went too far, less where it was good. With
+ * multipliers the first iteration is undamped, for it alone carries the motion, and damping lasts:
+ * what needs it is the change of a fluid's gradients under pressure, which the model does not know.
+ * There, the slope along the step says at its end whether it was too long or too short. */
+static double more_damping(double eps, double factor) {
+    return fmin(1.0, fmax(factor * eps, 1e-6));
+}
+
+static double less_damping(double eps, double factor) { return eps > 1e-7 ? eps / factor : 0.0; }
+
+static double adapt_to_slope(double eps, const struct taken *step) {
+    double overshoot = step->slope_after / fmax(fabs(step->slope), 1e-300);
+    if (step->length < 1.0 || overshoot > 0.5) return more_damping(eps, 4.0);
+    return overshoot < -0.5 ? less_damping(eps, 4.0) : eps;
+}
+
+static double adapt_to_length(double eps, const struct taken *step) {
+    return step->length < 1.0 ? more_damping(eps, 10.0) : less_damping(eps, 10.0);
+}
+
+/* One global step. *moved is false where no step lowers E any more. */
+static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *moved) {
+    struct taken taken = {0};
+    double energy = p->energy;
+    bool first = sim->solver->keeps_multipliers && p->outer == 0;
+    pdyn_status status = system_linearise(&sim->system, first ? 0.0 : sim->damping);
+    if (status == PDYN_OK) status = solve_model(sim, p);
+    if (status == PDYN_OK) status = descend(sim, p->before, &p->energy, &taken);
+    p->before = energy;
+    if (status != PDYN_OK) return status;
+    *moved = taken.length > 0.0 || sim->damping < 1.0;
+    if (!sim->scene.settings.newton) return PDYN_OK;
+    if (!sim->solver->keeps_multipliers) sim->damping = adapt_to_length(sim->damping, &taken);
+    else if (!first) sim->damping = adapt_to_slope(sim->damping, &taken);
+    return PDYN_OK;
+}
+
+/* ---- where the minimisation starts: s, and what the last step knows -------------------------- */
+
+/* With positions: what the constraints did in the last step, x - s, scaled to this one, is likely
+ * to be needed again; taken where it lowers E. (Leaving out gravity instead would look as good in
+ * density and destroy the motion of unconverged steps.) */
+static pdyn_status repeat_correction(struct pdyn_sim *sim, double h, double *energy) {
+    double warm, ratio = h / sim->last_h;
+    memcpy(sim->trial, sim->x_next, system_bytes(&sim->system));
+    system_axpy(&sim->system, ratio * ratio, sim->correction, sim->trial);
+    pdyn_status status = system_local(&sim->system, sim->trial, &warm, sim->trial_gradient);
+    if (status != PDYN_OK) return status;
+    if (!(warm < *energy)) return system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    take_trial(sim);
+    *energy = warm;
+    return PDYN_OK;
+}
+
+/* With multipliers: the solver keeps these itself. */
+static pdyn_status start(struct pdyn_sim *sim, double h, struct progress *p) {
+    bool positions = !sim->solver->keeps_multipliers;
+    pdyn_status status = system_local(&sim->system, sim->x_next, &p->energy, sim->gradient);
+    if (status == PDYN_OK && positions && sim->last_h > 0.0)
+        status = repeat_correction(sim, h, &p->energy);
+    if (!positions && sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
+    p->before = p->energy;
+    return status;
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+static void observe(const struct pdyn_sim *sim, const struct progress *p, int linear) {
+    if (!sim->observer) return;
+    pdyn_iteration iteration = {.iteration = p->outer,
+                                .linear_iterations = linear,
+                                .energy = p->energy,
+                                .residual = p->residual,
+                                .damping = sim->damping,
+                                .x = sim->x_next};
+    sim->observer(sim->observer_user, &iteration);
+}
+
+/* Local and global steps in turn until the step residual is small enough. */
+pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
+    const struct scene_settings *set = &sim->scene.settings;
+    double weight = measure_weight(sim);
+    int linear = 0; /* of the iterations before this one */
+    bool moved = true;
+    pdyn_status status = start(sim, h, p);
+    while (status == PDYN_OK) {
+        p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
+        if (!isfinite(p->energy) || !isfinite(p->residual))
+            return context_fail(
+                sim->context, PDYN_DIVERGED,
+                "step %ld at %g s: the energy is not finite; the state is that of the "
+                "step before",
+                sim->steps + 1, sim->time);
+        observe(sim, p, p->linear - linear);
+        linear = p->linear;
+        if (!moved || p->residual <= set->tolerance || p->outer >= set->outer_iterations) break;
+        status = global_step(sim, p, &moved);
+        p->outer++;
+    }
+    return status;
+}

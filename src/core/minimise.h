@@ -1,0 +1,17 @@
+/* The minimisation of E in one step. */
+#ifndef PDYN_MINIMISE_H
+#define PDYN_MINIMISE_H
+
+#include "sim.h"
+
+struct progress {
+    double energy, residual; /* at the iterate */
+    double before;           /* the energy an iteration earlier */
+    int outer, linear;       /* iterations */
+};
+
+/* From s, in sim->x_next, to the minimum, as far as the scene's settings say. The last local step
+ * is then that of x_next, its gradient sim->gradient. h: s. */
+pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *progress);
+
+#endif
