@@ -98,16 +98,24 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
     return PDYN_OK;
 }
 
-/* ---- where the minimisation starts: s, and what the last step knows -------------------------- */
+/* ---- where the minimisation starts ----------------------------------------------------------- */
 
-/* With positions: what the constraints did in the last step, x - s, scaled to this one, is likely
- * to be needed again; taken where it lowers E. (Leaving out gravity instead would look as good in
- * density and destroy the motion of unconverged steps.) */
-static pdyn_status repeat_correction(struct pdyn_sim *sim, double h, double *energy) {
-    double warm, ratio = h / sim->last_h;
-    memcpy(sim->trial, sim->x_next, system_bytes(&sim->system));
-    system_axpy(&sim->system, ratio * ratio, sim->correction, sim->trial);
-    pdyn_status status = system_local(&sim->system, sim->trial, &warm, sim->trial_gradient);
+/* s, and what the constraints did in the last step, x - s, scaled to this one: it is likely to be
+ * needed again. (Leaving out gravity instead would look as good in density and destroy the motion
+ * of unconverged steps.) */
+static void repeat_correction(struct pdyn_sim *sim, double h, double *x) {
+    double ratio = sim->last_h > 0.0 ? h / sim->last_h : 0.0;
+    memcpy(x, sim->system.s, system_bytes(&sim->system));
+    system_axpy(&sim->system, ratio * ratio, sim->correction, x);
+}
+
+/* With positions, the correction is taken where it lowers E. */
+static pdyn_status start_positions(struct pdyn_sim *sim, double h, double *energy) {
+    double warm;
+    pdyn_status status = system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    if (status != PDYN_OK || sim->last_h == 0.0) return status;
+    repeat_correction(sim, h, sim->trial);
+    status = system_local(&sim->system, sim->trial, &warm, sim->trial_gradient);
     if (status != PDYN_OK) return status;
     if (!(warm < *energy)) return system_local(&sim->system, sim->x_next, energy, sim->gradient);
     take_trial(sim);
@@ -115,15 +123,16 @@ static pdyn_status repeat_correction(struct pdyn_sim *sim, double h, double *ene
     return PDYN_OK;
 }
 
-/* With multipliers: the solver keeps these itself. */
-static pdyn_status start(struct pdyn_sim *sim, double h, struct progress *p) {
-    bool positions = !sim->solver->keeps_multipliers;
-    pdyn_status status = system_local(&sim->system, sim->x_next, &p->energy, sim->gradient);
-    if (status == PDYN_OK && positions && sim->last_h > 0.0)
-        status = repeat_correction(sim, h, &p->energy);
-    if (!positions && sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
-    p->before = p->energy;
-    return status;
+/* With multipliers, the solver keeps what is needed. Only a fluid that moves less than its
+ * constraints move it, at rest, starts where these put it: there it is solved already. */
+static pdyn_status start_multipliers(struct pdyn_sim *sim, double h, double *energy) {
+    struct system *sys = &sim->system;
+    double ratio = sim->last_h > 0.0 ? h / sim->last_h : 0.0;
+    double moved = h * h * system_dot(sys, sim->v, sim->v);
+    double corrected = pow(ratio, 4.0) * system_dot(sys, sim->correction, sim->correction);
+    if (moved < corrected) repeat_correction(sim, h, sim->x_next);
+    if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
+    return system_local(sys, sim->x_next, energy, sim->gradient);
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */
@@ -145,7 +154,9 @@ pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     double weight = measure_weight(sim);
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
-    pdyn_status status = start(sim, h, p);
+    pdyn_status status = sim->solver->keeps_multipliers ? start_multipliers(sim, h, &p->energy)
+                                                        : start_positions(sim, h, &p->energy);
+    p->before = p->energy;
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
         if (!isfinite(p->energy) || !isfinite(p->residual))
