@@ -2,8 +2,9 @@
  * there is: the rest of H, B = M/h^2 + eps held, is then diagonal. With G the gradients of the
  * constraints and K their stiffness, the model of E is minimal where
  *
- *     d = B^-1 (b - G' (lambda - K max(0, C)))          b contains the forces of the last local
- * step C + G d - K^-1 lambda = 0, or less where lambda = 0;    lambda >= 0
+ *     d = B^-1 (b - G' (lambda - K max(0, C))),     b: with the forces of the last local step
+ *
+ *     C + G d - K^-1 lambda = 0, or less where lambda = 0,     lambda >= 0
  *
  * which is S lambda = rhs with S = K^-1 + G B^-1 G' and bounds: the pressure equation of
  * incompressible SPH (Ihmsen et al. 2014, Bender & Koschier 2015), made compliant by K.
