@@ -62,21 +62,15 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
     return f;
 }
 
-static void set_points(struct fluid *f) {
-    f->boundary = f->lists->boundary_revision;
-    for (int i = 0; i < f->points; i++) {
-        const double *x = f->lists->boundary_x + 3 * (i - f->particles);
-        for (int a = 0; i >= f->particles && a < 3; a++) f->x[4 * i + a] = x[a];
-        f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
-    }
-}
-
-/* Boundary points that have moved since the last local step. */
-static void follow_boundary(struct fluid *f) {
-    if (f->boundary == f->lists->boundary_revision) return;
+static void copy_boundary(struct fluid *f) {
     for (int i = f->particles; i < f->points; i++)
         memcpy(f->x + 4 * i, f->lists->boundary_x + 3 * (i - f->particles), 3 * sizeof *f->x);
     f->boundary = f->lists->boundary_revision;
+}
+
+static void set_points(struct fluid *f) {
+    for (int i = 0; i < f->points; i++) f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
+    copy_boundary(f);
 }
 
 /* Gives every block of particles a part of the pairs; returns how many there are. */
@@ -113,7 +107,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
-    follow_boundary(f);
+    if (f->boundary != f->lists->boundary_revision) copy_boundary(f);
     double energy = fluid_project(f, x);
     fluid_add_gradients(f, f->flux, gradient);
     return energy;
