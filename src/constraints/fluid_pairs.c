@@ -17,6 +17,7 @@ INLINE void sum_pairs(const struct fluid *f, int i, add_fn *add, const double *v
     *out = (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
+/* The fourth lane stays what it was: sums of products leave it out. */
 static void copy_vectors(void *arg, int first, int last, int block) {
     (void)block;
     const struct fluid_call *c = arg;
@@ -154,16 +155,9 @@ static void copy_velocities(void *arg, int first, int last, int block) {
     }
 }
 
-static void clear_last_lane(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct fluid_call *c = arg;
-    for (int i = first; i < last; i++) c->f->vector[4 * i + 3] = 0.0;
-}
-
 void fluid_viscosity(void *self, double *v) {
     struct fluid *f = self;
     if (f->params.viscosity == 0.0) return;
     for_particles(f, f->particles, copy_velocities, v, NULL);
     for_particles(f, f->count, add_viscosity, NULL, v);
-    for_particles(f, f->particles, clear_last_lane, NULL, NULL);
 }

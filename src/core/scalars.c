@@ -13,7 +13,7 @@ struct call {
     double eps, t;
 };
 
-static void release(struct scalars *s) {
+void scalars_free(struct scalars *s) {
     FREE_ARRAY(s->context, s->reached, s->capacity);
     FREE_ARRAY(s->context, s->rate, s->capacity);
     FREE_ARRAY(s->context, s->multiplier, s->capacity);
@@ -25,7 +25,7 @@ static void release(struct scalars *s) {
 
 static pdyn_status reserve(struct scalars *s, int count) {
     if (count <= s->capacity) return PDYN_OK;
-    release(s);
+    scalars_free(s);
     s->capacity = count;
     s->reached = NEW_ARRAY(s->context, count, double);
     s->rate = NEW_ARRAY(s->context, count, double);
@@ -36,8 +36,6 @@ static pdyn_status reserve(struct scalars *s, int count) {
     bool good = s->reached && s->rate && s->multiplier && s->acts && s->possible && s->partial;
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
-
-void scalars_free(struct scalars *s) { release(s); }
 
 static void for_all(struct scalars *s, int count, pdyn_range_fn *fn, const double *u, double *out,
                     double eps, double t) {

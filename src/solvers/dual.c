@@ -39,7 +39,7 @@ struct dual {
     double *p, *q;      /* count: direction; S times it */
     double *inverse;    /* count: of S's diagonal */
     bool *in;           /* count: takes part */
-    double *b, *d;      /* particles x 3: the solve's arguments */
+    double *d;          /* particles x 3: what the multipliers move */
     double *sums;       /* four partial sums for each parallel block */
     double target;      /* of the gradient's estimate, N */
 };
@@ -127,6 +127,11 @@ static void displace(struct dual *s, const double *b, const double *multiplier) 
     for_all(s, s->system->particles, move, 0.0, b, s->d);
 }
 
+/* lambda - K max(0, C): what a multiplier adds to the forces that b contains. */
+static double change(const struct dual *s, int i) {
+    return s->multiplier[i] - stiffness(s, i) * fmax(0.0, s->at->at.value[i]);
+}
+
 static void begin(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
@@ -138,7 +143,7 @@ static void begin(void *arg, int first, int last, int block) {
         s->inverse[i] =
             s->in[i] ? 1.0 / (1.0 / stiffness(s, i) + mobility(s, particle + i) * at->squares[i])
                      : 0.0;
-        s->p[i] = s->multiplier[i] - stiffness(s, i) * fmax(0.0, at->value[i]);
+        s->p[i] = change(s, i);
     }
 }
 
@@ -220,22 +225,21 @@ static void project(struct dual *s) {
     for_all(s, s->count, advance, 1.0, NULL, NULL);
 }
 
-/* p = lambda - K max(0, C), within the bounds */
+/* p = the change, within the bounds */
 static void find_change(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_scalars *at = &s->at->at;
     for (int i = first; i < last; i++) {
         s->multiplier[i] = fmax(0.0, s->multiplier[i]);
-        s->p[i] = s->multiplier[i] - stiffness(s, i) * fmax(0.0, at->value[i]);
+        s->p[i] = change(s, i);
     }
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
 
-static void start(struct dual *s) {
+static void start(struct dual *s, const double *b) {
     for_all(s, s->count, begin, 0.0, NULL, NULL);
-    displace(s, s->b, s->p);
+    displace(s, b, s->p);
     s->at->op->rate(s->at->self, s->in, s->d, s->q);
     for_all(s, s->count, find_residual, 0.0, NULL, NULL);
     memset(s->q, 0, (size_t)s->count * sizeof *s->q);
@@ -260,10 +264,10 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
 static pdyn_status solve(void *self, double *b, double *y, double tolerance, int max_iterations,
                          int *iterations) {
     struct dual *s = self;
-    s->b = b, s->d = y;
+    s->d = y;
     s->target = tolerance * sqrt(system_dot(s->system, b, b));
     *iterations = 0;
-    start(s);
+    start(s, b);
     iterate(s, max_iterations, iterations);
     for_all(s, s->count, find_change, 0.0, NULL, NULL);
     displace(s, b, s->p);
