@@ -13,6 +13,13 @@ static inline double vec3_distance(const double *a, const double *b) {
     return vec3_length(d);
 }
 
+/* y = a x b, another vector than both */
+static inline void vec3_cross(double *y, const double *a, const double *b) {
+    y[0] = a[1] * b[2] - a[2] * b[1];
+    y[1] = a[2] * b[0] - a[0] * b[2];
+    y[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 /* y += s a */
 static inline void vec3_add(double *y, double s, const double *a) {
     for (int k = 0; k < 3; k++) y[k] += s * a[k];

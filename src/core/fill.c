@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-static const double farthest = 1e6; /* m from the origin, as for all that a scene places */
-
 pdyn_status fill_count(const struct json_at *at, double count, double *so_far) {
     *so_far += count;
     if (*so_far <= MOST_PARTICLES) return PDYN_OK;
@@ -32,7 +30,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     pdyn_status status = params_box(at, &box);
     for (int a = 0; a < 3 && status == PDYN_OK; a++) {
         double edge = box.max[a] - box.min[a];
-        double along = floor(edge / (2.0 * radius) * (1.0 + 1e-12) + 1e-9);
+        double along = sample_cells(edge, 2.0 * radius);
         count *= along;
         if (along < 1.0)
             status = json_fail(
@@ -132,12 +130,12 @@ static pdyn_status find_shape(const struct json_at *at, int *out) {
         at, "expected exactly one of \"box\", \"sphere\", \"mesh\" and \"file\", found %d", found);
 }
 
-static pdyn_status check_range(const struct json_at *at, const struct points *points, int first) {
+pdyn_status fill_check_range(const struct json_at *at, const struct points *points, int first) {
     for (size_t i = 3 * (size_t)first; i < 3 * (size_t)points->count; i++)
-        if (!(fabs(points->x[i]) <= farthest))
+        if (!(fabs(points->x[i]) <= FILL_FARTHEST))
             return json_fail(at,
                              "expected particles at most %g m from the origin, found %c = %.10g m",
-                             farthest, "xyz"[i % 3], points -> x[i]);
+                             FILL_FARTHEST, "xyz"[i % 3], points -> x[i]);
     return PDYN_OK;
 }
 
@@ -157,7 +155,7 @@ pdyn_status fill_read(const struct json_at *at, struct scene_body *body, double 
     if (status != PDYN_OK) return status;
     struct json_at inner = json_member(at, shapes[shape].name);
     status = shapes[shape].fill(&inner, &fill);
-    if (status == PDYN_OK) status = check_range(&inner, &body->start, first);
+    if (status == PDYN_OK) status = fill_check_range(&inner, &body->start, first);
     while (status == PDYN_OK && body->start_v.count < body->start.count)
         status =
             points_add(at->file->context, &body->start_v, fill.has_velocity ? own : body->velocity);

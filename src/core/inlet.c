@@ -2,12 +2,11 @@
 
 #include "fill.h"
 #include "params.h"
+#include "sampling.h"
 
 #include "projdyn/vec3.h"
 
 #include <math.h>
-
-static const double farthest = 1e6; /* m from the origin, as for all that a scene places */
 
 const pdyn_param inlet_params[] = {
     {"direction", PDYN_VECTOR, offsetof(struct scene_inlet, direction), true, 0, -1e6, 1e6, "1",
@@ -52,10 +51,7 @@ static pdyn_status read_axes(const struct json_at *owner, const double direction
     if (!(length > 1e-6 * size))
         return json_expected(&at, "a direction that is not 0 and not that of the stream");
     for (int a = 0; a < 3; a++) o->up[a] = up[a] / length;
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        o->across[a] = direction[b] * o->up[c] - direction[c] * o->up[b];
-    }
+    vec3_cross(o->across, direction, o->up);
     return PDYN_OK;
 }
 
@@ -73,11 +69,6 @@ static pdyn_status add_point(const struct json_at *at, const struct opening *o, 
     double x[3] = {o->center[0], o->center[1], o->center[2]};
     vec3_add(x, i * o->spacing, o->across);
     vec3_add(x, j * o->spacing, o->up);
-    for (int a = 0; a < 3; a++)
-        if (!(fabs(x[a]) <= farthest))
-            return json_fail(at,
-                             "expected particles at most %g m from the origin, found %c = %.10g m",
-                             farthest, "xyz"[a], x[a]);
     return points_add(at->file->context, o->layer, x);
 }
 
@@ -86,10 +77,11 @@ static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
     struct json_at center = json_member(at, "center"), size_at = json_member(at, "size");
     double size[2], n[2];
     pdyn_status status = params_check_keys(at, NULL, keys);
-    if (status == PDYN_OK) status = params_reals(&center, 3, -farthest, farthest, "m", o->center);
+    if (status == PDYN_OK)
+        status = params_reals(&center, 3, -FILL_FARTHEST, FILL_FARTHEST, "m", o->center);
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 0.0, 1e6, "m", size);
     for (int a = 0; a < 2 && status == PDYN_OK; a++) {
-        n[a] = floor(size[a] / o->spacing * (1.0 + 1e-12) + 1e-9);
+        n[a] = sample_cells(size[a], o->spacing);
         if (n[a] < 1.0)
             status = json_fail(&size_at,
                                "expected edges of at least %.10g m (twice the radius), found "
@@ -124,7 +116,9 @@ static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
     if (!rectangle.value == !disc.value)
         return json_fail(at, "expected exactly one of \"rectangle\" and \"disc\", found %s",
                          disc.value ? "both" : "neither");
-    return rectangle.value ? read_rectangle(&rectangle, o) : read_disc(&disc, o);
+    struct json_at *found = rectangle.value ? &rectangle : &disc;
+    pdyn_status status = rectangle.value ? read_rectangle(found, o) : read_disc(found, o);
+    return status == PDYN_OK ? fill_check_range(found, o->layer, 0) : status;
 }
 
 /* ---- inlets and outlets ---------------------------------------------------------------------- */

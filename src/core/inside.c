@@ -25,7 +25,7 @@ static pdyn_status lay_lattice(pdyn_context *context, const struct mesh *mesh, d
             double x = mesh->vertex[3 * (size_t)mesh->triangle[i] + a];
             min = fmin(min, x), max = fmax(max, x);
         }
-        cuts[a] = floor((max - min) / spacing * (1.0 + 1e-12) + 1e-9);
+        cuts[a] = sample_cells(max - min, spacing);
         out->origin[a] = 0.5 * (min + max) - 0.5 * spacing * (cuts[a] - 1.0);
     }
     if (!(cuts[0] * cuts[1] * cuts[2] < POINTS_MOST)) return points_too_many(context);
@@ -90,13 +90,6 @@ static void mark_passed(const struct lattice *l, const double *const corner[3]) 
 
 /* ---- what is too close ----------------------------------------------------------------------- */
 
-static void cross(double *out, const double *u, const double *v) {
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        out[a] = u[b] * v[c] - u[c] * v[b];
-    }
-}
-
 static double distance_to_edge(const double *x, const double *p, const double *q) {
     double along[3], from[3];
     for (int a = 0; a < 3; a++) along[a] = q[a] - p[a], from[a] = x[a] - p[a];
@@ -115,7 +108,7 @@ static double distance_to_triangle(const double *x, const double *const corner[3
         const double *p = corner[c], *q = corner[(c + 1) % 3];
         double along[3], from[3], inwards[3];
         for (int a = 0; a < 3; a++) along[a] = q[a] - p[a], from[a] = x[a] - p[a];
-        cross(inwards, normal, along);
+        vec3_cross(inwards, normal, along);
         above &= vec3_dot(inwards, from) >= 0.0;
         height = fabs(vec3_dot(normal, from));
         nearest = fmin(nearest, distance_to_edge(x, p, q));
@@ -144,7 +137,7 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
         high[a] = fmax(corner[0][a], fmax(corner[1][a], corner[2][a])) + distance;
         first[a] = index_from(l, a, low[a]), last[a] = index_from(l, a, high[a]);
     }
-    cross(normal, u, v);
+    vec3_cross(normal, u, v);
     if (vec3_length(normal) < 1e-9 * vec3_length(u) * vec3_length(v)) /* rounding: no plane */
         for (int a = 0; a < 3; a++) normal[a] = 0.0;
     for (long k = first[2]; k < last[2]; k++)

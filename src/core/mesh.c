@@ -55,6 +55,19 @@ bool mesh_word_number(struct mesh_word word, double *value) {
     return end == word.text + word.length;
 }
 
+double mesh_from_float(uint64_t bits) {
+    uint32_t low = (uint32_t)bits;
+    float value;
+    memcpy(&value, &low, sizeof value);
+    return value;
+}
+
+double mesh_from_double(uint64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
 pdyn_status mesh_file_fail(const struct mesh_file *file, const char *format, ...) {
     char text[512];
     va_list args;

@@ -47,6 +47,10 @@ bool mesh_file_at_end(const struct mesh_file *file);
 bool mesh_word_is(struct mesh_word word, const char *text);
 bool mesh_word_number(struct mesh_word word, double *value);
 
+/* The numbers that such bits stand for. */
+double mesh_from_float(uint64_t bits);
+double mesh_from_double(uint64_t bits);
+
 /* Errors at the place reached: PDYN_BAD_INPUT. */
 pdyn_status mesh_file_fail(const struct mesh_file *file, const char *format, ...) PDYN_PRINTF(2, 3);
 pdyn_status mesh_file_expected(const struct mesh_file *file, const char *what,

@@ -14,17 +14,6 @@ static double from_int8(uint64_t bits) { return (int8_t)bits; }
 static double from_int16(uint64_t bits) { return (int16_t)bits; }
 static double from_int32(uint64_t bits) { return (int32_t)bits; }
 static double from_unsigned(uint64_t bits) { return (double)bits; }
-static double from_float(uint64_t bits) {
-    uint32_t low = (uint32_t)bits;
-    float value;
-    memcpy(&value, &low, sizeof value);
-    return value;
-}
-static double from_double(uint64_t bits) {
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
 
 struct type {
     const char *name, *alias;
@@ -40,8 +29,8 @@ static const struct type types[] = {
     {"ushort", "uint16", 2, from_unsigned, true, 0, UINT16_MAX},
     {"int", "int32", 4, from_int32, true, INT32_MIN, INT32_MAX},
     {"uint", "uint32", 4, from_unsigned, true, 0, UINT32_MAX},
-    {"float", "float32", 4, from_float, false, 0, 0},
-    {"double", "float64", 8, from_double, false, 0, 0},
+    {"float", "float32", 4, mesh_from_float, false, 0, 0},
+    {"double", "float64", 8, mesh_from_double, false, 0, 0},
 };
 
 /* ---- formats: how a number is written ------------------------------------------------------- */

@@ -7,28 +7,23 @@
 
 /* ---- numbers -------------------------------------------------------------------------------- */
 
-static double from_float(uint64_t bits) {
-    uint32_t low = (uint32_t)bits;
-    float value;
-    memcpy(&value, &low, sizeof value);
-    return value;
-}
-static double from_double(uint64_t bits) {
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 struct type {
     const char *name;
     size_t size;
     double (*decode)(uint64_t bits); /* NULL: no coordinates are written so */
 };
 static const struct type types[] = {
-    {"float", 4, from_float},   {"double", 8, from_double}, {"char", 1, NULL},
-    {"unsigned_char", 1, NULL}, {"short", 2, NULL},         {"unsigned_short", 2, NULL},
-    {"int", 4, NULL},           {"unsigned_int", 4, NULL},  {"vtkIdType", 4, NULL},
-    {"long", 8, NULL},          {"unsigned_long", 8, NULL},
+    {"float", 4, mesh_from_float},
+    {"double", 8, mesh_from_double},
+    {"char", 1, NULL},
+    {"unsigned_char", 1, NULL},
+    {"short", 2, NULL},
+    {"unsigned_short", 2, NULL},
+    {"int", 4, NULL},
+    {"unsigned_int", 4, NULL},
+    {"vtkIdType", 4, NULL},
+    {"long", 8, NULL},
+    {"unsigned_long", 8, NULL},
 };
 static const struct type *const vtk_int = &types[6];
 

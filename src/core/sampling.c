@@ -7,8 +7,7 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box
                               struct points *out) {
     double cuts[3];
     long n[3];
-    for (int a = 0; a < 3; a++)
-        cuts[a] = floor((box->max[a] - box->min[a]) / (2.0 * radius) * (1.0 + 1e-12) + 1e-9);
+    for (int a = 0; a < 3; a++) cuts[a] = sample_cells(box->max[a] - box->min[a], 2.0 * radius);
     if (!(cuts[0] * cuts[1] * cuts[2] < POINTS_MOST)) return points_too_many(context);
     for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (long k = 0; k < n[0] * n[1] * n[2]; k++) {

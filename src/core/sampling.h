@@ -5,6 +5,13 @@
 #include "points.h"
 #include "scene.h"
 
+#include <math.h>
+
+/* Whole cells of a lattice along an edge, where rounding takes none away. */
+static inline double sample_cells(double edge, double spacing) {
+    return floor(edge / spacing * (1.0 + 1e-12) + 1e-9);
+}
+
 /* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum.
  */
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,

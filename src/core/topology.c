@@ -55,13 +55,13 @@ static double corner_measures(const struct mesh *mesh, int corner, double *dot) 
     const double *b = mesh->vertex + 3 * c[(corner + 2) % 3];
     double u[3] = {a[0] - o[0], a[1] - o[1], a[2] - o[2]};
     double v[3] = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
-    double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    double n[3];
+    vec3_cross(n, u, v);
     *dot = vec3_dot(u, v);
     return vec3_length(n);
 }
 
-/* ---- what cloth and volumes ask of a mesh
- * -------------------------------------------------------------- */
+/* ---- what cloth and volumes ask of a mesh ---------------------------------------------------- */
 
 static pdyn_status check_used(pdyn_context *context, const struct mesh *mesh, const char *name) {
     bool *used = NEW_ARRAY(context, mesh->vertices, bool);
@@ -90,46 +90,50 @@ static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, c
     return PDYN_OK;
 }
 
-static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {
+/* Looks at the sides of every edge, `count` of them from `side` on. */
+typedef pdyn_status check_edge_fn(pdyn_context *context, const char *name, const struct side *side,
+                                  int count);
+
+static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, const char *name,
+                               check_edge_fn *check) {
     int sides = 3 * mesh->triangles, last;
     struct side *side = sorted_sides(context, mesh);
     if (!side) return PDYN_NO_MEMORY;
     pdyn_status status = PDYN_OK;
     for (int first = 0; first < sides && status == PDYN_OK; first = last) {
         last = edge_end(side, sides, first);
-        if (last - first > 2)
-            status = context_fail(context, PDYN_BAD_INPUT,
-                                  "%.1024s: the edge between vertices %d and %d has %d triangles, "
-                                  "expected at most 2",
-                                  name, side[first].end[0], side[first].end[1], last - first);
+        status = check(context, name, side + first, last - first);
     }
     FREE_ARRAY(context, side, sides);
     return status;
+}
+
+static pdyn_status at_most_two(pdyn_context *context, const char *name, const struct side *side,
+                               int count) {
+    if (count <= 2) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "%.1024s: the edge between vertices %d and %d has %d triangles, "
+                        "expected at most 2",
+                        name, side->end[0], side->end[1], count);
+}
+
+static pdyn_status even(pdyn_context *context, const char *name, const struct side *side,
+                        int count) {
+    if (count % 2 == 0) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "%.1024s: the mesh is not closed: the edge between vertices %d and %d has "
+                        "%d triangle%s, expected 2",
+                        name, side->end[0], side->end[1], count, count == 1 ? "" : "s");
 }
 
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
     pdyn_status status = check_used(context, mesh, name);
     if (status == PDYN_OK) status = check_areas(context, mesh, name);
-    if (status == PDYN_OK) status = check_edges(context, mesh, name);
-    return status;
+    return status == PDYN_OK ? check_edges(context, mesh, name, at_most_two) : status;
 }
 
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    int sides = 3 * mesh->triangles, last;
-    struct side *side = sorted_sides(context, mesh);
-    if (!side) return PDYN_NO_MEMORY;
-    pdyn_status status = PDYN_OK;
-    for (int first = 0; first < sides && status == PDYN_OK; first = last) {
-        last = edge_end(side, sides, first);
-        if ((last - first) % 2)
-            status = context_fail(context, PDYN_BAD_INPUT,
-                                  "%.1024s: the mesh is not closed: the edge between vertices %d "
-                                  "and %d has %d triangle%s, expected 2",
-                                  name, side[first].end[0], side[first].end[1], last - first,
-                                  last - first == 1 ? "" : "s");
-    }
-    FREE_ARRAY(context, side, sides);
-    return status;
+    return check_edges(context, mesh, name, even);
 }
 
 /* ---- topology ------------------------------------------------------------------------------- */
