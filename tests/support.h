@@ -1,4 +1,5 @@
-/* What the tests share: contexts, scenes from text, a random number that is the same everywhere. */
+/* What the tests share: contexts, scenes from text, an allocator that fails, a directory for files,
+ * a random number that is the same everywhere. */
 #ifndef TEST_SUPPORT_H
 #define TEST_SUPPORT_H
 
@@ -15,54 +16,35 @@
 #include "projdyn/projdyn.h"
 #include "sim.h"
 
-static inline pdyn_context *test_context(int threads) {
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context = NULL;
-    options.threads = threads;
-    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
-    return context;
-}
+pdyn_context *test_context(int threads);
+pdyn_sim *test_load(pdyn_context *context, const char *text);
+pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);
 
-static inline pdyn_sim *test_load(pdyn_context *context, const char *text) {
-    pdyn_sim *sim = NULL;
-    pdyn_status status = pdyn_load_text(context, text, "test", NULL, 0, &sim);
-    if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
-    return sim;
-}
-
-static inline pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim) {
-    pdyn_step_info info;
-    if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
-    return info;
-}
-
-/* In [-1, 1), from a linear congruential generator. */
-static inline double test_random(uint64_t *state) {
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*state >> 11) * 0x1p-52 - 1.0;
-}
-
-/* Counts allocations; as the user of an allocator. */
+/* Counts allocations. */
 struct counter {
-    long calls, budget; /* budget < 0: no limit */
+    long calls, last; /* last: the call after which all fail; negative: none does */
 };
+pdyn_context *test_counting_context(int threads, struct counter *counter); /* no limit */
+void test_allow(struct counter *counter, long left); /* so many more; negative: no limit */
 
-static inline void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
-    struct counter *counter = user;
-    (void)old_size;
-    if (!new_size) {
-        free(block);
-        return NULL;
-    }
-    __atomic_fetch_add(&counter->calls, 1, __ATOMIC_RELAXED);
-    if (counter->budget >= 0 && counter->calls > counter->budget) return NULL;
-    return realloc(block, new_size);
-}
+/* Attempts with 0, 1, 2, ... allocations until these are enough, and returns how many were. Each
+ * time before there is an error, and nothing stays allocated; as after an attempt that succeeds. */
+typedef pdyn_status test_attempt(const void *what);
+long test_failing_allocations(pdyn_context *context, struct counter *counter, test_attempt *attempt,
+                              const void *what);
+/* The same for loading a scene and taking a step. */
+void test_failing_scene(const char *text);
 
-static inline double test_distance(const double *a, const double *b, int n) {
-    double sum = 0.0;
-    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
-    return sqrt(sum);
-}
+/* For a group of tests: goes into a new directory; leaves and removes it, with all that a failed
+ * test has left there. What tests that pass leave there is a failure. */
+int test_enter_directory(void **state);
+int test_leave_directory(void **state);
+
+void test_write_file(const char *name, const char *data, size_t size);
+void test_write_text(const char *name, const char *text);
+void test_remove_file(const char *name);
+
+double test_random(uint64_t *state); /* in [-1, 1) */
+double test_distance(const double *a, const double *b, int n);
 
 #endif

@@ -125,23 +125,15 @@ static void test_before_the_start(void **state) {
     pdyn_destroy(context);
 }
 
-static pdyn_context *counting_context(int threads, struct counter *counter) {
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context = NULL;
-    options.threads = threads, options.allocate = count_allocation, options.allocate_user = counter;
-    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
-    return context;
-}
-
 /* What leaves returns to the budget: four times as much flows through as there is room for, without
  * allocation, with the same bits for any number of threads. */
 static void test_outlet(void **state) {
     (void)state;
     uint64_t hash[3];
     for (int threads = 1; threads <= 3; threads++) {
-        struct counter counter = {.budget = -1};
+        struct counter counter;
         long before = 0;
-        pdyn_context *context = counting_context(threads, &counter);
+        pdyn_context *context = test_counting_context(threads, &counter);
         pdyn_sim *sim = test_load(context, fountain);
         const pdyn_state s = pdyn_get_state(sim);
         for (int n = 0; n < 250; n++) {
@@ -207,22 +199,9 @@ static void test_momentum(void **state) {
     pdyn_destroy(context);
 }
 
-/* An allocator that fails at the k-th call, for every k: an error, no crash, nothing kept. */
 static void test_failing_allocator(void **state) {
     (void)state;
-    pdyn_status status = PDYN_NO_MEMORY;
-    for (long budget = 1; status != PDYN_OK; budget++) {
-        struct counter counter = {.budget = budget};
-        pdyn_context *context = counting_context(1, &counter);
-        pdyn_sim *sim = NULL;
-        status = pdyn_load_text(context, fountain, "test", NULL, 0, &sim);
-        if (status == PDYN_OK) status = pdyn_step(sim, NULL);
-        assert_true(status == PDYN_OK || status == PDYN_NO_MEMORY);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
-        assert_true(budget < 10000);
-    }
+    test_failing_scene(fountain);
 }
 
 int main(void) {

@@ -5,7 +5,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
@@ -117,33 +116,29 @@ static void test_carried_tank(void **state) {
 enum { TURNS_PER_SECOND = 1 };
 static const double length = 0.3, height = 0.3; /* m, of the paddle, which has no thickness */
 
-static void write_paddle(char *path, size_t size) {
-    const char *base = getenv("TMPDIR");
-    snprintf(path, size, "%s/paddle_XXXXXX.obj", base ? base : "/tmp");
-    int descriptor = mkstemps(path, 4);
-    FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "w");
-    assert_non_null(file);
-    for (int k = 0; k < 4; k++)
-        fprintf(file, "v %g %g 0\n", k % 3 ? 0.5 * length : -0.5 * length, k / 2 ? height : 0.01);
-    fprintf(file, "f 1 2 3 4\n");
-    assert_int_equal(fclose(file), 0);
+static void write_paddle(void) {
+    char text[256];
+    double end = 0.5 * length;
+    snprintf(text, sizeof text, "v %g 0.01 0\nv %g 0.01 0\nv %g %g 0\nv %g %g 0\nf 1 2 3 4\n", -end,
+             end, end, height, -end, height);
+    test_write_text("paddle.obj", text);
 }
 
 static pdyn_sim *stir(pdyn_context *context) {
-    char path[512], text[2048];
-    write_paddle(path, sizeof path);
+    char text[2048];
+    write_paddle();
     snprintf(text, sizeof text,
              "{\"duration\": 1, \"frame_interval\": 0.05, \"time_step\": {\"maximum\": 0.05}, "
              "\"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [{\"particles\": {\"radius\": "
              "0.02, \"fill\": [{\"box\": {\"minimum\": [-0.24, 0, -0.24], \"maximum\": [0.24, 0.2, "
              "-0.04]}}, {\"box\": {\"minimum\": [-0.24, 0, 0.04], \"maximum\": [0.24, 0.2, "
              "0.24]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}], "
-             "\"solids\": [{\"mesh\": \"%s\", \"motion\": [{\"time\": 0}, {\"time\": 10, "
+             "\"solids\": [{\"mesh\": \"paddle.obj\", \"motion\": [{\"time\": 0}, {\"time\": 10, "
              "\"rotate\": [0, %d, 0]}]}, {\"box\": {\"minimum\": [-0.24, 0, -0.24], \"maximum\": "
              "[0.24, 0.5, 0.24]}, \"open\": [\"+y\"]}]}",
-             path, 3600 * TURNS_PER_SECOND);
+             3600 * TURNS_PER_SECOND);
     pdyn_sim *sim = test_load(context, text);
-    assert_int_equal(unlink(path), 0);
+    test_remove_file("paddle.obj");
     return sim;
 }
 
@@ -219,11 +214,8 @@ static void test_threads(void **state) {
 
 static void test_no_allocation(void **state) {
     (void)state;
-    struct counter counter = {0, -1};
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 1, options.allocate = count_allocation, options.allocate_user = &counter;
-    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    struct counter counter;
+    pdyn_context *context = test_counting_context(1, &counter);
     pdyn_sim *sim = stir(context);
     while (pdyn_time(sim) < 0.5) test_step(context, sim);
     long before = counter.calls;
@@ -238,21 +230,7 @@ static void test_no_allocation(void **state) {
 
 static void test_failing_allocator(void **state) {
     (void)state;
-    pdyn_status status = PDYN_NO_MEMORY;
-    for (long budget = 1; status != PDYN_OK; budget++) {
-        struct counter counter = {0, budget};
-        pdyn_options options = pdyn_default_options();
-        pdyn_context *context;
-        pdyn_sim *sim = NULL;
-        options.threads = 1, options.allocate = count_allocation, options.allocate_user = &counter;
-        assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
-        status = pdyn_load_text(context, turning, "test", NULL, 0, &sim);
-        assert_true(status == PDYN_OK || status == PDYN_NO_MEMORY);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
-        assert_true(budget < 10000);
-    }
+    test_failing_scene(turning);
 }
 
 /* A step that cannot be leaves the solids, too, where they were. */
@@ -286,5 +264,5 @@ int main(void) {
         cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_divergence),
     };
-    return cmocka_run_group_tests_name("motion", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("motion", tests, test_enter_directory, test_leave_directory);
 }

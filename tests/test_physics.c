@@ -279,11 +279,8 @@ static const char *coupled =
 /* No allocation in a warmed-up step. */
 static void test_no_allocation(void **state) {
     (void)state;
-    struct counter counter = {0, -1};
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context;
-    options.threads = 2, options.allocate = count_allocation, options.allocate_user = &counter;
-    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    struct counter counter;
+    pdyn_context *context = test_counting_context(2, &counter);
     pdyn_sim *sim = test_load(context, coupled);
     for (int n = 0; n < 60; n++) test_step(context, sim);
     long before = counter.calls;
@@ -294,25 +291,9 @@ static void test_no_allocation(void **state) {
     pdyn_destroy(context);
 }
 
-/* An allocator that fails at the k-th call, for every k: an error, no crash, nothing kept. */
 static void test_failing_allocator(void **state) {
     (void)state;
-    for (long budget = 1;; budget++) {
-        struct counter counter = {0, budget};
-        pdyn_options options = pdyn_default_options();
-        pdyn_context *context;
-        pdyn_sim *sim = NULL;
-        options.threads = 1, options.allocate = count_allocation, options.allocate_user = &counter;
-        assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
-        pdyn_status status = pdyn_load_text(context, coupled, "test", NULL, 0, &sim);
-        if (status == PDYN_OK) status = pdyn_step(sim, NULL);
-        assert_true(status == PDYN_OK || status == PDYN_NO_MEMORY);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
-        if (status == PDYN_OK) break;
-        assert_true(budget < 10000);
-    }
+    test_failing_scene(coupled);
 }
 
 int main(void) {

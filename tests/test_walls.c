@@ -3,7 +3,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 #define WATER(box, velocity)                                                                       \
     "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005, \"cfl\": "    \
@@ -40,31 +39,20 @@ static void test_corner(void **state) {
     pdyn_destroy(context);
 }
 
-/* A plate without thickness across a shaft, as a mesh. Returns its name. */
-static const char *write_plate(void) {
-    static char path[] = "plate_XXXXXX.obj";
-    int file = mkstemps(path, 4);
-    FILE *out = file < 0 ? NULL : fdopen(file, "w");
-    assert_non_null(out);
-    fputs("v 0 0.2 0\nv 0.3 0.2 0\nv 0.3 0.2 0.3\nv 0 0.2 0.3\nf 1 2 3\nf 1 3 4\n", out);
-    assert_int_equal(fclose(out), 0);
-    return path;
-}
+/* A plate without thickness across a shaft. */
+static const char *plate = "v 0 0.2 0\nv 0.3 0.2 0\nv 0.3 0.2 0.3\nv 0 0.2 0.3\nf 1 2 3\nf 1 3 4\n";
+static const char *shaft = WATER("{\"minimum\": [0.05, 0.3, 0.05], \"maximum\": [0.25, 0.5, 0.25]}",
+                                 "[0, -10, 0]") "\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], "
+                                                "\"maximum\": [0.3, 0.8, 0.3]}}, {\"mesh\": "
+                                                "\"plate.obj\"}]}";
 
 /* Water falls on it with 10 m/s and stays above. */
 static void test_plate(void **state) {
     (void)state;
-    char text[2048];
-    const char *path = write_plate();
+    test_write_text("plate.obj", plate);
     pdyn_context *context = test_context(2);
-    snprintf(
-        text, sizeof text,
-        "%s\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
-        "[0.3, 0.8, 0.3]}}, {\"mesh\": \"%s\"}]}",
-        WATER("{\"minimum\": [0.05, 0.3, 0.05], \"maximum\": [0.25, 0.5, 0.25]}", "[0, -10, 0]"),
-        path);
-    pdyn_sim *sim = test_load(context, text);
-    unlink(path);
+    pdyn_sim *sim = test_load(context, shaft);
+    test_remove_file("plate.obj");
     const pdyn_state s = pdyn_get_state(sim);
     double lowest = INFINITY;
     while (pdyn_time(sim) < 0.1) {
@@ -82,5 +70,5 @@ int main(void) {
         cmocka_unit_test(test_corner),
         cmocka_unit_test(test_plate),
     };
-    return cmocka_run_group_tests_name("walls", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

@@ -1,0 +1,145 @@
+#include "support.h"
+
+#include <ftw.h>
+#include <string.h>
+#include <unistd.h>
+
+static char directory[512];
+
+static pdyn_context *create(const pdyn_options *options) {
+    pdyn_context *context = NULL;
+    assert_int_equal(pdyn_create(options, &context), PDYN_OK);
+    return context;
+}
+
+pdyn_context *test_context(int threads) {
+    pdyn_options options = pdyn_default_options();
+    options.threads = threads;
+    return create(&options);
+}
+
+pdyn_sim *test_load(pdyn_context *context, const char *text) {
+    pdyn_sim *sim = NULL;
+    pdyn_status status = pdyn_load_text(context, text, "test", NULL, 0, &sim);
+    if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    return sim;
+}
+
+pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim) {
+    pdyn_step_info info;
+    if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    return info;
+}
+
+/* ---- allocations ----------------------------------------------------------------------------- */
+
+static void *count_allocation(void *user, void *block, size_t old_size, size_t new_size) {
+    struct counter *counter = user;
+    (void)old_size;
+    if (!new_size) {
+        free(block);
+        return NULL;
+    }
+    long call = __atomic_add_fetch(&counter->calls, 1, __ATOMIC_RELAXED);
+    if (counter->last >= 0 && call > counter->last) return NULL;
+    return realloc(block, new_size);
+}
+
+pdyn_context *test_counting_context(int threads, struct counter *counter) {
+    pdyn_options options = pdyn_default_options();
+    options.threads = threads;
+    options.allocate = count_allocation;
+    options.allocate_user = counter;
+    *counter = (struct counter){.last = -1};
+    return create(&options);
+}
+
+void test_allow(struct counter *counter, long left) {
+    counter->last = left < 0 ? -1 : counter->calls + left;
+}
+
+long test_failing_allocations(pdyn_context *context, struct counter *counter, test_attempt *attempt,
+                              const void *what) {
+    size_t before = pdyn_bytes_in_use(context);
+    for (long left = 0; left < 10000; left++) {
+        test_allow(counter, left);
+        pdyn_status status = attempt(what);
+        test_allow(counter, -1);
+        assert_int_equal(pdyn_bytes_in_use(context), before);
+        if (status == PDYN_OK) return left;
+        assert_int_equal(status, PDYN_NO_MEMORY);
+        assert_memory_equal(pdyn_last_error(context), "out of memory", strlen("out of memory"));
+    }
+    fail_msg("never enough memory");
+    return 0;
+}
+
+struct scene_text {
+    pdyn_context *context;
+    const char *text;
+};
+
+static pdyn_status load_and_step(const void *what) {
+    const struct scene_text *scene = what;
+    pdyn_sim *sim = NULL;
+    pdyn_status status = pdyn_load_text(scene->context, scene->text, "test", NULL, 0, &sim);
+    if (status == PDYN_OK) status = pdyn_step(sim, NULL);
+    pdyn_free(sim);
+    return status;
+}
+
+void test_failing_scene(const char *text) {
+    struct counter counter;
+    struct scene_text scene = {test_counting_context(1, &counter), text};
+    test_failing_allocations(scene.context, &counter, load_and_step, &scene);
+    pdyn_destroy(scene.context);
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+int test_enter_directory(void **state) {
+    (void)state;
+    const char *base = getenv("TMPDIR");
+    snprintf(directory, sizeof directory, "%s/projdyn_XXXXXX", base ? base : "/tmp");
+    return mkdtemp(directory) ? chdir(directory) : -1;
+}
+
+static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *place) {
+    (void)info, (void)kind, (void)place;
+    return remove(path);
+}
+
+int test_leave_directory(void **state) {
+    (void)state;
+    if (chdir("/")) return -1;
+    if (!rmdir(directory)) return 0;
+    nftw(directory, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+    return -1;
+}
+
+void test_write_file(const char *name, const char *data, size_t size) {
+    FILE *file = fopen(name, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+void test_write_text(const char *name, const char *text) {
+    test_write_file(name, text, strlen(text));
+}
+
+void test_remove_file(const char *name) { assert_int_equal(unlink(name), 0); }
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+/* A linear congruential generator. */
+double test_random(uint64_t *state) {
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*state >> 11) * 0x1p-52 - 1.0;
+}
+
+double test_distance(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(sum);
+}
