@@ -1,56 +1,14 @@
 /* Filling a body: volumes against their formulas, closed meshes and open ones, particles from files
- * good, bad and damaged. Texts of scenes have ' for ". */
+ * good, bad and damaged. */
 #include "output.h"
-#include "scene.h"
-#include "support.h"
+#include "scene_support.h"
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
 static const double pi = 3.14159265358979323846;
-static char directory[512];
-static pdyn_context *context;
 
 /* ---- helpers -------------------------------------------------------------------------------- */
-
-/* An allocator that fails for good once `left` allocations were made; left < 0: never. */
-static int allocations_left = -1;
-static void *counting_allocate(void *user, void *block, size_t old_size, size_t new_size) {
-    (void)old_size;
-    int *left = user;
-    if (!new_size) return free(block), NULL;
-    if (*left == 0) return NULL;
-    if (*left > 0) --*left;
-    return realloc(block, new_size);
-}
-
-static int set_up(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(directory, sizeof directory, "%s/test_fill_XXXXXX", base ? base : "/tmp");
-    if (!mkdtemp(directory) || chdir(directory)) return -1;
-    pdyn_options options = pdyn_default_options();
-    options.threads = 1;
-    options.allocate = counting_allocate;
-    options.allocate_user = &allocations_left;
-    return pdyn_create(&options, &context) == PDYN_OK ? 0 : -1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    pdyn_destroy(context);
-    return chdir("/") || rmdir(directory); /* every test removes its files */
-}
-
-static void write_bytes(const char *name, const char *data, size_t size) {
-    FILE *file = fopen(name, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
 
 static pdyn_status read_fill(double radius, const char *fill, struct scene *scene) {
     char text[4096];
@@ -58,20 +16,14 @@ static pdyn_status read_fill(double radius, const char *fill, struct scene *scen
              "{'duration': 1, 'bodies': [{'velocity': [1, 2, 3],\n"
              "'particles': {'radius': %.17g, 'fill': [%s]}}]}",
              radius, fill);
-    for (char *c = text; *c; c++)
-        if (*c == '\'') *c = '"';
-    return scene_read(context, "scene.json", text, NULL, 0, scene);
+    return read_text(text, NULL, 0, scene);
 }
 
-static const struct scene_body *read_good(double radius, const char *fill, struct scene *scene) {
+static const struct scene_body *read_good_fill(double radius, const char *fill,
+                                               struct scene *scene) {
     if (read_fill(radius, fill, scene) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
     assert_int_equal(scene->body[0].start.count, scene->body[0].start_v.count);
     return &scene->body[0];
-}
-
-static void free_good(struct scene *scene) {
-    scene_free(context, scene);
-    assert_int_equal(pdyn_bytes_in_use(context), 0);
 }
 
 static void expect_bad(double radius, const char *fill, const char *message) {
@@ -102,7 +54,7 @@ static void test_sphere(void **state) {
     struct scene scene;
     const double center[3] = {1, -2, 3};
     const struct scene_body *body =
-        read_good(0.01, "{'sphere': {'center': [1, -2, 3], 'radius': 1}}", &scene);
+        read_good_fill(0.01, "{'sphere': {'center': [1, -2, 3], 'radius': 1}}", &scene);
     assert_volume(body, 4.0 / 3.0 * pi, 0.035);
     assert_volume(body, 4.0 / 3.0 * pi * pow(0.99, 3.0), 0.005);
     double nearest = HUGE_VAL;
@@ -114,7 +66,7 @@ static void test_sphere(void **state) {
     assert_true(nearest < 1e-12);
     assert_velocity(body, 0, body->start.count, 1, 2, 3);
     free_good(&scene);
-    body = read_good(0.5, "{'sphere': {'center': [0, 0, 0], 'radius': 0.5}}", &scene);
+    body = read_good_fill(0.5, "{'sphere': {'center': [0, 0, 0], 'radius': 0.5}}", &scene);
     assert_int_equal(body->start.count, 1);
     free_good(&scene);
 }
@@ -122,12 +74,12 @@ static void test_sphere(void **state) {
 static void test_velocities(void **state) {
     (void)state;
     struct scene scene;
-    const struct scene_body *body =
-        read_good(0.5,
-                  "{'box': {'minimum': [0, 0, 0], 'maximum': [2, 1, 1]}, 'velocity': [-4, 0, 0]},"
-                  "{'sphere': {'center': [9, 0, 0], 'radius': 1.5}},"
-                  "{'box': {'minimum': [0, 5, 0], 'maximum': [1, 6, 1]}, 'velocity': [0, 5, 0]}",
-                  &scene);
+    const struct scene_body *body = read_good_fill(
+        0.5,
+        "{'box': {'minimum': [0, 0, 0], 'maximum': [2, 1, 1]}, 'velocity': [-4, 0, 0]},"
+        "{'sphere': {'center': [9, 0, 0], 'radius': 1.5}},"
+        "{'box': {'minimum': [0, 5, 0], 'maximum': [1, 6, 1]}, 'velocity': [0, 5, 0]}",
+        &scene);
     assert_int_equal(body->start.count, 2 + 7 + 1);
     assert_velocity(body, 0, 2, -4, 0, 0);
     assert_velocity(body, 2, 7, 1, 2, 3);
@@ -180,7 +132,7 @@ static void test_torus(void **state) {
     struct scene scene;
     const double radius = 0.01, facets = 1e-3; /* the chords' distance from the arcs, m */
     write_torus(false);
-    const struct scene_body *body = read_good(radius, "{'mesh': 'torus.obj'}", &scene);
+    const struct scene_body *body = read_good_fill(radius, "{'mesh': 'torus.obj'}", &scene);
     assert_volume(body, 2.0 * pi * pi * ring * tube * tube, 0.06);
     assert_volume(body, 2.0 * pi * pi * ring * pow(tube - radius, 2.0), 0.01);
     for (int i = 0; i < body->start.count; i++) {
@@ -189,10 +141,10 @@ static void test_torus(void **state) {
         assert_true(distance + radius <= tube + facets);
     }
     free_good(&scene);
-    body = read_good(2.0 * radius,
-                     "{'mesh': 'torus.obj', 'scale': [2, -2, 2], 'rotate': [31, 0, 17], "
-                     "'translate': [5, 6, 7], 'velocity': [0, 0, 9]}",
-                     &scene);
+    body = read_good_fill(2.0 * radius,
+                          "{'mesh': 'torus.obj', 'scale': [2, -2, 2], 'rotate': [31, 0, 17], "
+                          "'translate': [5, 6, 7], 'velocity': [0, 0, 9]}",
+                          &scene);
     assert_volume(body, 16.0 * pi * pi * ring * pow(tube - radius, 2.0), 0.01);
     assert_velocity(body, 0, body->start.count, 0, 0, 9);
     double middle[3] = {0};
@@ -200,7 +152,7 @@ static void test_torus(void **state) {
         for (int a = 0; a < 3; a++) middle[a] += body->start.x[3 * i + a] / body->start.count;
     assert_true(test_distance(middle, (const double[]){5, 6, 7}, 3) < 0.01);
     free_good(&scene);
-    assert_int_equal(unlink("torus.obj"), 0);
+    test_remove_file("torus.obj");
 }
 
 static void test_open_mesh(void **state) {
@@ -216,7 +168,7 @@ static void test_open_mesh(void **state) {
     expect_bad(0x1p-10, "{'mesh': 'torus.obj'}",
                "scene.json:2:57: bodies[0].particles.fill[0].mesh: more than 536870911 points: "
                "the particle radius is too small for the size of the scene");
-    assert_int_equal(unlink("torus.obj"), 0);
+    test_remove_file("torus.obj");
 }
 
 #define CUBE_FACES "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
@@ -227,17 +179,17 @@ static const char cube[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1
 static void test_cube(void **state) {
     (void)state;
     struct scene scene, boxes;
-    write_bytes("cube.obj", cube, strlen(cube));
+    test_write_text("cube.obj", cube);
     for (double n = 1.0; n <= 20.0; n++) {
-        const struct scene_body *body = read_good(0.5 / n, "{'mesh': 'cube.obj'}", &scene);
-        const struct scene_body *box =
-            read_good(0.5 / n, "{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}", &boxes);
+        const struct scene_body *body = read_good_fill(0.5 / n, "{'mesh': 'cube.obj'}", &scene);
+        const struct scene_body *box = read_good_fill(
+            0.5 / n, "{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}", &boxes);
         assert_int_equal(body->start.count, box->start.count);
         assert_true(test_distance(body->start.x, box->start.x, 3 * body->start.count) < 1e-12);
         scene_free(context, &boxes);
         free_good(&scene);
     }
-    assert_int_equal(unlink("cube.obj"), 0);
+    test_remove_file("cube.obj");
 }
 
 /* An edge of the cube is split, and triangles that are as good as lines close the gap. */
@@ -248,10 +200,10 @@ static void test_thin_triangles(void **state) {
                                "f 1 3 4 2 9\nf 5 6 8 7\nf 1 9 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n"
                                "f 2 4 8 6\n";
     struct scene scene;
-    write_bytes("thin.obj", data, strlen(data));
-    assert_int_equal(read_good(0.05, "{'mesh': 'thin.obj'}", &scene)->start.count, 1000);
+    test_write_text("thin.obj", data);
+    assert_int_equal(read_good_fill(0.05, "{'mesh': 'thin.obj'}", &scene)->start.count, 1000);
     free_good(&scene);
-    assert_int_equal(unlink("thin.obj"), 0);
+    test_remove_file("thin.obj");
 }
 
 /* Every corner of the octahedron and all its edges lie on rows. */
@@ -261,10 +213,11 @@ static void test_octahedron(void **state) {
                                "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\n"
                                "f 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
     struct scene scene;
-    write_bytes("octahedron.obj", data, strlen(data));
+    test_write_text("octahedron.obj", data);
     for (int half = 2; half <= 20; half++) {
         double radius = 1.0 / (2 * half + 1);
-        const struct scene_body *body = read_good(radius, "{'mesh': 'octahedron.obj'}", &scene);
+        const struct scene_body *body =
+            read_good_fill(radius, "{'mesh': 'octahedron.obj'}", &scene);
         int expected = 0;
         for (int k = -half; k <= half; k++)
             for (int j = -half; j <= half; j++)
@@ -274,7 +227,7 @@ static void test_octahedron(void **state) {
         assert_int_equal(body->start.count, expected);
         free_good(&scene);
     }
-    assert_int_equal(unlink("octahedron.obj"), 0);
+    test_remove_file("octahedron.obj");
 }
 
 /* Two cubes that share an edge, which four triangles meet, and a hollow one. */
@@ -291,14 +244,14 @@ static void test_several_parts(void **state) {
     char data[2048];
     struct scene scene;
     snprintf(data, sizeof data, "%s%s", cube, shared);
-    write_bytes("parts.obj", data, strlen(data));
-    assert_int_equal(read_good(0.05, "{'mesh': 'parts.obj'}", &scene)->start.count, 2000);
+    test_write_text("parts.obj", data);
+    assert_int_equal(read_good_fill(0.05, "{'mesh': 'parts.obj'}", &scene)->start.count, 2000);
     free_good(&scene);
     snprintf(data, sizeof data, "%s%s", cube, inner);
-    write_bytes("parts.obj", data, strlen(data));
-    assert_int_equal(read_good(0.05, "{'mesh': 'parts.obj'}", &scene)->start.count, 1000 - 64);
+    test_write_text("parts.obj", data);
+    assert_int_equal(read_good_fill(0.05, "{'mesh': 'parts.obj'}", &scene)->start.count, 1000 - 64);
     free_good(&scene);
-    assert_int_equal(unlink("parts.obj"), 0);
+    test_remove_file("parts.obj");
 }
 
 /* ---- files ---------------------------------------------------------------------------------- */
@@ -357,9 +310,9 @@ static void test_files(void **state) {
     struct scene scene;
     for (int k = 0; k < COUNT(samples); k++) {
         char fill[64];
-        write_bytes(samples[k].name, samples[k].data, samples[k].size);
+        test_write_file(samples[k].name, samples[k].data, samples[k].size);
         snprintf(fill, sizeof fill, "{'file': '%s'}", samples[k].name);
-        const struct scene_body *body = read_good(0.1, fill, &scene);
+        const struct scene_body *body = read_good_fill(0.1, fill, &scene);
         assert_int_equal(body->start.count, 2);
         assert_true(test_distance(body->start.x, x, 6) == 0.0);
         if (samples[k].fast) {
@@ -367,7 +320,7 @@ static void test_files(void **state) {
             assert_velocity(body, 1, 1, 2, 0, 0);
         } else assert_velocity(body, 0, 2, 1, 2, 3);
         free_good(&scene);
-        assert_int_equal(unlink(samples[k].name), 0);
+        test_remove_file(samples[k].name);
     }
 }
 
@@ -376,18 +329,18 @@ static void test_placed_file(void **state) {
     (void)state;
     struct scene scene;
     const double x[] = {10, 23, 30, 4, 20, 30};
-    write_bytes(samples[1].name, samples[1].data, samples[1].size);
-    const struct scene_body *body = read_good(
+    test_write_file(samples[1].name, samples[1].data, samples[1].size);
+    const struct scene_body *body = read_good_fill(
         0.1, "{'file': 'a.ply', 'scale': 3, 'rotate': [0, 0, 90], 'translate': [10, 20, 30]}",
         &scene);
     assert_true(test_distance(body->start.x, x, 6) < 1e-12);
     assert_velocity(body, 0, 1, 0, 0, 1);
     assert_velocity(body, 1, 1, 0, 2, 0);
     free_good(&scene);
-    body = read_good(0.1, "{'file': 'a.ply', 'velocity': [5, 5, 5]}", &scene);
+    body = read_good_fill(0.1, "{'file': 'a.ply', 'velocity': [5, 5, 5]}", &scene);
     assert_velocity(body, 0, 2, 5, 5, 5);
     free_good(&scene);
-    assert_int_equal(unlink("a.ply"), 0);
+    test_remove_file("a.ply");
 }
 
 /* What a run writes starts another. */
@@ -410,7 +363,7 @@ static void test_own_files(void **state) {
         assert_true(test_distance(read.x, now.x, 3 * read.count) == 0.0);
         assert_true(test_distance(read.v, now.v, 3 * read.count) == 0.0);
         particles_free(context, &read);
-        assert_int_equal(unlink(names[k]), 0);
+        test_remove_file(names[k]);
     }
     pdyn_free(sim);
 }
@@ -470,12 +423,12 @@ static void test_bad_files(void **state) {
     (void)state;
     for (int k = 0; k < COUNT(bad_files); k++) {
         char fill[64], message[512];
-        write_bytes(bad_files[k].name, bad_files[k].data, strlen(bad_files[k].data));
+        test_write_text(bad_files[k].name, bad_files[k].data);
         snprintf(fill, sizeof fill, "{'file': '%s'}", bad_files[k].name);
         snprintf(message, sizeof message, "scene.json:2:48: bodies[0].particles.fill[0].file: %s",
                  bad_files[k].message);
         expect_bad(0.5, fill, message);
-        assert_int_equal(unlink(bad_files[k].name), 0);
+        test_remove_file(bad_files[k].name);
     }
     expect_bad(0.5, "{'file': 'none.vtk'}",
                "scene.json:2:48: bodies[0].particles.fill[0].file: none.vtk: cannot open the file: "
@@ -486,7 +439,7 @@ static void test_bad_files(void **state) {
 /* Files cut short or with bytes changed are read or refused, and leave nothing behind. */
 static void expect_sane(const struct sample *sample, const char *data, size_t size) {
     struct particles read;
-    write_bytes(sample->name, data, size);
+    test_write_file(sample->name, data, size);
     pdyn_status status = particles_read(context, sample->name, &read);
     assert_true(status == PDYN_OK || status == PDYN_BAD_INPUT);
     for (int i = 0; i < 3 * read.count; i++) assert_true(fabs(read.x[i]) <= 1e12);
@@ -510,32 +463,27 @@ static void test_damaged(void **state) {
             data[at] = replacement[random >> 29];
             expect_sane(&samples[k], data, samples[k].size);
         }
-        assert_int_equal(unlink(samples[k].name), 0);
+        test_remove_file(samples[k].name);
     }
+}
+
+static pdyn_status fill_in_three_ways(const void *fill) {
+    struct scene scene;
+    pdyn_status status = read_fill(0.05, fill, &scene);
+    scene_free(context, &scene);
+    return status;
 }
 
 static void test_no_memory(void **state) {
     (void)state;
-    struct scene scene;
-    pdyn_status status = PDYN_NO_MEMORY;
-    int left = 0;
-    write_bytes("cube.obj", cube, strlen(cube));
-    write_bytes(samples[4].name, samples[4].data, samples[4].size);
-    for (; status != PDYN_OK && left < 1000; left++) {
-        allocations_left = left;
-        status = read_fill(0.05,
-                           "{'mesh': 'cube.obj'}, {'file': 'a.VTK'}, "
-                           "{'sphere': {'center': [0, 0, 0], 'radius': 1}}",
-                           &scene);
-        allocations_left = -1;
-        if (status == PDYN_OK) break;
-        assert_int_equal(status, PDYN_NO_MEMORY);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-    }
-    assert_int_equal(status, PDYN_OK);
-    assert_true(left > 20);
-    free_good(&scene);
-    assert_int_equal(unlink("cube.obj") | unlink(samples[4].name), 0);
+    const char *fill = "{'mesh': 'cube.obj'}, {'file': 'a.VTK'}, "
+                       "{'sphere': {'center': [0, 0, 0], 'radius': 1}}";
+    test_write_text("cube.obj", cube);
+    test_write_file(samples[4].name, samples[4].data, samples[4].size);
+    long needed = test_failing_allocations(context, &counter, fill_in_three_ways, fill);
+    assert_true(needed > 20 && needed < 1000);
+    test_remove_file("cube.obj");
+    test_remove_file(samples[4].name);
 }
 
 int main(void) {
@@ -549,5 +497,5 @@ int main(void) {
         cmocka_unit_test(test_bad_files),      cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_no_memory),
     };
-    return cmocka_run_group_tests_name("fill", tests, set_up, tear_down);
+    return cmocka_run_group_tests_name("fill", tests, scene_set_up, scene_tear_down);
 }

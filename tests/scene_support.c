@@ -1,0 +1,54 @@
+#include "scene_support.h"
+
+#include <string.h>
+
+pdyn_context *context;
+struct counter counter;
+
+int scene_set_up(void **state) {
+    context = test_counting_context(1, &counter);
+    return test_enter_directory(state);
+}
+
+int scene_tear_down(void **state) {
+    pdyn_destroy(context);
+    return test_leave_directory(state);
+}
+
+const char *quoted(const char *text) {
+    static char out[8192];
+    assert_true(strlen(text) < sizeof out);
+    strcpy(out, text);
+    for (char *c = out; *c; c++)
+        if (*c == '\'') *c = '"';
+    return out;
+}
+
+void assert_message(const char *expected) {
+    const char *found = pdyn_last_error(context);
+    size_t length = strlen(expected);
+    if (length && expected[length - 1] == '*' && !strncmp(found, expected, length - 1)) return;
+    assert_string_equal(found, expected);
+}
+
+pdyn_status read_text(const char *text, const char *const *set, int sets, struct scene *scene) {
+    return scene_read(context, "scene.json", quoted(text), set, sets, scene);
+}
+
+void read_good(const char *text, const char *const *set, int sets, struct scene *scene) {
+    if (read_text(text, set, sets, scene) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+}
+
+void free_good(struct scene *scene) {
+    scene_free(context, scene);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    assert_null(scene->body);
+}
+
+void assert_failure(pdyn_status status, const struct scene *scene, const char *expected) {
+    static const struct scene empty;
+    assert_int_equal(status, PDYN_BAD_INPUT);
+    assert_message(expected);
+    assert_memory_equal(scene, &empty, sizeof empty);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+}

@@ -1,0 +1,44 @@
+/* What the tests that read scenes share. They work in a directory of their own, on one context that
+ * counts allocations. Texts of scenes have ' for ". */
+#ifndef SCENE_SUPPORT_H
+#define SCENE_SUPPORT_H
+
+#include "scene.h"
+#include "support.h"
+
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+
+#define BOX        "{'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}"
+#define WATER      "{'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}}"
+#define TOP(extra) "{'duration': 1, 'bodies': [" WATER "],\n " extra "}"
+#define BODY(text) "{'duration': 1, 'bodies': [\n  " text "]}"
+#define SHEET(extra)                                                                               \
+    "{'surface': {'grid': {'size': [1, 1], 'vertices': [3, 3]}, 'area_density': 1" extra "}}"
+#define CLOTH(constraints)                                                                         \
+    BODY("{'surface': {'grid': {'size': [1, 1], 'vertices': [3, 3]}, 'area_density': 1},\n"        \
+         " 'constraints': [" constraints "]}")
+#define PIN(vertices) CLOTH("{'type': 'pin', 'vertices': " vertices "}")
+#define BOTH                                                                                       \
+    "{'duration': 1, 'bodies': [\n"                                                                \
+    "  {'name': 'water', 'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}},\n"             \
+    "  {'name': 'sheet', 'surface': {'grid': {'size': [1, 1], 'vertices': [3, 3]}, "               \
+    "'area_density': 1},\n"                                                                        \
+    "   'constraints': [{'type': 'spring', 'stretching_stiffness': 1000}]}]}"
+
+extern pdyn_context *context;
+extern struct counter counter;
+
+/* For a group of tests. */
+int scene_set_up(void **state);
+int scene_tear_down(void **state);
+
+const char *quoted(const char *text);      /* with " for '; until the next call */
+void assert_message(const char *expected); /* one that ends with '*' may go on */
+
+pdyn_status read_text(const char *text, const char *const *set, int sets, struct scene *scene);
+void read_good(const char *text, const char *const *set, int sets, struct scene *scene);
+void free_good(struct scene *scene);
+/* Bad input, with this message and nothing kept. */
+void assert_failure(pdyn_status status, const struct scene *scene, const char *expected);
+
+#endif

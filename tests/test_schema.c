@@ -1,0 +1,190 @@
+/* Names and what is said about them: near misses, descriptions, and the schema against the tables
+ * of parameters. */
+#include "inlet.h"
+#include "near.h"
+#include "registry.h"
+#include "scene_support.h"
+
+#include <jansson.h>
+#include <string.h>
+
+static json_t *schema;
+
+static int set_up(void **state) {
+    const char *root = getenv("PROJDYN_SOURCE_ROOT");
+    char path[1024];
+    snprintf(path, sizeof path, "%s/schema/scene.schema.json", root ? root : ".");
+    schema = json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
+    return schema ? scene_set_up(state) : -1;
+}
+
+static int tear_down(void **state) {
+    json_decref(schema);
+    return scene_tear_down(state);
+}
+
+/* ---- words ---------------------------------------------------------------------------------- */
+
+static void test_near_miss(void **state) {
+    (void)state;
+    static const char *const names[] = {"radius", "rest_density", "fill", "stretching_stiffness"};
+    static const struct {
+        const char *word, *nearest;
+    } cases[] = {
+        {"raduis", "radius"},
+        {"Radius", "radius"},
+        {"rest-density", "rest_density"},
+        {"density", "rest_density"},
+        {"stiffness", "stretching_stiffness"},
+        {"fil", "fill"},
+        {"xyz", NULL},
+        {"", NULL},
+        {"temperature", NULL},
+    };
+    for (int k = 0; k < COUNT(cases); k++) {
+        const char *found = registry_near_miss(cases[k].word, names, COUNT(names));
+        if (!cases[k].nearest) assert_null(found);
+        else assert_string_equal(found ? found : "", cases[k].nearest);
+    }
+    char long_word[200];
+    memset(long_word, 'r', sizeof long_word - 1);
+    long_word[sizeof long_word - 1] = '\0';
+    assert_null(registry_near_miss(long_word, names, COUNT(names)));
+    char clipped[8];
+    text_clip(clipped, sizeof clipped, "abc\xc3\xa4\n123456");
+    assert_string_equal(clipped, "abc...");
+    text_clip(clipped, sizeof clipped, "a\tb");
+    assert_string_equal(clipped, "a?b");
+}
+
+struct text {
+    char data[16384];
+    size_t length;
+};
+static void collect(void *user, const char *piece) {
+    struct text *text = user;
+    size_t length = strlen(piece);
+    assert_true(text->length + length < sizeof text->data);
+    memcpy(text->data + text->length, piece, length + 1);
+    text->length += length;
+}
+
+static const char *described(const char *name) {
+    static struct text text;
+    text = (struct text){.data = ""};
+    assert_int_equal(pdyn_describe(context, name, collect, &text), PDYN_OK);
+    return text.data;
+}
+
+static void test_describe(void **state) {
+    (void)state;
+    const char *all = described(NULL);
+    for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++)
+        assert_non_null(strstr(all, (*t)->summary));
+    assert_non_null(strstr(all, "cholesky"));
+    const char *fluid = described("fluid");
+    for (const pdyn_param *p = registry_constraint("fluid")->params; p->name; p++) {
+        assert_non_null(strstr(fluid, p->name));
+        assert_non_null(strstr(fluid, p->doc));
+    }
+    assert_non_null(strstr(described("spring"),
+                           "stretching_stiffness   N/m    required   number from 0 to 1e+12"));
+    assert_non_null(strstr(described("pin"), "choice of vertices"));
+    assert_non_null(strstr(
+        described("cg"), "outer_iterations              20         whole number from 1 to 100000"));
+    assert_int_equal(pdyn_describe(context, "fluit", collect, NULL), PDYN_BAD_INPUT);
+    assert_message(
+        "no constraint and no solver \"fluit\"; did you mean \"fluid\"?; known: bending, *");
+    assert_int_equal(pdyn_describe(NULL, NULL, collect, NULL), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_describe(context, NULL, NULL, NULL), PDYN_BAD_CALL);
+}
+
+/* ---- the schema ----------------------------------------------------------------------------- */
+
+static const json_t *definition(const char *name) {
+    const json_t *found = json_object_get(json_object_get(schema, "$defs"), name);
+    if (!found) fail_msg("the schema has no $defs/%s", name);
+    return found;
+}
+
+static void assert_number(const json_t *entry, const char *key, const char *name, double expected,
+                          bool wanted) {
+    const json_t *value = json_object_get(entry, key);
+    if (!value != !wanted)
+        fail_msg("schema: %s %s its %s", name, wanted ? "lacks" : "should not have", key);
+    if (wanted && json_number_value(value) != expected)
+        fail_msg("schema: %s of %s is %.17g, in the table %.17g", key, name,
+                 json_number_value(value), expected);
+}
+
+static bool is_listed(const json_t *array, const char *word) {
+    for (size_t k = 0; k < json_array_size(array); k++)
+        if (!strcmp(json_string_value(json_array_get(array, k)), word)) return true;
+    return false;
+}
+
+static void check_parameter(const json_t *object, const pdyn_param *p) {
+    static const char *const types[] = {
+        [PDYN_REAL] = "number", [PDYN_INT] = "integer", [PDYN_BOOL] = "boolean"};
+    const json_t *entry = json_object_get(json_object_get(object, "properties"), p->name);
+    if (!entry) fail_msg("the schema lacks %s", p->name);
+    if (is_listed(json_object_get(object, "required"), p->name) != p->required)
+        fail_msg("schema: %s is required in one of schema and table only", p->name);
+    if (p->kind > PDYN_BOOL) {
+        assert_non_null(json_object_get(entry, "$ref"));
+        return;
+    }
+    bool has_default = !p->required && p->def >= p->min && p->def <= p->max;
+    assert_string_equal(json_string_value(json_object_get(entry, "type")), types[p->kind]);
+    assert_number(entry, "default", p->name, p->def, has_default);
+    assert_number(entry, "minimum", p->name, p->min, isfinite(p->min));
+    assert_number(entry, "maximum", p->name, p->max, isfinite(p->max));
+    assert_non_null(json_object_get(entry, "description"));
+}
+
+/* As many keys as the table has, and `others` besides. */
+static void check_table(const json_t *object, const pdyn_param *table, size_t others) {
+    size_t count = others;
+    for (const pdyn_param *p = table; p->name; p++, count++) check_parameter(object, p);
+    assert_true(json_is_false(json_object_get(object, "additionalProperties")));
+    assert_int_equal(json_object_size(json_object_get(object, "properties")), count);
+}
+
+static void test_schema(void **state) {
+    (void)state;
+    check_table(schema, settings_general_params, 8);
+    check_table(definition("time_step"), settings_time_step_params, 0);
+    check_table(definition("solver"), settings_solver_params, 2);
+    check_table(definition("motion_key"), scene_key_params, 0);
+    for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) {
+        char name[64];
+        snprintf(name, sizeof name, "constraint_%s", (*t)->name);
+        check_table(definition(name), (*t)->params, 1);
+    }
+    check_table(definition("inlet_rectangle"), inlet_params, 2);
+    check_table(definition("inlet_disc"), inlet_params, 2);
+    check_table(definition("outlet"), outlet_params, 1);
+    static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
+    for (int k = 0; k < COUNT(fills); k++) {
+        const json_t *fill = definition(fills[k]);
+        assert_true(json_is_false(json_object_get(fill, "additionalProperties")));
+        assert_true(is_listed(json_object_get(fill, "required"), fills[k] + strlen("fill_")));
+        assert_int_equal(json_object_size(json_object_get(fill, "properties")), k < 2 ? 2 : 5);
+    }
+    const json_t *solver = json_object_get(definition("solver"), "properties");
+    const json_t *types = json_object_get(json_object_get(solver, "type"), "enum");
+    size_t count = 1;
+    assert_true(is_listed(types, "auto"));
+    for (const struct solver_type *const *t = registry_solvers(); *t; t++, count++)
+        if (!is_listed(types, (*t)->name)) fail_msg("the schema lacks the solver %s", (*t)->name);
+    assert_int_equal(json_array_size(types), count);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_near_miss),
+        cmocka_unit_test(test_describe),
+        cmocka_unit_test(test_schema),
+    };
+    return cmocka_run_group_tests_name("schema", tests, set_up, tear_down);
+}
