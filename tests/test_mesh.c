@@ -1,86 +1,31 @@
-/* Meshes: good files of every flavour, bad files with their messages, topology, allocation failure,
+/* Meshes: good files of every flavour, bad files with their messages, checks, allocation failure,
  * and files cut short or with bytes changed. */
-#include "mesh.h"
-
-#include "projdyn/vec3.h"
+#include "mesh_support.h"
+#include "support.h"
 
 #include <locale.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-static char directory[512];
 static pdyn_context *context;
-
-/* ---- helpers -------------------------------------------------------------------------------- */
-
-/* An allocator that fails for good once `left` allocations were made; left < 0: never. */
-static void *counting_allocate(void *user, void *block, size_t old_size, size_t new_size) {
-    (void)old_size;
-    int *left = user;
-    if (!new_size) return free(block), NULL;
-    if (*left == 0) return NULL;
-    if (*left > 0) --*left;
-    return realloc(block, new_size);
-}
-static int allocations_left = -1;
+static struct counter counter;
 
 static int set_up(void **state) {
-    (void)state;
-    const char *base = getenv("TMPDIR");
-    snprintf(directory, sizeof directory, "%s/test_mesh_XXXXXX", base ? base : "/tmp");
-    if (!mkdtemp(directory)) return -1;
-    pdyn_options options = pdyn_default_options();
-    options.threads = 1;
-    options.allocate = counting_allocate;
-    options.allocate_user = &allocations_left;
-    return pdyn_create(&options, &context) == PDYN_OK ? 0 : -1;
+    context = test_counting_context(1, &counter);
+    return test_enter_directory(state);
 }
 
 static int tear_down(void **state) {
-    (void)state;
     pdyn_destroy(context);
-    return rmdir(directory); /* every test removes its files */
-}
-
-#define assert_near(a, b, tolerance) assert_true(fabs((a) - (b)) <= (tolerance))
-
-static const char *path_of(const char *name) {
-    static char path[1024];
-    snprintf(path, sizeof path, "%s/%s", directory, name);
-    return path;
-}
-
-static void write_file(const char *name, const char *data, size_t size) {
-    FILE *file = fopen(path_of(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
+    return test_leave_directory(state);
 }
 
 static pdyn_status read_bytes(const char *name, const char *data, size_t size, struct mesh *mesh) {
-    write_file(name, data, size);
-    pdyn_status status = mesh_read(context, path_of(name), mesh);
-    assert_int_equal(unlink(path_of(name)), 0);
+    test_write_file(name, data, size);
+    pdyn_status status = mesh_read(context, name, mesh);
+    test_remove_file(name);
     return status;
-}
-
-static double triangle_area(const struct mesh *mesh, int t, double normal[3]) {
-    const double *p[3];
-    for (int k = 0; k < 3; k++) p[k] = mesh->vertex + 3 * mesh->triangle[3 * t + k];
-    for (int k = 0; k < 3; k++) {
-        int a = (k + 1) % 3, b = (k + 2) % 3;
-        normal[k] = 0.5 * ((p[1][a] - p[0][a]) * (p[2][b] - p[0][b]) -
-                           (p[1][b] - p[0][b]) * (p[2][a] - p[0][a]));
-    }
-    return vec3_length(normal);
 }
 
 /* ---- good files ----------------------------------------------------------------------------- */
@@ -362,7 +307,7 @@ static void test_bad_files(void **state) {
         struct mesh mesh;
         const struct sample *file = &bad[i].file;
         pdyn_status status = read_bytes(file->name, file->data, file->size, &mesh);
-        const char *error = pdyn_last_error(context), *path = path_of(file->name);
+        const char *error = pdyn_last_error(context), *path = file->name;
         if (status != PDYN_BAD_INPUT || strncmp(error, path, strlen(path)) ||
             !strstr(error, bad[i].message) ||
             (bad[i].message[0] == ':' && strstr(error, bad[i].message) != error + strlen(path)))
@@ -377,7 +322,7 @@ static void test_bad_files(void **state) {
 
 static void expect_unreadable(const char *name, const char *message) {
     struct mesh mesh;
-    assert_int_equal(mesh_read(context, path_of(name), &mesh), PDYN_IO_FAILED);
+    assert_int_equal(mesh_read(context, name, &mesh), PDYN_IO_FAILED);
     assert_non_null(strstr(pdyn_last_error(context), name));
     assert_non_null(strstr(pdyn_last_error(context), message));
     assert_null(mesh.vertex);
@@ -386,12 +331,12 @@ static void expect_unreadable(const char *name, const char *message) {
 static void test_unreadable(void **state) {
     (void)state;
     expect_unreadable("missing.obj", ": cannot open the file: No such file or directory");
-    assert_int_equal(mkdir(path_of("folder.ply"), 0700), 0);
+    assert_int_equal(mkdir("folder.ply", 0700), 0);
     expect_unreadable("folder.ply", ": expected a regular file");
-    assert_int_equal(rmdir(path_of("folder.ply")), 0);
-    assert_int_equal(mkfifo(path_of("pipe.obj"), 0600), 0);
+    assert_int_equal(rmdir("folder.ply"), 0);
+    assert_int_equal(mkfifo("pipe.obj", 0600), 0);
     expect_unreadable("pipe.obj", ": expected a regular file");
-    assert_int_equal(unlink(path_of("pipe.obj")), 0);
+    test_remove_file("pipe.obj");
 }
 
 /* ---- checks --------------------------------------------------------------------------------- */
@@ -448,180 +393,9 @@ static void test_check_cloth(void **state) {
     }
 }
 
-/* ---- grid and topology ---------------------------------------------------------------------- */
-
-static void test_grid(void **state) {
-    (void)state;
-    struct mesh mesh;
-    size_t before = pdyn_bytes_in_use(context);
-    assert_int_equal(mesh_grid(context, (double[]){3, 2}, (int[]){7, 4}, 0.0, &mesh), PDYN_OK);
-    assert_int_equal(mesh.vertices, 28);
-    assert_int_equal(mesh.triangles, 36);
-    assert_int_equal(mesh_check(context, &mesh, "grid"), PDYN_OK);
-    assert_int_equal(mesh_check_cloth(context, &mesh, "grid"), PDYN_OK);
-    static const double corners[4][3] = {{-1.5, 0, -1}, {1.5, 0, -1}, {-1.5, 0, 1}, {1.5, 0, 1}};
-    for (int k = 0; k < 4; k++)
-        assert_memory_equal(mesh.vertex + 3 * (k / 2 * 21 + k % 2 * 6), corners[k],
-                            sizeof corners[k]);
-    for (int t = 0; t < mesh.triangles; t++) {
-        double normal[3], area = triangle_area(&mesh, t, normal);
-        assert_near(area, 6.0 / 36, 1e-14);
-        assert_near(normal[1], area, 1e-14); /* up */
-    }
-    /* diagonals alternate: four of them meet at every second inner vertex */
-    struct topology topology;
-    assert_int_equal(topology_build(context, &mesh, &topology), PDYN_OK);
-    assert_int_equal(topology.ring_start[9] - topology.ring_start[8], 8);
-    assert_int_equal(topology.ring_start[10] - topology.ring_start[9], 4);
-    topology_free(context, &topology);
-    mesh_free(context, &mesh);
-    /* a sheet that sags: the border stays, the middle and the quarter hang on parabolas */
-    assert_int_equal(mesh_grid(context, (double[]){2, 2}, (int[]){5, 5}, 0.4, &mesh), PDYN_OK);
-    for (int i = 0; i < mesh.vertices; i++) {
-        const double *x = mesh.vertex + 3 * i;
-        assert_near(x[1], -0.4 * (1 - x[0] * x[0]) * (1 - x[2] * x[2]), 1e-15);
-    }
-    mesh_free(context, &mesh);
-    assert_int_equal(pdyn_bytes_in_use(context), before);
-}
-
-static void expect_bad_grid(double width, double height, int columns, int rows,
-                            const char *message) {
-    struct mesh mesh;
-    assert_int_equal(
-        mesh_grid(context, (double[]){width, height}, (int[]){columns, rows}, 0.0, &mesh),
-        PDYN_BAD_INPUT);
-    assert_string_equal(pdyn_last_error(context), message);
-}
-
-static void test_bad_grid(void **state) {
-    (void)state;
-    const char *size = "grid: expected sizes above 0 and of at most 1e+12 m, found ";
-    char message[200];
-    snprintf(message, sizeof message, "%s0", size);
-    expect_bad_grid(1, 0, 3, 3, message);
-    snprintf(message, sizeof message, "%sinf", size);
-    expect_bad_grid((double)INFINITY, 1, 3, 3, message);
-    expect_bad_grid(1, 1, 3, 1, "grid: expected at least 2 vertices along each side, found 1");
-    expect_bad_grid(1, 1, 100000, 100000,
-                    "grid: expected at most 134217727 vertices, found 100000 x 100000");
-}
-
-/* Structure that every topology has, whatever the mesh; returns the sum of the vertex areas. */
-static double check_structure(const struct mesh *mesh, const struct topology *t) {
-    double sum = 0.0;
-    assert_int_equal(t->vertices, mesh->vertices);
-    for (int e = 0; e < t->edges; e++) {
-        const int *a = t->edge + 2 * e, *b = a - 2;
-        assert_true(a[0] < a[1]);
-        if (e) assert_true(b[0] < a[0] || (b[0] == a[0] && b[1] < a[1]));
-        assert_true(t->edge_area[e] > 0);
-        assert_true(isfinite(t->edge_cotan[e]));
-    }
-    assert_int_equal(t->ring_start[0], 0);
-    assert_int_equal(t->ring_start[t->vertices], 2 * t->edges);
-    for (int v = 0; v < t->vertices; v++) {
-        sum += t->vertex_area[v];
-        assert_true(t->ring_start[v] < t->ring_start[v + 1]);
-        for (int r = t->ring_start[v]; r < t->ring_start[v + 1]; r++) {
-            const int *edge = t->edge + 2 * t->ring_edge[r];
-            assert_true(edge[0] == v || edge[1] == v);
-            if (r > t->ring_start[v]) assert_true(t->ring_edge[r - 1] < t->ring_edge[r]);
-        }
-    }
-    return sum;
-}
-
-/* sum over the ring of cotan (f_j - f_i) */
-static double laplacian(const struct topology *t, const double *f, int i) {
-    double sum = 0.0;
-    for (int r = t->ring_start[i]; r < t->ring_start[i + 1]; r++) {
-        const int *edge = t->edge + 2 * t->ring_edge[r];
-        sum += t->edge_cotan[t->ring_edge[r]] * (f[edge[0] == i ? edge[1] : edge[0]] - f[i]);
-    }
-    return sum;
-}
-
-static void test_topology_grid(void **state) {
-    (void)state;
-    enum { COLUMNS = 9, ROWS = 7, VERTICES = COLUMNS * ROWS };
-    const double width = 4.0, height = 1.5, cell = width / (COLUMNS - 1) * (height / (ROWS - 1));
-    struct mesh mesh;
-    struct topology t;
-    size_t before = pdyn_bytes_in_use(context);
-    assert_int_equal(
-        mesh_grid(context, (double[]){width, height}, (int[]){COLUMNS, ROWS}, 0.0, &mesh), PDYN_OK);
-    assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
-    assert_int_equal(t.vertices - t.edges + mesh.triangles, 1); /* Euler: a disc */
-    assert_near(check_structure(&mesh, &t), width * height, 1e-12);
-    double edge_sum = 0.0, linear[VERTICES], square[VERTICES];
-    for (int e = 0; e < t.edges; e++) edge_sum += t.edge_area[e];
-    assert_near(edge_sum, 3 * width * height, 1e-12);
-    for (int v = 0; v < VERTICES; v++) {
-        const double *x = mesh.vertex + 3 * v;
-        linear[v] = 3 * x[0] - 2 * x[2] + 7;
-        square[v] = x[0] * x[0];
-    }
-    for (int v = 0; v < VERTICES; v++) {
-        int i = v % COLUMNS, j = v / COLUMNS;
-        bool border = !i || !j || i == COLUMNS - 1 || j == ROWS - 1;
-        assert_int_equal(t.on_border[v], border);
-        if (border) continue;
-        assert_near(laplacian(&t, linear, v), 0, 1e-12);
-        assert_near(laplacian(&t, square, v), 2 * cell, 1e-12);
-    }
-    topology_free(context, &t);
-    assert_null(t.edge);
-    mesh_free(context, &mesh);
-    assert_int_equal(pdyn_bytes_in_use(context), before);
-}
-
-static void test_topology_tetrahedron(void **state) {
-    (void)state;
-    static double vertex[12] = {1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1};
-    static int triangle[12] = {3, 1, 2, 0, 3, 2, 0, 1, 3, 0, 2, 1};
-    static const int edges[12] = {0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3};
-    struct mesh mesh = {4, vertex, 4, triangle};
-    struct topology t;
-    assert_int_equal(mesh_check_cloth(context, &mesh, "tetrahedron"), PDYN_OK);
-    assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
-    assert_int_equal(t.edges, 6);
-    assert_memory_equal(t.edge, edges, sizeof edges);
-    double face = sqrt(3.0) / 4 * 8; /* edges of length sqrt 8 */
-    assert_near(check_structure(&mesh, &t), 4 * face, 1e-12);
-    for (int v = 0; v < 4; v++) {
-        assert_false(t.on_border[v]);
-        assert_near(t.vertex_area[v], face, 1e-12);
-        assert_int_equal(t.ring_start[v], 3 * v);
-    }
-    for (int e = 0; e < 6; e++) {
-        assert_near(t.edge_cotan[e], 1 / sqrt(3.0), 1e-12); /* 60 degrees twice */
-        assert_near(t.edge_area[e], 2 * face, 1e-12);
-    }
-    topology_free(context, &t);
-}
-
-/* One obtuse triangle: the border's one angle counts, negative cotangents stay. */
-static void test_topology_triangle(void **state) {
-    (void)state;
-    static double vertex[9] = {0, 0, 0, 4, 0, 0, 1, 1, 0};
-    static int triangle[3] = {0, 1, 2};
-    struct mesh mesh = {3, vertex, 1, triangle};
-    struct topology t;
-    assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
-    assert_near(check_structure(&mesh, &t), 2, 1e-14);
-    static const double cotan[3] = {0.5 * -0.5, 0.5 * 3, 0.5 * 1}; /* edges 01, 02, 12 */
-    for (int e = 0; e < 3; e++) {
-        assert_near(t.edge_cotan[e], cotan[e], 1e-14);
-        assert_near(t.edge_area[e], 2, 1e-14);
-        assert_true(t.on_border[e]);
-    }
-    topology_free(context, &t);
-}
-
 /* ---- no memory ------------------------------------------------------------------------------ */
 
-static pdyn_status read_and_build(const char *path) {
+static pdyn_status read_and_build(const void *path) {
     struct mesh mesh;
     struct topology topology;
     pdyn_status status = mesh_read(context, path, &mesh);
@@ -633,23 +407,8 @@ static pdyn_status read_and_build(const char *path) {
     return status;
 }
 
-static int count_failures(pdyn_status (*run)(const char *), const char *path) {
-    size_t before = pdyn_bytes_in_use(context);
-    for (int n = 0; n < 1000; n++) {
-        allocations_left = n;
-        pdyn_status status = run(path);
-        allocations_left = -1;
-        assert_int_equal(pdyn_bytes_in_use(context), before);
-        if (status == PDYN_OK) return n;
-        assert_int_equal(status, PDYN_NO_MEMORY);
-        assert_non_null(strstr(pdyn_last_error(context), "out of memory"));
-    }
-    fail_msg("never enough memory");
-    return 0;
-}
-
-static pdyn_status make_grid(const char *path) {
-    (void)path;
+static pdyn_status make_grid(const void *unused) {
+    (void)unused;
     struct mesh mesh;
     pdyn_status status = mesh_grid(context, (double[]){1, 1}, (int[]){3, 3}, 0.0, &mesh);
     mesh_free(context, &mesh);
@@ -659,11 +418,12 @@ static pdyn_status make_grid(const char *path) {
 static void test_no_memory(void **state) {
     (void)state;
     for (int i = 0; i < GOOD; i++) {
-        write_file(good[i].name, good[i].data, good[i].size);
-        assert_true(count_failures(read_and_build, path_of(good[i].name)) > 15);
-        assert_int_equal(unlink(path_of(good[i].name)), 0);
+        test_write_file(good[i].name, good[i].data, good[i].size);
+        long needed = test_failing_allocations(context, &counter, read_and_build, good[i].name);
+        assert_true(needed > 15 && needed < 1000);
+        test_remove_file(good[i].name);
     }
-    assert_int_equal(count_failures(make_grid, ""), 2);
+    assert_int_equal(test_failing_allocations(context, &counter, make_grid, NULL), 2);
 }
 
 /* ---- damaged files -------------------------------------------------------------------------- */
@@ -711,19 +471,10 @@ static void test_damaged(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good_files),
-        cmocka_unit_test(test_signed_numbers),
-        cmocka_unit_test(test_locale),
-        cmocka_unit_test(test_bad_files),
-        cmocka_unit_test(test_unreadable),
-        cmocka_unit_test(test_check),
-        cmocka_unit_test(test_check_cloth),
-        cmocka_unit_test(test_grid),
-        cmocka_unit_test(test_bad_grid),
-        cmocka_unit_test(test_topology_grid),
-        cmocka_unit_test(test_topology_tetrahedron),
-        cmocka_unit_test(test_topology_triangle),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_good_files),  cmocka_unit_test(test_signed_numbers),
+        cmocka_unit_test(test_locale),      cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_unreadable),  cmocka_unit_test(test_check),
+        cmocka_unit_test(test_check_cloth), cmocka_unit_test(test_no_memory),
         cmocka_unit_test(test_damaged),
     };
     return cmocka_run_group_tests_name("mesh", tests, set_up, tear_down);
