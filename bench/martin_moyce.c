@@ -57,14 +57,9 @@ static double time_at(const struct curve *curve, double Z) {
     return 0.0;
 }
 
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double front(const pdyn_state *s, double spacing, double *scratch) {
     for (int i = 0; i < s->particles; i++) scratch[i] = s->x[3 * i];
-    qsort(scratch, (size_t)s->particles, sizeof *scratch, ascending);
+    sort(scratch, s->particles);
     return scratch[s->particles - 1 - WIDTH / 2] + 0.5 * spacing;
 }
 
@@ -122,13 +117,12 @@ static double mean_delay(const struct experiment *e, const struct curve *of,
 
 /* Slope of Z over T by least squares, at the experiment's Z. */
 static double speed(const struct experiment *e, const struct curve *run) {
-    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    struct fit fit = {0};
     for (int k = 0; k < e->curve.count; k++) {
         double Z = e->curve.point[k][1], T = run ? time_at(run, Z) : e->curve.point[k][0];
-        if (Z < steady_from) continue;
-        n++, x += T, y += Z, xx += T * T, xy += T * Z;
+        if (Z >= steady_from) fit_add(&fit, T, Z);
     }
-    return (n * xy - x * y) / (n * xx - x * x);
+    return fit_slope(&fit);
 }
 
 static void print_measures(const struct experiment *e, const struct curve *run, int runs) {

@@ -58,23 +58,16 @@ static struct swings swing(pdyn_context *context, const char *directory,
     return swings;
 }
 
-/* Slope of y over 0, 1, 2, ... by least squares. */
-static double slope(const double *y, int count) {
-    double sum = 0.0, squares = 0.0;
-    for (int k = 0; k < count; k++) {
-        double x = k - 0.5 * (count - 1);
-        sum += x * y[k], squares += x * x;
-    }
-    return sum / squares;
-}
-
 /* The whole swings' farthest points decay by exp(-rate t). */
-static void fit(const struct swings *s, double *omega, double *rate) {
-    double logarithm[MOST_SWINGS];
-    double half = slope(s->time, s->count);
-    for (int k = 0; k < s->count; k++) logarithm[k] = log(s->farthest[k]);
+static void measure(const struct swings *s, double *omega, double *rate) {
+    struct fit passages = {0}, decay = {0};
+    for (int k = 0; k < s->count; k++) {
+        fit_add(&passages, k, s->time[k]);
+        fit_add(&decay, k, log(s->farthest[k]));
+    }
+    double half = fit_slope(&passages);
     *omega = acos(-1.0) / half;
-    *rate = -slope(logarithm, s->count) / half;
+    *rate = -fit_slope(&decay) / half;
 }
 
 static void print_row(const struct water *water, const struct swings *swings, double theory) {
@@ -84,7 +77,7 @@ static void print_row(const struct water *water, const struct swings *swings, do
         printf(" fewer than three swings | | | |\n");
         return;
     }
-    fit(swings, &omega, &rate);
+    measure(swings, &omega, &rate);
     printf(" %d | %.3f (%+.1f %%) | %.3f | %.3f |\n", swings->count, omega,
            100.0 * (omega / theory - 1.0), rate, 0.5 * theory * theory * water->step);
 }

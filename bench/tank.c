@@ -19,17 +19,12 @@ struct rest {
     double density_error;        /* at the end */
 };
 
-static int ascending(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Half a spacing above the middle one of as many particles as make a layer, from the top. */
 static double surface_height(const struct rest *r, const pdyn_state *s) {
     int layer = r->water.cells[0] * r->water.cells[2];
     double *y = allocate((size_t)s->particles, sizeof *y);
     for (int i = 0; i < s->particles; i++) y[i] = s->x[3 * i + 1];
-    qsort(y, (size_t)s->particles, sizeof *y, ascending);
+    sort(y, s->particles);
     double middle = y[s->particles - layer / 2];
     free(y);
     return middle + 0.5 * r->water.spacing;
@@ -99,14 +94,13 @@ static double write_profile(const struct rest *r, const char *directory) {
 /* Slope of the pressure with depth, by least squares over the particles' layers inside, over rho g.
  */
 static double relative_slope(const struct rest *r) {
-    double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    struct fit fit = {0};
     for (int k = 0; k <= r->water.cells[1]; k++) {
         const struct layer *l = &r->layer[k];
         double depth = l->depth / l->count, pressure = l->pressure / l->count;
-        if (l->count == 0.0 || !inside(r, depth)) continue;
-        n++, x += depth, y += pressure, xx += depth * depth, xy += depth * pressure;
+        if (l->count != 0.0 && inside(r, depth)) fit_add(&fit, depth, pressure);
     }
-    return (n * xy - x * y) / (n * xx - x * x) / (DENSITY * g);
+    return fit_slope(&fit) / (DENSITY * g);
 }
 
 static void rest_run(pdyn_context *context, const char *directory, double seconds, int depth,

@@ -68,6 +68,21 @@ pdyn_step_info water_step(pdyn_context *context, pdyn_sim *sim) {
     return info;
 }
 
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void sort(double *values, int count) { qsort(values, (size_t)count, sizeof *values, ascending); }
+
+void fit_add(struct fit *fit, double x, double y) {
+    fit->n++, fit->x += x, fit->y += y, fit->xx += x * x, fit->xy += x * y;
+}
+
+double fit_slope(const struct fit *fit) {
+    return (fit->n * fit->xy - fit->x * fit->y) / (fit->n * fit->xx - fit->x * fit->x);
+}
+
 FILE *open_csv(const char *directory, const char *name) {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.csv", directory, name);

@@ -1,4 +1,5 @@
-/* What the validations share: a block of water in the corner of a tank, and where results go. */
+/* What the validations share: a block of water in the corner of a tank, order and lines in what is
+ * measured, and where results go. */
 #ifndef VALIDATION_H
 #define VALIDATION_H
 
@@ -29,6 +30,15 @@ void *allocate(size_t count, size_t size); /* zeros */
 /* The density constraint is so stiff that the floor is 0.1 % too dense. */
 pdyn_sim *water_load(pdyn_context *context, const struct water *water);
 pdyn_step_info water_step(pdyn_context *context, pdyn_sim *sim);
+
+void sort(double *values, int count); /* ascending */
+
+/* A line through points by least squares: their number and sums. */
+struct fit {
+    double n, x, y, xx, xy;
+};
+void fit_add(struct fit *fit, double x, double y);
+double fit_slope(const struct fit *fit);
 
 /* DIRECTORY/NAME.csv, to be written. */
 FILE *open_csv(const char *directory, const char *name);
