@@ -4,7 +4,13 @@
 
 #include <stddef.h>
 
+struct run;
+
 int replay_main(int argc, char **argv);
+
+/* Writes the page of a surveyed run into a file; returns the exit code, after a message if it is
+ * not good. */
+int replay_write(const struct run *run, const char *path);
 
 /* The page with its placeholders @META@ and @DATA@, replay.html as it was when this was built. */
 extern const char replay_page[];
