@@ -1,9 +1,6 @@
 /* Fast water against walls: none gets out, or through a thin plate, at the CFL limit. */
 #include "support.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
 #define WATER(box, velocity)                                                                       \
     "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005, \"cfl\": "    \
     "1}, "                                                                                         \
