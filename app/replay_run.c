@@ -177,9 +177,10 @@ static int count_frames(struct run *run) {
 int replay_open(struct run *run) {
     int code = find_bodies(run);
     if (code != EXIT_GOOD) return code;
-    run->count = run->parts = (int)json_array_size(run->bodies);
-    run->body = calloc((size_t)run->count + 1, sizeof *run->body);
+    size_t count = json_array_size(run->bodies);
+    run->body = calloc(count + 1, sizeof *run->body);
     if (!run->body) return replay_no_memory();
+    run->count = run->parts = (int)count;
     for (int b = 0; b < run->count && code == EXIT_GOOD; b++) code = open_body(run, b);
     if (code == EXIT_GOOD) code = open_moving(run);
     return code == EXIT_GOOD ? count_frames(run) : code;
