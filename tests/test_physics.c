@@ -109,6 +109,32 @@ static void test_stiff_column(void **state) {
     pdyn_destroy(context);
 }
 
+/* A tank forty particles deep, solved by ten iterations a step from the beginning: it comes to rest
+ * and nothing is thrown, which a step of 5 ms would do. */
+static void test_deep_water(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(
+        context,
+        "{\"duration\": 1, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0, "
+        "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 10}, \"bodies\": "
+        "[{\"name\": \"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": "
+        "{\"minimum\": "
+        "[0, 0, 0], \"maximum\": [0.08, 0.8, 0.08]}}]}, \"constraints\": [{\"type\": \"fluid\", "
+        "\"stiffness\": 7e4}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
+        "[0.08, "
+        "1, 0.08]}, \"open\": [\"+y\"]}]}");
+    pdyn_step_info info = {0};
+    while (info.time < 1.0) {
+        info = test_step(context, sim);
+        assert_true(info.kinetic_energy < 0.01 * info.potential_energy);
+        assert_true(info.density_error_max < 0.005);
+    }
+    assert_true(info.kinetic_energy < 1e-4 * info.potential_energy);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* J, of a block of water that has collapsed for 0.25 s. */
 static double collapsed_energy(const char *solver) {
     char text[1024];
@@ -298,12 +324,12 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),         cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_hydrostatic_rest),  cmocka_unit_test(test_stiff_column),
-        cmocka_unit_test(test_cut_short),         cmocka_unit_test(test_pin_reaction),
-        cmocka_unit_test(test_pin_path),          cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_divergence),        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_free_fall),        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_stiff_column),
+        cmocka_unit_test(test_cut_short),        cmocka_unit_test(test_deep_water),
+        cmocka_unit_test(test_pin_reaction),     cmocka_unit_test(test_pin_path),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_no_allocation),    cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

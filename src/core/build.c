@@ -64,9 +64,11 @@ static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all
     sim->rest = NEW_VECTOR(c, n);
     sim->density = NEW_ARRAY(c, n, double);
     sim->pressure = NEW_ARRAY(c, n, double);
+    sim->pressure_before = NEW_ARRAY(c, n, double);
     sim->system.mass = NEW_ARRAY(c, n, double);
     sim->system.partial = NEW_ARRAY(c, pool_blocks(n, SYSTEM_GRAIN), double);
-    if (!sim->rest || !sim->density || !sim->pressure || !sim->system.mass || !sim->system.partial)
+    if (!sim->rest || !sim->density || !sim->pressure || !sim->pressure_before ||
+        !sim->system.mass || !sim->system.partial)
         return PDYN_NO_MEMORY;
     memcpy(sim->x, all->x, 3 * (size_t)n * sizeof *sim->x);
     memcpy(sim->rest, all->x, 3 * (size_t)n * sizeof *sim->rest);
@@ -364,6 +366,7 @@ void pdyn_free(pdyn_sim *sim) {
         FREE_VECTOR(c, vectors[k], sim->system.particles);
     FREE_ARRAY(c, sim->density, sim->system.particles);
     FREE_ARRAY(c, sim->pressure, sim->system.particles);
+    FREE_ARRAY(c, sim->pressure_before, sim->system.particles);
     free_system(sim);
     emit_free(sim);
     neighbours_free(sim->neighbours);

@@ -27,6 +27,7 @@ pdyn_status measure_end(struct pdyn_sim *sim) {
                                 "step %ld at %g s: particle %d has no finite "
                                 "position; the state is that of the step before",
                                 sim->steps + 1, sim->time, k / 3);
+    memcpy(sim->pressure_before, sim->pressure, (size_t)sys->particles * sizeof *sim->pressure);
     for (int b = 0; b < sys->batches; b++) fetch(sim, sys->batch[b]);
     return PDYN_OK;
 }

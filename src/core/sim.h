@@ -25,12 +25,13 @@ struct pdyn_sim {
     struct motion motion;      /* of the last of these */
     pdyn_services services;    /* what operators may call */
 
-    struct system system; /* particles' masses, prediction, batches: what is minimised */
-    double *x, *v;        /* particles x 3: the state, m, m/s */
-    double *density;      /* particles, kg/m^3 */
-    double *pressure;     /* particles, Pa */
-    double *x_next;       /* particles x 3: the iterate */
-    double *gradient;     /* particles x 3: of E at the iterate, N */
+    struct system system;    /* particles' masses, prediction, batches: what is minimised */
+    double *x, *v;           /* particles x 3: the state, m, m/s */
+    double *density;         /* particles, kg/m^3 */
+    double *pressure;        /* particles, Pa, */
+    double *pressure_before; /* and a step before */
+    double *x_next;          /* particles x 3: the iterate */
+    double *gradient;        /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
     double *correction; /* particles x 3: x - s of the last step, its constraints' work */
     double last_h;      /* s; 0 before the first step */
