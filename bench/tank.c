@@ -6,7 +6,8 @@
 #include <stdlib.h>
 
 struct layer { /* of particles, a spacing thick: sums over the last second */
-    double count, depth, pressure, density;
+    double count, pressure, density;
+    double depth; /* m: of a column of water as heavy as what lies above the layer's middle */
 };
 
 struct rest {
@@ -36,7 +37,7 @@ static void add_layers(struct rest *r, const pdyn_state *s) {
         int k = (int)fmax(0.0, y / r->water.spacing);
         if (k > r->water.cells[1]) die("a particle has left the water");
         struct layer *layer = &r->layer[k];
-        layer->count++, layer->depth += r->surface - y;
+        layer->count++;
         layer->pressure += s->pressure[i], layer->density += s->density[i];
     }
 }
@@ -45,6 +46,15 @@ static void add_step(struct rest *r, const pdyn_step_info *info) {
     r->steps++, r->outer += info->outer_iterations, r->linear += info->linear_iterations;
     r->kinetic += info->kinetic_energy, r->potential += info->potential_energy;
     r->density_error = info->density_error_mean;
+}
+
+static void find_depths(struct rest *r) {
+    double above = 0.0, full = r->steps * r->water.cells[0] * r->water.cells[2];
+    for (int k = r->water.cells[1]; k >= 0; k--) {
+        struct layer *layer = &r->layer[k];
+        layer->depth = (above + 0.5 * layer->count) / full * r->water.spacing;
+        above += layer->count;
+    }
 }
 
 static void settle(struct rest *r, pdyn_context *context, const char *directory) {
@@ -66,12 +76,13 @@ static void settle(struct rest *r, pdyn_context *context, const char *directory)
     }
     fclose(csv);
     pdyn_free(sim);
+    find_depths(r);
 }
 
 /* Far from surface and floor: two support radii, of two spacings each. */
 static bool inside(const struct rest *r, double depth) {
     double away = 4.0 * r->water.spacing;
-    return depth > away && r->surface - depth > away;
+    return depth > away && r->water.cells[1] * r->water.spacing - depth > away;
 }
 
 /* Writes the profile; returns the worst relative deviation of a layer's pressure inside. */
@@ -82,7 +93,7 @@ static double write_profile(const struct rest *r, const char *directory) {
     for (int k = 0; k <= r->water.cells[1]; k++) {
         const struct layer *l = &r->layer[k];
         if (l->count == 0.0) continue;
-        double depth = l->depth / l->count, pressure = l->pressure / l->count;
+        double depth = l->depth, pressure = l->pressure / l->count;
         double expected = DENSITY * g * depth;
         fprintf(csv, "%.9g,%.9g,%.9g,%.9g\n", depth, pressure, expected, l->density / l->count);
         if (inside(r, depth)) worst = fmax(worst, fabs(pressure / expected - 1.0));
@@ -97,39 +108,44 @@ static double relative_slope(const struct rest *r) {
     struct fit fit = {0};
     for (int k = 0; k <= r->water.cells[1]; k++) {
         const struct layer *l = &r->layer[k];
-        double depth = l->depth / l->count, pressure = l->pressure / l->count;
+        double depth = l->depth, pressure = l->pressure / l->count;
         if (l->count != 0.0 && inside(r, depth)) fit_add(&fit, depth, pressure);
     }
     return fit_slope(&fit) / (DENSITY * g);
 }
 
 static void rest_run(pdyn_context *context, const char *directory, double seconds, int depth,
-                     int width) {
+                     int width, bool wall_pressure) {
     double d = 0.02;
     struct rest r = {.water = {.spacing = d,
                                .cells = {width, depth, width},
                                .tank = {width * d, (depth + 10) * d, width * d},
                                .viscosity = 0.02,
                                .step = 0.005,
+                               .adaptive = true,
+                               .cut_short = true,
+                               .wall_pressure = wall_pressure,
                                .duration = seconds}};
-    snprintf(r.name, sizeof r.name, "tank_%dx%d", depth, width);
+    snprintf(r.name, sizeof r.name, "tank_%dx%d%s", depth, width, wall_pressure ? "w" : "");
     r.layer = allocate((size_t)depth + 1, sizeof *r.layer);
     settle(&r, context, directory);
     double worst = write_profile(&r, directory);
-    printf("| %d x %d x %d | %.1f %% | %+.1f %% | %.2f %% | %.3f %% | %.1e | %.1f | %.0f |\n",
-           width, depth, width, 100.0 * worst, 100.0 * (relative_slope(&r) - 1.0),
-           100.0 * (1.0 - r.surface / (depth * d)), 100.0 * r.density_error,
-           r.kinetic / r.potential, r.outer / r.steps, r.linear / r.steps);
+    printf("| %d x %d x %d | %s | %.1f %% | %+.1f %% | %.2f %% | %.3f %% | %.1e | %.1f | %.0f |\n",
+           width, depth, width, wall_pressure ? "yes" : "no", 100.0 * worst,
+           100.0 * (relative_slope(&r) - 1.0), 100.0 * (1.0 - r.surface / (depth * d)),
+           100.0 * r.density_error, r.kinetic / r.potential, r.outer / r.steps, r.linear / r.steps);
     free(r.layer);
 }
 
 void tank(pdyn_context *context, const char *directory, double seconds, int count, char **sizes) {
-    printf("| particles | pressure: worst layer | slope | volume lost | density error | kinetic / "
-           "potential energy | outer | linear |\n|---|---|---|---|---|---|---|---|\n");
+    printf(
+        "| particles | wall pressure | pressure: worst layer | slope | volume lost | density error "
+        "| kinetic / potential energy | outer | linear |\n|---|---|---|---|---|---|---|---|---|\n");
     for (int k = 0; k < count; k++) {
         int depth, width;
-        if (sscanf(sizes[k], "%dx%d", &depth, &width) != 2 || depth < 12 || width < 1)
-            die("expected DEPTHxWIDTH, at least 12 deep, found %s", sizes[k]);
-        rest_run(context, directory, seconds, depth, width);
+        char wall = 0;
+        if (sscanf(sizes[k], "%dx%d%c", &depth, &width, &wall) < 2 || depth < 12 || width < 1)
+            die("expected DEPTHxWIDTH or DEPTHxWIDTHw, at least 12 deep, found %s", sizes[k]);
+        rest_run(context, directory, seconds, depth, width, wall == 'w');
     }
 }

@@ -36,21 +36,27 @@ static double stiffness(const struct water *water) {
     return 0.45 * pressure * water->spacing / 1e-3;
 }
 
+static const char solved[] =
+    "\"tolerance\": 0.1, \"linear_tolerance\": 0.1, \"linear_iterations\": 2000";
+static const char cut_short[] = "\"tolerance\": 0.01, \"linear_tolerance\": 0, "
+                                "\"linear_iterations\": 10, \"outer_iterations\": 1";
+
 static void write_scene(const struct water *water, char *text, size_t size) {
     const double d = water->spacing, *tank = water->tank;
     const int *n = water->cells;
     snprintf(text, size,
              "{\"duration\": %.17g, \"frame_interval\": %.17g, \"time_step\": {\"%s\": %.17g}, "
-             "\"solver\": {\"tolerance\": 0.1, \"linear_tolerance\": 0.1, \"linear_iterations\": "
-             "2000}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
+             "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
              "\"particles\": {\"radius\": %.17g, \"rest_density\": %d, \"fill\": [{\"box\": "
              "{\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}}]}, \"constraints\": "
-             "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g}]}], \"solids\": "
+             "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g, "
+             "\"wall_pressure\": %s}]}], \"solids\": "
              "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}, \"open\": "
              "[\"+y\"]}]}",
              water->duration, water->duration, water->adaptive ? "maximum" : "fixed", water->step,
-             water->speed, 0.5 * d, DENSITY, n[0] * d, n[1] * d, n[2] * d, stiffness(water),
-             water->viscosity, tank[0], tank[1], tank[2]);
+             water->cut_short ? cut_short : solved, water->speed, 0.5 * d, DENSITY, n[0] * d,
+             n[1] * d, n[2] * d, stiffness(water), water->viscosity,
+             water->wall_pressure ? "true" : "false", tank[0], tank[1], tank[2]);
 }
 
 pdyn_sim *water_load(pdyn_context *context, const struct water *water) {

@@ -125,7 +125,7 @@ typedef struct pdyn_neighbours {
  * u - p = t_i grad C_i of a projection, the energy of constraint i is k_i / 2 value_i^2 and its
  * gradient k_i value_i grad C_i. */
 typedef struct pdyn_scalars {
-    int count;           /* one for each particle of the body */
+    int count;           /* first one for each particle of the body, then others if there are */
     const double *value; /* count: t_i |grad C_i|^2, to first order C_i; C_i itself, negative,
                             where there is room */
     const double

@@ -29,6 +29,9 @@ static const pdyn_param params[] = {
      "XSPH: how much of the velocity difference to the neighbours a step takes away"},
     {"projection_tolerance", PDYN_REAL, offsetof(struct fluid_params, projection_tolerance), false,
      1e-6, 1e-14, 1, "1", "relative density error at which the projection of a constraint ends"},
+    {"wall_pressure", PDYN_BOOL, offsetof(struct fluid_params, wall_pressure), false, 0, 0, 1, "",
+     "boundary points have density constraints too: right pressures in narrow vessels, for more "
+     "time and friction"},
     {0}};
 
 static int elements(const void *par, const pdyn_body *body) {

@@ -8,6 +8,7 @@
 
 struct fluid_params {
     double stiffness, viscosity, projection_tolerance;
+    bool wall_pressure;
 };
 
 extern const pdyn_operator fluid_operator;

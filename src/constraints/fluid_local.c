@@ -88,7 +88,7 @@ INLINE void evaluate(const struct fluid *f, const v4 *at, int inside, struct nea
         double value = q <= 0.5 ? 1.0 - 6.0 * q * q * rest : 2.0 * rest * rest * rest;
         double slope = q <= 0.5 ? 3.0 * q - 2.0 : -rest * rest / q;
         near->value[k] = kernel->value * value;
-        near->slope[k] = -near->volume[k] * kernel->slope * slope;
+        near->slope[k] = kernel->slope * slope;
     }
     for (int k = inside; k < padded; k++) near->value[k] = near->slope[k] = 0.0;
 }
@@ -125,29 +125,34 @@ INLINE void keep_pairs(struct fluid *f, const struct near *near, int inside, int
     }
 }
 
+/* Distance vectors become gradients, rounded as pairs are kept. */
+INLINE void round_gradients(struct near *near, int inside) {
+    for (int k = 0; k < inside; k += 4) {
+        round_lanes(near->x + k, near->slope + k);
+        round_lanes(near->y + k, near->slope + k);
+        round_lanes(near->z + k, near->slope + k);
+    }
+}
+
 /* The moving neighbours of i, kept as its pairs from *front on. */
-INLINE void add_moving(struct fluid *f, int i, const v4 *at, struct near *near, int *front,
-                       struct sum *sum) {
-    const pdyn_neighbours *l = f->lists;
+INLINE void add_moving(struct fluid *f, int i, const v4 *at, const int *list, int count,
+                       struct near *near, int *front, struct sum *sum) {
     f->pair_start[i] = *front;
-    for (int s = l->start[i]; s < l->boundary_start[i]; s += CHUNK) {
-        int left = l->boundary_start[i] - s;
-        int inside = pick_near(f, at, l->index + s, left < CHUNK ? left : CHUNK, near);
+    for (int s = 0; s < count; s += CHUNK) {
+        int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, near);
         evaluate(f, at, inside, near);
-        for (int k = 0; k < inside; k += 4) {
-            round_lanes(near->x + k, near->slope + k);
-            round_lanes(near->y + k, near->slope + k);
-            round_lanes(near->z + k, near->slope + k);
-        }
+        for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
+        round_gradients(near, inside);
         add_lanes(near, (inside + 3) / 4 * 4, sum);
         keep_pairs(f, near, inside, *front, sum);
         *front += inside;
     }
-    f->pair_end[i] = *front;
+    f->pair_end[i] = f->pair_last[i] = *front;
 }
 
-/* Boundary points enter the density alone: no pairs, no squares of their own. */
-INLINE void add_boundary(const struct fluid *f, int i, const v4 *at, struct near *near,
+/* Boundary points enter the density with their volume, and have no squares: they do not move. Their
+ * pairs, kept from *front on, are for their own constraints. */
+INLINE void add_boundary(struct fluid *f, int i, const v4 *at, struct near *near, int *front,
                          struct sum *sum) {
     const pdyn_neighbours *l = f->lists;
     double squares = sum->squares;
@@ -155,12 +160,18 @@ INLINE void add_boundary(const struct fluid *f, int i, const v4 *at, struct near
         int left = l->end[i] - s;
         int inside = pick_near(f, at, l->index + s, left < CHUNK ? left : CHUNK, near);
         evaluate(f, at, inside, near);
-        for (int k = 0; k < (inside + 3) / 4 * 4; k++)
-            near->x[k] *= near->slope[k], near->y[k] *= near->slope[k],
-                near->z[k] *= near->slope[k];
+        round_gradients(near, inside);
+        if (f->params.wall_pressure) {
+            keep_pairs(f, near, inside, *front, sum);
+            *front += inside, sum->members += inside;
+        }
+        for (int k = 0; k < inside; k++)
+            near->x[k] *= -near->volume[k], near->y[k] *= -near->volume[k],
+                near->z[k] *= -near->volume[k];
         add_lanes(near, (inside + 3) / 4 * 4, sum);
     }
     sum->squares = squares;
+    f->pair_last[i] = *front;
 }
 
 /* ---- projection ------------------------------------------------------------------------------ */
@@ -185,7 +196,7 @@ static double value_on_line(const void *arg, double t) {
     const struct fluid *f = line->f;
     const pdyn_neighbours *l = f->lists;
     int i = line->i;
-    double sum = f->x[4 * i + 3] * f->kernel.value - 1.0;
+    double sum = f->x[4 * (size_t)i + 3] * f->kernel.value - 1.0;
     v4 at, from, own, none = {0};
     v4_set(&from, f->x + 4 * i, 0.0);
     memcpy(&own, f->gradient + 4 * i, sizeof own);
@@ -206,35 +217,66 @@ static double value_on_line(const void *arg, double t) {
     return sum;
 }
 
+/* What a boundary point b feels of the fluid that moves along the line. */
+static double value_at_wall(const void *arg, double t) {
+    const struct line *line = arg;
+    const struct fluid *f = line->f;
+    double sum = -f->walls.share[line->i - f->particles];
+    v4 at, g;
+    v4_set(&at, f->x + 4 * (size_t)line->i, 0.0);
+    for (int s = f->pair_start[line->i]; s < f->pair_end[line->i]; s++) {
+        load_pair(f, s, &g);
+        sum += value_at(f, &at, f->pair_index[s], t, &g);
+    }
+    return sum;
+}
+
 /* Projects constraint i; returns its energy. */
-INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) {
+INLINE double set_constraint(struct fluid *f, int i, const struct sum *sum,
+                             double (*value)(const void *line, double t)) {
     struct line line = {f, i};
     double w = f->params.stiffness;
-    v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
-    memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
     f->error[i] = f->value[i] = sum->c, f->squares[i] = sum->squares;
     f->stiffness[i] = sum->squares > 0.0 ? w / sum->squares : 0.0;
     f->flux[i] = 0.0;
     if (!(sum->c > 0.0 && sum->squares > 0.0)) return 0.0;
-    double t =
-        fluid_root(value_on_line, &line, sum->c, sum->squares, f->params.projection_tolerance);
+    double t = fluid_root(value, &line, sum->c, sum->squares, f->params.projection_tolerance);
     f->flux[i] = w * t, f->value[i] = t * sum->squares;
     return 0.5 * w * t * t * sum->squares;
 }
 
+INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) {
+    v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
+    memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
+    return set_constraint(f, i, sum, value_on_line);
+}
+
 /* C_i and its gradient at x. Keeps the pairs of i from *front on. Returns the energy. */
 INLINE double project_particle(struct fluid *f, int i, struct near *near, int *front) {
+    const pdyn_neighbours *l = f->lists;
     bool fluid = is_fluid(f, i);
-    double volume = f->x[4 * i + 3];
+    double volume = f->x[4 * (size_t)i + 3];
     struct sum sum = {.c = volume * f->kernel.value - 1.0, .members = fluid};
     v4 at;
-    v4_set(&at, f->x + 4 * i, fluid ? 0.0 : 1.0 - volume);
-    add_moving(f, i, &at, near, front, &sum);
+    v4_set(&at, f->x + 4 * (size_t)i, fluid ? 0.0 : 1.0 - volume);
+    add_moving(f, i, &at, l->index + l->start[i], l->boundary_start[i] - l->start[i], near, front,
+               &sum);
+    if (fluid) add_boundary(f, i, &at, near, front, &sum);
     f->held[i] = f->params.stiffness * sum.members;
     if (!fluid) return 0.0;
-    add_boundary(f, i, &at, near, &sum);
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
     return project_constraint(f, i, &sum);
+}
+
+/* The same of a boundary point, which does not move. */
+INLINE double project_wall(struct fluid *f, int i, struct near *near, int *front) {
+    const int *start = f->walls.start + (i - f->particles);
+    struct sum sum = {.c = 0.0};
+    v4 at;
+    v4_set(&at, f->x + 4 * (size_t)i, 0.0);
+    add_moving(f, i, &at, f->walls.particle + start[0], start[1] - start[0], near, front, &sum);
+    sum.c = fluid_walls_see(&f->walls, i - f->particles, sum.c);
+    return set_constraint(f, i, &sum, value_at_wall);
 }
 
 WIDE static void project_block(void *arg, int first, int last, int block) {
@@ -242,7 +284,10 @@ WIDE static void project_block(void *arg, int first, int last, int block) {
     struct near near;
     double energy = 0.0;
     int front = f->block_start[block];
-    for (int i = first; i < last; i++) energy += project_particle(f, i, &near, &front);
+    for (int i = first; i < last && i < f->particles; i++)
+        energy += project_particle(f, i, &near, &front);
+    for (int i = first > f->particles ? first : f->particles; i < last; i++)
+        energy += project_wall(f, i, &near, &front);
     f->partial[block] = energy;
 }
 
@@ -255,7 +300,7 @@ static void set_positions(void *arg, int first, int last, int block) {
 double fluid_project(struct fluid *f, const double *x) {
     double sum = 0.0;
     for_particles(f, f->particles, set_positions, x, NULL);
-    for_particles(f, f->particles, project_block, NULL, NULL);
-    for (int b = 0; b * FLUID_GRAIN < f->particles; b++) sum += f->partial[b];
+    for_particles(f, constrained_points(f), project_block, NULL, NULL);
+    for (int b = 0; b * FLUID_GRAIN < constrained_points(f); b++) sum += f->partial[b];
     return sum;
 }

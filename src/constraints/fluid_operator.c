@@ -8,25 +8,28 @@ static void *resize(struct fluid *f, void *block, size_t old_count, size_t count
 }
 
 /* Every array that is as long as the particles or the points, made or freed. */
-static bool resize_particles(struct fluid *f, size_t particles, size_t points, bool make) {
+static bool resize_particles(struct fluid *f, bool make) {
+    size_t particles = (size_t)f->particles, points = (size_t)f->points;
+    size_t constrained = (size_t)constrained_points(f);
     struct {
         void **array;
         size_t count, size;
     } all[] = {
-        {(void **)&f->block_start, particles / FLUID_GRAIN + 2, sizeof(int)},
-        {(void **)&f->pair_start, particles, sizeof(int)},
-        {(void **)&f->pair_end, particles, sizeof(int)},
+        {(void **)&f->block_start, constrained / FLUID_GRAIN + 2, sizeof(int)},
+        {(void **)&f->pair_start, constrained, sizeof(int)},
+        {(void **)&f->pair_end, constrained, sizeof(int)},
+        {(void **)&f->pair_last, constrained, sizeof(int)},
         {(void **)&f->x, 4 * points, sizeof(double)},
-        {(void **)&f->gradient, 4 * particles, sizeof(double)},
-        {(void **)&f->vector, 4 * particles, sizeof(double)},
-        {(void **)&f->error, particles, sizeof(double)},
-        {(void **)&f->value, particles, sizeof(double)},
-        {(void **)&f->squares, particles, sizeof(double)},
-        {(void **)&f->stiffness, particles, sizeof(double)},
-        {(void **)&f->flux, particles, sizeof(double)},
+        {(void **)&f->gradient, 4 * constrained, sizeof(double)},
+        {(void **)&f->vector, 4 * constrained, sizeof(double)},
+        {(void **)&f->error, constrained, sizeof(double)},
+        {(void **)&f->value, constrained, sizeof(double)},
+        {(void **)&f->squares, constrained, sizeof(double)},
+        {(void **)&f->stiffness, constrained, sizeof(double)},
+        {(void **)&f->flux, constrained, sizeof(double)},
         {(void **)&f->held, particles, sizeof(double)},
-        {(void **)&f->multiplier, particles, sizeof(double)},
-        {(void **)&f->partial, particles / FLUID_GRAIN + 1, sizeof(double)},
+        {(void **)&f->multiplier, constrained, sizeof(double)},
+        {(void **)&f->partial, constrained / FLUID_GRAIN + 1, sizeof(double)},
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
@@ -46,7 +49,8 @@ static void release_pairs(struct fluid *f) {
 static void release(void *self) {
     struct fluid *f = self;
     release_pairs(f);
-    resize_particles(f, (size_t)f->particles, (size_t)f->points, false);
+    fluid_walls_free(f);
+    resize_particles(f, false);
     resize(f, f, 1, 0, sizeof *f);
 }
 
@@ -73,16 +77,21 @@ static void set_points(struct fluid *f) {
     copy_boundary(f);
 }
 
-/* Gives every block of particles a part of the pairs; returns how many there are. */
-static size_t place_blocks(struct fluid *f) {
+/* How many pairs a point can have. */
+static int listed(const struct fluid *f, int i) {
     const pdyn_neighbours *l = f->lists;
-    for (int b = 0; b * FLUID_GRAIN < f->particles; b++) {
-        int pairs = 0,
-            last = (b + 1) * FLUID_GRAIN < f->particles ? (b + 1) * FLUID_GRAIN : f->particles;
-        for (int i = b * FLUID_GRAIN; i < last; i++) pairs += l->boundary_start[i] - l->start[i];
-        f->block_start[b + 1] = f->block_start[b] + pairs;
-    }
-    return (size_t)f->block_start[(f->particles + FLUID_GRAIN - 1) / FLUID_GRAIN];
+    const int *wall = f->walls.start + (i - f->particles);
+    if (i >= f->particles) return wall[1] - wall[0];
+    return (f->params.wall_pressure ? l->end[i] : l->boundary_start[i]) - l->start[i];
+}
+
+/* Gives every block of points a part of the pairs; returns how many there are. */
+static size_t place_blocks(struct fluid *f) {
+    int points = constrained_points(f), blocks = (points + FLUID_GRAIN - 1) / FLUID_GRAIN;
+    for (int b = 0; b < blocks; b++) f->block_start[b + 1] = 0;
+    for (int i = 0; i < points; i++) f->block_start[i / FLUID_GRAIN + 1] += listed(f, i);
+    for (int b = 0; b < blocks; b++) f->block_start[b + 1] += f->block_start[b];
+    return (size_t)f->block_start[blocks];
 }
 
 static bool neighbours(void *self, const pdyn_neighbours *lists) {
@@ -90,10 +99,11 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     f->lists = lists;
     if (!f->x) {
         f->particles = lists->particles, f->points = lists->points;
-        if (!resize_particles(f, (size_t)f->particles, (size_t)f->points, true)) return false;
+        if (!resize_particles(f, true)) return false;
     }
     if (f->volumes != lists->volume_revision) set_points(f);
     f->volumes = lists->volume_revision;
+    if (f->params.wall_pressure && !fluid_walls_neighbours(f)) return false;
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);
@@ -115,7 +125,7 @@ static double local(void *self, const double *x, double *gradient) {
 
 static pdyn_scalars scalars(void *self) {
     const struct fluid *f = self;
-    return (pdyn_scalars){.count = f->count,
+    return (pdyn_scalars){.count = constraints(f),
                           .value = f->value + f->first,
                           .stiffness = f->stiffness + f->first,
                           .squares = f->squares + f->first,
@@ -134,6 +144,12 @@ static void pressure(void *self, double *out) {
     for (int i = f->first; i < f->first + f->count; i++) out[i] = f->flux[i] / f->particle_volume;
 }
 
+static void velocity(void *self, double *v) {
+    struct fluid *f = self;
+    if (f->params.wall_pressure) fluid_walls_settle(f);
+    fluid_viscosity(self, v);
+}
+
 const pdyn_operator fluid_operator = {
     .create = create,
     .free = release,
@@ -145,5 +161,5 @@ const pdyn_operator fluid_operator = {
     .diagonal = fluid_diagonal,
     .density = density,
     .pressure = pressure,
-    .velocity = fluid_viscosity,
+    .velocity = velocity,
 };

@@ -13,6 +13,7 @@
 
 #include "../core/simd.h"
 #include "fluid.h"
+#include "fluid_walls.h"
 
 enum { FLUID_GRAIN = 128 }; /* particles of a parallel block */
 
@@ -20,30 +21,33 @@ struct fluid {
     const pdyn_services *services;
     const pdyn_neighbours *lists;
     struct fluid_params params;
-    struct kernel kernel;       /* times the volume of a particle */
-    int first, count;           /* the fluid's particles in the system */
-    int particles, points;      /* of the system; with the boundary */
-    unsigned volumes;           /* revision of the volumes in x, */
-    unsigned boundary;          /* and of the boundary points */
-    double rest_density;        /* kg/m^3 */
-    double particle_volume;     /* m^3 */
-    size_t pairs;               /* capacity of what is kept per listed neighbour */
-    int *block_start;           /* blocks + 1: first pair of each block of particles */
-    int *pair_start, *pair_end; /* particles: its pairs inside the support, packed by blocks */
-    int *pair_index;            /* pairs: the neighbour */
-    float *pair;                /* pairs x 4: grad W(x_i - x_j) times the volume of the one that is
-                                   no fluid (of fluid: 1), 1/m, and W */
-    double *x;                  /* points x 4: where the last local step was, and the volume */
-    double *gradient;           /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
-    double *vector;             /* particles x 4: what a pass reads of the neighbours */
-    double *error;              /* particles: C_i, negative where there is room */
-    double *value;              /* particles: the same as the projection measures it */
-    double *squares;            /* particles: |grad C_i|^2, 1/m^2 */
-    double *stiffness;          /* particles: w / |grad C_i|^2, N m */
-    double *flux;               /* particles: what constraint i gives along its gradient, N m */
-    double *held;               /* particles: weights of the constraints that it is in, N/m */
-    double *multiplier;         /* particles: those of `force`, 0 for what is no fluid */
-    double *partial;            /* an energy for each parallel block */
+    struct kernel kernel;   /* times the volume of a particle */
+    int first, count;       /* the fluid's particles in the system */
+    int particles, points;  /* of the system; with the boundary */
+    unsigned volumes;       /* revision of the volumes in x, */
+    unsigned boundary;      /* and of the boundary points */
+    double rest_density;    /* kg/m^3 */
+    double particle_volume; /* m^3 */
+    size_t pairs;           /* capacity of what is kept per listed neighbour */
+    int *block_start;       /* blocks + 1: first pair of each block of points */
+    /* Points: its pairs inside the support, packed by blocks; of a particle first those with
+     * particles, from pair_end on those with boundary points. */
+    int *pair_start, *pair_end, *pair_last;
+    int *pair_index;          /* pairs: the neighbour */
+    float *pair;              /* pairs x 4: grad W(x_i - x_j) times the volume of a particle that
+                                 is no fluid (of others: 1), 1/m, and W */
+    double *x;                /* points x 4: where the last local step was, and the volume */
+    double *gradient;         /* points x 4: grad C_i with respect to x_i, 1/m, and 0 */
+    double *vector;           /* points x 4: what a pass reads of the neighbours */
+    double *error;            /* points: C_i, negative where there is room */
+    double *value;            /* points: the same as the projection measures it */
+    double *squares;          /* points: |grad C_i|^2, 1/m^2 */
+    double *stiffness;        /* points: w / |grad C_i|^2, N m */
+    double *flux;             /* points: what constraint i gives along its gradient, N m */
+    double *held;             /* particles: weights of the constraints that it is in, N/m */
+    double *multiplier;       /* points: those of `force`, 0 for a particle that is no fluid */
+    struct fluid_walls walls; /* where boundary points have constraints */
+    double *partial;          /* an energy for each parallel block */
 };
 
 struct fluid_call { /* arguments of a parallel loop */
@@ -55,6 +59,15 @@ struct fluid_call { /* arguments of a parallel loop */
 
 static inline bool is_fluid(const struct fluid *f, int i) {
     return i >= f->first && i < f->first + f->count;
+}
+
+/* Constraints are those of the fluid, or of all points from its first particle on. */
+static inline int constraints(const struct fluid *f) {
+    return f->params.wall_pressure ? f->points - f->first : f->count;
+}
+
+static inline int constrained_points(const struct fluid *f) {
+    return f->params.wall_pressure ? f->points : f->particles;
 }
 
 static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, const double *in,

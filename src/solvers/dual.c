@@ -72,14 +72,21 @@ static pdyn_status create(void *self, pdyn_context *context, struct system *syst
     struct dual *s = self;
     s->context = context, s->system = system;
     s->at = &system->batch[0]->scalars;
-    s->count = system->batch[0]->view.elements;
-    s->multiplier = NEW_ARRAY(context, s->count, double);
-    s->g = NEW_ARRAY(context, s->count, double);
-    s->p = NEW_ARRAY(context, s->count, double);
-    s->q = NEW_ARRAY(context, s->count, double);
-    s->inverse = NEW_ARRAY(context, s->count, double);
-    s->in = NEW_ARRAY(context, s->count, bool);
-    s->sums = NEW_ARRAY(context, SUMS * (size_t)pool_blocks(s->count, SYSTEM_GRAIN), double);
+    return PDYN_OK;
+}
+
+/* How many constraints there are is known after the first local step. */
+static pdyn_status reserve(struct dual *s, int count) {
+    if (count == s->count) return PDYN_OK;
+    release(s);
+    s->count = count;
+    s->multiplier = NEW_ARRAY(s->context, count, double);
+    s->g = NEW_ARRAY(s->context, count, double);
+    s->p = NEW_ARRAY(s->context, count, double);
+    s->q = NEW_ARRAY(s->context, count, double);
+    s->inverse = NEW_ARRAY(s->context, count, double);
+    s->in = NEW_ARRAY(s->context, count, bool);
+    s->sums = NEW_ARRAY(s->context, SUMS * (size_t)pool_blocks(count, SYSTEM_GRAIN), double);
     bool good = s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums;
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
@@ -136,13 +143,13 @@ static void begin(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
     const pdyn_scalars *at = &s->at->at;
-    int particle = s->system->batch[0]->view.body->first;
+    const pdyn_body *body = s->system->batch[0]->view.body;
     for (int i = first; i < last; i++) {
+        int particle = body->first + (i < body->count ? i : 0);
         s->in[i] = stiffness(s, i) > 0.0;
         if (!s->in[i]) s->multiplier[i] = 0.0;
         s->inverse[i] =
-            s->in[i] ? 1.0 / (1.0 / stiffness(s, i) + mobility(s, particle + i) * at->squares[i])
-                     : 0.0;
+            s->in[i] ? 1.0 / (1.0 / stiffness(s, i) + mobility(s, particle) * at->squares[i]) : 0.0;
         s->p[i] = change(s, i);
     }
 }
@@ -264,6 +271,8 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
 static pdyn_status solve(void *self, double *b, double *y, double tolerance, int max_iterations,
                          int *iterations) {
     struct dual *s = self;
+    pdyn_status status = reserve(s, s->at->at.count);
+    if (status != PDYN_OK) return status;
     s->d = y;
     s->target = tolerance * sqrt(system_dot(s->system, b, b));
     *iterations = 0;
