@@ -136,10 +136,14 @@ static void check_parameter(const json_t *object, const pdyn_param *p) {
     }
     bool has_default = !p->required && p->def >= p->min && p->def <= p->max;
     assert_string_equal(json_string_value(json_object_get(entry, "type")), types[p->kind]);
+    assert_non_null(json_object_get(entry, "description"));
+    if (p->kind == PDYN_BOOL) {
+        assert_int_equal(json_is_true(json_object_get(entry, "default")), p->def != 0.0);
+        return;
+    }
     assert_number(entry, "default", p->name, p->def, has_default);
     assert_number(entry, "minimum", p->name, p->min, isfinite(p->min));
     assert_number(entry, "maximum", p->name, p->max, isfinite(p->max));
-    assert_non_null(json_object_get(entry, "description"));
 }
 
 /* As many keys as the table has, and `others` besides. */
