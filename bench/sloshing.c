@@ -1,8 +1,8 @@
 /* The first mode of water in a rectangular tank, half as deep as long: its frequency against linear
- * theory, omega^2 = g k tanh(k D), k = pi / L, and its decay against the length of the step and the
- * viscosity.
+ * theory, omega^2 = g k tanh(k D), k = pi / L, and its decay, against the length of the step, the
+ * viscosity and the speed at the start.
  *
- * The water starts with a small speed along the tank everywhere. The walls turn that into the odd
+ * The water starts with a speed along the tank everywhere. The walls turn that into the odd
  * modes; the third one moves the centre of mass some 2 % as far as the first. Frequency and decay
  * come from the centre of mass along the tank: from the times when it passes the middle, and from
  * its farthest point in between. Swings shorter than a tenth of a spacing are left out: particles
@@ -13,7 +13,15 @@
 
 enum { WIDTH = 8, MOST_SWINGS = 64 };
 
-static const double length = 1.0, speed = 0.2; /* m, m/s */
+static const double length = 1.0; /* m */
+
+static const struct {
+    double step, viscosity, speed; /* s, 1, m/s */
+} runs[] = {
+    {0.01, 0.0, 0.4},   {0.01, 0.02, 0.4},  {0.01, 0.1, 0.4},   {0.005, 0.0, 0.4},
+    {0.005, 0.02, 0.4}, {0.005, 0.1, 0.4},  {0.0025, 0.0, 0.4}, {0.0025, 0.02, 0.4},
+    {0.0025, 0.1, 0.4}, {0.005, 0.02, 0.1}, {0.005, 0.02, 0.2}, {0.005, 0.02, 0.6},
+};
 
 struct swings {
     int count;                                       /* times the middle was passed */
@@ -39,7 +47,7 @@ static struct swings swing(pdyn_context *context, const char *directory,
     pdyn_sim *sim = water_load(context, water);
     const pdyn_state state = pdyn_get_state(sim);
     double before = 0.0, farthest = 0.0;
-    snprintf(name, sizeof name, "sloshing_%g_%g", water->step, water->viscosity);
+    snprintf(name, sizeof name, "sloshing_%g_%g_%g", water->speed, water->step, water->viscosity);
     FILE *csv = open_csv(directory, name);
     fprintf(csv, "time_s,centre_m\n");
     while (pdyn_time(sim) < water->duration) {
@@ -72,31 +80,32 @@ static void measure(const struct swings *s, double *omega, double *rate) {
 
 static void print_row(const struct water *water, const struct swings *swings, double theory) {
     double omega, rate;
-    printf("| %g | %g |", 1e3 * water->step, water->viscosity);
+    printf("| %g | %g | %g |", water->speed, 1e3 * water->step, water->viscosity);
     if (swings->count < 3) {
-        printf(" fewer than three swings | | | |\n");
+        printf(" fewer than three swings | | | | |\n");
         return;
     }
     measure(swings, &omega, &rate);
-    printf(" %d | %.3f (%+.1f %%) | %.3f | %.3f |\n", swings->count, omega,
-           100.0 * (omega / theory - 1.0), rate, 0.5 * theory * theory * water->step);
+    printf(" %.0f | %d | %.3f (%+.1f %%) | %.3f | %.3f |\n", 1e3 * swings->farthest[0],
+           swings->count, omega, 100.0 * (omega / theory - 1.0), rate,
+           0.5 * theory * theory * water->step);
 }
 
 void sloshing(pdyn_context *context, const char *directory, double seconds, int cells) {
-    static const double steps[] = {0.01, 0.005, 0.0025}, viscosities[] = {0.0, 0.02, 0.1};
     double d = length / cells, k = acos(-1.0) / length;
     struct water water = {.spacing = d,
                           .cells = {cells, cells / 2, WIDTH},
                           .tank = {length, 0.75 * length, WIDTH * d},
-                          .speed = speed,
                           .duration = seconds};
     double theory = sqrt(g * k * tanh(k * water.cells[1] * d));
-    printf("| h, ms | viscosity | half swings | omega, 1/s (theory %.3f) | decay, 1/s | omega^2 h "
-           "/ 2 |\n"
-           "|---|---|---|---|---|---|\n",
+    printf("| speed, m/s | h, ms | viscosity | farthest, mm | half swings | omega, 1/s (theory "
+           "%.3f) | "
+           "decay, 1/s | omega^2 h / 2 |\n"
+           "|---|---|---|---|---|---|---|---|\n",
            theory);
-    for (int i = 0; i < 9; i++) {
-        water.step = steps[i / 3], water.viscosity = viscosities[i % 3];
+    for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
+        water.step = runs[i].step, water.viscosity = runs[i].viscosity;
+        water.speed = runs[i].speed;
         struct swings swings = swing(context, directory, &water);
         print_row(&water, &swings, theory);
     }

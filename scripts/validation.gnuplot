@@ -35,9 +35,9 @@ plot out."tank_".deep."_steps.csv" every ::1 using 1:2 with lines lc rgb "#2b6cb
 unset logscale y
 set format y
 
-set title "Sloshing: centre of mass, viscosity 0.02"
+set title "Sloshing from 0.4 m/s: centre of mass, viscosity 0.02"
 set xlabel "time, s"
 set ylabel "mm from the middle"
-plot for [path in files("sloshing_*_0.02.csv")] path every ::1 using 1:($2*1e3) with lines lw 2 \
-     title sprintf("h = %g ms", 1e3 * real(part(path, 2)))
+plot for [path in files("sloshing_0.4_*_0.02.csv")] path every ::1 using 1:($2*1e3) with lines lw 2 \
+     title sprintf("h = %g ms", 1e3 * real(part(path, 3)))
 unset multiplot

@@ -333,7 +333,7 @@ static void test_wall_constraints(void **state) {
     assert_int_equal(system_local(&without->system, x, &bare, without->gradient), PDYN_OK);
     for (int k = 0; k < n; k++) sum[k] = 0.0;
     for (int b = 0; b < l->points - l->particles; b++) {
-        double allowed = fmax(0.087, share_at(with, b, with->x, 0.0, with->x));
+        double allowed = fmax(0.085, share_at(with, b, with->x, 0.0, with->x));
         double squares = share_gradient(with, b, x, g), w = 1e6;
         if (!(share_at(with, b, x, 0.0, g) > allowed)) continue;
         double t = way_to_share(with, b, x, g, squares, allowed);

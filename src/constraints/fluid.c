@@ -12,7 +12,8 @@
  *
  * Cloth points have a volume and neighbours, but no constraint of their own; static boundary
  * samples enter the density alone (Akinci et al. 2012). The simulation uses the operator
- * (fluid_operator.c); the rows here serve assembly, and to check the operator against. */
+ * (fluid_operator.c); the rows here serve assembly, and to check the operator against. They leave
+ * out the constraints of the walls (fluid_walls.h): with these, an assembled H is but near. */
 #include "fluid.h"
 
 #include "../core/kernel.h"

@@ -7,7 +7,8 @@
  *
  * Pairs are kept in single precision, sums and everything else in double; a pair is the same in
  * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 20
- * bytes per listed neighbour, 160 per particle of the system and 32 per boundary point. */
+ * bytes per listed neighbour, 164 per particle of the system and 32 per boundary point (164 where
+ * it has a constraint). */
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 

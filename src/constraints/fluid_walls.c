@@ -2,7 +2,7 @@
 
 #include "fluid_pairs.h"
 
-static const double settled_share = 0.087;
+static const double settled_share = 0.085;
 static const double give_way = 0.01; /* of the way to it, in a step */
 
 /* ---- memory ---------------------------------------------------------------------------------- */

@@ -4,7 +4,7 @@
  * slope of the pressure along the wall; what it does not carry, others carry (cf. Band et al. 2018,
  * where boundary points are unknowns of the pressure equation).
  *
- * A lattice that touches a flat wall has the share 0.105 (by summing the kernel); in 0.087 water at
+ * A lattice that touches a flat wall has the share 0.105 (by summing the kernel); in 0.085 water at
  * rest keeps its volume (measured). A point first grants what it sees, and then gives way slowly,
  * so that nothing is thrown off a wall at the start. Memory: 20 bytes per boundary point and 4 per
  * neighbour. */
