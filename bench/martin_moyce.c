@@ -115,6 +115,16 @@ static double mean_delay(const struct experiment *e, const struct curve *of,
     return sum / e->curve.count;
 }
 
+/* The largest deviation from the measured T where the run starts later by its lead. */
+static double deviation(const struct experiment *e, const struct curve *run) {
+    double worst = 0.0, lead = mean_delay(e, NULL, run);
+    for (int k = 0; k < e->curve.count; k++) {
+        double T = e->curve.point[k][0], Z = e->curve.point[k][1];
+        worst = fmax(worst, fabs((time_at(run, Z) + lead) / T - 1.0));
+    }
+    return worst;
+}
+
 /* Slope of Z over T by least squares, at the experiment's Z. */
 static double speed(const struct experiment *e, const struct curve *run) {
     struct fit fit = {0};
@@ -128,6 +138,8 @@ static double speed(const struct experiment *e, const struct curve *run) {
 static void print_measures(const struct experiment *e, const struct curve *run, int runs) {
     printf("| %s | lead in T | |", e->name);
     for (int r = 0; r < runs; r++) printf(" %.3f |", mean_delay(e, NULL, &run[r]));
+    printf("\n| %s | largest deviation of T + lead | |", e->name);
+    for (int r = 0; r < runs; r++) printf(" %.1f %% |", 100.0 * deviation(e, &run[r]));
     printf("\n| %s | speed dZ/dT | %.3f |", e->name, speed(e, NULL));
     for (int r = 0; r < runs; r++) printf(" %.3f |", speed(e, &run[r]));
     printf("\n| %s | change of T from the resolution before | | |", e->name);
