@@ -80,8 +80,8 @@ static void set_points(struct fluid *f) {
 /* How many pairs a point can have. */
 static int listed(const struct fluid *f, int i) {
     const pdyn_neighbours *l = f->lists;
-    const int *wall = f->walls.start + (i - f->particles);
-    if (i >= f->particles) return wall[1] - wall[0];
+    const int *wall = f->walls.start;
+    if (i >= f->particles) return wall[i - f->particles + 1] - wall[i - f->particles];
     return (f->params.wall_pressure ? l->end[i] : l->boundary_start[i]) - l->start[i];
 }
 
