@@ -135,6 +135,41 @@ static void test_deep_water(void **state) {
     pdyn_destroy(context);
 }
 
+static void count_warning(void *user, pdyn_log_level level, const char *message) {
+    if (level == PDYN_LOG_WARNING && strstr(message, "the fixed step")) ++*(int *)user;
+}
+
+/* The same with steps of 5 ms is warned of, once; not where every step is solved. */
+static void test_long_step(void **state) {
+    (void)state;
+    static const char *const solver[] = {
+        "solver={\"outer_iterations\": 1, \"linear_iterations\": 4}",
+        "solver={\"linear_iterations\": 5000}"};
+    for (int solved = 0; solved < 2; solved++) {
+        int warnings = 0;
+        pdyn_options options = pdyn_default_options();
+        options.threads = 2, options.log = count_warning, options.log_user = &warnings;
+        pdyn_context *context;
+        pdyn_sim *sim;
+        assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+        assert_int_equal(
+            pdyn_load_text(
+                context,
+                "{\"duration\": 1, \"time_step\": {\"fixed\": 0.005}, \"bodies\": [{\"name\": "
+                "\"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": "
+                "[0, 0, 0], \"maximum\": [0.08, 0.8, 0.08]}}]}, \"constraints\": [{\"type\": "
+                "\"fluid\", \"stiffness\": 7e4}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, "
+                "0], "
+                "\"maximum\": [0.08, 1, 0.08]}, \"open\": [\"+y\"]}]}",
+                "deep", &solver[solved], 1, &sim),
+            PDYN_OK);
+        for (int step = 0; step < 20; step++) test_step(context, sim);
+        assert_int_equal(warnings, !solved);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 /* Where walls carry pressure, that in a tank of eight by eight particles rises as its weight does;
  * without, it rises by an eighth more. */
 static void test_wall_pressure(void **state) {
@@ -354,13 +389,13 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),         cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_hydrostatic_rest),  cmocka_unit_test(test_stiff_column),
-        cmocka_unit_test(test_cut_short),         cmocka_unit_test(test_deep_water),
-        cmocka_unit_test(test_wall_pressure),     cmocka_unit_test(test_pin_reaction),
-        cmocka_unit_test(test_pin_path),          cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_divergence),        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_free_fall),        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_stiff_column),
+        cmocka_unit_test(test_cut_short),        cmocka_unit_test(test_deep_water),
+        cmocka_unit_test(test_wall_pressure),    cmocka_unit_test(test_long_step),
+        cmocka_unit_test(test_pin_reaction),     cmocka_unit_test(test_pin_path),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_no_allocation),    cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

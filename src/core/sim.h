@@ -16,6 +16,7 @@ struct pdyn_sim {
     pdyn_context *context;
     struct scene scene;
     bool failed; /* diverged: no further step */
+    bool warned; /* of too long a step */
 
     int bodies;
     pdyn_body *body;           /* what modules see */

@@ -70,6 +70,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
         return status;
     }
     accept(sim, end.h);
+    timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);
     emit_step(sim);

@@ -79,6 +79,19 @@ struct moment timestep_choose(const struct pdyn_sim *sim) {
     return (struct moment){rest / fmax(1.0, steps), steps <= 1.0};
 }
 
+void timestep_check(struct pdyn_sim *sim, double h, double residual) {
+    const struct scene_settings *set = &sim->scene.settings;
+    bool solved = residual <= set->tolerance;
+    double limit = set->h_fixed > 0.0 && !solved && !sim->warned ? swing_limit(sim) : INFINITY;
+    if (h <= limit) return;
+    sim->warned = true;
+    context_log(sim->context, PDYN_LOG_WARNING,
+                "at %g s: the fixed step of %g s is longer than the %g s that the pressure allows, "
+                "and it was cut short (step residual %.2g): water this deep may be thrown about; "
+                "use \"maximum\" instead of \"fixed\", or more iterations",
+                sim->time, h, limit, residual);
+}
+
 void timestep_advance(struct pdyn_sim *sim, const struct moment *end) {
     if (end->frame) sim->frame++;
     sim->time =

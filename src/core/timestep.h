@@ -11,6 +11,9 @@ struct moment { /* the end of the coming step */
 
 struct moment timestep_choose(const struct pdyn_sim *sim);
 
+/* Warns, once, of a fixed step that was cut short and is too long for that. */
+void timestep_check(struct pdyn_sim *sim, double h, double residual);
+
 /* The step was done: moves the simulation's time. */
 void timestep_advance(struct pdyn_sim *sim, const struct moment *end);
 
