@@ -1,5 +1,8 @@
-/* Fast water against walls: none gets out, or through a thin plate, at the CFL limit. */
+/* Fast water against walls: none gets out, or through a thin plate, at the CFL limit. Walls that
+ * carry pressure: the same bits for any number of threads, and without memory an error. */
 #include "support.h"
+
+#include <string.h>
 
 #define WATER(box, velocity)                                                                       \
     "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005, \"cfl\": "    \
@@ -62,10 +65,44 @@ static void test_plate(void **state) {
     pdyn_destroy(context);
 }
 
+#define PRESSED(more)                                                                              \
+    "{\"duration\": 1, \"time_step\": {\"maximum\": 0.004}, \"bodies\": [{\"name\": \"water\", "   \
+    "\"velocity\": [1, 0, 0.5], \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\": "           \
+    "{\"minimum\": "                                                                               \
+    "[0, 0, 0], \"maximum\": [0.24, 0.2, 0.24]}}]}, \"constraints\": [{\"type\": \"fluid\", "      \
+    "\"wall_pressure\": true}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "   \
+    "[0.4, "                                                                                       \
+    "0.4, 0.24]}" more "}]}"
+
+static uint64_t hash_of(int threads) {
+    pdyn_context *context = test_context(threads);
+    pdyn_sim *sim = test_load(context, PRESSED(""));
+    for (int n = 0; n < 20; n++) test_step(context, sim);
+    uint64_t hash = pdyn_state_hash(sim);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    return hash;
+}
+
+static void test_threads(void **state) {
+    (void)state;
+    for (int threads = 2; threads <= 8; threads++) assert_true(hash_of(threads) == hash_of(1));
+}
+
+static void test_failing_allocator(void **state) {
+    (void)state;
+    test_failing_scene(PRESSED(""));
+    test_failing_scene(
+        PRESSED(", \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [1, 0, 0]}]"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_corner),
         cmocka_unit_test(test_plate),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }
