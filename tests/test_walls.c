@@ -2,8 +2,6 @@
  * carry pressure: the same bits for any number of threads, and without memory an error. */
 #include "support.h"
 
-#include <string.h>
-
 #define WATER(box, velocity)                                                                       \
     "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005, \"cfl\": "    \
     "1}, "                                                                                         \
