@@ -3,10 +3,6 @@
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-static void *resize(struct fluid *f, void *block, size_t old_count, size_t count, size_t size) {
-    return f->services->allocate(f->services->core, block, old_count * size, count * size);
-}
-
 /* Every array that is as long as the particles or the points, made or freed. */
 static bool resize_particles(struct fluid *f, bool make) {
     size_t particles = (size_t)f->particles, points = (size_t)f->points;
@@ -33,8 +29,8 @@ static bool resize_particles(struct fluid *f, bool make) {
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k].array =
-            resize(f, *all[k].array, make ? 0 : all[k].count, make ? all[k].count : 0, all[k].size);
+        *all[k].array = fluid_resize(f, *all[k].array, make ? 0 : all[k].count,
+                                     make ? all[k].count : 0, all[k].size);
         good &= *all[k].array != NULL;
     }
     return good;
@@ -42,8 +38,8 @@ static bool resize_particles(struct fluid *f, bool make) {
 
 static void release_pairs(struct fluid *f) {
     if (!f->pairs) return;
-    f->pair_index = resize(f, f->pair_index, f->pairs, 0, sizeof(int));
-    f->pair = resize(f, f->pair, 4 * f->pairs, 0, sizeof(float));
+    f->pair_index = fluid_resize(f, f->pair_index, f->pairs, 0, sizeof(int));
+    f->pair = fluid_resize(f, f->pair, 4 * f->pairs, 0, sizeof(float));
 }
 
 static void release(void *self) {
@@ -51,7 +47,7 @@ static void release(void *self) {
     release_pairs(f);
     fluid_walls_free(f);
     resize_particles(f, false);
-    resize(f, f, 1, 0, sizeof *f);
+    fluid_resize(f, f, 1, 0, sizeof *f);
 }
 
 static void *create(const void *par, const pdyn_body *body, const pdyn_services *services) {
@@ -108,8 +104,8 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     if (pairs <= f->pairs) return true;
     release_pairs(f);
     f->pairs = pairs + pairs / 4; /* room, so that a warmed-up step allocates nothing */
-    f->pair_index = resize(f, NULL, 0, f->pairs, sizeof(int));
-    f->pair = resize(f, NULL, 0, 4 * f->pairs, sizeof(float));
+    f->pair_index = fluid_resize(f, NULL, 0, f->pairs, sizeof(int));
+    f->pair = fluid_resize(f, NULL, 0, 4 * f->pairs, sizeof(float));
     return f->pair_index && f->pair;
 }
 

@@ -58,6 +58,12 @@ struct fluid_call { /* arguments of a parallel loop */
     const bool *which;
 };
 
+/* NULL allocates, a count of 0 frees; NULL without memory. */
+static inline void *fluid_resize(struct fluid *f, void *block, size_t old_count, size_t count,
+                                 size_t size) {
+    return f->services->allocate(f->services->core, block, old_count * size, count * size);
+}
+
 static inline bool is_fluid(const struct fluid *f, int i) {
     return i >= f->first && i < f->first + f->count;
 }

@@ -12,13 +12,14 @@
 #define PDYN_FLUID_WALLS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 struct fluid;
 
 struct fluid_walls {
     int *start;           /* boundary + 2: first neighbour of each point */
     int *particle;        /* neighbours: the particles that have the point in their lists */
-    int capacity;         /* of these */
+    size_t capacity;      /* of these */
     double *share, *seen; /* boundary: s_b, 0 before it saw fluid; what it saw at last */
 };
 

@@ -16,7 +16,10 @@ double measure_weight(const struct pdyn_sim *sim) {
 /* What an operator knows about its particles at the end of a step. */
 static void fetch(struct pdyn_sim *sim, const struct batch *b) {
     if (b->op && b->type->op->density) b->type->op->density(b->op, sim->density);
-    if (b->op && b->type->op->pressure) b->type->op->pressure(b->op, sim->pressure);
+    if (!b->op || !b->type->op->pressure) return;
+    memcpy(sim->pressure_before, sim->pressure,
+           (size_t)sim->system.particles * sizeof *sim->pressure);
+    b->type->op->pressure(b->op, sim->pressure);
 }
 
 pdyn_status measure_end(struct pdyn_sim *sim) {
@@ -27,7 +30,6 @@ pdyn_status measure_end(struct pdyn_sim *sim) {
                                 "step %ld at %g s: particle %d has no finite "
                                 "position; the state is that of the step before",
                                 sim->steps + 1, sim->time, k / 3);
-    memcpy(sim->pressure_before, sim->pressure, (size_t)sys->particles * sizeof *sim->pressure);
     for (int b = 0; b < sys->batches; b++) fetch(sim, sys->batch[b]);
     return PDYN_OK;
 }
