@@ -95,9 +95,8 @@ void sloshing(pdyn_context *context, const char *directory, double seconds, int 
                           .tank = {length, 0.75 * length, WIDTH * d},
                           .duration = seconds};
     double theory = sqrt(g * k * tanh(k * water.cells[1] * d));
-    printf("| speed, m/s | h, ms | viscosity | farthest, mm | omega, 1/s (theory "
-           "%.3f) | "
-           "decay, 1/s | omega^2 h / 2 |\n"
+    printf("| speed, m/s | h, ms | viscosity | farthest, mm | omega, 1/s (theory %.3f) "
+           "| decay, 1/s | omega^2 h / 2 |\n"
            "|---|---|---|---|---|---|---|\n",
            theory);
     for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {

@@ -18,6 +18,17 @@ pdyn_context *test_context(int threads) {
     return create(&options);
 }
 
+static void count_warning(void *user, pdyn_log_level level, const char *message) {
+    struct warnings *warnings = user;
+    warnings->count += level == PDYN_LOG_WARNING && strstr(message, warnings->text);
+}
+
+pdyn_context *test_warned_context(int threads, struct warnings *warnings) {
+    pdyn_options options = pdyn_default_options();
+    options.threads = threads, options.log = count_warning, options.log_user = warnings;
+    return create(&options);
+}
+
 pdyn_sim *test_load(pdyn_context *context, const char *text) {
     pdyn_sim *sim = NULL;
     pdyn_status status = pdyn_load_text(context, text, "test", NULL, 0, &sim);

@@ -17,6 +17,13 @@
 #include "sim.h"
 
 pdyn_context *test_context(int threads);
+
+/* Counts the warnings that contain `text`. */
+struct warnings {
+    const char *text;
+    int count;
+};
+pdyn_context *test_warned_context(int threads, struct warnings *warnings);
 pdyn_sim *test_load(pdyn_context *context, const char *text);
 pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);
 

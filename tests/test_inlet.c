@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* A jet of 8 x 4 particles of 0.025 m: `time` begins the scene, `more` ends the inlet. */
 #define JET(time, more, budget)                                                                    \
@@ -153,23 +152,16 @@ static void test_outlet(void **state) {
     }
 }
 
-static void count_warning(void *user, pdyn_log_level level, const char *message) {
-    *(int *)user += level == PDYN_LOG_WARNING && strstr(message, "budget of 100 particles");
-}
-
 /* Room for three layers: then the inlet closes and says so, once. */
 static void test_exhausted(void **state) {
     (void)state;
-    int warnings = 0;
-    pdyn_options options = pdyn_default_options();
-    pdyn_context *context = NULL;
-    options.threads = 1, options.log = count_warning, options.log_user = &warnings;
-    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    struct warnings warnings = {"budget of 100 particles", 0};
+    pdyn_context *context = test_warned_context(1, &warnings);
     pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", ", \"budget\": 100") "}");
     assert_int_equal(pdyn_get_state(sim).particles, 100);
     for (int n = 0; n < 40; n++) test_step(context, sim);
     assert_int_equal(pdyn_get_body(sim, 0).live, 3 * LAYER);
-    assert_int_equal(warnings, 1);
+    assert_int_equal(warnings.count, 1);
     pdyn_free(sim);
     pdyn_destroy(context);
 }

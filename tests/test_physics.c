@@ -83,19 +83,25 @@ static void add_linear(void *user, const pdyn_iteration *it) {
     *(int *)user += it->linear_iterations;
 }
 
+/* Water of this width and depth, m, in a tank of this height. */
+#define TANK(settings, width, depth, height, fluid)                                                \
+    "{\"duration\": 2, " settings                                                                  \
+    ", \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": "                            \
+    "0.01, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [" width ", " depth          \
+    ", " width "]}}]}, \"constraints\": [{\"type\": \"fluid\", " fluid                             \
+    "}]}], \"solids\": [{\"box\": "                                                                \
+    "{\"minimum\": [0, 0, 0], \"maximum\": [" width ", " height ", " width                         \
+    "]}, \"open\": [\"+y\"]}]}"
+
 /* A stiff column that begins at rest density everywhere, so that every constraint is about to
  * change sides: each step is solved all the same. */
 static void test_stiff_column(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    pdyn_sim *sim = test_load(
-        context,
-        "{\"duration\": 1, \"time_step\": {\"fixed\": 0.005}, \"solver\": {\"tolerance\": 0.1, "
-        "\"linear_tolerance\": 0.1, \"linear_iterations\": 2000}, \"bodies\": [{\"name\": "
-        "\"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": [0, 0, "
-        "0], \"maximum\": [0.08, 0.4, 0.08]}}]}, \"constraints\": [{\"type\": \"fluid\", "
-        "\"stiffness\": 4e6}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
-        "[0.08, 0.5, 0.08]}, \"open\": [\"+y\"]}]}");
+    pdyn_sim *sim =
+        test_load(context, TANK("\"time_step\": {\"fixed\": 0.005}, \"solver\": {\"tolerance\": "
+                                "0.1, \"linear_tolerance\": 0.1, \"linear_iterations\": 2000}",
+                                "0.08", "0.4", "0.5", "\"stiffness\": 4e6"));
     int linear = 0;
     pdyn_observe(sim, add_linear, &linear);
     for (int step = 0; step < 20; step++) {
@@ -116,14 +122,9 @@ static void test_deep_water(void **state) {
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(
         context,
-        "{\"duration\": 1, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0, "
-        "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 10}, \"bodies\": "
-        "[{\"name\": \"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": "
-        "{\"minimum\": "
-        "[0, 0, 0], \"maximum\": [0.08, 0.8, 0.08]}}]}, \"constraints\": [{\"type\": \"fluid\", "
-        "\"stiffness\": 7e4}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
-        "[0.08, "
-        "1, 0.08]}, \"open\": [\"+y\"]}]}");
+        TANK("\"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0, "
+             "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 10}",
+             "0.08", "0.8", "1", "\"stiffness\": 7e4"));
     pdyn_step_info info = {0};
     while (info.time < 1.0) {
         info = test_step(context, sim);
@@ -135,36 +136,21 @@ static void test_deep_water(void **state) {
     pdyn_destroy(context);
 }
 
-static void count_warning(void *user, pdyn_log_level level, const char *message) {
-    if (level == PDYN_LOG_WARNING && strstr(message, "the fixed step")) ++*(int *)user;
-}
-
 /* The same with steps of 5 ms is warned of, once; not where every step is solved. */
 static void test_long_step(void **state) {
     (void)state;
-    static const char *const solver[] = {
-        "solver={\"outer_iterations\": 1, \"linear_iterations\": 4}",
-        "solver={\"linear_iterations\": 5000}"};
+    static const char *const scene[] = {
+        TANK("\"time_step\": {\"fixed\": 0.005}, \"solver\": {\"outer_iterations\": 1, "
+             "\"linear_iterations\": 4}",
+             "0.08", "0.8", "1", "\"stiffness\": 7e4"),
+        TANK("\"time_step\": {\"fixed\": 0.005}, \"solver\": {\"linear_iterations\": 5000}", "0.08",
+             "0.8", "1", "\"stiffness\": 7e4")};
     for (int solved = 0; solved < 2; solved++) {
-        int warnings = 0;
-        pdyn_options options = pdyn_default_options();
-        options.threads = 2, options.log = count_warning, options.log_user = &warnings;
-        pdyn_context *context;
-        pdyn_sim *sim;
-        assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
-        assert_int_equal(
-            pdyn_load_text(
-                context,
-                "{\"duration\": 1, \"time_step\": {\"fixed\": 0.005}, \"bodies\": [{\"name\": "
-                "\"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": "
-                "[0, 0, 0], \"maximum\": [0.08, 0.8, 0.08]}}]}, \"constraints\": [{\"type\": "
-                "\"fluid\", \"stiffness\": 7e4}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, "
-                "0], "
-                "\"maximum\": [0.08, 1, 0.08]}, \"open\": [\"+y\"]}]}",
-                "deep", &solver[solved], 1, &sim),
-            PDYN_OK);
+        struct warnings warnings = {"the fixed step", 0};
+        pdyn_context *context = test_warned_context(2, &warnings);
+        pdyn_sim *sim = test_load(context, scene[solved]);
         for (int step = 0; step < 20; step++) test_step(context, sim);
-        assert_int_equal(warnings, !solved);
+        assert_int_equal(warnings.count, !solved);
         pdyn_free(sim);
         pdyn_destroy(context);
     }
@@ -177,14 +163,9 @@ static void test_wall_pressure(void **state) {
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(
         context,
-        "{\"duration\": 1.5, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": "
-        "0.01, "
-        "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 20}, \"bodies\": "
-        "[{\"name\": \"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": "
-        "{\"minimum\": "
-        "[0, 0, 0], \"maximum\": [0.16, 0.4, 0.16]}}]}, \"constraints\": [{\"type\": \"fluid\", "
-        "\"stiffness\": 4e4, \"wall_pressure\": true}]}], \"solids\": [{\"box\": {\"minimum\": [0, "
-        "0, 0], \"maximum\": [0.16, 0.6, 0.16]}, \"open\": [\"+y\"]}]}");
+        TANK("\"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0.01, "
+             "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 20}",
+             "0.16", "0.4", "0.6", "\"stiffness\": 4e4, \"wall_pressure\": true"));
     const pdyn_state s = pdyn_get_state(sim);
     double sum[2] = {0}, count[2] = {0}, middle[2] = {0.1, 0.3};
     while (pdyn_time(sim) < 1.5) {
