@@ -37,10 +37,10 @@ static inline void vec3_project_length(double *p, const double *u, double length
     for (int k = 0; k < 3; k++) p[k] = s * u[k];
 }
 static inline void vec3_tangent_length(double *J, const double *u, double length) {
-    double l = vec3_length(u), s = length < l ? length / l : 1.0;
+    double ll = vec3_dot(u, u), l = sqrt(ll);
+    double s = ll <= 0.0 ? 0.0 : length < l ? length / l : 1.0, t = ll > 0.0 ? s / ll : 0.0;
     for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++)
-            J[3 * a + b] = l > 0.0 ? s * ((a == b) - u[a] * u[b] / (l * l)) : 0.0;
+        for (int b = 0; b < 3; b++) J[3 * a + b] = (a == b ? s : 0.0) - t * u[a] * u[b];
 }
 
 #endif

@@ -2,6 +2,8 @@
  * interior vertex i, sum_j c_ij (x_j - x_i), in m; its length at rest is kept. With the weight
  * B / A_i the energy is B/2 sum A_i (|u| / A_i)^2, that of a plate of bending rigidity B with the
  * mean curvature |u| / A_i. A flat rest shape has p = 0 and a constant, quadratic energy. */
+#include "../core/simd.h"
+
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
 
@@ -53,13 +55,13 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
         b->weight[i] = ((const struct params *)par)->bending_rigidity / b->body->vertex_area[i];
 }
 
-static void project(const void *par, const pdyn_batch *b, int first, int last) {
+WIDE static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int i = first; i < last; i++)
         vec3_project_length(b->p + 3 * i, b->u + 3 * i, ((const double *)b->data)[i]);
 }
 
-static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
     (void)par;
     for (int i = first; i < last; i++, J += 9)
         vec3_tangent_length(J, b->u + 3 * i, ((const double *)b->data)[i]);

@@ -1,6 +1,8 @@
 /* Springs along the edges of a mesh (Liu, Bargteil, O'Brien, Kavan 2013): u is the edge vector, its
  * projection has the rest length. The stiffness of an edge follows from the stretching stiffness of
  * the sheet and the area that the edge stands for (Van Gelder 1998): k = Y (A_1 + A_2) / L^2. */
+#include "../core/simd.h"
+
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
 
@@ -38,13 +40,13 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
         b->weight[e] = q->stretching_stiffness * b->body->edge_area[e] / (length[e] * length[e]);
 }
 
-static void project(const void *par, const pdyn_batch *b, int first, int last) {
+WIDE static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     const double *length = b->data;
     for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
 }
 
-static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
     (void)par;
     const double *length = b->data;
     for (int e = first; e < last; e++, J += 9) vec3_tangent_length(J, b->u + 3 * e, length[e]);

@@ -1,10 +1,11 @@
 #include "batch.h"
 
-#include "projdyn/vec3.h"
+#include "simd.h"
 
 #include <string.h>
 
 enum { ELEMENTS = 2048, PARTICLES = 1024 }; /* grains: worth waking a thread for */
+enum { PIECE = 256 };                       /* elements of a local step at once */
 
 struct call { /* the arguments of a parallel loop over a batch */
     struct batch *batch;
@@ -21,43 +22,79 @@ static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *
 
 /* ---- the rows: u = G x, flux -> particles ---------------------------------------------------- */
 
-static void gather_rows(const struct batch *b, int first, int last, const double *x, double *u) {
+/* u of row r, which begins with entry k and has so many */
+INLINE void gather_row(const pdyn_batch *v, int k, int width, const double *x, v4 *u) {
+    *u = (v4){0};
+    for (int end = k + width; k < end; k++) {
+        v4 at;
+        memcpy(&at, x + 3 * (size_t)v->column[k], sizeof at);
+        *u += v->coefficient[k] * at;
+    }
+}
+
+WIDE static void gather_rows(const struct batch *b, int first, int last, const double *x) {
+    const pdyn_batch *v = &b->view;
     for (int r = first; r < last; r++) {
-        double sum[3] = {0};
-        for (int k = b->view.row_entry[r]; k < b->view.row_entry[r + 1]; k++)
-            vec3_add(sum, b->view.coefficient[k], x + 3 * b->view.column[k]);
-        memcpy(u + 3 * r, sum, sizeof sum);
+        v4 u;
+        if (b->width == 2) gather_row(v, 2 * r, 2, x, &u);
+        else gather_row(v, v->row_entry[r], v->row_entry[r + 1] - v->row_entry[r], x, &u);
+        memcpy((double *)v->u + 3 * (size_t)r, &u, 3 * sizeof(double));
     }
 }
 
 /* out += G' flux, by particles, so that no two threads write to one place */
-static void scatter_rows(void *arg, int first, int last, int block) {
+WIDE static void scatter_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     const struct batch *b = c->batch;
-    for (int i = first; i < last; i++)
+    for (int i = first; i < last; i++) {
+        v4 sum = {0};
         for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
-            int k = b->touch_entry[t];
-            vec3_add(c->out + 3 * (b->touch_first + i), b->view.coefficient[k],
-                     b->flux + 3 * b->entry_row[k]);
+            v4 flux;
+            memcpy(&flux, b->flux + 4 * (size_t)b->touch[t].row, sizeof flux);
+            sum += b->touch[t].coefficient * flux;
         }
+        v4_add_to(c->out + 3 * (size_t)(b->touch_first + i), &sum);
+    }
 }
 
 /* ---- local step ------------------------------------------------------------------------------ */
 
+/* flux = w (u - p) in row r; adds to twice the energy. */
+INLINE void pull_row(const struct batch *b, int r, double w, v4 *energy) {
+    v4 u, p, f; /* their fourth lanes mean nothing */
+    memcpy(&u, b->view.u + 3 * (size_t)r, sizeof u);
+    memcpy(&p, b->view.p + 3 * (size_t)r, sizeof p);
+    u -= p;
+    f = w * u;
+    *energy += f * u;
+    memcpy(b->flux + 4 * (size_t)r, &f, sizeof f);
+}
+
+/* Returns the energy. */
+WIDE static double pull_rows(struct batch *b, int first, int last) {
+    const pdyn_batch *v = &b->view;
+    v4 energy = {0};
+    for (int e = first; e < last; e++)
+        if (b->single) pull_row(b, e, v->weight[e], &energy);
+        else
+            for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
+                pull_row(b, r, v->weight[e], &energy);
+    return 0.5 * (energy[0] + energy[1] + energy[2]);
+}
+
+/* In pieces whose u, p and flux stay in the first cache. */
 static void local_rows(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct batch *b = c->batch;
     const pdyn_batch *v = &b->view;
     double energy = 0.0;
-    gather_rows(b, v->element_row[first], v->element_row[last], c->in, (double *)v->u);
-    b->type->project(b->params, v, first, last);
-    for (int e = first; e < last; e++)
-        for (int r = 3 * v->element_row[e]; r < 3 * v->element_row[e + 1]; r++) {
-            double d = v->u[r] - v->p[r];
-            b->flux[r] = v->weight[e] * d;
-            energy += 0.5 * v->weight[e] * d * d;
-        }
+    for (int e = first, end; e < last; e = end) {
+        end = last - e > PIECE ? e + PIECE : last;
+        gather_rows(b, v->element_row[e], v->element_row[end], c->in);
+        b->type->project(b->params, v, e, end);
+        energy += pull_rows(b, e, end);
+    }
     b->partial[block] = energy;
 }
 
@@ -76,54 +113,79 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
 
 /* ---- tangent --------------------------------------------------------------------------------- */
 
+/* B = w (I - (1 - eps) J), in place of J, n x n numbers */
+INLINE void damp_block(double *B, int n, double w, double eps) {
+    for (int k = 0; k < n * n; k++) B[k] *= -w * (1.0 - eps);
+    for (int k = 0; k < n; k++) B[k * n + k] += w;
+}
+
+WIDE static void damp_blocks(struct batch *b, int first, int last, double eps) {
+    const pdyn_batch *v = &b->view;
+    for (int e = first; e < last; e++) {
+        int rows = v->element_row[e + 1] - v->element_row[e];
+        double *B = b->block + b->block_start[e];
+        if (rows == 1) damp_block(B, 3, v->weight[e], eps);
+        else damp_block(B, 3 * rows, v->weight[e], eps);
+    }
+}
+
 static void linearise_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     struct batch *b = c->batch;
-    double *J = b->block + b->block_start[first];
-    size_t size = b->block_start[last] - b->block_start[first];
-    memset(J, 0, size * sizeof *J);
-    if (b->type->tangent) b->type->tangent(b->params, &b->view, first, last, J);
-    for (int e = first; e < last; e++) {
-        int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
-        double *B = b->block + b->block_start[e], w = b->view.weight[e];
-        for (int k = 0; k < n * n; k++) B[k] *= -w * (1.0 - c->eps);
-        for (int k = 0; k < n; k++) B[k * n + k] += w;
+    for (int e = first, end; e < last; e = end) {
+        end = last - e > PIECE ? e + PIECE : last;
+        double *J = b->block + b->block_start[e];
+        memset(J, 0, (b->block_start[end] - b->block_start[e]) * sizeof *J);
+        if (b->type->tangent) b->type->tangent(b->params, &b->view, e, end, J);
+        damp_blocks(b, e, end, c->eps);
     }
 }
+
+/* With room to load the last column as four. */
+static size_t block_numbers(const struct batch *b) { return b->block_start[b->view.elements] + 1; }
 
 pdyn_status batch_linearise(struct batch *b, double eps) {
     b->eps = eps;
     if (b->op || eps == 1.0 || !b->rows) return PDYN_OK;
-    if (!b->block) b->block = NEW_ARRAY(b->context, b->block_start[b->view.elements], double);
+    if (!b->block) b->block = NEW_ARRAY(b->context, block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
     for_range(b, b->view.elements, ELEMENTS, linearise_rows, NULL, NULL, eps);
     return PDYN_OK;
 }
 
-/* f = B u for element e, n numbers; B = w I for eps = 1 */
-static void multiply_block(const struct batch *b, int e, int n, const double *u, double *f) {
-    if (b->eps == 1.0) {
-        for (int i = 0; i < n; i++) f[i] = b->view.weight[e] * u[i];
-        return;
-    }
-    const double *B = b->block + b->block_start[e];
-    for (int i = 0; i < n; i++) {
-        f[i] = 0.0;
-        for (int j = 0; j < n; j++) f[i] += B[i * n + j] * u[j];
+/* flux = B u for element e, of so many rows from `first` on; B = w I for eps = 1 */
+INLINE void multiply_element(const struct batch *b, int e, int first, int rows, const double *x) {
+    const int *entry = b->view.row_entry + first;
+    double *flux = b->flux + 4 * (size_t)first;
+    const double *B = b->eps < 1.0 ? b->block + b->block_start[e] : NULL;
+    for (int s = 0; s < rows; s++) {
+        v4 u, f, column;
+        if (b->width == 2) gather_row(&b->view, 2 * (first + s), 2, x, &u);
+        else gather_row(&b->view, entry[s], entry[s + 1] - entry[s], x, &u);
+        for (int r = 0; r < rows; r++) {
+            if (s) memcpy(&f, flux + 4 * r, sizeof f);
+            else f = (v4){0};
+            if (!B && r == s) f += b->view.weight[e] * u;
+            for (int a = 0; B && a < 3; a++) { /* B is symmetric: a row is a column */
+                memcpy(&column, B + 3 * (3 * s + a) * rows + 3 * r, sizeof column);
+                f += u[a] * column;
+            }
+            memcpy(flux + 4 * r, &f, sizeof f);
+        }
     }
 }
 
-static void apply_rows(void *arg, int first, int last, int block) {
+WIDE static void apply_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    struct batch *b = c->batch;
-    gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in,
-                (double *)b->view.u);
-    for (int e = first; e < last; e++) {
-        int r = b->view.element_row[e], n = 3 * (b->view.element_row[e + 1] - r);
-        multiply_block(b, e, n, b->view.u + 3 * r, b->flux + 3 * r);
-    }
+    const struct batch *b = c->batch;
+    for (int e = first; e < last; e++)
+        if (b->single) multiply_element(b, e, e, 1, c->in);
+        else {
+            int r = b->view.element_row[e];
+            multiply_element(b, e, r, b->view.element_row[e + 1] - r, c->in);
+        }
 }
 
 void batch_apply(struct batch *b, const double *u, double *y) {
@@ -184,12 +246,31 @@ static void diagonal_rows(void *arg, int first, int last, int block) {
     const struct batch *b = c->batch;
     for (int i = first; i < last; i++)
         for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++)
-            diagonal_of_entry(b, b->touch_entry[t], c->out + 6 * (b->touch_first + i));
+            diagonal_of_entry(b, b->touch[t].entry, c->out + 6 * (size_t)(b->touch_first + i));
+}
+
+/* The same where an element is a row that selects no particle twice. */
+WIDE static void diagonal_single(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct batch *b = c->batch;
+    for (int i = first; i < last; i++) {
+        double *out = c->out + 6 * (size_t)(b->touch_first + i);
+        for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
+            const struct touch *at = &b->touch[t];
+            double square = at->coefficient * at->coefficient, w = b->view.weight[at->row] * square;
+            const double *B = b->eps < 1.0 ? b->block + 9 * (size_t)at->row : NULL;
+            if (!B) out[0] += w, out[3] += w, out[5] += w;
+            for (int a = 0; B && a < 6; a++) out[a] += square * B[a + (a > 2) + (a > 4) * 2];
+        }
+    }
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {
     if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
-    else for_range(b, b->touch_count, PARTICLES, diagonal_rows, NULL, blocks, 0.0);
+    else
+        for_range(b, b->touch_count, PARTICLES, b->single ? diagonal_single : diagonal_rows, NULL,
+                  blocks, 0.0);
 }
 
 /* ---- setting up ------------------------------------------------------------------------------ */
@@ -234,14 +315,14 @@ static bool allocate_rows(struct batch *b, int *row_width) {
     v->coefficient = NEW_ARRAY(c, b->entries, double);
     v->weight = NEW_ARRAY(c, v->elements, double);
     v->data = context_array(c, 1, data_bytes(b));
-    v->u = NEW_ARRAY(c, 3 * b->rows, double);
-    v->p = NEW_ARRAY(c, 3 * b->rows, double);
-    b->flux = NEW_ARRAY(c, 3 * b->rows, double);
+    v->u = NEW_VECTOR(c, b->rows);
+    v->p = NEW_VECTOR(c, b->rows);
+    b->flux = NEW_ARRAY(c, 4 * (size_t)b->rows, double);
     b->partial = NEW_ARRAY(c, pool_blocks(v->elements, ELEMENTS), double);
     b->block_start = NEW_ARRAY(c, v->elements + 1, size_t);
     b->entry_element = NEW_ARRAY(c, b->entries, int);
     b->entry_row = NEW_ARRAY(c, b->entries, int);
-    b->touch_entry = NEW_ARRAY(c, b->entries, int);
+    b->touch = NEW_ARRAY(c, b->entries, struct touch);
     if (!b->block_start) return false;
     for (int e = 0; e < v->elements; e++) {
         size_t n = 3 * (size_t)(v->element_row[e + 1] - v->element_row[e]);
@@ -250,7 +331,26 @@ static bool allocate_rows(struct batch *b, int *row_width) {
     return row_entry && v->data && (!v->elements || (v->weight && b->partial)) &&
            (!b->rows || (v->u && v->p && b->flux)) &&
            (!b->entries ||
-            (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch_entry));
+            (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch));
+}
+
+/* Every element is a row that selects no particle twice. */
+static bool is_single(const pdyn_batch *v) {
+    for (int e = 0; e < v->elements; e++) {
+        if (v->element_row[e + 1] - v->element_row[e] != 1) return false;
+        for (int k = v->row_entry[e]; k < v->row_entry[e + 1]; k++)
+            for (int m = v->row_entry[e]; m < k; m++)
+                if (v->column[m] == v->column[k]) return false;
+    }
+    return true;
+}
+
+/* Entries of every row, or 0 where they differ. */
+static int common_width(const pdyn_batch *v, int rows) {
+    int width = rows ? v->row_entry[1] : 0;
+    for (int r = 0; r < rows; r++)
+        if (v->row_entry[r + 1] - v->row_entry[r] != width) return 0;
+    return width;
 }
 
 /* The transpose of G: for every particle the entries that select it. */
@@ -264,6 +364,7 @@ static pdyn_status transpose_rows(struct batch *b) {
                 if (v->column[k] < low) low = v->column[k];
                 if (v->column[k] > high) high = v->column[k];
             }
+    b->single = is_single(v), b->width = common_width(v, b->rows);
     b->touch_first = b->entries ? low : 0;
     b->touch_count = b->entries ? high - low + 1 : 0;
     b->touch_start = NEW_ARRAY(b->context, b->touch_count + 2, int);
@@ -271,7 +372,8 @@ static pdyn_status transpose_rows(struct batch *b) {
     int *end = b->touch_start + 1; /* shifted by one, so that filling turns ends into starts */
     for (int k = 0; k < b->entries; k++) end[v->column[k] - low + 1]++;
     for (int i = 0; i < b->touch_count; i++) end[i + 1] += end[i];
-    for (int k = 0; k < b->entries; k++) b->touch_entry[end[v->column[k] - low]++] = k;
+    for (int k = 0; k < b->entries; k++)
+        b->touch[end[v->column[k] - low]++] = (struct touch){v->coefficient[k], b->entry_row[k], k};
     return PDYN_OK;
 }
 
@@ -322,21 +424,21 @@ void batch_free(struct batch *b) {
     pdyn_context *c = b->context;
     pdyn_batch *v = &b->view;
     if (b->op) b->type->op->free(b->op), scalars_free(&b->scalars);
-    if (b->block_start) FREE_ARRAY(c, b->block, b->block_start[v->elements]);
+    if (b->block_start) FREE_ARRAY(c, b->block, block_numbers(b));
     if (v->data) context_resize(c, v->data, data_bytes(b), 0);
     FREE_ARRAY(c, v->element_row, v->elements + 1);
     FREE_ARRAY(c, v->row_entry, b->rows + 1);
     FREE_ARRAY(c, v->column, b->entries);
     FREE_ARRAY(c, v->coefficient, b->entries);
     FREE_ARRAY(c, v->weight, v->elements);
-    FREE_ARRAY(c, v->u, 3 * b->rows);
-    FREE_ARRAY(c, v->p, 3 * b->rows);
-    FREE_ARRAY(c, b->flux, 3 * b->rows);
+    FREE_VECTOR(c, v->u, b->rows);
+    FREE_VECTOR(c, v->p, b->rows);
+    FREE_ARRAY(c, b->flux, 4 * (size_t)b->rows);
     FREE_ARRAY(c, b->partial, pool_blocks(v->elements, ELEMENTS));
     FREE_ARRAY(c, b->block_start, v->elements + 1);
     FREE_ARRAY(c, b->entry_element, b->entries);
     FREE_ARRAY(c, b->entry_row, b->entries);
-    FREE_ARRAY(c, b->touch_entry, b->entries);
+    FREE_ARRAY(c, b->touch, b->entries);
     FREE_ARRAY(c, b->touch_start, b->touch_count + 2);
     FREE_ARRAY(c, b, 1);
 }

@@ -9,6 +9,11 @@
 #include "projdyn/module.h"
 #include "scalars.h"
 
+struct touch { /* an entry, from its particle */
+    double coefficient;
+    int row, entry;
+};
+
 struct batch {
     pdyn_context *context;
     const pdyn_constraint_type *type;
@@ -21,7 +26,9 @@ struct batch {
 
     /* rows tier */
     int rows, entries;
-    double *flux;        /* rows x 3: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
+    int width;           /* entries of every row, or 0 where they differ */
+    bool single;         /* every element is a row that selects no particle twice */
+    double *flux;        /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
     size_t *block_start; /* elements + 1 */
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
                             NULL until eps is below 1 for the first time */
@@ -29,7 +36,7 @@ struct batch {
     int *entry_element, *entry_row; /* entries: where they belong */
     int touch_first, touch_count;   /* the rows touch only these particles of the system */
     int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
-    int *touch_entry;               /* entries: numbers of entries, ascending for each particle */
+    struct touch *touch;            /* entries, ascending for each particle */
 };
 
 /* `rows_only`: use the rows even where the type has an operator (assembly and tests do). */

@@ -71,11 +71,11 @@ static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
         if (!(pin->type->flags & PDYN_REACTION)) continue;
         for (int i = 0; i < pin->touch_count; i++)
             for (int t = pin->touch_start[i]; t < pin->touch_start[i + 1]; t++) {
-                int k = pin->touch_entry[t];
+                const struct touch *touch = &pin->touch[t];
                 if (t == pin->touch_start[i])
                     vec3_add(info->pin_reaction, 1.0, sim->gradient + 3 * (pin->touch_first + i));
-                vec3_add(info->pin_reaction, -pin->view.coefficient[k],
-                         pin->flux + 3 * pin->entry_row[k]);
+                vec3_add(info->pin_reaction, -touch->coefficient,
+                         pin->flux + 4 * (size_t)touch->row);
             }
     }
 }
