@@ -351,10 +351,11 @@ static const struct {
     /* solids */
     {TOP("'solids': {}"), "scene.json:2:12: solids: expected an array of solids, found an object"},
     {TOP("'solids': [{}]"),
-     "scene.json:2:13: solids[0]: expected exactly one of \"box\" and \"mesh\", found "
-     "neither"},
+     "scene.json:2:13: solids[0]: expected exactly one of \"box\", \"mesh\", \"sphere\", "
+     "\"capsule\" and \"plane\", found none"},
     {TOP("'solids': [{'box': " BOX ", 'mesh': 'a.obj'}]"),
-     "scene.json:2:13: solids[0]: expected exactly one of \"box\" and \"mesh\", found both"},
+     "scene.json:2:13: solids[0]: expected exactly one of \"box\", \"mesh\", \"sphere\", "
+     "\"capsule\" and \"plane\", found more"},
     {TOP("'solids': [{'box': " BOX ", 'open': ['y']}]"),
      "scene.json:2:76: solids[0].open[0]: unknown side \"y\"; did you mean \"-y\"?; "
      "known: -x, +x, -y, +y, -z, +z"},
@@ -375,6 +376,16 @@ static const struct {
     {TOP("'solids': [{'mesh': 7}]"),
      "scene.json:2:22: solids[0].mesh: expected the name of a mesh file, .obj or .ply, "
      "found 7"},
+    {TOP("'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0}}]"),
+     "scene.json:2:56: solids[0].sphere.radius: expected a number from 1e-06 to 1000000 m, found "
+     "0"},
+    {TOP("'solids': [{'capsule': {'from': [0, 0, 0], 'radius': 1}}]"),
+     "scene.json:2:25: solids[0].capsule.to: missing, expected an array of 3 numbers (m)"},
+    {TOP("'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, 0, 0], 'size': 1}}]"),
+     "scene.json:2:55: solids[0].plane.normal: expected a direction that is not 0, found an array "
+     "of 3"},
+    {TOP("'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 1}, 'rotate': [0, 0, 0]}]"),
+     "scene.json:2:60: solids[0]: \"rotate\" needs a \"mesh\""},
     /* inlets */
     {INLETS("'fill': [{'box': " BOX "}], 'inlets': 1"),
      "scene.json:3:76: bodies[0].particles.inlets: expected an array of inlets, found 1"},

@@ -6,6 +6,7 @@
 #include "params.h"
 #include "placed.h"
 #include "registry.h"
+#include "shape.h"
 
 #include "projdyn/vec3.h"
 
@@ -94,12 +95,23 @@ static pdyn_status read_name(struct reader *r, const struct json_at *owner, cons
     return copy_text(r->context, name, out);
 }
 
-/* Exactly one of two keys. */
-static pdyn_status check_one_of(const struct json_at *at, const char *a, const char *b) {
-    bool has_a = json_object_get(at->value, a), has_b = json_object_get(at->value, b);
-    if (has_a != has_b) return PDYN_OK;
-    return json_fail(at, "expected exactly one of \"%s\" and \"%s\", found %s", a, b,
-                     has_a ? "both" : "neither");
+/* Exactly one of these keys: its index. */
+static pdyn_status read_one_of(const struct json_at *at, const char *const *names, int count,
+                               int *out) {
+    char list[HINT] = "";
+    int found = 0;
+    for (int k = 0; k < count; k++) {
+        size_t length = strlen(list);
+        snprintf(list + length, sizeof list - length, "%s\"%s\"",
+                 k == 0           ? ""
+                 : k + 1 == count ? " and "
+                                  : ", ",
+                 names[k]);
+        if (json_object_get(at->value, names[k])) *out = k, found++;
+    }
+    if (found == 1) return PDYN_OK;
+    const char *none = count == 2 ? "neither" : "none", *more = count == 2 ? "both" : "more";
+    return json_fail(at, "expected exactly one of %s, found %s", list, found ? more : none);
 }
 
 /* Calls `read` for every element of an array; a missing array has none. */
@@ -272,10 +284,12 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
     struct scene_body *body = r->body;
     struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    static const char *const shapes[] = {"grid", "mesh"};
     struct transform transform;
+    int shape;
     body->is_surface = true;
     pdyn_status status = params_check_keys(at, surface_params, others);
-    if (status == PDYN_OK) status = check_one_of(at, "grid", "mesh");
+    if (status == PDYN_OK) status = read_one_of(at, shapes, 2, &shape);
     if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
@@ -353,12 +367,14 @@ static pdyn_status read_constraints(struct reader *r, const struct json_at *arra
 
 static pdyn_status read_body(struct reader *r, const struct json_at *at, int index) {
     static const char *const others[] = {"name", "particles", "surface", "constraints", NULL};
+    static const char *const kinds[] = {"particles", "surface"};
+    int kind;
     struct scene_body *body = r->body = &r->scene->body[index];
     struct json_at particles = json_member(at, "particles"), surface = json_member(at, "surface");
     struct json_at constraints = json_member(at, "constraints");
     pdyn_status status = params_check_keys(at, body_params, others);
     if (status == PDYN_OK) status = read_name(r, at, "body", index, &body->name);
-    if (status == PDYN_OK) status = check_one_of(at, "particles", "surface");
+    if (status == PDYN_OK) status = read_one_of(at, kinds, 2, &kind);
     if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
     if (status != PDYN_OK) return status;
     status = particles.value ? read_particles(r, &particles) : read_surface(r, &surface);
@@ -385,27 +401,61 @@ static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
     int sides;
     struct scene_box *walls = &r->solid->box;
     r->solid->is_box = true;
-    pdyn_status status = transform_refuse(owner, "a \"mesh\"");
-    if (status == PDYN_OK) status = params_box(box, walls);
+    pdyn_status status = params_box(box, walls);
     for (int a = 0; a < 3; a++) r->solid->pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
     if (status == PDYN_OK) status = read_count(&open, "an array of sides like \"+y\"", &sides);
     if (status == PDYN_OK) status = read_each(r, &open, read_open_side);
     if (status == PDYN_OK && r->solid->open == 0x3F)
         status = json_fail(&open, "all six sides are open: no wall is left");
-    return status;
+    if (status != PDYN_OK) return status;
+    return shape_box(r->context, walls, r->solid->open, &r->solid->mesh);
 }
 
-static pdyn_status read_shape(struct reader *r, const struct json_at *owner,
-                              const struct json_at *mesh) {
+static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
+                               const struct json_at *mesh) {
     struct transform transform;
-    struct json_at open = json_member(owner, "open");
-    if (open.value) return json_fail_at_key(&open, "\"open\" needs a \"box\"");
     pdyn_status status = transform_read(owner, -1e6, &transform);
     if (status == PDYN_OK) status = placed_mesh(mesh, &r->solid->mesh);
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
     memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
     return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
+}
+
+static pdyn_status read_sphere(struct reader *r, const struct json_at *owner,
+                               const struct json_at *sphere) {
+    (void)owner;
+    return shape_read_sphere(sphere, &r->solid->mesh, r->solid->pivot);
+}
+
+static pdyn_status read_capsule(struct reader *r, const struct json_at *owner,
+                                const struct json_at *capsule) {
+    (void)owner;
+    return shape_read_capsule(capsule, &r->solid->mesh, r->solid->pivot);
+}
+
+static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
+                              const struct json_at *plane) {
+    (void)owner;
+    return shape_read_plane(plane, &r->solid->mesh, r->solid->pivot);
+}
+
+enum { SHAPES = 5, BOX = 0, MESH = 1 };
+static const char *const shape_names[SHAPES] = {"box", "mesh", "sphere", "capsule", "plane"};
+static pdyn_status (*const shape_readers[SHAPES])(struct reader *r, const struct json_at *owner,
+                                                  const struct json_at *shape) = {
+    read_walls, read_placed, read_sphere, read_capsule, read_plane};
+
+static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
+    struct json_at open = json_member(owner, "open");
+    int kind;
+    pdyn_status status = read_one_of(owner, shape_names, SHAPES, &kind);
+    if (status == PDYN_OK && kind != BOX && open.value)
+        status = json_fail_at_key(&open, "\"open\" needs a \"box\"");
+    if (status == PDYN_OK && kind != MESH) status = transform_refuse(owner, "a \"mesh\"");
+    if (status != PDYN_OK) return status;
+    struct json_at shape = json_member(owner, shape_names[kind]);
+    return shape_readers[kind](r, owner, &shape);
 }
 
 const pdyn_param scene_key_params[] = {
@@ -443,15 +493,13 @@ static pdyn_status read_motion(struct reader *r, const struct json_at *owner) {
 }
 
 static pdyn_status read_solid(struct reader *r, const struct json_at *at, int index) {
-    static const char *const keys[] = {"name",   "box",       "open",   "mesh",  "scale",
-                                       "rotate", "translate", "motion", "pivot", NULL};
-    struct scene_solid *solid = r->solid = &r->scene->solid[index];
-    struct json_at box = json_member(at, "box"), mesh = json_member(at, "mesh");
+    static const char *const keys[] = {"name",   "box",   "mesh",  "sphere", "capsule",
+                                       "plane",  "open",  "scale", "rotate", "translate",
+                                       "motion", "pivot", NULL};
+    r->solid = &r->scene->solid[index];
     pdyn_status status = params_check_keys(at, NULL, keys);
-    if (status == PDYN_OK) status = read_name(r, at, "solid", index, &solid->name);
-    if (status == PDYN_OK) status = check_one_of(at, "box", "mesh");
-    if (status != PDYN_OK) return status;
-    status = box.value ? read_walls(r, at, &box) : read_shape(r, at, &mesh);
+    if (status == PDYN_OK) status = read_name(r, at, "solid", index, &r->solid->name);
+    if (status == PDYN_OK) status = read_shape(r, at);
     return status == PDYN_OK ? read_motion(r, at) : status;
 }
 

@@ -65,7 +65,7 @@ struct scene_solid {
     bool is_box;
     struct scene_box box;
     unsigned open;    /* bit 2 a: no face at the minimum of axis a; bit 2 a + 1: at the maximum */
-    struct mesh mesh; /* in the world */
+    struct mesh mesh; /* in the world; of any shape */
     int keys;         /* 0: it rests */
     struct scene_key *key; /* times ascending; in between linear in all numbers, outside held */
     double pivot[3];       /* m, in the world */
