@@ -1,0 +1,42 @@
+/* A tree of boxes: which boxes of a set overlap a given one. The boxes are sorted along a curve
+ * that fills space (Morton order; Lauterbach et al. 2009), groups of BOXES_WIDTH neighbours get a
+ * box around them, groups of these as well, up to one. */
+#ifndef PDYN_BOXES_H
+#define PDYN_BOXES_H
+
+#include "context.h"
+
+struct box {
+    double min[3], max[3];
+};
+
+enum { BOXES_WIDTH = 4, BOXES_LEVELS = 16 };
+
+struct boxes {
+    int count, capacity;
+    int levels, first[BOXES_LEVELS + 1]; /* where the nodes of a level begin; level 0: the boxes */
+    struct box *node;
+    uint32_t *key; /* capacity: along the curve */
+    int *order;    /* capacity: the boxes along the curve */
+    int *swapped;  /* capacity: scratch of the sort */
+};
+
+pdyn_status boxes_create(pdyn_context *context, int capacity, struct boxes *boxes);
+void boxes_free(pdyn_context *context, struct boxes *boxes);
+
+void boxes_sort(struct boxes *boxes, const struct box *box, int count);
+
+/* Writes to `list` the boxes that overlap or touch `box` and are numbered `from` or higher,
+ * ascending. Returns how many there are; the first `room` of them found are written. */
+int boxes_query(const struct boxes *boxes, const struct box *box, int from, int *list, int room);
+
+static inline bool box_overlaps(const struct box *a, const struct box *b) {
+    return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
+           (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
+}
+
+/* Makes the box hold a point. A box that holds none has min > max. */
+void box_add(struct box *box, const double x[3]);
+extern const struct box box_empty;
+
+#endif

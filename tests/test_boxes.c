@@ -1,0 +1,76 @@
+/* The tree of boxes against all pairs. */
+#include "boxes.h"
+#include "support.h"
+
+#include <string.h>
+
+static struct box random_box(uint64_t *seed, double size) {
+    struct box box;
+    for (int a = 0; a < 3; a++) {
+        box.min[a] = test_random(seed);
+        box.max[a] = box.min[a] + size * (1.0 + test_random(seed));
+    }
+    return box;
+}
+
+static void check_set(int count, double size, uint64_t seed) {
+    enum { ROOM = 1000 };
+    pdyn_context *context = test_context(1);
+    struct box box[ROOM];
+    struct boxes tree;
+    int list[ROOM];
+    for (int i = 0; i < count; i++) box[i] = random_box(&seed, i % 50 ? size : 2.0);
+    assert_int_equal(boxes_create(context, count + 3, &tree), PDYN_OK);
+    for (int again = 0; again < 2; again++) {
+        boxes_sort(&tree, box, count);
+        for (int q = 0; q < 100; q++) {
+            struct box query = random_box(&seed, size);
+            int from = q % 3 * count / 3, expected = 0;
+            int found = boxes_query(&tree, &query, from, list, ROOM);
+            for (int i = from; i < count; i++) {
+                if (!box_overlaps(&box[i], &query)) continue;
+                assert_true(expected < found);
+                assert_int_equal(list[expected++], i);
+            }
+            assert_int_equal(found, expected);
+            assert_int_equal(boxes_query(&tree, &query, from, list, 1), found);
+        }
+        for (int i = 0; i < count; i++) box[i] = random_box(&seed, size);
+    }
+    boxes_free(context, &tree);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_queries(void **state) {
+    (void)state;
+    static const int counts[] = {0, 1, 3, 4, 5, 17, 64, 333, 1000};
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        check_set(counts[k], 0.1, 1 + k);
+        check_set(counts[k], 0.0, 2 + k);
+        check_set(counts[k], 1.0, 3 + k);
+    }
+}
+
+/* All at one place. */
+static void test_heap(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    struct box box[100];
+    struct boxes tree;
+    int list[100];
+    for (int i = 0; i < 100; i++) box[i] = (struct box){{1, 1, 1}, {1, 1, 1}};
+    assert_int_equal(boxes_create(context, 100, &tree), PDYN_OK);
+    boxes_sort(&tree, box, 100);
+    assert_int_equal(boxes_query(&tree, &box[0], 10, list, 100), 90);
+    boxes_free(context, &tree);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_queries),
+        cmocka_unit_test(test_heap),
+    };
+    return cmocka_run_group_tests_name("boxes", tests, NULL, NULL);
+}
