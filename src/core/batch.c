@@ -93,7 +93,8 @@ static void local_rows(void *arg, int first, int last, int block) {
         end = last - e > PIECE ? e + PIECE : last;
         gather_rows(b, v->element_row[e], v->element_row[end], c->in);
         b->type->project(b->params, v, e, end);
-        energy += pull_rows(b, e, end);
+        double squares = pull_rows(b, e, end);
+        energy += b->type->energy ? b->type->energy(b->params, v, e, end) : squares;
     }
     b->partial[block] = energy;
 }
@@ -143,7 +144,7 @@ static void linearise_rows(void *arg, int first, int last, int block) {
 }
 
 /* With room to load the last column as four. */
-static size_t block_numbers(const struct batch *b) { return b->block_start[b->view.elements] + 1; }
+static size_t block_numbers(const struct batch *b) { return b->block_start[b->room.elements] + 1; }
 
 pdyn_status batch_linearise(struct batch *b, double eps) {
     b->eps = eps;
@@ -302,36 +303,69 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
 }
 
 static size_t data_bytes(const struct batch *b) {
-    return 1 + (size_t)b->view.elements * b->type->data_size;
+    return 1 + (size_t)b->room.elements * b->type->data_size;
 }
 
-static bool allocate_rows(struct batch *b, int *row_width) {
-    pdyn_context *c = b->context;
-    pdyn_batch *v = &b->view;
-    int *row_entry = NEW_ARRAY(c, b->rows + 1, int);
-    v->row_entry = row_entry;
-    for (int r = 0; row_entry && r < b->rows; r++) row_entry[r + 1] = row_entry[r] + row_width[r];
-    v->column = NEW_ARRAY(c, b->entries, int);
-    v->coefficient = NEW_ARRAY(c, b->entries, double);
-    v->weight = NEW_ARRAY(c, v->elements, double);
-    v->data = context_array(c, 1, data_bytes(b));
-    v->u = NEW_VECTOR(c, b->rows);
-    v->p = NEW_VECTOR(c, b->rows);
-    b->flux = NEW_ARRAY(c, 4 * (size_t)b->rows, double);
-    b->partial = NEW_ARRAY(c, pool_blocks(v->elements, ELEMENTS), double);
-    b->block_start = NEW_ARRAY(c, v->elements + 1, size_t);
-    b->entry_element = NEW_ARRAY(c, b->entries, int);
-    b->entry_row = NEW_ARRAY(c, b->entries, int);
-    b->touch = NEW_ARRAY(c, b->entries, struct touch);
-    if (!b->block_start) return false;
-    for (int e = 0; e < v->elements; e++) {
+/* Where an element's block begins, and what each entry belongs to. */
+static void number_rows(struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    for (int e = 0; e < b->room.elements; e++) {
         size_t n = 3 * (size_t)(v->element_row[e + 1] - v->element_row[e]);
         b->block_start[e + 1] = b->block_start[e] + n * n;
+        for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
+            for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+                b->entry_element[k] = e, b->entry_row[k] = r;
     }
-    return row_entry && v->data && (!v->elements || (v->weight && b->partial)) &&
-           (!b->rows || (v->u && v->p && b->flux)) &&
-           (!b->entries ||
-            (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch));
+}
+
+/* All arrays but element_row, with room for so many elements, rows and entries. */
+static bool allocate_rows(struct batch *b, const int *row_width) {
+    pdyn_context *c = b->context;
+    pdyn_batch *v = &b->view;
+    int elements = b->room.elements, rows = b->room.rows, entries = b->room.entries;
+    int *row_entry = NEW_ARRAY(c, rows + 1, int);
+    v->row_entry = row_entry;
+    for (int r = 0; row_entry && r < rows; r++)
+        row_entry[r + 1] = row_entry[r] + (row_width ? row_width[r] : b->width);
+    v->column = NEW_ARRAY(c, entries, int);
+    v->coefficient = NEW_ARRAY(c, entries, double);
+    v->weight = NEW_ARRAY(c, elements, double);
+    v->data = context_array(c, 1, data_bytes(b));
+    v->u = NEW_VECTOR(c, rows);
+    v->p = NEW_VECTOR(c, rows);
+    b->flux = NEW_ARRAY(c, 4 * (size_t)rows, double);
+    b->partial = NEW_ARRAY(c, pool_blocks(elements, ELEMENTS), double);
+    b->block_start = NEW_ARRAY(c, elements + 1, size_t);
+    b->entry_element = NEW_ARRAY(c, entries, int);
+    b->entry_row = NEW_ARRAY(c, entries, int);
+    b->touch = NEW_ARRAY(c, entries, struct touch);
+    bool good =
+        row_entry && v->data && b->block_start && (!elements || (v->weight && b->partial)) &&
+        (!rows || (v->u && v->p && b->flux)) &&
+        (!entries || (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch));
+    if (good) number_rows(b);
+    return good;
+}
+
+static void free_rows(struct batch *b) {
+    pdyn_context *c = b->context;
+    pdyn_batch *v = &b->view;
+    int elements = b->room.elements, rows = b->room.rows, entries = b->room.entries;
+    if (b->block_start) FREE_ARRAY(c, b->block, block_numbers(b));
+    if (v->data) v->data = context_resize(c, v->data, data_bytes(b), 0);
+    FREE_ARRAY(c, v->element_row, elements + 1);
+    FREE_ARRAY(c, v->row_entry, rows + 1);
+    FREE_ARRAY(c, v->column, entries);
+    FREE_ARRAY(c, v->coefficient, entries);
+    FREE_ARRAY(c, v->weight, elements);
+    FREE_VECTOR(c, v->u, rows);
+    FREE_VECTOR(c, v->p, rows);
+    FREE_ARRAY(c, b->flux, 4 * (size_t)rows);
+    FREE_ARRAY(c, b->partial, pool_blocks(elements, ELEMENTS));
+    FREE_ARRAY(c, b->block_start, elements + 1);
+    FREE_ARRAY(c, b->entry_element, entries);
+    FREE_ARRAY(c, b->entry_row, entries);
+    FREE_ARRAY(c, b->touch, entries);
 }
 
 /* Every element is a row that selects no particle twice. */
@@ -354,41 +388,50 @@ static int common_width(const pdyn_batch *v, int rows) {
 }
 
 /* The transpose of G: for every particle the entries that select it. */
-static pdyn_status transpose_rows(struct batch *b) {
+void batch_index(struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    int *start = b->touch_start, *end = start + 1, low = b->touch_first;
+    memset(start, 0, ((size_t)b->touch_count + 2) * sizeof *start);
+    for (int k = 0; k < b->entries; k++)
+        if (v->coefficient[k] != 0.0) end[v->column[k] - low + 1]++;
+    for (int i = 0; i < b->touch_count; i++)
+        end[i + 1] += end[i]; /* filling turns ends into starts */
+    for (int k = 0; k < b->entries; k++)
+        if (v->coefficient[k] != 0.0)
+            b->touch[end[v->column[k] - low]++] =
+                (struct touch){v->coefficient[k], b->entry_row[k], k};
+    b->revision++;
+}
+
+static pdyn_status find_touched(struct batch *b) {
     const pdyn_batch *v = &b->view;
     int low = INT32_MAX, high = -1;
-    for (int e = 0; e < v->elements; e++)
-        for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
-            for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++) {
-                b->entry_element[k] = e, b->entry_row[k] = r;
-                if (v->column[k] < low) low = v->column[k];
-                if (v->column[k] > high) high = v->column[k];
-            }
-    b->single = is_single(v), b->width = common_width(v, b->rows);
+    for (int k = 0; k < b->entries; k++) {
+        if (v->column[k] < low) low = v->column[k];
+        if (v->column[k] > high) high = v->column[k];
+    }
     b->touch_first = b->entries ? low : 0;
     b->touch_count = b->entries ? high - low + 1 : 0;
     b->touch_start = NEW_ARRAY(b->context, b->touch_count + 2, int);
-    if (!b->touch_start) return PDYN_NO_MEMORY;
-    int *end = b->touch_start + 1; /* shifted by one, so that filling turns ends into starts */
-    for (int k = 0; k < b->entries; k++) end[v->column[k] - low + 1]++;
-    for (int i = 0; i < b->touch_count; i++) end[i + 1] += end[i];
-    for (int k = 0; k < b->entries; k++)
-        b->touch[end[v->column[k] - low]++] = (struct touch){v->coefficient[k], b->entry_row[k], k};
-    return PDYN_OK;
+    return b->touch_start ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 static pdyn_status create_rows(struct batch *b) {
     pdyn_batch *v = &b->view;
     int *row_width = NULL, *element_row = NEW_ARRAY(b->context, v->elements + 1, int);
-    v->element_row = element_row;
+    v->element_row = element_row, b->room.elements = v->elements;
     if (!element_row) return PDYN_NO_MEMORY;
     pdyn_status status = shape_rows(b, element_row, &row_width);
+    b->room.rows = b->rows, b->room.entries = b->entries;
     if (status == PDYN_OK && !allocate_rows(b, row_width)) status = context_no_memory(b->context);
     FREE_ARRAY(b->context, row_width, b->rows);
     if (status != PDYN_OK) return status;
     b->type->select(b->params, v, 0, v->elements);
     b->type->weight(b->params, v, 0, v->elements);
-    return transpose_rows(b);
+    b->single = is_single(v), b->width = common_width(v, b->rows);
+    status = find_touched(b);
+    if (status == PDYN_OK) batch_index(b);
+    return status;
 }
 
 pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
@@ -414,6 +457,43 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     return status;
 }
 
+/* ---- elements that come and go --------------------------------------------------------------- */
+
+pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_type *type,
+                                  const void *params, const pdyn_body *body, struct batch **out) {
+    struct batch *b = *out = NEW_ARRAY(context, 1, struct batch);
+    if (!b) return PDYN_NO_MEMORY;
+    b->context = context, b->type = type, b->params = params, b->view.body = body;
+    b->changing = b->single = true, b->width = type->width;
+    b->touch_first = body->first, b->touch_count = body->count;
+    b->touch_start = NEW_ARRAY(context, b->touch_count + 2, int);
+    if (b->touch_start) return PDYN_OK;
+    batch_free(b);
+    *out = NULL;
+    return PDYN_NO_MEMORY;
+}
+
+static pdyn_status make_room(struct batch *b, int elements) {
+    int *element_row;
+    free_rows(b);
+    b->room.elements = b->room.rows = elements, b->room.entries = elements * b->width;
+    b->view.element_row = element_row = NEW_ARRAY(b->context, elements + 1, int);
+    for (int e = 0; element_row && e < elements; e++) element_row[e + 1] = e + 1;
+    if (element_row && allocate_rows(b, NULL)) return PDYN_OK;
+    return context_no_memory(b->context);
+}
+
+pdyn_status batch_resize(struct batch *b, int elements) {
+    b->view.elements = b->rows = elements, b->entries = elements * b->width;
+    if (elements <= b->room.elements) return PDYN_OK;
+    if (elements > INT32_MAX / 16)
+        return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\": too many rows",
+                            b->type->name);
+    pdyn_status status = make_room(b, elements + elements / 2);
+    if (status != PDYN_OK) b->view.elements = b->rows = b->entries = 0;
+    return status;
+}
+
 pdyn_status batch_neighbours(struct batch *b, const pdyn_neighbours *neighbours) {
     if (b->op && !b->type->op->neighbours(b->op, neighbours)) return context_no_memory(b->context);
     return PDYN_OK;
@@ -422,23 +502,8 @@ pdyn_status batch_neighbours(struct batch *b, const pdyn_neighbours *neighbours)
 void batch_free(struct batch *b) {
     if (!b) return;
     pdyn_context *c = b->context;
-    pdyn_batch *v = &b->view;
     if (b->op) b->type->op->free(b->op), scalars_free(&b->scalars);
-    if (b->block_start) FREE_ARRAY(c, b->block, block_numbers(b));
-    if (v->data) context_resize(c, v->data, data_bytes(b), 0);
-    FREE_ARRAY(c, v->element_row, v->elements + 1);
-    FREE_ARRAY(c, v->row_entry, b->rows + 1);
-    FREE_ARRAY(c, v->column, b->entries);
-    FREE_ARRAY(c, v->coefficient, b->entries);
-    FREE_ARRAY(c, v->weight, v->elements);
-    FREE_VECTOR(c, v->u, b->rows);
-    FREE_VECTOR(c, v->p, b->rows);
-    FREE_ARRAY(c, b->flux, 4 * (size_t)b->rows);
-    FREE_ARRAY(c, b->partial, pool_blocks(v->elements, ELEMENTS));
-    FREE_ARRAY(c, b->block_start, v->elements + 1);
-    FREE_ARRAY(c, b->entry_element, b->entries);
-    FREE_ARRAY(c, b->entry_row, b->entries);
-    FREE_ARRAY(c, b->touch, b->entries);
+    free_rows(b);
     FREE_ARRAY(c, b->touch_start, b->touch_count + 2);
     FREE_ARRAY(c, b, 1);
 }

@@ -25,7 +25,12 @@ struct batch {
     double energy;          /* J, at the last local step */
 
     /* rows tier */
+    bool changing; /* elements come and go */
     int rows, entries;
+    struct {
+        int elements, rows, entries;
+    } room;              /* of the arrays */
+    unsigned revision;   /* moves when the selector does */
     int width;           /* entries of every row, or 0 where they differ */
     bool single;         /* every element is a row that selects no particle twice */
     double *flux;        /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
@@ -44,6 +49,15 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
                          const void *params, const pdyn_body *body, const pdyn_services *services,
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
 void batch_free(struct batch *batch);
+
+/* A batch whose elements come and go, each of them one row of type->width entries; none at first.
+ * They touch the particles of the body alone. An entry that is not needed has the coefficient 0. */
+pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_type *type,
+                                  const void *params, const pdyn_body *body, struct batch **out);
+/* So many elements from now on. All columns, coefficients, weights and data have to be filled then,
+ * before batch_index makes them known. */
+pdyn_status batch_resize(struct batch *batch, int elements);
+void batch_index(struct batch *batch);
 
 /* The neighbour lists have changed. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
