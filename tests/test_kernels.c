@@ -71,9 +71,8 @@ static void walk(pdyn_context *context, double stride, int moving) {
     assert_non_null(c);
     fill_cloud(c, 1);
     double *carried = c->boundary + 3 * (B - moving);
-    assert_int_equal(
-        neighbours_create(context, N, c->centre, B, c->boundary, moving, c->volume, 0.2, 0.1, &n),
-        PDYN_OK);
+    struct neighbours_points points = {N, c->centre, B, c->boundary, moving, c->volume};
+    assert_int_equal(neighbours_create(context, &points, NULL, 0.2, 0.1, &n), PDYN_OK);
     for (int move = 0; move < 40; move++) {
         if (!neighbours_hold(n, c->x)) assert_int_equal(neighbours_build(n, c->x), PDYN_OK);
         check_lists(neighbours_view(n), c, c->x);

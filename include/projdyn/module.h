@@ -105,11 +105,16 @@ typedef struct pdyn_services { /* what core offers to an operator */
     void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);
 } pdyn_services;
 
-/* Points that take part in SPH sums: particles of the system first, then points on solids. */
+/* Points that take part in SPH sums: particles of the system, then samples on its surfaces, then
+ * points on solids. What SPH sums work on ends with the samples' values, interpolated from the
+ * corners of their triangles; core adds what they get to these. */
 typedef struct pdyn_neighbours {
-    double support;           /* m: pairs closer than this are all listed */
-    int particles;            /* of the system */
-    int points;               /* particles + boundary points */
+    double support;              /* m: pairs closer than this are all listed */
+    int particles;               /* of the system, and the samples */
+    int points;                  /* particles + boundary points */
+    int samples;                 /* the last so many of the particles */
+    const int *sample_vertex;    /* samples x 3: particles of the system */
+    const double *sample_weight; /* samples x 3: how much of each */
     const double *volume;     /* points, m^3: rest volume; 0 for what takes no part */
     const double *boundary_x; /* (points - particles) x 3 */
     /* Each particle's list: other particles from start to boundary_start, boundary points from

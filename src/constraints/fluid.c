@@ -10,7 +10,7 @@
  * tangent is J = I - n n', n = grad C / |grad C|, so that the newton step couples the fluid along
  * the normals of the constraints; eps = 1 is the paper's D = I, a diagonal.
  *
- * Cloth points have a volume and neighbours, but no constraint of their own; static boundary
+ * Samples of cloth have a volume and neighbours, but no constraint of their own; static boundary
  * samples enter the density alone (Akinci et al. 2012). The simulation uses the operator
  * (fluid_operator.c); the rows here serve assembly, and to check the operator against. They leave
  * out the constraints of the walls (fluid_walls.h): with these, an assembled H is but near. */
@@ -40,21 +40,36 @@ static int elements(const void *par, const pdyn_body *body) {
     return body->count;
 }
 
+static int first_sample(const pdyn_neighbours *l) { return l->particles - l->samples; }
+
+/* A row is a particle, or a sample and thus the three corners of its triangle. */
 static void shape(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     (void)par;
+    const pdyn_neighbours *l = b->neighbours;
     int i = b->body->first + element;
-    *rows = 1 + b->neighbours->boundary_start[i] - b->neighbours->start[i];
+    *rows = 1 + l->boundary_start[i] - l->start[i];
     *width = 1;
+    for (int s = l->start[i]; s < l->boundary_start[i]; s++)
+        if (l->index[s] >= first_sample(l)) *width = 3;
+}
+
+static void select_row(const pdyn_batch *b, int row, int j) {
+    const pdyn_neighbours *l = b->neighbours;
+    int sample = 3 * (j - first_sample(l)), entry = b->row_entry[row];
+    for (int k = 0; k < b->row_entry[row + 1] - entry; k++) {
+        b->column[entry + k] = sample < 0 ? j : l->sample_vertex[sample + k];
+        b->coefficient[entry + k] = sample < 0 ? k == 0 : l->sample_weight[sample + k];
+    }
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
+    const pdyn_neighbours *l = b->neighbours;
     for (int e = first; e < last; e++) {
         int row = b->element_row[e], i = b->body->first + e;
-        b->column[row] = i;
+        select_row(b, row, i);
         for (int r = row + 1; r < b->element_row[e + 1]; r++)
-            b->column[r] = b->neighbours->index[b->neighbours->start[i] + r - row - 1];
-        for (int r = row; r < b->element_row[e + 1]; r++) b->coefficient[r] = 1.0;
+            select_row(b, r, l->index[l->start[i] + r - row - 1]);
     }
 }
 

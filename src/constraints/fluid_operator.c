@@ -70,6 +70,7 @@ static void copy_boundary(struct fluid *f) {
 
 static void set_points(struct fluid *f) {
     for (int i = 0; i < f->points; i++) f->x[4 * i + 3] = f->lists->volume[i] / f->particle_volume;
+    f->volumes = f->lists->volume_revision;
     copy_boundary(f);
 }
 
@@ -98,7 +99,6 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
         if (!resize_particles(f, true)) return false;
     }
     if (f->volumes != lists->volume_revision) set_points(f);
-    f->volumes = lists->volume_revision;
     if (f->params.wall_pressure && !fluid_walls_neighbours(f)) return false;
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
@@ -113,6 +113,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
+    if (f->volumes != f->lists->volume_revision) set_points(f);
     if (f->boundary != f->lists->boundary_revision) copy_boundary(f);
     double energy = fluid_project(f, x);
     fluid_add_gradients(f, f->flux, gradient);

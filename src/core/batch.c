@@ -20,6 +20,25 @@ static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *
     pool_for(batch->context->pool, count, grain, fn, &call);
 }
 
+/* ---- what goes through an operator: vectors that end with the samples' values ---------------- */
+
+static const double *extend(const struct batch *b, const double *u) {
+    if (!b->samples) return u;
+    samples_extend(b->samples, u, b->samples->input);
+    return b->samples->input;
+}
+
+/* Where an operator adds to y, until it is gathered. */
+static double *begin_output(const struct batch *b, double *y) {
+    if (!b->samples) return y;
+    memset(b->samples->output, 0, 3 * (size_t)b->scalars.particles * sizeof *y);
+    return b->samples->output;
+}
+
+static void end_output(const struct batch *b, double *y) {
+    if (b->samples) samples_gather(b->samples, b->samples->output, y);
+}
+
 /* ---- the rows: u = G x, flux -> particles ---------------------------------------------------- */
 
 /* u of row r, which begins with entry k and has so many */
@@ -102,7 +121,8 @@ static void local_rows(void *arg, int first, int last, int block) {
 pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {
     b->view.time = time;
     if (b->op) {
-        b->energy = b->type->op->local(b->op, x, gradient);
+        b->energy = b->type->op->local(b->op, x, begin_output(b, gradient));
+        end_output(b, gradient);
         return scalars_begin(&b->scalars);
     }
     for_range(b, b->view.elements, ELEMENTS, local_rows, x, NULL, 0.0);
@@ -191,7 +211,8 @@ WIDE static void apply_rows(void *arg, int first, int last, int block) {
 
 void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
-        scalars_apply(&b->scalars, b->eps, u, y);
+        scalars_apply(&b->scalars, b->eps, extend(b, u), begin_output(b, y));
+        end_output(b, y);
         return;
     }
     for_range(b, b->view.elements, ELEMENTS, apply_rows, u, NULL, 0.0);
@@ -199,8 +220,10 @@ void batch_apply(struct batch *b, const double *u, double *y) {
 }
 
 void batch_aim(struct batch *b, const double *u, double *y) {
-    if (b->op) scalars_aim(&b->scalars, b->eps, u, y);
-    else batch_apply(b, u, y);
+    if (b->op) {
+        scalars_aim(&b->scalars, b->eps, extend(b, u), begin_output(b, y));
+        end_output(b, y);
+    } else batch_apply(b, u, y);
 }
 
 double batch_slope(struct batch *b, double t, double *curvature) {
@@ -209,7 +232,21 @@ double batch_slope(struct batch *b, double t, double *curvature) {
 }
 
 int batch_go(struct batch *b, double t, double *y) {
-    return b->op ? scalars_go(&b->scalars, b->eps, t, y) : 0;
+    if (!b->op) return 0;
+    int changed = scalars_go(&b->scalars, b->eps, t, begin_output(b, y));
+    end_output(b, y);
+    return changed;
+}
+
+void batch_velocity(struct batch *b, double *v) {
+    if (!b->op || !b->type->op->velocity) return;
+    if (!b->samples) {
+        b->type->op->velocity(b->op, v);
+        return;
+    }
+    samples_extend(b->samples, v, b->samples->input);
+    b->type->op->velocity(b->op, b->samples->input);
+    memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }
 
 void batch_block(const struct batch *b, int k, int m, double B[9]) {
@@ -268,7 +305,11 @@ WIDE static void diagonal_single(void *arg, int first, int last, int block) {
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {
-    if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
+    if (b->op && b->samples) {
+        memset(b->samples->blocks, 0, 6 * (size_t)b->scalars.particles * sizeof *blocks);
+        scalars_diagonal(&b->scalars, b->eps, b->samples->blocks);
+        samples_gather_blocks(b->samples, b->samples->blocks, blocks);
+    } else if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
     else
         for_range(b, b->touch_count, PARTICLES, b->single ? diagonal_single : diagonal_rows, NULL,
                   blocks, 0.0);

@@ -18,11 +18,12 @@ struct batch {
     pdyn_context *context;
     const pdyn_constraint_type *type;
     const void *params;
-    pdyn_batch view;        /* what the type sees; arrays owned here */
-    void *op;               /* operator tier: the type's state */
-    struct scalars scalars; /* and its constraints */
-    double eps;             /* damping of the current linearisation */
-    double energy;          /* J, at the last local step */
+    pdyn_batch view;         /* what the type sees; arrays owned here */
+    void *op;                /* operator tier: the type's state */
+    struct scalars scalars;  /* and its constraints */
+    struct samples *samples; /* its vectors go on with these; NULL: not */
+    double eps;              /* damping of the current linearisation */
+    double energy;           /* J, at the last local step */
 
     /* rows tier */
     bool changing; /* elements come and go */
@@ -62,7 +63,8 @@ void batch_index(struct batch *batch);
 /* The neighbour lists have changed. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
 
-/* Local step at x (particles x 3): projects, sets batch->energy, adds to the gradient, in N. */
+/* Local step at x (particles x 3; of an operator with samples these, too): projects, sets
+ * batch->energy, adds to the gradient, in N. */
 pdyn_status batch_local(struct batch *batch, const double *x, double time, double *gradient);
 
 /* Fixes the tangent at the x of the last local step, damped with eps in [0, 1]. */
@@ -70,6 +72,9 @@ pdyn_status batch_linearise(struct batch *batch, double eps);
 
 /* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
 void batch_apply(struct batch *batch, const double *u, double *y);
+
+/* Operator tier: changes velocities after a step, where the type does. */
+void batch_velocity(struct batch *batch, double *v);
 
 /* The model along a direction u, see scalars.h; all of what is not one-sided is in batch_aim. */
 void batch_aim(struct batch *batch, const double *u, double *y);

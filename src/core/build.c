@@ -175,56 +175,55 @@ static pdyn_status boundary_volumes(struct pdyn_sim *sim, double support, double
     return status;
 }
 
-/* A sheet is watertight while its points stay close enough for the fluid to feel no hole. */
-static void check_spacing(const struct pdyn_sim *sim, const pdyn_body *sheet, double spacing) {
-    double longest = 0.0;
-    for (int e = 0; e < sheet->edges; e++)
-        longest = fmax(longest, vec3_distance(sheet->rest + 3 * sheet->edge[2 * e],
-                                              sheet->rest + 3 * sheet->edge[2 * e + 1]));
-    if (longest > 1.45 * spacing)
-        context_log(sim->context, PDYN_LOG_WARNING,
-                    "body \"%s\": its longest edge is %.3g m, the spacing of the fluid particles "
-                    "%.3g m; fluid "
-                    "will leak through edges longer than 1.45 spacings: use a finer mesh or larger "
-                    "particles",
-                    sheet->name, longest, spacing);
+/* Samples on a surface, in spacings of the fluid's particles: no hole is felt, also where the
+ * surface is stretched by a fifth. */
+static const double sample_spacing = 0.9;
+
+/* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
+static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, int particles,
+                                double *volume, bool *centre) {
+    double spacing = 2.0 * fluid->radius;
+    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
+        volume[i] = spacing * spacing * spacing, centre[i] = true;
+    for (int k = 0; sim->samples && k < sim->samples->count; k++)
+        volume[sim->system.particles + k] = sim->samples->rest_volume[k];
+    return boundary_volumes(sim, 2.0 * spacing, volume + particles);
 }
 
-static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, double *volume,
-                                bool *centre) {
-    double spacing = 2.0 * fluid->radius;
-    for (int b = 0; b < sim->bodies; b++) {
-        const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; body == fluid && i < body->first + body->count; i++)
-            volume[i] = spacing * spacing * spacing, centre[i] = true;
-        if (!body->triangles) continue;
-        check_spacing(sim, body, spacing);
-        pdyn_status status = neighbours_surface_volumes(sim->context, body->count, body->rest,
-                                                        2.0 * spacing, volume + body->first);
-        if (status != PDYN_OK) return status;
-    }
-    return boundary_volumes(sim, 2.0 * spacing, volume + sim->system.particles);
+static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
+    int n = sim->system.particles + (sim->samples ? sim->samples->count : 0);
+    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.count, double);
+    bool *centre = NEW_ARRAY(sim->context, n, bool);
+    pdyn_status status =
+        volume && centre ? fill_volumes(sim, fluid, n, volume, centre) : PDYN_NO_MEMORY;
+    motion_carry(sim, 0.0);
+    struct neighbours_points points = {.particles = n,
+                                       .centre = centre,
+                                       .boundary = sim->boundary.count,
+                                       .boundary_x = sim->boundary.x,
+                                       .moving = sim->motion.points,
+                                       .volume = volume};
+    if (status == PDYN_OK)
+        status = neighbours_create(sim->context, &points, sim->samples, 4.0 * fluid->radius,
+                                   0.01 * SKIN_PERCENT, &sim->neighbours);
+    FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
+    FREE_ARRAY(sim->context, centre, n);
+    return status;
 }
 
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     const pdyn_body *fluid = fluid_body(sim);
     if (!fluid) return PDYN_OK;
-    int n = sim->system.particles;
-    pdyn_status status = sample_solids(sim, 2.0 * fluid->radius);
-    if (status != PDYN_OK) return status;
-    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.count, double);
-    bool *centre = NEW_ARRAY(sim->context, n, bool);
-    status = volume && centre ? fill_volumes(sim, fluid, volume, centre) : PDYN_NO_MEMORY;
-    motion_carry(sim, 0.0);
+    double spacing = 2.0 * fluid->radius;
+    pdyn_status status = sample_solids(sim, spacing);
     if (status == PDYN_OK)
-        status = neighbours_create(sim->context, n, centre, sim->boundary.count, sim->boundary.x,
-                                   sim->motion.points, volume, 4.0 * fluid->radius,
-                                   0.01 * SKIN_PERCENT, &sim->neighbours);
-    if (status == PDYN_OK) emit_tell(sim);
-    if (status == PDYN_OK) status = neighbours_build(sim->neighbours, sim->x);
-    FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
-    FREE_ARRAY(sim->context, centre, n);
-    return status;
+        status = samples_create(sim->context, sim->bodies, sim->body, sim->system.particles,
+                                sim->rest, sample_spacing * spacing, 2.0 * spacing, &sim->samples);
+    if (status == PDYN_OK) status = create_neighbours(sim, fluid);
+    if (status != PDYN_OK) return status;
+    emit_tell(sim);
+    sim->system.neighbours = sim->neighbours, sim->system.samples = sim->samples;
+    return system_build_lists(&sim->system, sim->x);
 }
 
 /* ---- constraints and solver ------------------------------------------------------------------ */
@@ -237,8 +236,6 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !sys->batch) return PDYN_NO_MEMORY;
     sys->capacity = count;
-    sys->neighbours = sim->neighbours;
-    if (lists) sys->lists = lists->revision;
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].constraints; k++) {
             const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
@@ -246,6 +243,7 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
                 batch_create(sim->context, c->type, c->params, &sim->body[b], &sim->services, lists,
                              false, &sys->batch[sys->batches]);
             if (status != PDYN_OK) return status;
+            if (c->type->op) sys->batch[sys->batches]->samples = sim->samples;
             sys->batches++;
             sys->changing |= c->type->op != NULL;
             sim->anchored |=
@@ -370,6 +368,7 @@ void pdyn_free(pdyn_sim *sim) {
     free_system(sim);
     emit_free(sim);
     neighbours_free(sim->neighbours);
+    samples_free(sim->samples);
     points_free(c, &sim->boundary);
     motion_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);

@@ -69,31 +69,40 @@ static pdyn_status sort_boundary(struct neighbours *n) {
                      n->boundary_x);
 }
 
-pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
-                              int boundary, const double *boundary_x, int moving,
-                              const double *volume, double support, double skin,
+/* Copies the points, and shows them. */
+static void fill_points(struct neighbours *n, const struct neighbours_points *points,
+                        const struct samples *samples) {
+    size_t particles = (size_t)points->particles, boundary = (size_t)points->boundary;
+    memcpy(n->centre, points->centre, particles * sizeof *n->centre);
+    memcpy(n->volume, points->volume, (particles + boundary) * sizeof *n->volume);
+    if (boundary) memcpy(n->boundary_x, points->boundary_x, 3 * boundary * sizeof *n->boundary_x);
+    for (int i = 0; i < points->particles; i++) {
+        if (n->volume[i] > 0.0) n->id[n->active++] = i;
+        if (n->centre[i]) n->centre_volume = n->volume[i];
+    }
+    n->most = n->active, n->view.volume_revision = 1;
+    n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
+    n->view.start = n->start, n->view.boundary_start = n->boundary_start, n->view.end = n->end;
+    if (!samples) return;
+    n->view.samples = samples->count;
+    n->view.sample_vertex = samples->vertex, n->view.sample_weight = samples->weight;
+}
+
+pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
+                              const struct samples *samples, double support, double skin,
                               struct neighbours **out) {
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
-    n->carried = moving;
+    n->carried = points->moving;
     n->skin = skin * support, n->reach = support + n->skin;
-    n->view = (pdyn_neighbours){
-        .support = support, .particles = particles, .points = particles + boundary};
-    pdyn_status status = allocate(n, particles, boundary);
+    n->view = (pdyn_neighbours){.support = support,
+                                .particles = points->particles,
+                                .points = points->particles + points->boundary};
+    pdyn_status status = allocate(n, points->particles, points->boundary);
     if (status == PDYN_OK) {
-        memcpy(n->centre, centre, (size_t)particles * sizeof *centre);
-        memcpy(n->volume, volume, (size_t)(particles + boundary) * sizeof *volume);
-        if (boundary) memcpy(n->boundary_x, boundary_x, 3 * (size_t)boundary * sizeof *boundary_x);
-        for (int i = 0; i < particles; i++)
-            if (volume[i] > 0.0) n->id[n->active++] = i;
-        for (int i = 0; i < particles; i++)
-            if (centre[i]) n->centre_volume = volume[i];
-        n->most = n->active, n->view.volume_revision = 1;
-        n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
-        n->view.start = n->start, n->view.boundary_start = n->boundary_start;
-        n->view.end = n->end;
-        status = grid_create(context, boundary, n->reach, &n->fixed);
+        fill_points(n, points, samples);
+        status = grid_create(context, points->boundary, n->reach, &n->fixed);
     }
     if (status == PDYN_OK) status = sort_boundary(n);
     if (status == PDYN_OK) return status;
@@ -134,6 +143,12 @@ void neighbours_change(struct neighbours *n, const bool *live) {
         else n->start[i] = n->boundary_start[i] = n->end[i] = 0;
     }
     n->built = false;
+    n->view.volume_revision++;
+}
+
+void neighbours_stretch(struct neighbours *n, const struct samples *samples) {
+    int first = n->view.particles - samples->count;
+    memcpy(n->volume + first, samples->volume, (size_t)samples->count * sizeof *n->volume);
     n->view.volume_revision++;
 }
 

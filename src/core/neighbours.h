@@ -7,16 +7,24 @@
 
 #include "context.h"
 #include "projdyn/module.h"
+#include "samples.h"
 
 struct neighbours;
 
-/* volume: points (particles, then boundary), 0 for a particle that takes no part; centre:
- * particles; moving: so many of the last boundary points may move. All arrays are copied. skin: a
- * part of the support, >= 0. Memory: 89 bytes per particle, 72 per boundary point, 24 more where it
- * may move, and 5 per listed neighbour (about 55 of these). */
-pdyn_status neighbours_create(pdyn_context *context, int particles, const bool *centre,
-                              int boundary, const double *boundary_x, int moving,
-                              const double *volume, double support, double skin,
+struct neighbours_points { /* all arrays are copied */
+    int particles;         /* of the system, then the samples */
+    const bool *centre;    /* particles */
+    int boundary;
+    const double *boundary_x; /* boundary x 3, m */
+    int moving;               /* so many of the last boundary points may move */
+    const double *volume;     /* particles, then boundary; 0 for a particle that takes no part */
+};
+
+/* samples: the last particles, or NULL for none; they must stay. skin: a part of the support, >= 0.
+ * Memory: 89 bytes per particle, 72 per boundary point, 24 more where it may move, and 5 per listed
+ * neighbour (about 55 of these). */
+pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
+                              const struct samples *samples, double support, double skin,
                               struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
@@ -24,6 +32,8 @@ void neighbours_free(struct neighbours *neighbours);
  * centres must have the same volume, and takes part what has one at first: there is room for that.
  */
 void neighbours_change(struct neighbours *neighbours, const bool *live);
+/* The samples' volumes have changed. */
+void neighbours_stretch(struct neighbours *neighbours, const struct samples *samples);
 /* The boundary points that may move are now at x (moving x 3). */
 void neighbours_move(struct neighbours *neighbours, const double *x);
 

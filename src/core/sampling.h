@@ -33,9 +33,26 @@ pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, d
 pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box, unsigned open,
                                double spacing, struct points *out);
 
-/* Adds points on the triangles of a mesh, none closer than 0.75 spacing to another and no spot of
- * the surface further than about 1.1 spacing from one: a Poisson-disk set (Akinci et al. 2012
- * sample solids so), taken in a fixed order. */
+struct spot { /* a point of a surface */
+    int triangle;
+    double weight[3]; /* of its corners: barycentric coordinates */
+};
+
+struct spots {
+    int count;
+    size_t capacity;
+    struct spot *spot;
+};
+
+/* Spots on triangles, none closer than 0.75 spacing to another and no spot of the surface further
+ * than about 1.1 spacing from one: a Poisson-disk set (Akinci et al. 2012 sample solids so), taken
+ * in a fixed order. `out` comes empty; free it after a failure, too. */
+pdyn_status sample_triangles(pdyn_context *context, const double *vertex, int triangles,
+                             const int *triangle, double spacing, struct spots *out);
+void spots_free(pdyn_context *context, struct spots *spots);
+void spot_position(const struct spot *spot, const double *vertex, const int *triangle, double *x);
+
+/* Adds these spots of a mesh. */
 pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
                                 struct points *out);
 

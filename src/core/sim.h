@@ -42,6 +42,7 @@ struct pdyn_sim {
     struct emit *emit; /* particles that come and go; NULL where none does */
 
     struct neighbours *neighbours; /* NULL where no constraint needs them */
+    struct samples *samples;       /* on surfaces, where these meet a fluid; otherwise NULL */
 
     const struct solver_type *solver;
     void *solver_state;

@@ -22,6 +22,13 @@ static void predict(struct pdyn_sim *sim, double h) {
     memcpy(sim->x_next, sim->system.s, system_bytes(&sim->system));
 }
 
+/* Surfaces act on the fluid with the volumes that they have where the step begins. */
+static void stretch_samples(struct pdyn_sim *sim) {
+    if (!sim->samples) return;
+    samples_stretch(sim->samples, sim->x);
+    neighbours_stretch(sim->neighbours, sim->samples);
+}
+
 /* Where nothing can take momentum away, the step must not either, however far it was solved: the
  * mean of x - s over the mass is the momentum that an unfinished solve made up. */
 static pdyn_status keep_momentum(struct pdyn_sim *sim) {
@@ -39,17 +46,32 @@ static pdyn_status keep_momentum(struct pdyn_sim *sim) {
     return system_local(sys, sim->x_next, &energy, sim->gradient);
 }
 
-/* v = (x_next - x) / h, then viscosity; the iterate becomes the state. */
+/* v = (x_next - x) / h. Positions can meet a momentum up to their rounding; velocities take the
+ * rest, so that it does not add up over many steps. */
+static void take_velocities(struct pdyn_sim *sim, double h) {
+    const double *g = sim->scene.settings.gravity;
+    double excess[3] = {0}, mass = 0.0;
+    for (int i = 0; i < sim->system.particles; i++) {
+        double m = emit_is_live(sim, i) ? sim->system.mass[i] : 0.0;
+        mass += m;
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            double v = (sim->x_next[k] - sim->x[k]) / h;
+            excess[k % 3] += m * (v - sim->v[k] - h * g[k % 3]);
+            sim->v[k] = v;
+        }
+    }
+    if (sim->anchored) return;
+    for (int k = 0; k < 3 * sim->system.particles; k++)
+        if (emit_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
+}
+
+/* New velocities, then viscosity; the iterate becomes the state. */
 static void accept(struct pdyn_sim *sim, double h) {
     struct system *sys = &sim->system;
-    for (int k = 0; k < 3 * sys->particles; k++) {
-        sim->v[k] = (sim->x_next[k] - sim->x[k]) / h;
-        sim->correction[k] = sim->x_next[k] - sys->s[k];
-    }
+    take_velocities(sim, h);
+    for (int k = 0; k < 3 * sys->particles; k++) sim->correction[k] = sim->x_next[k] - sys->s[k];
     memcpy(sim->x, sim->x_next, system_bytes(sys));
-    for (int b = 0; b < sys->batches; b++)
-        if (sys->batch[b]->op && sys->batch[b]->type->op->velocity)
-            sys->batch[b]->type->op->velocity(sys->batch[b]->op, sim->v);
+    for (int b = 0; b < sys->batches; b++) batch_velocity(sys->batch[b], sim->v);
     sim->last_h = h;
     sim->steps++;
 }
@@ -62,6 +84,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
 
     predict(sim, end.h);
     motion_carry(sim, sim->system.time);
+    stretch_samples(sim);
     pdyn_status status = minimise(sim, end.h, &progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     if (status == PDYN_OK) status = measure_end(sim);

@@ -41,7 +41,14 @@ static void inertia(void *arg, int first, int last, int block) {
     c->system->partial[block] = energy;
 }
 
-/* Lists built at x, known to every batch. */
+/* What SPH sums work on: x, and the samples of surfaces. */
+static const double *extend(const struct system *sys, const double *x) {
+    if (!sys->samples) return x;
+    samples_extend(sys->samples, x, sys->samples->x);
+    return sys->samples->x;
+}
+
+/* Lists built at extended x, known to every batch. */
 static pdyn_status build_lists(struct system *sys, const double *x) {
     double start = clock_ms();
     const pdyn_neighbours *view = neighbours_view(sys->neighbours);
@@ -53,19 +60,24 @@ static pdyn_status build_lists(struct system *sys, const double *x) {
     return status;
 }
 
+pdyn_status system_build_lists(struct system *sys, const double *x) {
+    return build_lists(sys, extend(sys, x));
+}
+
 static bool lists_hold(const struct system *sys, const double *x) {
     return !sys->neighbours || neighbours_hold(sys->neighbours, x);
 }
 
 pdyn_status system_local(struct system *sys, const double *x, double *energy, double *gradient) {
-    pdyn_status status = lists_hold(sys, x) ? PDYN_OK : build_lists(sys, x);
+    const double *all = extend(sys, x);
+    pdyn_status status = lists_hold(sys, all) ? PDYN_OK : build_lists(sys, all);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
     sys->x = x;
     for_particles(sys, inertia, x, NULL, gradient, 0.0);
     *energy = system_partial_sum(sys);
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
-        status = batch_local(sys->batch[b], x, sys->time, gradient);
+        status = batch_local(sys->batch[b], sys->batch[b]->op ? all : x, sys->time, gradient);
         *energy += sys->batch[b]->energy;
     }
     sys->ms_local += clock_ms() - start;

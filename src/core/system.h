@@ -24,11 +24,15 @@ struct system {
     int batches, capacity;
     struct batch **batch;          /* capacity */
     struct neighbours *neighbours; /* NULL where no constraint needs them */
+    struct samples *samples;       /* of surfaces in these; NULL: none */
     unsigned lists;                /* revision of the lists */
     bool changing;                 /* some batch changes its selector from step to step */
     double *partial;               /* sums of parallel blocks of SYSTEM_GRAIN particles */
     double ms_neighbours, ms_local;
 };
+
+/* Builds the neighbour lists at x. */
+pdyn_status system_build_lists(struct system *system, const double *x);
 
 /* E and its gradient at x (finite or not: the caller checks E). */
 pdyn_status system_local(struct system *system, const double *x, double *energy, double *gradient);

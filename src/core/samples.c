@@ -1,0 +1,199 @@
+#include "samples.h"
+
+#include "neighbours.h"
+#include "sampling.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { GRAIN = 2048 };
+
+/* ---- from particles to samples and back ------------------------------------------------------ */
+
+struct call {
+    const struct samples *s;
+    const double *in;
+    double *out;
+    int numbers; /* of a particle */
+};
+
+static void for_all(const struct samples *s, int count, pdyn_range_fn *fn, const double *in,
+                    double *out, int numbers) {
+    struct call call = {s, in, out, numbers};
+    pool_for(s->context->pool, count, GRAIN, fn, &call);
+}
+
+static void interpolate(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct samples *s = c->s;
+    for (int k = first; k < last; k++) {
+        double sum[3] = {0};
+        for (int m = 3 * k; m < 3 * k + 3; m++)
+            vec3_add(sum, s->weight[m], c->in + 3 * (size_t)s->vertex[m]);
+        memcpy(c->out + 3 * (size_t)(s->particles + k), sum, sizeof sum);
+    }
+}
+
+void samples_extend(const struct samples *s, const double *x, double *out) {
+    memcpy(out, x, 3 * (size_t)s->particles * sizeof *x);
+    for_all(s, s->count, interpolate, x, out, 3);
+}
+
+static void add_own(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = c->numbers * first; k < c->numbers * last; k++) c->out[k] += c->in[k];
+}
+
+static void add_from_samples(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct samples *s = c->s;
+    size_t n = (size_t)c->numbers;
+    for (int i = first; i < last; i++)
+        for (int t = s->touch_start[i]; t < s->touch_start[i + 1]; t++) {
+            const double *from = c->in + n * (size_t)(s->particles + s->touch[t] / 3);
+            double *to = c->out + n * (size_t)(s->touch_first + i);
+            for (size_t a = 0; a < n; a++) to[a] += s->weight[s->touch[t]] * from[a];
+        }
+}
+
+static void gather(const struct samples *s, const double *extended, double *out, int numbers) {
+    for_all(s, s->particles, add_own, extended, out, numbers);
+    for_all(s, s->touch_count, add_from_samples, extended, out, numbers);
+}
+
+void samples_gather(const struct samples *s, const double *extended, double *y) {
+    gather(s, extended, y, 3);
+}
+
+void samples_gather_blocks(const struct samples *s, const double *extended, double *blocks) {
+    gather(s, extended, blocks, 6);
+}
+
+/* ---- volumes --------------------------------------------------------------------------------- */
+
+/* Of the triangle of sample k, m^2. */
+static double area(const struct samples *s, int k, const double *x) {
+    const double *c[3];
+    double u[3], v[3], n[3];
+    for (int m = 0; m < 3; m++) c[m] = x + 3 * (size_t)s->vertex[3 * k + m];
+    for (int a = 0; a < 3; a++) u[a] = c[1][a] - c[0][a], v[a] = c[2][a] - c[0][a];
+    vec3_cross(n, u, v);
+    return 0.5 * vec3_length(n);
+}
+
+static void stretch(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct samples *s = c->s;
+    for (int k = first; k < last; k++)
+        c->out[k] = s->rest_volume[k] * area(s, k, c->in) / s->rest_area[k];
+}
+
+void samples_stretch(struct samples *s, const double *x) {
+    for_all(s, s->count, stretch, x, s->volume, 1);
+}
+
+/* ---- setting up ------------------------------------------------------------------------------ */
+
+static bool allocate(struct samples *s) {
+    size_t n = (size_t)s->count;
+    s->vertex = NEW_ARRAY(s->context, 3 * n, int);
+    s->weight = NEW_ARRAY(s->context, 3 * n, double);
+    s->volume = NEW_ARRAY(s->context, n, double);
+    s->rest_volume = NEW_ARRAY(s->context, n, double);
+    s->rest_area = NEW_ARRAY(s->context, n, double);
+    s->touch = NEW_ARRAY(s->context, 3 * n, int);
+    s->x = NEW_VECTOR(s->context, s->particles + s->count);
+    s->input = NEW_VECTOR(s->context, s->particles + s->count);
+    s->output = NEW_VECTOR(s->context, s->particles + s->count);
+    s->blocks = NEW_ARRAY(s->context, 6 * ((size_t)s->particles + n), double);
+    return s->vertex && s->weight && s->volume && s->rest_volume && s->rest_area && s->touch &&
+           s->x && s->input && s->output && s->blocks;
+}
+
+void samples_free(struct samples *s) {
+    if (!s) return;
+    size_t n = (size_t)s->count;
+    FREE_ARRAY(s->context, s->vertex, 3 * n);
+    FREE_ARRAY(s->context, s->weight, 3 * n);
+    FREE_ARRAY(s->context, s->volume, n);
+    FREE_ARRAY(s->context, s->rest_volume, n);
+    FREE_ARRAY(s->context, s->rest_area, n);
+    FREE_ARRAY(s->context, s->touch, 3 * n);
+    FREE_ARRAY(s->context, s->touch_start, s->touch_count + 2);
+    FREE_VECTOR(s->context, s->x, s->particles + s->count);
+    FREE_VECTOR(s->context, s->input, s->particles + s->count);
+    FREE_VECTOR(s->context, s->output, s->particles + s->count);
+    FREE_ARRAY(s->context, s->blocks, 6 * ((size_t)s->particles + n));
+    FREE_ARRAY(s->context, s, 1);
+}
+
+/* The samples of one surface, from `first` on; their positions go to s->x. */
+static void place(struct samples *s, const pdyn_body *body, const struct spots *spots, int first,
+                  const double *rest) {
+    for (int k = 0; k < spots->count; k++) {
+        const struct spot *spot = &spots->spot[k];
+        const int *corner = body->triangle + 3 * spot->triangle;
+        int *vertex = s->vertex + 3 * (first + k);
+        for (int m = 0; m < 3; m++) vertex[m] = body->first + corner[m];
+        memcpy(s->weight + 3 * (first + k), spot->weight, sizeof spot->weight);
+        spot_position(spot, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
+        s->rest_area[first + k] = area(s, first + k, rest);
+    }
+}
+
+/* For every particle the samples that lie on it. */
+static pdyn_status transpose(struct samples *s) {
+    int low = INT32_MAX, high = -1;
+    for (int k = 0; k < 3 * s->count; k++) {
+        if (s->vertex[k] < low) low = s->vertex[k];
+        if (s->vertex[k] > high) high = s->vertex[k];
+    }
+    s->touch_first = low, s->touch_count = high - low + 1;
+    s->touch_start = NEW_ARRAY(s->context, s->touch_count + 2, int);
+    if (!s->touch_start) return PDYN_NO_MEMORY;
+    int *end = s->touch_start + 1; /* shifted by one, so that filling turns ends into starts */
+    for (int k = 0; k < 3 * s->count; k++) end[s->vertex[k] - low + 1]++;
+    for (int i = 0; i < s->touch_count; i++) end[i + 1] += end[i];
+    for (int k = 0; k < 3 * s->count; k++) s->touch[end[s->vertex[k] - low]++] = k;
+    return PDYN_OK;
+}
+
+static pdyn_status fill(struct samples *s, int bodies, const pdyn_body *body,
+                        const struct spots *spots, double support, const double *rest) {
+    pdyn_status status = allocate(s) ? PDYN_OK : PDYN_NO_MEMORY;
+    for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += spots[b++].count) {
+        place(s, &body[b], &spots[b], first, rest);
+        status = neighbours_surface_volumes(s->context, spots[b].count, s->x + 3 * (size_t)first,
+                                            support, s->rest_volume + first);
+    }
+    return status == PDYN_OK ? transpose(s) : status;
+}
+
+pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
+                           const double *rest, double spacing, double support,
+                           struct samples **out) {
+    struct spots *spots = NEW_ARRAY(context, bodies, struct spots);
+    pdyn_status status = spots ? PDYN_OK : PDYN_NO_MEMORY;
+    int count = 0;
+    *out = NULL;
+    for (int b = 0; b < bodies && status == PDYN_OK; count += spots[b++].count)
+        status = sample_triangles(context, body[b].rest, body[b].triangles, body[b].triangle,
+                                  spacing, &spots[b]);
+    if (status == PDYN_OK && count) {
+        *out = NEW_ARRAY(context, 1, struct samples);
+        if (!*out) status = PDYN_NO_MEMORY;
+        else {
+            **out = (struct samples){.context = context, .particles = particles, .count = count};
+            status = fill(*out, bodies, body, spots, support, rest);
+        }
+    }
+    if (status != PDYN_OK) samples_free(*out), *out = NULL;
+    for (int b = 0; spots && b < bodies; b++) spots_free(context, &spots[b]);
+    FREE_ARRAY(context, spots, bodies);
+    return status;
+}

@@ -1,0 +1,51 @@
+/* Points on surfaces through which these act on a fluid, as close together as its particles,
+ * whatever the mesh. A sample lies in a triangle and moves with its corners (barycentric selector
+ * rows): with S the matrix of the weights, a vector x of the particles becomes (x, S x), which SPH
+ * sums work on, and forces (f, f_s) on these come back as f + S' f_s. So samples have no mass and
+ * are no unknowns, and what they exchange with the fluid conserves momentum. */
+#ifndef PDYN_SAMPLES_H
+#define PDYN_SAMPLES_H
+
+#include "context.h"
+#include "projdyn/module.h"
+
+struct samples {
+    pdyn_context *context;
+    int particles;          /* of the system */
+    int count;              /* samples */
+    int *vertex;            /* count x 3: particles of the system */
+    double *weight;         /* count x 3: barycentric coordinates */
+    double *volume;         /* count, m^3: in SPH sums, now */
+    double *rest_volume;    /* count, m^3 */
+    double *rest_area;      /* count, m^2: of the sample's triangle */
+    int touch_first;        /* samples lie only on these particles: */
+    int touch_count;        /* so many from touch_first on; */
+    int *touch_start;       /* touch_count + 2: where a particle begins in */
+    int *touch;             /* 3 count: places in vertex and weight, ascending for each particle */
+    double *x;              /* (particles + count) x 3 and one: positions */
+    double *input, *output; /* the same: what goes through an operator */
+    double *blocks;         /* (particles + count) x 6 */
+};
+
+/* Samples all surfaces at rest (particles x 3), `spacing` (m) apart as sample_triangles says, with
+ * volumes for SPH sums of this support (Akinci et al. 2012, eq. 4). *out is NULL where there is no
+ * surface. */
+pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
+                           const double *rest, double spacing, double support,
+                           struct samples **out);
+void samples_free(struct samples *samples);
+
+/* out = (x, S x) */
+void samples_extend(const struct samples *samples, const double *x, double *out);
+
+/* y += f + S' f_s; extended: (f, f_s) */
+void samples_gather(const struct samples *samples, const double *extended, double *y);
+
+/* Adds a block diagonal, packed, x 6. Those of the samples are lumped to their corners, which
+ * bounds S' D S from above. */
+void samples_gather_blocks(const struct samples *samples, const double *extended, double *blocks);
+
+/* Volumes where the particles are at x: as the areas of the triangles. */
+void samples_stretch(struct samples *samples, const double *x);
+
+#endif

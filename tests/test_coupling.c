@@ -1,0 +1,230 @@
+/* Fluid and surfaces on each other: samples, their forces, momentum, and what a sheet holds. */
+#include "support.h"
+
+#include "samples.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* A drop on a sheet whose triangles are three spacings wide; nothing else acts. */
+static const char drop[] =
+    "{\"duration\": 1, \"gravity\": [0, 0, 0], \"time_step\": {\"fixed\": 0.004},"
+    " \"solver\": {\"tolerance\": 1e-3, \"outer_iterations\": 4},"
+    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\":"
+    " {\"minimum\": [-0.05, 0.025, -0.05], \"maximum\": [0.05, 0.105, 0.05]},"
+    " \"velocity\": [0.1, -1, 0.05]}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": "
+    "1e5}]},"
+    " {\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [0.3, 0.3], \"vertices\": [6, 6]},"
+    " \"rotate\": [0, 20, 10], \"area_density\": 0.5}, \"constraints\": ["
+    "{\"type\": \"spring\", \"stretching_stiffness\": 1000},"
+    " {\"type\": \"bending\", \"bending_rigidity\": 0.001}]}]}";
+
+static double *array(int n) {
+    double *a = calloc((size_t)n + 1, sizeof *a); /* a vector has room for one more */
+    assert_non_null(a);
+    return a;
+}
+
+/* ---- samples --------------------------------------------------------------------------------- */
+
+/* Samples are where their weights say, not closer than they should be, and cover the sheet. */
+static void test_places(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, drop);
+    const struct samples *s = sim->samples;
+    const pdyn_body *sheet = &sim->body[1];
+    int n = sim->system.particles;
+    double spacing = 0.9 * 0.02, *x = array(3 * (n + s->count)), area = 0.0;
+    samples_extend(s, sim->x, x);
+    for (int k = 0; k < s->count; k++) {
+        const double *w = s->weight + 3 * k, *at = x + 3 * (n + k);
+        assert_true(fabs(w[0] + w[1] + w[2] - 1.0) < 1e-12);
+        for (int a = 0; a < 3; a++) {
+            double sum = 0.0;
+            for (int m = 0; m < 3; m++) sum += w[m] * sim->x[3 * s->vertex[3 * k + m] + a];
+            assert_true(w[a] >= -1e-12 && fabs(sum - at[a]) < 1e-15);
+        }
+        for (int m = 0; m < k; m++)
+            assert_true(vec3_distance(at, x + 3 * (n + m)) > 0.74 * spacing);
+    }
+    for (int t = 0; t < sheet->triangles; t++)
+        for (int k = 0; k < 66; k++) { /* a lattice of 11 points a side */
+            double b = (k % 11) / 10.0, c = (k / 11) / 10.0, at[3], nearest = 1.0;
+            const int *v = sheet->triangle + 3 * t;
+            if (b + c > 1.0) continue;
+            for (int a = 0; a < 3; a++)
+                at[a] = (1.0 - b - c) * sheet->rest[3 * v[0] + a] + b * sheet->rest[3 * v[1] + a] +
+                        c * sheet->rest[3 * v[2] + a];
+            for (int m = 0; m < s->count; m++)
+                nearest = fmin(nearest, vec3_distance(at, x + 3 * (n + m)));
+            assert_true(nearest < 1.1 * spacing);
+        }
+    for (int t = 0; t < sheet->count; t++) area += sheet->vertex_area[t];
+    assert_true(fabs(area - 0.09) < 1e-12);
+    assert_true(s->count > area / (spacing * spacing) && s->count < 3 * area / (spacing * spacing));
+    free(x);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* (y, S' z) is the transpose of (x, S x); blocks that are lumped hold more than S' D S. */
+static void test_gather(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(3);
+    pdyn_sim *sim = test_load(context, drop);
+    const struct samples *s = sim->samples;
+    int n = 3 * sim->system.particles, all = n + 3 * s->count;
+    double *x = array(n), *y = array(n), *up = array(all), *z = array(all);
+    double *D = array(2 * all), *blocks = array(2 * n), left = 0.0, right = 0.0, held = 0.0;
+    uint64_t seed = 5;
+    for (int k = 0; k < n; k++) x[k] = test_random(&seed);
+    for (int k = 0; k < all; k++) z[k] = test_random(&seed);
+    samples_extend(s, x, up);
+    samples_gather(s, z, y);
+    for (int k = 0; k < n; k++) left += y[k] * x[k];
+    for (int k = 0; k < all; k++) right += z[k] * up[k];
+    assert_true(fabs(left - right) < 1e-12 * fabs(left));
+    for (int k = 0; k < all / 3; k++) D[6 * k] = D[6 * k + 3] = D[6 * k + 5] = 1.0 + z[3 * k];
+    samples_gather_blocks(s, D, blocks);
+    for (int k = 0; k < n / 3; k++) held += blocks[6 * k] * vec3_dot(x + 3 * k, x + 3 * k);
+    right = 0.0;
+    for (int k = 0; k < all / 3; k++) right += D[6 * k] * vec3_dot(up + 3 * k, up + 3 * k);
+    assert_true(held >= right);
+    free(x), free(y), free(up), free(z), free(D), free(blocks);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Volumes follow the area of the sheet. */
+static void test_stretch(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    const pdyn_body *sheet = &sim->body[1];
+    for (int i = sheet->first; i < sheet->first + sheet->count; i++)
+        for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= 1.1;
+    samples_stretch(sim->samples, sim->x);
+    for (int k = 0; k < sim->samples->count; k++)
+        assert_true(fabs(sim->samples->volume[k] / sim->samples->rest_volume[k] - 1.21) < 1e-12);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- forces ---------------------------------------------------------------------------------- */
+
+static double energy_at(pdyn_sim *sim, const double *x, double *gradient) {
+    double energy;
+    assert_int_equal(system_local(&sim->system, x, &energy, gradient), PDYN_OK);
+    return energy;
+}
+
+/* Pressed together: the gradient is that of the energy, the operator agrees with the rows, and
+ * what the sheet gets the water gives. */
+static void test_forces(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, drop);
+    struct system *sys = &sim->system;
+    const struct batch *fluid = sys->batch[0];
+    int n = 3 * sys->particles;
+    double *x = array(n), *u = array(n), *moved = array(n), *g = array(n), *other = array(n);
+    double h = 1e-7, slope = 0.0, sum[3] = {0}, moment[3] = {0}, size = 0.0;
+    uint64_t seed = 9;
+    for (int k = 0; k < n; k++) {
+        x[k] = sim->x[k] + 0.001 * test_random(&seed), u[k] = test_random(&seed);
+        if (k % 3 == 1 && k / 3 < sim->body[0].count) x[k] -= 0.008;
+    }
+    memcpy(sys->s, x, (size_t)n * sizeof *x); /* no inertia in the gradient */
+    sys->h = 0.01;
+    energy_at(sim, x, g);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < n; k++) moved[k] = x[k] + sign * h * u[k];
+        slope += sign * energy_at(sim, moved, other) / (2.0 * h);
+    }
+    double expected = system_dot(sys, g, u);
+    assert_true(fabs(slope / expected - 1.0) < 0.02);
+    energy_at(sim, x, g);
+    for (int i = 0; i < n / 3; i++) {
+        double turn[3];
+        vec3_cross(turn, x + 3 * i, g + 3 * i);
+        vec3_add(sum, 1.0, g + 3 * i), vec3_add(moment, 1.0, turn);
+        size += vec3_length(g + 3 * i);
+    }
+    assert_true(size > 10.0 && vec3_length(sum) < 1e-12 * size);
+    assert_true(vec3_length(moment) < 1e-8 * size); /* pairs are kept in single precision */
+
+    struct batch *rows;
+    assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
+                                  neighbours_view(sim->neighbours), true, &rows),
+                     PDYN_OK);
+    memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
+    assert_int_equal(batch_local(rows, x, 0.0, moved), PDYN_OK);
+    assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);
+    for (int b = 1; b < sys->batches; b++) batch_local(sys->batch[b], x, 0.0, moved);
+    assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(system_dot(sys, g, g)));
+    batch_linearise(rows, 0.0), batch_linearise(sys->batch[0], 0.0);
+    memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
+    batch_apply(rows, u, moved), batch_apply(sys->batch[0], u, other);
+    assert_true(test_distance(moved, other, n) < 1e-9 * sqrt(system_dot(sys, moved, moved)));
+    batch_free(rows);
+    free(x), free(u), free(moved), free(g), free(other);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Same result with a factor as with conjugate gradients. */
+static void test_solvers(void **state) {
+    (void)state;
+    double x[2][3];
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = NULL;
+        const char *const set[] = {k ? "solver.type=cholesky" : "solver.type=cg",
+                                   "solver.tolerance=1e-8", "solver.outer_iterations=40",
+                                   "solver.linear_tolerance=1e-4",
+                                   "bodies.water.particles.radius=0.0125"};
+        assert_int_equal(pdyn_load_text(context, drop, "drop", set, 5, &sim), PDYN_OK);
+        for (int step = 0; step < 6; step++) test_step(context, sim);
+        memcpy(x[k], sim->x + 3 * (sim->body[1].first + 14), sizeof x[k]);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    assert_true(vec3_distance(x[0], x[1]) < 1e-7);
+}
+
+/* ---- momentum -------------------------------------------------------------------------------- */
+
+/* However far a step is solved: linear momentum stays. */
+static void keeps_momentum(const char *outer, const char *linear) {
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = NULL;
+    const char *const set[] = {outer, linear, "duration=100"};
+    pdyn_step_info info;
+    double begin[3] = {0}, size = 0.0;
+    assert_int_equal(pdyn_load_text(context, drop, "drop", set, 3, &sim), PDYN_OK);
+    for (int i = 0; i < sim->system.particles; i++) {
+        vec3_add(begin, sim->system.mass[i], sim->v + 3 * i);
+        size += sim->system.mass[i] * vec3_length(sim->v + 3 * i);
+    }
+    for (int step = 0; step < 1000; step++) info = test_step(context, sim);
+    assert_true(vec3_distance(info.momentum, begin) < 1e-12 * size);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void test_momentum(void **state) {
+    (void)state;
+    keeps_momentum("solver.outer_iterations=1", "solver.linear_iterations=3");
+    keeps_momentum("solver.outer_iterations=4", "solver.linear_tolerance=0.01");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_stretch), cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_solvers), cmocka_unit_test(test_momentum),
+    };
+    return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
+}
