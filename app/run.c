@@ -1,7 +1,9 @@
 /* projdyn run: simulates a scene, frame by frame, and writes what comes of it. */
 #include "app.h"
+#include "record.h"
 
 #include <getopt.h>
+#include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -13,6 +15,7 @@
 
 static const char usage[] =
     "Usage: projdyn run SCENE [OPTIONS]\n"
+    "       projdyn run --resume DIR [OPTIONS]\n"
     "\n"
     "Simulates a scene and writes frames, metrics.csv and report.json.\n"
     "\n"
@@ -22,6 +25,9 @@ static const char usage[] =
     "      --time S          simulates S seconds instead of the scene's duration\n"
     "      --report FILE     writes the report there instead of DIR/report.json\n"
     "      --ply             writes each frame as PLY, too\n"
+    "      --save N          saves the state every N frames (default 10; 0: at the end only)\n"
+    "      --resume DIR      goes on with the run in DIR from its saved state, to the same bits;\n"
+    "                        with --time S to another end\n"
     "      --quiet           no progress, no summary\n"
     "  -h, --help            this text\n"
     "\n"
@@ -29,15 +35,17 @@ static const char usage[] =
 
 struct run_options {
     struct scene_options scene;
-    const char *output, *report;
+    const char *output, *report, *resume;
     char *default_output; /* if none was given */
+    void *record;         /* of a run that is resumed */
     char duration[64];    /* override made from --time */
+    int save;             /* frames */
     bool ply, quiet;
 };
 
 struct totals {
     double begun, shown; /* s, of the clock: the run, the last progress line */
-    long steps;
+    long steps, frames;
     double density_mean, density_worst; /* sum of the steps' means; the largest of them */
 };
 
@@ -68,6 +76,17 @@ static bool parse_time(struct run_options *o, const char *text) {
     return scene_set(&o->scene, o->duration);
 }
 
+static bool parse_save(struct run_options *o, const char *text) {
+    char *end;
+    long frames = strtol(text, &end, 10);
+    if (*end || end == text || frames < 0 || frames > INT_MAX) {
+        fprintf(stderr, "projdyn: --save: found \"%s\", expected a number of frames\n", text);
+        return false;
+    }
+    o->save = (int)frames;
+    return true;
+}
+
 static bool accept_option(struct run_options *o, int option) {
     switch (option) {
     case 'o':
@@ -82,6 +101,11 @@ static bool accept_option(struct run_options *o, int option) {
     case 'q':
         o->quiet = true;
         return true;
+    case 'R':
+        o->resume = optarg;
+        return true;
+    case 'S':
+        return parse_save(o, optarg);
     case 't':
         return scene_threads(&o->scene, optarg);
     case 's':
@@ -107,6 +131,20 @@ static bool choose_output(struct run_options *o) {
     return true;
 }
 
+/* Scene, overrides and output are those of the run; its end may be another. -1: go on. */
+static int choose_resumed(struct run_options *o, int scenes) {
+    if (scenes || o->output || o->ply || o->scene.sets > (*o->duration != '\0')) {
+        fprintf(stderr,
+                "projdyn: --resume: scene, --output, --set and --ply are those of the run\n");
+        return EXIT_BAD_INPUT;
+    }
+    o->output = o->resume;
+    o->scene.sets = 0;
+    int code = record_read(o->resume, &o->scene, &o->record);
+    if (code != EXIT_GOOD) return code;
+    return !*o->duration || scene_set(&o->scene, o->duration) ? -1 : EXIT_FAILED;
+}
+
 /* -1: go on; otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
     static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
@@ -116,6 +154,8 @@ static int parse(struct run_options *o, int argc, char **argv) {
                                                  {"report", required_argument, NULL, 'r'},
                                                  {"ply", no_argument, NULL, 'p'},
                                                  {"quiet", no_argument, NULL, 'q'},
+                                                 {"save", required_argument, NULL, 'S'},
+                                                 {"resume", required_argument, NULL, 'R'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
     int option;
@@ -126,6 +166,7 @@ static int parse(struct run_options *o, int argc, char **argv) {
         }
         if (!accept_option(o, option)) return EXIT_BAD_INPUT;
     }
+    if (o->resume) return choose_resumed(o, argc - optind);
     if (argc - optind != 1) {
         fprintf(stderr, "projdyn: run: expected one scene file\n\n%s", usage);
         return EXIT_BAD_INPUT;
@@ -195,11 +236,18 @@ static bool stops(bool frame, bool *told) {
     return interrupts > 1 || (interrupts && frame);
 }
 
+/* The first frame is saved, too: from then on a run can be resumed. */
+static pdyn_status end_frame(pdyn_writer *writer, const struct run_options *o, struct totals *t) {
+    pdyn_status status = pdyn_writer_frame(writer);
+    bool due = o->save && t->frames++ % o->save == 0;
+    return status == PDYN_OK && due ? pdyn_writer_save(writer) : status;
+}
+
 /* Steps and writes until the end, a failure or an interrupt. */
 static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run_options *o,
                             struct totals *t) {
     bool frame = true, told = false;
-    pdyn_status status = pdyn_writer_frame(writer);
+    pdyn_status status = o->resume ? PDYN_OK : end_frame(writer, o, t);
     while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9)) {
         if (stops(frame, &told)) break;
         pdyn_step_info info;
@@ -210,7 +258,7 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
         t->density_mean += info.density_error_mean;
         t->density_worst = fmax(t->density_worst, info.density_error_mean);
         frame = info.frame;
-        if (frame) status = pdyn_writer_frame(writer);
+        if (frame) status = end_frame(writer, o, t);
         if (!o->quiet) show_progress(sim, &info, t);
     }
     if (!o->quiet) clear_progress();
@@ -220,8 +268,16 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
 static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
     struct totals totals = {.begun = now()};
     pdyn_writer *writer = NULL;
-    pdyn_status status = pdyn_writer_open(sim, o->output, o->ply, &writer);
-    if (status != PDYN_OK) return report_status(context, status);
+    pdyn_status status = o->resume ? pdyn_writer_resume(sim, o->output, &writer)
+                                   : pdyn_writer_open(sim, o->output, o->ply, &writer);
+    if (status != PDYN_OK) {
+        int failed = report_status(context, status);
+        return o->resume && status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : failed;
+    }
+    if (!o->resume && record_write(o->output, &o->scene) != EXIT_GOOD) {
+        pdyn_writer_close(writer);
+        return EXIT_FAILED;
+    }
     status = simulate(sim, writer, o, &totals);
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
     char failure[2048]; /* a copy: the report may fail, too */
@@ -230,11 +286,15 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     pdyn_status written =
         pdyn_writer_report(writer, o->report, interrupted, status == PDYN_OK ? NULL : failure);
     if (written != PDYN_OK) code = report_status(context, written);
+    written = pdyn_writer_save(writer); /* after a failure too: the last good step */
+    if (written != PDYN_OK) code = report_status(context, written);
     pdyn_writer_close(writer);
     if (code != EXIT_GOOD) return code;
     if (interrupted)
-        fprintf(stderr, "projdyn: interrupted at %g s; what was simulated is in %s\n",
-                pdyn_time(sim), o->output);
+        fprintf(stderr,
+                "projdyn: interrupted at %g s; what was simulated is in %s; to go on: projdyn run "
+                "--resume %s\n",
+                pdyn_time(sim), o->output, o->output);
     if (!o->quiet) summarise(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
 }
@@ -247,7 +307,7 @@ static void catch_signals(void) {
 }
 
 int run_main(int argc, char **argv) {
-    struct run_options o = {0};
+    struct run_options o = {.save = 10};
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     int code = parse(&o, argc, argv);
@@ -262,5 +322,6 @@ int run_main(int argc, char **argv) {
     pdyn_destroy(context);
     free(o.scene.set);
     free(o.default_output);
+    record_free(o.record);
     return code;
 }

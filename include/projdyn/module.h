@@ -92,6 +92,16 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
 } pdyn_batch;
 
+/* ---- what outlives a step ---------------------------------------------------------------------
+ */
+
+/* The state of a simulation, written to a file or read from it. A module hands over what its next
+ * step depends on, in the same order both ways. */
+typedef struct pdyn_archive {
+    bool reading;
+    void (*bytes)(struct pdyn_archive *archive, void *data, size_t size);
+} pdyn_archive;
+
 /* ---- operator tier: for a constraint that is too large for generic rows ---------------------- */
 
 typedef void pdyn_range_fn(void *arg, int first, int last, int block);
@@ -115,8 +125,8 @@ typedef struct pdyn_neighbours {
     int samples;                 /* the last so many of the particles */
     const int *sample_vertex;    /* samples x 3: particles of the system */
     const double *sample_weight; /* samples x 3: how much of each */
-    const double *volume;     /* points, m^3: rest volume; 0 for what takes no part */
-    const double *boundary_x; /* (points - particles) x 3 */
+    const double *volume;        /* points, m^3: rest volume; 0 for what takes no part */
+    const double *boundary_x;    /* (points - particles) x 3 */
     /* Each particle's list: other particles from start to boundary_start, boundary points from
      * there to end; particles each, numbers of points in `index`. */
     const int *start, *boundary_start, *end;
@@ -166,6 +176,8 @@ typedef struct pdyn_operator {
     /* Changes velocities after the step (viscosity), at the x of the last local step. NULL: none.
      */
     void (*velocity)(void *self, double *v);
+    /* What it keeps from step to step. NULL: nothing. */
+    void (*persist)(void *self, pdyn_archive *archive);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */

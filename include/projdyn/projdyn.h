@@ -171,6 +171,13 @@ typedef struct pdyn_constraint_info {
 } pdyn_constraint_info;
 PDYN_API pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint);
 
+/* Saves the state in one file, or brings a simulation that was loaded from the same scene to a
+ * saved one: what follows has the same bits as without the interruption. The scene may have another
+ * duration. The file appears whole or not at all. PDYN_BAD_INPUT: this is no saved state, or one of
+ * another scene or version. */
+PDYN_API pdyn_status pdyn_save(pdyn_sim *sim, const char *path);
+PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
+
 /* Output. A frame is one file per body, DIR/NAME_000012.vtk (legacy VTK 4.2, binary), listed with
  * its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. The points of solids that rest are
  * in DIR/boundary.vtk, those of solids that move are one more body, "boundary". Files appear whole
@@ -185,6 +192,10 @@ PDYN_API pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info 
  * or NULL. */
 PDYN_API pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,
                                         const char *failed);
+/* Saves simulation and writer in DIR/state.pdyn. */
+PDYN_API pdyn_status pdyn_writer_save(pdyn_writer *writer);
+/* Goes on where DIR/state.pdyn was saved, with a simulation loaded from the same scene. */
+PDYN_API pdyn_status pdyn_writer_resume(pdyn_sim *sim, const char *directory, pdyn_writer **out);
 PDYN_API void pdyn_writer_close(pdyn_writer *writer); /* NULL is fine */
 
 #ifdef __cplusplus

@@ -147,6 +147,11 @@ static void velocity(void *self, double *v) {
     fluid_viscosity(self, v);
 }
 
+static void persist(void *self, pdyn_archive *archive) {
+    struct fluid *f = self;
+    if (f->params.wall_pressure) fluid_walls_persist(f, archive);
+}
+
 const pdyn_operator fluid_operator = {
     .create = create,
     .free = release,
@@ -159,4 +164,5 @@ const pdyn_operator fluid_operator = {
     .density = density,
     .pressure = pressure,
     .velocity = velocity,
+    .persist = persist,
 };

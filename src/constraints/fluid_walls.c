@@ -64,6 +64,11 @@ double fluid_walls_see(struct fluid_walls *w, int b, double density) {
     return density - w->share[b];
 }
 
+void fluid_walls_persist(struct fluid *f, pdyn_archive *archive) {
+    size_t boundary = (size_t)(f->points - f->particles);
+    if (boundary) archive->bytes(archive, f->walls.share, boundary * sizeof *f->walls.share);
+}
+
 void fluid_walls_settle(struct fluid *f) {
     struct fluid_walls *w = &f->walls;
     for (int b = 0; b < f->points - f->particles; b++) {

@@ -11,6 +11,8 @@
 #ifndef PDYN_FLUID_WALLS_H
 #define PDYN_FLUID_WALLS_H
 
+#include "projdyn/module.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -32,5 +34,8 @@ double fluid_walls_see(struct fluid_walls *walls, int b, double density);
 
 /* The step ended where the last local step was. */
 void fluid_walls_settle(struct fluid *f);
+
+/* Writes or reads what the walls have seen. */
+void fluid_walls_persist(struct fluid *f, pdyn_archive *archive);
 
 #endif

@@ -186,6 +186,21 @@ void emit_free(struct pdyn_sim *sim) {
     FREE_ARRAY(c, sim->emit, 1);
 }
 
+void emit_persist(struct pdyn_sim *sim, struct archive *a) {
+    struct emit *e = sim->emit;
+    if (!e) return;
+    size_t n = (size_t)sim->system.particles;
+    archive_bytes(a, e->live, n * sizeof *e->live);
+    archive_bytes(a, e->slot, n * sizeof *e->slot);
+    archive_bytes(a, e->vacant, (size_t)sim->bodies * sizeof *e->vacant);
+    for (int k = 0; k < e->inlets; k++) {
+        ARCHIVE(a, e->inlet[k].layers);
+        ARCHIVE(a, e->inlet[k].closed);
+    }
+    ARCHIVE(a, e->emitted);
+    ARCHIVE(a, e->removed);
+}
+
 void emit_tell(struct pdyn_sim *sim) {
     if (sim->emit && sim->neighbours) neighbours_change(sim->neighbours, sim->emit->live);
 }

@@ -5,6 +5,7 @@
 #ifndef PDYN_EMIT_H
 #define PDYN_EMIT_H
 
+#include "archive.h"
 #include "sim.h"
 
 struct emit_inlet {
@@ -37,6 +38,9 @@ void emit_hold(struct pdyn_sim *sim);
 
 /* At the end of a step: removes what is in an outlet, then lets in the layers that are due. */
 void emit_step(struct pdyn_sim *sim);
+
+/* Writes or reads who is live, and what the inlets have done. */
+void emit_persist(struct pdyn_sim *sim, struct archive *archive);
 
 /* How many particles of a body are live. */
 int emit_count(const struct pdyn_sim *sim, int body);

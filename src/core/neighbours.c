@@ -267,10 +267,22 @@ pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     if (status == PDYN_OK) status = grid_sort(n->context, &n->moving, n->active, n->id, x);
     if (status == PDYN_OK) status = fill(n, x);
     if (status != PDYN_OK) return status;
-    memcpy(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);
+    memmove(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);
     n->built = true;
     n->view.revision++;
     return PDYN_OK;
+}
+
+pdyn_status neighbours_persist(struct neighbours *n, pdyn_archive *archive) {
+    bool built = n->built;
+    archive->bytes(archive, &built, sizeof built);
+    archive->bytes(archive, n->built_x, 3 * (size_t)n->view.particles * sizeof *n->built_x);
+    if (n->carried)
+        archive->bytes(archive, n->built_carried, 3 * (size_t)n->carried * sizeof(double));
+    if (!archive->reading || !built) return PDYN_OK;
+    if (n->carried) memcpy(carried_x(n), n->built_carried, 3 * (size_t)n->carried * sizeof(double));
+    pdyn_status status = sort_boundary(n);
+    return status == PDYN_OK ? neighbours_build(n, n->built_x) : status;
 }
 
 /* ---- volumes of surface samples -------------------------------------------------------------- */

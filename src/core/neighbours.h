@@ -44,6 +44,10 @@ bool neighbours_hold(struct neighbours *neighbours, const double *x);
  * that is not finite or beyond 1e6 supports gives PDYN_DIVERGED. */
 pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 
+/* Writes where the lists were built, or reads it and builds them there. Who takes part has to be
+ * known before; boundary points that move have to be moved after. */
+pdyn_status neighbours_persist(struct neighbours *neighbours, pdyn_archive *archive);
+
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
 
 /* Rest volumes of points sampled on a surface, 1 / sum_k W (Akinci et al. 2012), m^3. */

@@ -1,5 +1,7 @@
 #include "scene.h"
 
+#include "archive.h"
+
 #include "fill.h"
 #include "inlet.h"
 #include "near.h"
@@ -12,6 +14,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { NAMES = 64, HINT = 768 };
@@ -556,12 +559,26 @@ static pdyn_status read_all(struct reader *r, const struct json_at *root) {
     return status;
 }
 
+static pdyn_status take_fingerprint(struct reader *r, const json_t *root) {
+    static const char *const free_keys[] = {"$schema", "name", "duration"};
+    json_t *values = json_copy((json_t *)root);
+    for (size_t k = 0; values && k < sizeof free_keys / sizeof *free_keys; k++)
+        json_object_del(values, free_keys[k]);
+    char *dump = values ? json_dumps(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
+    json_decref(values);
+    if (!dump) return context_no_memory(r->context);
+    r->scene->fingerprint = hash_bytes(HASH_BEGIN, dump, strlen(dump));
+    free(dump);
+    return PDYN_OK;
+}
+
 static pdyn_status read_file(struct reader *r, const char *text, const char *const *set, int sets) {
     struct json_file file;
     pdyn_status status = json_file_open(r->context, r->scene->file, text, set, sets, &file);
     if (status != PDYN_OK) return status;
     struct json_at root = json_root(&file);
     status = read_all(r, &root);
+    if (status == PDYN_OK) status = take_fingerprint(r, root.value);
     json_file_close(&file);
     return status;
 }

@@ -87,8 +87,9 @@ struct scene_settings {      /* the scene's own "solver" and "time_step" and gen
 };
 
 struct scene {
-    char *file; /* as named by the user, for messages and the report */
-    char *name; /* "name" of the scene; may be empty */
+    char *file;           /* as named by the user, for messages and the report */
+    char *name;           /* "name" of the scene; may be empty */
+    uint64_t fingerprint; /* of all values in the file but its name and duration */
     struct scene_settings settings;
     int bodies, solids, outlets;
     struct scene_body *body;

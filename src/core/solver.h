@@ -4,6 +4,7 @@
 #define PDYN_SOLVER_H
 
 #include "context.h"
+#include "projdyn/module.h"
 
 struct system;
 
@@ -23,6 +24,8 @@ struct solver_type {
     pdyn_status (*solve)(void *self, double *b, double *y, double tolerance, int max_iterations,
                          int *iterations);
     void (*free)(void *self);
+    /* Writes or reads what the next step depends on. NULL: nothing. */
+    pdyn_status (*persist)(void *self, pdyn_archive *archive);
 };
 
 #endif

@@ -1,4 +1,5 @@
 /* Reading a simulation's state through the public API. */
+#include "archive.h"
 #include "emit.h"
 
 double pdyn_time(const pdyn_sim *sim) { return sim->time; }
@@ -47,12 +48,6 @@ pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
 
-static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
-    const unsigned char *byte = data;
-    for (size_t k = 0; k < size; k++) hash = (hash ^ byte[k]) * 0x100000001B3u;
-    return hash;
-}
-
 /* A vector's bits, of all live particles. */
 static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
     size_t one = 3 * sizeof *vector;
@@ -63,5 +58,5 @@ static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *ve
 }
 
 uint64_t pdyn_state_hash(const pdyn_sim *sim) {
-    return hash_vector(hash_vector(0xCBF29CE484222325u, sim, sim->x), sim, sim->v);
+    return hash_vector(hash_vector(HASH_BEGIN, sim, sim->x), sim, sim->v);
 }

@@ -48,14 +48,20 @@ static const double *extend(const struct system *sys, const double *x) {
     return sys->samples->x;
 }
 
-/* Lists built at extended x, known to every batch. */
-static pdyn_status build_lists(struct system *sys, const double *x) {
-    double start = clock_ms();
+pdyn_status system_tell_lists(struct system *sys) {
     const pdyn_neighbours *view = neighbours_view(sys->neighbours);
-    pdyn_status status = neighbours_build(sys->neighbours, x);
+    pdyn_status status = PDYN_OK;
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
         status = batch_neighbours(sys->batch[b], view);
     sys->lists = view->revision;
+    return status;
+}
+
+/* Lists built at extended x, known to every batch. */
+static pdyn_status build_lists(struct system *sys, const double *x) {
+    double start = clock_ms();
+    pdyn_status status = neighbours_build(sys->neighbours, x);
+    if (status == PDYN_OK) status = system_tell_lists(sys);
     sys->ms_neighbours += clock_ms() - start;
     return status;
 }

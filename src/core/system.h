@@ -34,6 +34,9 @@ struct system {
 /* Builds the neighbour lists at x. */
 pdyn_status system_build_lists(struct system *system, const double *x);
 
+/* The lists are new: tells every batch. */
+pdyn_status system_tell_lists(struct system *system);
+
 /* E and its gradient at x (finite or not: the caller checks E). */
 pdyn_status system_local(struct system *system, const double *x, double *energy, double *gradient);
 

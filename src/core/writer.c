@@ -2,6 +2,7 @@
 #include "clock.h"
 #include "file_out.h"
 #include "output.h"
+#include "persist.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -108,17 +109,22 @@ static pdyn_status write_part(pdyn_writer *writer, int part) {
     return ply_write_body(writer->sim, part, path_of(writer, "%s_%06d.ply", name, writer->frames));
 }
 
-static pdyn_status keep_time(pdyn_writer *writer) {
-    if (writer->frames == writer->capacity) {
-        size_t size = (size_t)writer->capacity * sizeof(double);
-        size_t grown = size ? 2 * size : 64 * sizeof(double);
-        double *moved = context_resize(writer->context, writer->time, size, grown);
-        if (!moved) return context_no_memory(writer->context);
-        writer->time = moved;
-        writer->capacity = (int)(grown / sizeof(double));
-    }
-    writer->time[writer->frames] = pdyn_time(writer->sim);
+static pdyn_status reserve_times(pdyn_writer *writer, int frames) {
+    size_t size = (size_t)writer->capacity * sizeof(double);
+    size_t grown = (2 * (size_t)frames + 64) * sizeof(double);
+    if (frames <= writer->capacity) return PDYN_OK;
+    double *moved =
+        frames < INT32_MAX / 4 ? context_resize(writer->context, writer->time, size, grown) : NULL;
+    if (!moved) return context_no_memory(writer->context);
+    writer->time = moved;
+    writer->capacity = (int)(grown / sizeof(double));
     return PDYN_OK;
+}
+
+static pdyn_status keep_time(pdyn_writer *writer) {
+    pdyn_status status = reserve_times(writer, writer->frames + 1);
+    if (status == PDYN_OK) writer->time[writer->frames] = pdyn_time(writer->sim);
+    return status;
 }
 
 /* First the files, then the series that list them: these never name what is not there. */
@@ -234,6 +240,78 @@ pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
     return status;
 }
 
+/* ---- saving and resuming --------------------------------------------------------------------- */
+
+/* What the writer has written so far; of a run that goes on, what it had. */
+static void persist_writer(pdyn_writer *writer, struct archive *a) {
+    struct report *report = &writer->report;
+    double run_ms = clock_ms() - report->opened_ms;
+    archive_expect(a, sizeof *report, "numbers in its report");
+    ARCHIVE(a, writer->ply);
+    ARCHIVE(a, writer->metrics_size);
+    ARCHIVE(a, run_ms);
+    ARCHIVE(a, *report);
+    ARCHIVE(a, writer->frames);
+    report->opened_ms = clock_ms() - run_ms;
+}
+
+static pdyn_status persist_all(pdyn_writer *writer, struct archive *a) {
+    pdyn_status status = persist(writer->sim, a);
+    if (status != PDYN_OK) return status;
+    persist_writer(writer, a);
+    if (a->view.reading && a->status == PDYN_OK) a->status = reserve_times(writer, writer->frames);
+    if (a->status == PDYN_OK)
+        archive_bytes(a, writer->time, (size_t)writer->frames * sizeof *writer->time);
+    return a->status;
+}
+
+pdyn_status pdyn_writer_save(pdyn_writer *writer) {
+    struct archive a;
+    if (!writer) return PDYN_BAD_CALL;
+    double start = clock_ms();
+    pdyn_status status = archive_create(writer->context, path_of(writer, "state.pdyn"), &a);
+    if (status != PDYN_OK) return status;
+    persist_all(writer, &a);
+    status = archive_close(&a);
+    writer->report.output_ms += clock_ms() - start;
+    return status;
+}
+
+static pdyn_status load_state(pdyn_writer *writer) {
+    struct archive a;
+    pdyn_status status = archive_open(writer->context, path_of(writer, "state.pdyn"), &a);
+    if (status != PDYN_OK) return status;
+    persist_all(writer, &a);
+    return archive_close(&a);
+}
+
+/* What was written after the state was saved will be written again. */
+static pdyn_status reopen_metrics(pdyn_writer *writer) {
+    const char *path = path_of(writer, "metrics.csv");
+    writer->metrics = fopen(path, "r+be");
+    if (!writer->metrics)
+        return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s",
+                            path, strerror(errno));
+    setvbuf(writer->metrics, NULL, _IONBF, 0);
+    if (fseek(writer->metrics, 0, SEEK_END) || ftell(writer->metrics) < writer->metrics_size)
+        return context_fail(writer->context, PDYN_BAD_INPUT,
+                            "%.1024s: the file is shorter than when the state was saved", path);
+    if (ftruncate(fileno(writer->metrics), writer->metrics_size) ||
+        fseek(writer->metrics, 0, SEEK_END))
+        return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot be cut: %s", path,
+                            strerror(errno));
+    return PDYN_OK;
+}
+
+static pdyn_status take_up(pdyn_writer *writer, const char *directory) {
+    pdyn_status status = keep_directory(writer, directory);
+    if (status == PDYN_OK) status = load_state(writer);
+    if (status == PDYN_OK) status = reopen_metrics(writer);
+    for (int p = 0; p < parts(writer) && status == PDYN_OK; p++)
+        status = write_series(writer, p, writer->frames);
+    return status;
+}
+
 /* ---- the whole ------------------------------------------------------------------------------- */
 
 /* Points that rest are written once. What a former run left of others would be shown with ours. */
@@ -251,6 +329,7 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     pdyn_status status = keep_directory(writer, directory);
     if (status == PDYN_OK) status = make_directory(writer);
+    if (status == PDYN_OK) status = remove_file(writer, path_of(writer, "state.pdyn"));
     if (status == PDYN_OK) status = begin_boundary(writer);
     for (int p = 0; p < parts(writer) && status == PDYN_OK; p++) {
         status = remove_frames(writer, part_name(writer, p));
@@ -261,7 +340,9 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     return status;
 }
 
-pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdyn_writer **out) {
+static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
+                               pdyn_status (*begin)(pdyn_writer *writer, const char *directory),
+                               pdyn_writer **out) {
     if (!sim || !directory || !out) return PDYN_BAD_CALL;
     *out = NULL;
     if (!*directory)
@@ -271,10 +352,18 @@ pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdy
     writer->sim = sim;
     writer->context = sim->context;
     writer->ply = ply;
-    pdyn_status status = prepare(writer, directory);
+    pdyn_status status = begin(writer, directory);
     if (status == PDYN_OK) *out = writer;
     else pdyn_writer_close(writer);
     return status;
+}
+
+pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdyn_writer **out) {
+    return open_writer(sim, directory, ply, prepare, out);
+}
+
+pdyn_status pdyn_writer_resume(pdyn_sim *sim, const char *directory, pdyn_writer **out) {
+    return open_writer(sim, directory, false, take_up, out);
 }
 
 pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,

@@ -283,6 +283,15 @@ static pdyn_status solve(void *self, double *b, double *y, double tolerance, int
     return PDYN_OK;
 }
 
+static pdyn_status persist(void *self, pdyn_archive *archive) {
+    struct dual *s = self;
+    int count = s->count;
+    archive->bytes(archive, &count, sizeof count);
+    if (archive->reading && reserve(s, count) != PDYN_OK) return PDYN_NO_MEMORY;
+    if (count) archive->bytes(archive, s->multiplier, (size_t)count * sizeof *s->multiplier);
+    return PDYN_OK;
+}
+
 const struct solver_type pdyn_solver_dual = {
     .name = "dual",
     .summary = "conjugate gradients on the multipliers (pressures), kept from step to step; for "
@@ -293,4 +302,5 @@ const struct solver_type pdyn_solver_dual = {
     .create = create,
     .solve = solve,
     .free = release,
+    .persist = persist,
 };

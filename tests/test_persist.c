@@ -1,0 +1,148 @@
+/* Saved states: the same bits afterwards, and what is no state of the scene is refused. */
+#include "support.h"
+
+#include "persist.h"
+
+#include <string.h>
+
+/* Everything that is kept from step to step: lists, pressures, particles that come, solids that
+ * move, walls that give way. */
+static const char fluid[] =
+    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005},"
+    " \"solver\": {\"outer_iterations\": 1, \"linear_iterations\": 8},"
+    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
+    " {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}], \"inlets\": [{\"rectangle\":"
+    " {\"center\": [0.3, 0.5, 0.2], \"size\": [0.12, 0.12]}, \"direction\": [0, -1, 0],"
+    " \"speed\": 2}]}, \"constraints\": [{\"type\": \"fluid\", \"wall_pressure\": true}]}],"
+    " \"outlets\": [{\"box\": {\"minimum\": [0, 0, 0.3], \"maximum\": [0.4, 0.03, 0.4]}}],"
+    " \"solids\": [{\"name\": \"tank\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
+    " [0.4, 0.6, 0.4]}}, {\"name\": \"stirrer\", \"sphere\": {\"center\": [0.28, 0.1, 0.1],"
+    " \"radius\": 0.05}, \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [0, 0.2, "
+    "0.2]}]}]}";
+
+static const char sheet[] =
+    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005},"
+    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
+    " {\"minimum\": [-0.1, 0.03, -0.1], \"maximum\": [0.1, 0.15, 0.1]}}]}, \"constraints\":"
+    " [{\"type\": \"fluid\"}]}, {\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [0.4, "
+    "0.4],"
+    " \"vertices\": [9, 9]}, \"area_density\": 0.5}, \"constraints\": [{\"type\": \"spring\","
+    " \"stretching_stiffness\": 1000}, {\"type\": \"pin\", \"vertices\": {\"border\": true}}]}]}";
+
+static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
+    for (int k = 0; k < steps; k++) test_step(context, sim);
+}
+
+/* Saved after `before` steps, restored into a new simulation. */
+static void goes_on(const char *text, const char *set, int before) {
+    pdyn_context *context = test_context(2);
+    pdyn_sim *first = NULL, *second = NULL;
+    assert_int_equal(pdyn_load_text(context, text, "first", &set, 1, &first), PDYN_OK);
+    step_often(context, first, before);
+    assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
+    step_often(context, first, 30);
+    assert_int_equal(pdyn_load_text(context, text, "second", &set, 1, &second), PDYN_OK);
+    assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);
+    step_often(context, second, 30);
+    assert_true(pdyn_time(first) == pdyn_time(second));
+    assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
+    pdyn_free(first), pdyn_free(second);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    test_remove_file("state");
+}
+
+static void test_same_bits(void **state) {
+    (void)state;
+    for (int before = 0; before < 40; before += 13) {
+        goes_on(fluid, "solver.type=auto", before);
+        goes_on(fluid, "solver.type=cg", before);
+        goes_on(sheet, "solver.type=auto", before);
+        goes_on(sheet, "solver.step=projective", before);
+    }
+}
+
+/* Loads the sheet with an override and expects its state to be refused with this text. */
+static void refused(const char *set, const char *says) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = NULL;
+    assert_int_equal(pdyn_load_text(context, sheet, "other", &set, 1, &sim), PDYN_OK);
+    uint64_t hash = pdyn_state_hash(sim);
+    assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
+    if (!strstr(pdyn_last_error(context), says)) fail_msg("%s", pdyn_last_error(context));
+    assert_true(pdyn_state_hash(sim) == hash);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void damage(long at, int by) {
+    FILE *file = fopen("state", "r+b");
+    assert_true(file && !fseek(file, at, at < 0 ? SEEK_END : SEEK_SET));
+    int byte = fgetc(file);
+    assert_true(byte != EOF && !fseek(file, -1, SEEK_CUR) && fputc(byte ^ by, file) != EOF);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, sheet);
+    step_often(context, sim, 3);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    refused("bodies.sheet.constraints.spring.stretching_stiffness=1001", "values in its scene");
+    refused("bodies.water.particles.radius=0.019", "values in its scene");
+    damage(20, 1);
+    refused("duration=1", "checksum");
+    damage(20, 1), damage(-1, 4);
+    refused("duration=1", "checksum");
+    damage(-1, 4), damage(3, 1);
+    refused("duration=1", "expected a state");
+    damage(3, 1), damage(9, 1);
+    refused("duration=1", "byte order");
+    damage(9, 1);
+    assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
+    for (int size = 0; size < 100; size += 9) {
+        char part[100] = "PDYNSTA1";
+        test_write_file("state", part, (size_t)size);
+        refused("duration=1", "state");
+    }
+    assert_int_equal(pdyn_restore(sim, "nothing"), PDYN_IO_FAILED);
+    assert_int_equal(pdyn_save(sim, "no/directory"), PDYN_IO_FAILED);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("state");
+}
+
+static pdyn_status load_and_restore(const void *what) {
+    pdyn_context *context = *(pdyn_context *const *)what;
+    pdyn_sim *sim = NULL;
+    pdyn_status status = pdyn_load_text(context, fluid, "fluid", NULL, 0, &sim);
+    if (status == PDYN_OK) status = pdyn_restore(sim, "state");
+    if (status == PDYN_OK) status = pdyn_save(sim, "again");
+    pdyn_free(sim);
+    return status;
+}
+
+static void test_failing_allocator(void **state) {
+    (void)state;
+    struct counter counter;
+    pdyn_context *context = test_counting_context(1, &counter);
+    pdyn_sim *sim = test_load(context, fluid);
+    step_often(context, sim, 3);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    pdyn_free(sim);
+    assert_true(test_failing_allocations(context, &counter, load_and_restore, &context) > 50);
+    pdyn_destroy(context);
+    test_remove_file("state"), test_remove_file("again");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_failing_allocator),
+    };
+    return cmocka_run_group_tests_name("persist", tests, test_enter_directory,
+                                       test_leave_directory);
+}

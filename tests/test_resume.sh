@@ -1,0 +1,67 @@
+#!/bin/sh
+# Runs that are killed, and go on. Arguments: the program, a scene.
+program=$(realpath "$1") scene=$(realpath "$2")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failed=0
+
+check() { # NAME COMMAND...
+    name=$1
+    shift
+    if "$@" >said 2>&1; then echo "ok $name"; else echo "not ok $name"; sed 's/^/    /' said; failed=1; fi
+}
+refuses() { # TEXT COMMAND...: bad input, with this text
+    text=$1
+    shift
+    "$@" >refused 2>&1
+    [ $? = 2 ] && grep -qF "$text" refused || { cat refused; false; }
+}
+hash_of() { grep state_hash "$1/report.json"; }
+numbers_of() { cut -d, -f1-17 "$1/metrics.csv"; } # without times
+same() { [ "$(hash_of whole)" = "$(hash_of "$1")" ] && [ "$(numbers_of whole)" = "$(numbers_of "$1")" ]; }
+same_frames() {
+    for file in whole/*.vtk whole/*.vtk.series; do cmp "$file" "$1/${file#whole/}" || return 1; done
+    [ "$(ls whole)" = "$(ls "$1")" ]
+}
+kill_often() { # DIR TIMES: kills a run, later and later, and lets it go on
+    "$program" run "$scene" --quiet --save 2 -o "$1" &
+    pid=$!
+    for _ in $(seq 100); do # from its first frame on
+        [ -e "$1/state.pdyn" ] && break
+        sleep 0.1
+    done
+    for k in $(seq "$2"); do
+        sleep "0.$k"
+        kill -9 $pid 2>/dev/null
+        wait $pid 2>/dev/null
+        "$program" run --resume "$1" --quiet --save 2 &
+        pid=$!
+    done
+    wait $pid
+}
+
+"$program" run "$scene" --quiet -o whole >/dev/null || exit 1
+check "killed runs go on" kill_often killed 5
+check "the same bits" same killed
+check "the same frames" same_frames killed
+"$program" run "$scene" --quiet -o longer --time 0.1 >/dev/null
+check "a longer end" "$program" run --resume longer --quiet --time 0.2
+check "the same bits after a longer end" same longer
+check "nothing left to do" "$program" run --resume longer --quiet
+check "the same report then" same longer
+
+check "no run" refuses "no run to go on with" "$program" run --resume nowhere
+check "not beside a scene" refuses "are those of the run" "$program" run --resume whole "$scene"
+check "not with overrides" refuses "are those of the run" "$program" run --resume whole --set duration=1
+cp -r whole cut && truncate -s 5000 cut/state.pdyn
+check "a cut state" refuses "cut/state.pdyn: the state is damaged" "$program" run --resume cut
+cp -r whole short && truncate -s 100 short/metrics.csv
+check "cut metrics" refuses "short/metrics.csv: the file is shorter" "$program" run --resume short
+sed 's/"viscosity"/"unused"/; s/0.005/0.004/' "$scene" >scene.json
+"$program" run scene.json --quiet -o other --time 0.04 >/dev/null
+sed 's/0.004/0.003/' scene.json >changed.json && mv changed.json scene.json
+check "another scene" refuses "the state was saved with other values in its scene" "$program" run --resume other
+rm other/state.pdyn
+check "nothing saved" refuses "state.pdyn: cannot open" "$program" run --resume other
+exit $failed
