@@ -84,7 +84,7 @@ static struct curve collapse(pdyn_context *context, const char *directory, int c
         Z = front(&state, d, scratch) / base;
         add_point(&curve, pdyn_time(sim) / unit, Z);
         fprintf(csv, "%.6g,%.6g\n", pdyn_time(sim) / unit, Z);
-        water_step(context, sim);
+        take_step(context, sim);
     }
     free(scratch);
     pdyn_free(sim);

@@ -68,7 +68,7 @@ pdyn_sim *water_load(pdyn_context *context, const struct water *water) {
     return sim;
 }
 
-pdyn_step_info water_step(pdyn_context *context, pdyn_sim *sim) {
+pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim) {
     pdyn_step_info info;
     if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
     return info;
@@ -106,6 +106,7 @@ int main(int argc, char **argv) {
         tank(context, argv[2], atof(argv[3]), argc - 4, argv + 4);
     else if (!strcmp(command, "sloshing") && argc == 5)
         sloshing(context, argv[2], atof(argv[3]), atoi(argv[4]));
+    else if (!strcmp(command, "elastica")) elastica(context, argv[2], argc - 3, argv + 3);
     else
         die("usage: validation martin_moyce DIRECTORY CELLS... | tank DIRECTORY SECONDS "
             "DEPTHxWIDTH... | sloshing DIRECTORY SECONDS CELLS");

@@ -31,7 +31,7 @@ void *allocate(size_t count, size_t size); /* zeros */
 
 /* The density constraint is so stiff that the floor is 0.1 % too dense. */
 pdyn_sim *water_load(pdyn_context *context, const struct water *water);
-pdyn_step_info water_step(pdyn_context *context, pdyn_sim *sim);
+pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
 
 void sort(double *values, int count); /* ascending */
 
@@ -49,5 +49,6 @@ FILE *open_csv(const char *directory, const char *name);
 void martin_moyce(pdyn_context *context, const char *directory, int count, char **cells);
 void tank(pdyn_context *context, const char *directory, double seconds, int count, char **sizes);
 void sloshing(pdyn_context *context, const char *directory, double seconds, int cells);
+void elastica(pdyn_context *context, const char *directory, int count, char **segments);
 
 #endif

@@ -1,6 +1,22 @@
 #include "mesh_support.h"
 #include "support.h"
 
+/* Beyond a side lies the same side of another triangle, or the border. */
+static void check_across(const struct mesh *mesh, const struct topology *t) {
+    int borders = 0, inside = 0;
+    for (int c = 0; c < 3 * mesh->triangles; c++) {
+        int other = t->across[c], sum = 0;
+        borders += other < 0, inside += other >= 0;
+        if (other < 0) continue;
+        assert_int_equal(t->across[other], c);
+        for (int k = 1; k < 3; k++)
+            sum += mesh->triangle[c / 3 * 3 + (c + k) % 3] -
+                   mesh->triangle[other / 3 * 3 + (other + k) % 3];
+        assert_int_equal(sum, 0);
+    }
+    assert_int_equal(borders + inside / 2, t->edges);
+}
+
 double check_structure(const struct mesh *mesh, const struct topology *t) {
     double sum = 0.0;
     assert_int_equal(t->vertices, mesh->vertices);
@@ -22,5 +38,6 @@ double check_structure(const struct mesh *mesh, const struct topology *t) {
             if (r > t->ring_start[v]) assert_true(t->ring_edge[r - 1] < t->ring_edge[r]);
         }
     }
+    check_across(mesh, t);
     return sum;
 }

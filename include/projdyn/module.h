@@ -64,8 +64,11 @@ typedef struct pdyn_body {
     double area_density; /* kg/m^2; 0 for particles */
     /* the rest is empty for a body of particles; vertices count from the body's first */
     int triangles;
-    const int *triangle;       /* triangles x 3 */
-    const double *vertex_area; /* count: a third of the adjacent triangles' areas, m^2 */
+    const int *triangle; /* triangles x 3 */
+    const int *across; /* triangles x 3: the corner beyond the side opposite to a corner, as a place
+                          in triangle; -1 where the side lies on the border */
+    const double *triangle_area; /* triangles, m^2 */
+    const double *vertex_area;   /* count: a third of the adjacent triangles' areas, m^2 */
     int edges;
     const int *edge;          /* edges x 2, ascending */
     const double *edge_area;  /* edges: area of the one or two adjacent triangles, m^2 */

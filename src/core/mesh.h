@@ -53,8 +53,9 @@ struct particles {
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out);
 void particles_free(pdyn_context *context, struct particles *particles);
 
-/* Edges, areas, cotangents, borders and rings of a mesh that passed mesh_check_cloth, as pdyn_body
- * wants them (see module.h). Fails only without memory; *out is then empty. */
+/* Edges, areas, cotangents, borders, rings and neighbouring triangles of a mesh that passed
+ * mesh_check_cloth, as pdyn_body wants them (see module.h). Fails only without memory; *out is then
+ * empty. */
 struct topology {
     int vertices, edges;
     double *vertex_area;
@@ -62,6 +63,9 @@ struct topology {
     double *edge_area, *edge_cotan;
     bool *on_border;
     int *ring_start, *ring_edge;
+    int triangles;
+    int *across;
+    double *triangle_area;
 };
 pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struct topology *out);
 void topology_free(pdyn_context *context, struct topology *topology);

@@ -146,8 +146,10 @@ static bool allocate(pdyn_context *context, struct topology *out) {
     out->on_border = NEW_ARRAY(context, out->vertices, bool);
     out->ring_start = NEW_ARRAY(context, out->vertices + 1, int);
     out->ring_edge = NEW_ARRAY(context, 2 * out->edges, int);
+    out->triangle_area = NEW_ARRAY(context, out->triangles, double);
+    out->across = NEW_ARRAY(context, 3 * out->triangles, int);
     return out->vertex_area && out->edge && out->edge_area && out->edge_cotan && out->on_border &&
-           out->ring_start && out->ring_edge;
+           out->ring_start && out->ring_edge && out->across && out->triangle_area;
 }
 
 static void fill_edges(const struct mesh *mesh, const struct side *side, struct topology *out) {
@@ -162,13 +164,17 @@ static void fill_edges(const struct mesh *mesh, const struct side *side, struct 
         }
         if (last - first == 1)
             for (int k = 0; k < 2; k++) out->on_border[side[first].end[k]] = true;
+        out->across[side[first].corner] = last - first == 1 ? -1 : side[first + 1].corner;
+        if (last - first == 2) out->across[side[first + 1].corner] = side[first].corner;
     }
 }
 
-static void fill_areas(const struct mesh *mesh, double *vertex_area) {
-    for (int i = 0; i < 3 * mesh->triangles; i++) {
-        double dot;
-        vertex_area[mesh->triangle[i]] += corner_measures(mesh, i / 3 * 3, &dot) / 6.0;
+static void fill_areas(const struct mesh *mesh, struct topology *out) {
+    double dot;
+    for (int t = 0; t < mesh->triangles; t++) {
+        out->triangle_area[t] = 0.5 * corner_measures(mesh, 3 * t, &dot);
+        for (int k = 0; k < 3; k++)
+            out->vertex_area[mesh->triangle[3 * t + k]] += out->triangle_area[t] / 3.0;
     }
 }
 
@@ -183,7 +189,7 @@ static void fill_rings(struct topology *out) {
 }
 
 pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struct topology *out) {
-    *out = (struct topology){.vertices = mesh->vertices};
+    *out = (struct topology){.vertices = mesh->vertices, .triangles = mesh->triangles};
     int sides = 3 * mesh->triangles;
     struct side *side = sorted_sides(context, mesh);
     if (!side) return *out = (struct topology){0}, PDYN_NO_MEMORY;
@@ -191,7 +197,7 @@ pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struc
     bool ready = allocate(context, out);
     if (ready) {
         fill_edges(mesh, side, out);
-        fill_areas(mesh, out->vertex_area);
+        fill_areas(mesh, out);
         fill_rings(out);
     } else topology_free(context, out);
     FREE_ARRAY(context, side, sides);
@@ -206,5 +212,7 @@ void topology_free(pdyn_context *context, struct topology *topology) {
     FREE_ARRAY(context, topology->on_border, topology->vertices);
     FREE_ARRAY(context, topology->ring_start, topology->vertices + 1);
     FREE_ARRAY(context, topology->ring_edge, 2 * topology->edges);
+    FREE_ARRAY(context, topology->triangle_area, topology->triangles);
+    FREE_ARRAY(context, topology->across, 3 * topology->triangles);
     *topology = (struct topology){0};
 }

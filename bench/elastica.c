@@ -1,0 +1,121 @@
+/* The heavy elastica: a strip clamped horizontally bends under its own weight. Gamma = w L^3 / B
+ * with w the weight per area. With the angle theta below the horizontal and the arc length s, B
+ * theta'' = -w (L - s) cos(theta), theta(0) = 0, theta'(L) = 0 (Wang 1986). The strip's drop over
+ * reach, H / W, against the solution of this equation. */
+#include "strip.h"
+#include "validation.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- the solution ---------------------------------------------------------------------------- */
+
+static const double level = 1.57079632679489662; /* gap of a horizontal strip */
+
+struct tip { /* of a strip of length 1 */
+    double drop, reach;
+};
+
+struct point { /* d gap / dr = bend */
+    double gap, bend, drop, reach;
+};
+
+static struct point slope_of(double gamma, double r, struct point p) {
+    return (struct point){p.bend, gamma * r * sin(p.gap), cos(p.gap), sin(p.gap)};
+}
+
+static struct point plus(struct point p, double h, struct point d) {
+    return (struct point){p.gap + h * d.gap, p.bend + h * d.bend, p.drop + h * d.drop,
+                          p.reach + h * d.reach};
+}
+
+/* From the tip to the clamp, or to where the strip is level before, by Runge and Kutta. */
+static struct point integrate(double gamma, double gap) {
+    enum { STEPS = 20000 };
+    double h = 1.0 / STEPS;
+    struct point p = {.gap = gap};
+    for (int n = 0; n < STEPS && p.gap < level; n++) {
+        double r = n * h;
+        struct point a = slope_of(gamma, r, p);
+        struct point b = slope_of(gamma, r + 0.5 * h, plus(p, 0.5 * h, a));
+        struct point c = slope_of(gamma, r + 0.5 * h, plus(p, 0.5 * h, b));
+        struct point d = slope_of(gamma, r + h, plus(p, h, c));
+        p = plus(plus(plus(plus(p, h / 6.0, a), h / 3.0, b), h / 3.0, c), h / 6.0, d);
+    }
+    return p;
+}
+
+/* Shooting: the gap at the tip, by its logarithm, such that the strip is level at the clamp. */
+static struct tip exact(double gamma) {
+    double low = -300.0, high = log(level);
+    for (int k = 0; k < 100; k++) {
+        double middle = 0.5 * (low + high);
+        if (integrate(gamma, exp(middle)).gap < level) low = middle;
+        else high = middle;
+    }
+    struct point p = integrate(gamma, exp(low));
+    return (struct tip){p.drop, p.reach};
+}
+
+/* ---- the strip ------------------------------------------------------------------------------- */
+
+static const double length = 1.0, area_density = 0.2, stiffness = 2e4; /* m, kg/m^2, N/m */
+
+/* The clamp is in the middle between the first two rows, which are pinned. */
+static struct tip measure(pdyn_context *context, const char *directory, double gamma, int segments,
+                          bool irregular) {
+    char constraints[512];
+    double mean[3], segment = length / (segments - 0.5);
+    snprintf(constraints, sizeof constraints,
+             "{\"type\": \"spring\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "
+             "\"bending_rigidity\": %.17g}, {\"type\": \"pin\", \"vertices\": {\"box\": "
+             "{\"minimum\": [-1, -1, -1], \"maximum\": [%.17g, 1, 1]}}}",
+             stiffness, area_density * g * length * length * length / gamma, 0.6 * segment);
+    struct strip strip = {.name = "elastica",
+                          .along = segments,
+                          .across = 4,
+                          .segment = segment,
+                          .first = -0.5 * segment,
+                          .random = irregular ? 0.2 : 0.0,
+                          .area_density = area_density,
+                          .constraints = constraints,
+                          .h = 0.2,
+                          .solver = "\"type\": \"cholesky\", \"tolerance\": 1e-6, "
+                                    "\"outer_iterations\": 200",
+                          .more = ""};
+    pdyn_sim *sim = strip_load(context, directory, &strip);
+    strip_settle(context, sim, &strip, 1e-5);
+    strip_row(sim, &strip, segments, mean);
+    pdyn_free(sim);
+    return (struct tip){-mean[1], mean[0]};
+}
+
+void elastica(pdyn_context *context, const char *directory, int count, char **segments) {
+    static const double gammas[] = {0.1, 1, 10, 100, 1000, 10000};
+    FILE *csv = open_csv(directory, "elastica");
+    fprintf(csv, "gamma,exact,segments,regular,irregular\n");
+    printf("| Gamma | H / W |");
+    for (int k = 0; k < count; k++)
+        printf(" regular, %s | irregular, %s |", segments[k], segments[k]);
+    printf("\n|---|---|");
+    for (int k = 0; k < count; k++) printf("---|---|");
+    printf("\n");
+    for (size_t i = 0; i < sizeof gammas / sizeof *gammas; i++) {
+        struct tip right = exact(gammas[i]);
+        printf("| %g | %.6f |", gammas[i], right.drop / right.reach);
+        for (int k = 0; k < count; k++) {
+            double ratio[2];
+            for (int irregular = 0; irregular < 2; irregular++) {
+                struct tip tip =
+                    measure(context, directory, gammas[i], atoi(segments[k]), irregular);
+                ratio[irregular] = tip.drop / tip.reach;
+                printf(" %+.2f %% |", 100.0 * (ratio[irregular] * right.reach / right.drop - 1.0));
+                fflush(stdout);
+            }
+            fprintf(csv, "%g,%.9g,%s,%.9g,%.9g\n", gammas[i], right.drop / right.reach, segments[k],
+                    ratio[0], ratio[1]);
+        }
+        printf("\n");
+    }
+    fclose(csv);
+}

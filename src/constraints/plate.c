@@ -1,0 +1,233 @@
+/* Morley's triangle (1968) has values at the vertices and slopes at the middles of the edges as
+ * unknowns; its second derivatives are constant, and their mean over the mesh is right for any
+ * mesh. Here the slope across an edge follows from the values around it (Grinspun, Gingold,
+ * Reisman, Zorin 2006 keep it): that of the quadratic that fits the two triangles at the edge and
+ * the four around these best. Both triangles see the same slope, and it is exact for quadratics, so
+ * the energy of bending is that of the plate for a smooth shape and never below Morley's: no mesh
+ * makes it soft. At a border the slope is what the triangle likes best: no moment acts there. */
+#include "plate.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { TERMS = 6, AROUND = 8 }; /* of a quadratic; vertices around an edge */
+
+/* ---- the triangles around an edge, unfolded into a plane ------------------------------------- */
+
+struct flat {
+    int nodes, node[AROUND];
+    double at[AROUND][2]; /* m, from the middle of the edge: along it, across it */
+};
+
+static const double *rest(const pdyn_body *body, int vertex) {
+    return body->rest + 3 * (size_t)vertex;
+}
+
+/* Adds the tip of a triangle over the side from node p to node q, to its left or right (-1). */
+static void unfold(const pdyn_body *body, struct flat *f, int p, int q, int tip, double left) {
+    double side[3], to_tip[3], up[3];
+    const double *a = f->at[p], *b = f->at[q];
+    for (int k = 0; k < 3; k++) {
+        side[k] = rest(body, f->node[q])[k] - rest(body, f->node[p])[k];
+        to_tip[k] = rest(body, tip)[k] - rest(body, f->node[p])[k];
+    }
+    double length = vec3_length(side);
+    double along = vec3_dot(side, to_tip) / (length * length);
+    vec3_cross(up, side, to_tip);
+    double height = left * vec3_length(up) / (length * length);
+    f->at[f->nodes][0] = a[0] + along * (b[0] - a[0]) - height * (b[1] - a[1]);
+    f->at[f->nodes][1] = a[1] + along * (b[1] - a[1]) + height * (b[0] - a[0]);
+    f->node[f->nodes++] = tip;
+}
+
+/* Adds the tips beyond the two other sides of the triangle of a corner; `tip` is the node there,
+ * and `left` says on which side of the edge from node 0 to node 1 it is. */
+static void unfold_around(const pdyn_body *body, struct flat *f, int corner, int tip, double left) {
+    for (int k = 1; k < 3; k++) {
+        int end = corner / 3 * 3 + (corner + k) % 3, beyond = body->across[end];
+        int other = body->triangle[end] == f->node[0] ? 1 : 0;
+        if (beyond >= 0) unfold(body, f, other, tip, body->triangle[beyond], other ? -left : left);
+    }
+}
+
+/* The edge opposite to a corner from node 0 to node 1, the corner's own vertex as node 2. */
+static struct flat unfold_edge(const pdyn_body *body, int corner) {
+    const int *c = body->triangle + corner / 3 * 3;
+    int a = c[(corner + 1) % 3], b = c[(corner + 2) % 3], beyond = body->across[corner];
+    double half = 0.5 * vec3_distance(rest(body, a), rest(body, b));
+    struct flat f = {.nodes = 2, .node = {a, b}, .at = {{-half, 0.0}, {half, 0.0}}};
+    unfold(body, &f, 0, 1, c[corner % 3], 1.0);
+    unfold(body, &f, 0, 1, body->triangle[beyond], -1.0);
+    unfold_around(body, &f, corner, 2, 1.0);
+    unfold_around(body, &f, beyond, 3, -1.0);
+    return f;
+}
+
+/* ---- the slope across an edge ---------------------------------------------------------------- */
+
+/* Solves A y = y, A symmetric and positive, by Gauss without pivots. */
+static void solve(double A[TERMS][TERMS], double y[TERMS]) {
+    for (int k = 0; k < TERMS; k++)
+        for (int i = k + 1; i < TERMS; i++) {
+            double factor = A[i][k] / A[k][k];
+            for (int j = k; j < TERMS; j++) A[i][j] -= factor * A[k][j];
+            y[i] -= factor * y[k];
+        }
+    for (int k = TERMS - 1; k >= 0; k--) {
+        for (int j = k + 1; j < TERMS; j++) y[k] -= A[k][j] * y[j];
+        y[k] /= A[k][k];
+    }
+}
+
+/* Coefficients of the slope in the direction from right to left at the middle of the edge: of the
+ * quadratic that fits best. Where the points do not say which one does, the flattest. */
+static void slope_across(const struct flat *f, double slope[AROUND]) {
+    double term[AROUND][TERMS], A[TERMS][TERMS] = {0}, y[TERMS] = {0};
+    double width = 2.0 * f->at[1][0], height = f->at[2][1] - f->at[3][1];
+    for (int i = 0; i < f->nodes; i++) {
+        double s = f->at[i][0] / width, t = f->at[i][1] / height;
+        memcpy(term[i], (double[TERMS]){1.0, s, t, s * s, s * t, t * t}, sizeof term[i]);
+        for (int j = 0; j < TERMS; j++)
+            for (int k = 0; k < TERMS; k++) A[j][k] += term[i][j] * term[i][k];
+    }
+    for (int j = 3; j < TERMS; j++) A[j][j] += 1e-9;
+    y[2] = 1.0 / height;
+    solve(A, y);
+    for (int i = 0; i < f->nodes; i++) {
+        slope[i] = 0.0;
+        for (int j = 0; j < TERMS; j++) slope[i] += term[i][j] * y[j];
+    }
+}
+
+/* ---- the Hessian ----------------------------------------------------------------------------- */
+
+struct frame { /* of a triangle at rest */
+    double area;
+    double axis[3][3];     /* x, y, normal */
+    double gradient[3][2]; /* of the functions that are 1 at a corner, 1/m */
+    double outward[3][2];  /* normal of the side opposite to a corner, as long as the side, m */
+};
+
+static struct frame frame_of(const pdyn_body *body, int t) {
+    struct frame f;
+    double at[3][2] = {{0}}, edge[3], other[3];
+    const double *p[3];
+    for (int k = 0; k < 3; k++) p[k] = rest(body, body->triangle[3 * t + k]);
+    for (int a = 0; a < 3; a++) edge[a] = p[1][a] - p[0][a], other[a] = p[2][a] - p[0][a];
+    double length = vec3_length(edge);
+    vec3_cross(f.axis[2], edge, other);
+    f.area = 0.5 * vec3_length(f.axis[2]);
+    for (int a = 0; a < 3; a++) f.axis[0][a] = edge[a] / length, f.axis[2][a] /= 2.0 * f.area;
+    vec3_cross(f.axis[1], f.axis[2], f.axis[0]);
+    at[1][0] = length;
+    for (int a = 0; a < 2; a++) at[2][a] = vec3_dot(f.axis[a], other);
+    for (int k = 0; k < 3; k++) {
+        const double *a = at[(k + 1) % 3], *b = at[(k + 2) % 3];
+        f.outward[k][0] = b[1] - a[1], f.outward[k][1] = a[0] - b[0];
+        for (int c = 0; c < 2; c++) f.gradient[k][c] = -f.outward[k][c] / (2.0 * f.area);
+    }
+    return f;
+}
+
+/* Adds to the coefficients of a vertex. */
+static void add(struct plate *out, int vertex, double scale, const double direction[3]) {
+    int i = 0;
+    while (i < out->nodes && out->node[i] != vertex) i++;
+    if (i == out->nodes) out->node[out->nodes++] = vertex;
+    for (int r = 0; r < 3; r++) out->coefficient[r][i] += scale * direction[r];
+}
+
+/* n n' for the unit normal of a side, its length beside it */
+static double side_direction(const double outward[2], double direction[3]) {
+    double square = outward[0] * outward[0] + outward[1] * outward[1];
+    direction[0] = outward[0] * outward[0] / square;
+    direction[1] = sqrt(2.0) * outward[0] * outward[1] / square;
+    direction[2] = outward[1] * outward[1] / square;
+    return sqrt(square);
+}
+
+/* The bend over an edge: the slope there beyond that of the triangle itself. */
+static void add_edge(const pdyn_body *body, int corner, const struct frame *f, struct plate *out) {
+    double direction[3], slope[AROUND];
+    struct flat flat = unfold_edge(body, corner);
+    const double *outward = f->outward[corner % 3];
+    double length = side_direction(outward, direction);
+    slope_across(&flat, slope);
+    for (int i = 0; i < flat.nodes; i++) add(out, flat.node[i], -length * slope[i], direction);
+    for (int k = 0; k < 3; k++)
+        add(out, body->triangle[corner / 3 * 3 + k],
+            -(f->gradient[k][0] * outward[0] + f->gradient[k][1] * outward[1]), direction);
+}
+
+/* Takes away what lies along a direction of length 1 in the space of Hessians. */
+static void take_away(struct plate *out, const double direction[3]) {
+    for (int i = 0; i < out->nodes; i++) {
+        double along = 0.0;
+        for (int r = 0; r < 3; r++) along += direction[r] * out->coefficient[r][i];
+        for (int r = 0; r < 3; r++) out->coefficient[r][i] -= along * direction[r];
+    }
+}
+
+/* Slopes at borders are those that make the Hessian smallest. */
+static void free_borders(const pdyn_body *body, int t, const struct frame *f, struct plate *out) {
+    double taken[3] = {0}, direction[3];
+    for (int k = 0; k < 3; k++) {
+        if (body->across[3 * t + k] >= 0) continue;
+        side_direction(f->outward[k], direction);
+        vec3_add(direction, -vec3_dot(direction, taken), taken);
+        double length = vec3_length(direction);
+        for (int r = 0; r < 3; r++) taken[r] = direction[r] / length;
+        take_away(out, taken);
+    }
+}
+
+/* Christoffel's symbols times the slopes, taken from the second derivatives of the rest shape,
+ * leave what points along its normal: `curvature`. */
+static void make_covariant(const pdyn_body *body, int t, const struct frame *f, struct plate *out,
+                           double curvature[3]) {
+    double bent[3][3] = {{0}}, symbol[2][3];
+    for (int r = 0; r < 3; r++) {
+        for (int i = 0; i < out->nodes; i++)
+            vec3_add(bent[r], out->coefficient[r][i], rest(body, out->node[i]));
+        curvature[r] = vec3_dot(bent[r], f->axis[2]);
+        for (int a = 0; a < 2; a++) symbol[a][r] = vec3_dot(bent[r], f->axis[a]);
+    }
+    for (int k = 0; k < 3; k++)
+        for (int a = 0; a < 2; a++)
+            add(out, body->triangle[3 * t + k], -f->gradient[k][a], symbol[a]);
+}
+
+/* Turns the three rows such that the first one is along the curvature of the rest shape. One that
+ * turns neighbours by less than 1e-7 is that of rounded coordinates. */
+static void turn_to(const double curvature[3], double area, struct plate *out) {
+    double length = vec3_length(curvature), axis[3][3];
+    if (length <= 1e-7 * sqrt(area)) return;
+    int least = 0;
+    for (int r = 1; r < 3; r++)
+        if (fabs(curvature[r]) < fabs(curvature[least])) least = r;
+    for (int r = 0; r < 3; r++) axis[0][r] = curvature[r] / length;
+    vec3_cross(axis[1], axis[0], (double[3]){least == 0, least == 1, least == 2});
+    double across = vec3_length(axis[1]);
+    for (int r = 0; r < 3; r++) axis[1][r] /= across;
+    vec3_cross(axis[2], axis[0], axis[1]);
+    for (int i = 0; i < out->nodes; i++) {
+        double before[3], after[3];
+        for (int r = 0; r < 3; r++) before[r] = out->coefficient[r][i];
+        vec3_multiply(after, axis[0], before);
+        for (int r = 0; r < 3; r++) out->coefficient[r][i] = after[r];
+    }
+    out->curvature = length;
+}
+
+void plate_hessian(const pdyn_body *body, int t, struct plate *out) {
+    double curvature[3];
+    struct frame f = frame_of(body, t);
+    *out = (struct plate){0};
+    for (int k = 0; k < 3; k++)
+        if (body->across[3 * t + k] >= 0) add_edge(body, 3 * t + k, &f, out);
+    if (!out->nodes) return;
+    free_borders(body, t, &f, out);
+    make_covariant(body, t, &f, out, curvature);
+    turn_to(curvature, f.area, out);
+}
