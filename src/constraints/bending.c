@@ -26,17 +26,16 @@ static int elements(const void *par, const pdyn_body *body) {
 }
 
 static void shape(const void *par, const pdyn_batch *b, int e, int *rows, int *width) {
-    struct plate plate;
+    int node[PLATE_NODES];
     (void)par;
-    plate_hessian(b->body, e / 3, &plate);
-    *rows = 1, *width = plate.nodes;
+    *rows = 1, *width = plate_nodes(b->body, e / 3, node);
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     struct plate plate;
     (void)par;
     for (int e = first; e < last; e++) {
-        plate_hessian(b->body, e / 3, &plate);
+        if (e == first || e % 3 == 0) plate_hessian(b->body, e / 3, &plate);
         ((double *)b->data)[e] = e % 3 ? 0.0 : plate.curvature;
         for (int i = 0; i < plate.nodes; i++) {
             b->column[b->row_entry[e] + i] = b->body->first + plate.node[i];

@@ -130,11 +130,10 @@ static struct frame frame_of(const pdyn_body *body, int t) {
     return f;
 }
 
-/* Adds to the coefficients of a vertex. */
+/* Adds to the coefficients of a vertex that is there. */
 static void add(struct plate *out, int vertex, double scale, const double direction[3]) {
     int i = 0;
-    while (i < out->nodes && out->node[i] != vertex) i++;
-    if (i == out->nodes) out->node[out->nodes++] = vertex;
+    while (out->node[i] != vertex) i++;
     for (int r = 0; r < 3; r++) out->coefficient[r][i] += scale * direction[r];
 }
 
@@ -220,10 +219,36 @@ static void turn_to(const double curvature[3], double area, struct plate *out) {
     out->curvature = length;
 }
 
+/* Adds the vertex of a corner that is not there yet; returns how many are. */
+static int add_node(const pdyn_body *body, int corner, int nodes, int *node) {
+    int vertex = body->triangle[corner], i = 0;
+    while (i < nodes && node[i] != vertex) i++;
+    node[i] = vertex;
+    return i == nodes ? nodes + 1 : nodes;
+}
+
+int plate_nodes(const pdyn_body *body, int t, int node[PLATE_NODES]) {
+    int nodes = 0;
+    for (int c = 3 * t; c < 3 * t + 3; c++) nodes = add_node(body, c, nodes, node);
+    for (int c = 3 * t; c < 3 * t + 3; c++) {
+        int beyond = body->across[c];
+        if (beyond < 0) continue;
+        nodes = add_node(body, beyond, nodes, node);
+        for (int k = 1; k < 3; k++) {
+            int next = body->across[beyond / 3 * 3 + (beyond + k) % 3];
+            if (next >= 0) nodes = add_node(body, next, nodes, node);
+        }
+    }
+    for (int c = 3 * t; c < 3 * t + 3; c++)
+        if (body->across[c] >= 0) return nodes;
+    return 0;
+}
+
 void plate_hessian(const pdyn_body *body, int t, struct plate *out) {
     double curvature[3];
     struct frame f = frame_of(body, t);
     *out = (struct plate){0};
+    out->nodes = plate_nodes(body, t, out->node);
     for (int k = 0; k < 3; k++)
         if (body->across[3 * t + k] >= 0) add_edge(body, 3 * t + k, &f, out);
     if (!out->nodes) return;

@@ -19,8 +19,12 @@ struct plate {
     double curvature; /* m: the first one, of the rest shape; 0 where it is flat */
 };
 
+/* The vertices that it takes for triangle t: its own, of the triangles around it, and around these;
+ * none where nothing but borders is around the triangle. Returns their number. */
+int plate_nodes(const pdyn_body *body, int t, int node[PLATE_NODES]);
+
 /* The Hessian on triangle t. Second derivatives are covariant: for the rest shape itself, only the
- * part along the normal is there. No nodes where nothing but borders is around the triangle. */
+ * part along the normal is there. */
 void plate_hessian(const pdyn_body *body, int t, struct plate *out);
 
 #endif
