@@ -71,11 +71,8 @@ typedef struct pdyn_body {
     const double *vertex_area;   /* count: a third of the adjacent triangles' areas, m^2 */
     int edges;
     const int *edge;          /* edges x 2, ascending */
-    const double *edge_area;  /* edges: area of the one or two adjacent triangles, m^2 */
-    const double *edge_cotan; /* edges: half the sum of the opposite angles' cotangents */
-    const bool *on_border;    /* count: the vertex lies on an open border */
-    const int *ring_start;    /* count + 1: where a vertex' edges begin in ring_edge */
-    const int *ring_edge;     /* the edges at each vertex, ascending */
+    const double *edge_share; /* edges: area over the sum of the squared sides, of the one or two
+                                 adjacent triangles together */
 } pdyn_body;
 
 /* ---- rows tier ------------------------------------------------------------------------------ */

@@ -7,6 +7,8 @@
  * makes it soft. At a border the slope is what the triangle likes best: no moment acts there. */
 #include "plate.h"
 
+#include "frame.h"
+
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -101,34 +103,6 @@ static void slope_across(const struct flat *f, double slope[AROUND]) {
 }
 
 /* ---- the Hessian ----------------------------------------------------------------------------- */
-
-struct frame { /* of a triangle at rest */
-    double area;
-    double axis[3][3];     /* x, y, normal */
-    double gradient[3][2]; /* of the functions that are 1 at a corner, 1/m */
-    double outward[3][2];  /* normal of the side opposite to a corner, as long as the side, m */
-};
-
-static struct frame frame_of(const pdyn_body *body, int t) {
-    struct frame f;
-    double at[3][2] = {{0}}, edge[3], other[3];
-    const double *p[3];
-    for (int k = 0; k < 3; k++) p[k] = rest(body, body->triangle[3 * t + k]);
-    for (int a = 0; a < 3; a++) edge[a] = p[1][a] - p[0][a], other[a] = p[2][a] - p[0][a];
-    double length = vec3_length(edge);
-    vec3_cross(f.axis[2], edge, other);
-    f.area = 0.5 * vec3_length(f.axis[2]);
-    for (int a = 0; a < 3; a++) f.axis[0][a] = edge[a] / length, f.axis[2][a] /= 2.0 * f.area;
-    vec3_cross(f.axis[1], f.axis[2], f.axis[0]);
-    at[1][0] = length;
-    for (int a = 0; a < 2; a++) at[2][a] = vec3_dot(f.axis[a], other);
-    for (int k = 0; k < 3; k++) {
-        const double *a = at[(k + 1) % 3], *b = at[(k + 2) % 3];
-        f.outward[k][0] = b[1] - a[1], f.outward[k][1] = a[0] - b[0];
-        for (int c = 0; c < 2; c++) f.gradient[k][c] = -f.outward[k][c] / (2.0 * f.area);
-    }
-    return f;
-}
 
 /* Adds to the coefficients of a vertex that is there. */
 static void add(struct plate *out, int vertex, double scale, const double direction[3]) {

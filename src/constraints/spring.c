@@ -1,6 +1,10 @@
 /* Springs along the edges of a mesh (Liu, Bargteil, O'Brien, Kavan 2013): u is the edge vector, its
- * projection has the rest length. The stiffness of an edge follows from the stretching stiffness of
- * the sheet and the area that the edge stands for (Van Gelder 1998): k = Y (A_1 + A_2) / L^2. */
+ * projection has the rest length. The stiffness of an edge follows from the stretching stiffness Y
+ * of the sheet: each triangle at it adds 3 Y A / (l_1^2 + l_2^2 + l_3^2). So springs store what a
+ * sheet of Young's modulus times thickness Y and Poisson's ratio 1/3 does, as a mean over the
+ * directions of a strain, on every triangle; on equilateral triangles and on square cells in every
+ * direction. (Van Gelder 1998 takes Y A / l^2, which makes square cells 1.2 Y stiff along the axes
+ * and 0.75 Y along diagonals.) */
 #include "../core/simd.h"
 
 #include "projdyn/module.h"
@@ -35,9 +39,8 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
 
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
-    const double *length = b->data;
     for (int e = first; e < last; e++)
-        b->weight[e] = q->stretching_stiffness * b->body->edge_area[e] / (length[e] * length[e]);
+        b->weight[e] = 3.0 * q->stretching_stiffness * b->body->edge_share[e];
 }
 
 WIDE static void project(const void *par, const pdyn_batch *b, int first, int last) {

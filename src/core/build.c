@@ -84,9 +84,7 @@ static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
     body->triangles = from->mesh.triangles, body->triangle = from->mesh.triangle;
     body->across = t->across, body->triangle_area = t->triangle_area;
     body->vertex_area = t->vertex_area, body->edges = t->edges, body->edge = t->edge;
-    body->edge_area = t->edge_area, body->edge_cotan = t->edge_cotan,
-    body->on_border = t->on_border;
-    body->ring_start = t->ring_start, body->ring_edge = t->ring_edge;
+    body->edge_share = t->edge_share;
     return PDYN_OK;
 }
 

@@ -53,16 +53,15 @@ struct particles {
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out);
 void particles_free(pdyn_context *context, struct particles *particles);
 
-/* Edges, areas, cotangents, borders, rings and neighbouring triangles of a mesh that passed
+/* Edges, areas, borders and neighbouring triangles of a mesh that passed
  * mesh_check_cloth, as pdyn_body wants them (see module.h). Fails only without memory; *out is then
  * empty. */
 struct topology {
     int vertices, edges;
     double *vertex_area;
     int *edge;
-    double *edge_area, *edge_cotan;
+    double *edge_share;
     bool *on_border;
-    int *ring_start, *ring_edge;
     int triangles;
     int *across;
     double *triangle_area;

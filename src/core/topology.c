@@ -47,18 +47,15 @@ static int edge_end(const struct side *side, int sides, int first) {
     return last;
 }
 
-/* Twice the area of the triangle of a corner, and the dot product of the two edges there. */
-static double corner_measures(const struct mesh *mesh, int corner, double *dot) {
-    const int *c = mesh->triangle + corner / 3 * 3;
-    const double *o = mesh->vertex + 3 * c[corner % 3];
-    const double *a = mesh->vertex + 3 * c[(corner + 1) % 3];
-    const double *b = mesh->vertex + 3 * c[(corner + 2) % 3];
-    double u[3] = {a[0] - o[0], a[1] - o[1], a[2] - o[2]};
-    double v[3] = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
-    double n[3];
+static double area_of(const struct mesh *mesh, int t) {
+    const int *c = mesh->triangle + 3 * t;
+    double u[3], v[3], n[3];
+    for (int k = 0; k < 3; k++) {
+        u[k] = mesh->vertex[3 * c[1] + k] - mesh->vertex[3 * c[0] + k];
+        v[k] = mesh->vertex[3 * c[2] + k] - mesh->vertex[3 * c[0] + k];
+    }
     vec3_cross(n, u, v);
-    *dot = vec3_dot(u, v);
-    return vec3_length(n);
+    return 0.5 * vec3_length(n);
 }
 
 /* ---- what cloth and volumes ask of a mesh ---------------------------------------------------- */
@@ -78,7 +75,7 @@ static pdyn_status check_used(pdyn_context *context, const struct mesh *mesh, co
 static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, const char *name) {
     for (int t = 0; t < mesh->triangles; t++) {
         const int *c = mesh->triangle + 3 * t;
-        double dot, area = 0.5 * corner_measures(mesh, 3 * t, &dot), longest = 0.0;
+        double area = area_of(mesh, t), longest = 0.0;
         for (int k = 0; k < 3; k++)
             longest = fmax(
                 longest, vec3_distance(mesh->vertex + 3 * c[k], mesh->vertex + 3 * c[(k + 1) % 3]));
@@ -141,15 +138,23 @@ pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, co
 static bool allocate(pdyn_context *context, struct topology *out) {
     out->vertex_area = NEW_ARRAY(context, out->vertices, double);
     out->edge = NEW_ARRAY(context, 2 * out->edges, int);
-    out->edge_area = NEW_ARRAY(context, out->edges, double);
-    out->edge_cotan = NEW_ARRAY(context, out->edges, double);
+    out->edge_share = NEW_ARRAY(context, out->edges, double);
     out->on_border = NEW_ARRAY(context, out->vertices, bool);
-    out->ring_start = NEW_ARRAY(context, out->vertices + 1, int);
-    out->ring_edge = NEW_ARRAY(context, 2 * out->edges, int);
     out->triangle_area = NEW_ARRAY(context, out->triangles, double);
     out->across = NEW_ARRAY(context, 3 * out->triangles, int);
-    return out->vertex_area && out->edge && out->edge_area && out->edge_cotan && out->on_border &&
-           out->ring_start && out->ring_edge && out->across && out->triangle_area;
+    return out->vertex_area && out->edge && out->edge_share && out->on_border && out->across &&
+           out->triangle_area;
+}
+
+/* The area of a triangle over the sum of its squared sides. */
+static double share(const struct mesh *mesh, int t) {
+    double squares = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double side = vec3_distance(mesh->vertex + 3 * mesh->triangle[3 * t + k],
+                                    mesh->vertex + 3 * mesh->triangle[3 * t + (k + 1) % 3]);
+        squares += side * side;
+    }
+    return area_of(mesh, t) / squares;
 }
 
 static void fill_edges(const struct mesh *mesh, const struct side *side, struct topology *out) {
@@ -157,11 +162,7 @@ static void fill_edges(const struct mesh *mesh, const struct side *side, struct 
     for (int first = 0, e = 0; first < sides; first = last, e++) {
         last = edge_end(side, sides, first);
         memcpy(out->edge + 2 * e, side[first].end, sizeof side->end);
-        for (int i = first; i < last; i++) {
-            double dot, twice_area = corner_measures(mesh, side[i].corner, &dot);
-            out->edge_area[e] += 0.5 * twice_area;
-            out->edge_cotan[e] += 0.5 * dot / twice_area;
-        }
+        for (int i = first; i < last; i++) out->edge_share[e] += share(mesh, side[i].corner / 3);
         if (last - first == 1)
             for (int k = 0; k < 2; k++) out->on_border[side[first].end[k]] = true;
         out->across[side[first].corner] = last - first == 1 ? -1 : side[first + 1].corner;
@@ -170,22 +171,11 @@ static void fill_edges(const struct mesh *mesh, const struct side *side, struct 
 }
 
 static void fill_areas(const struct mesh *mesh, struct topology *out) {
-    double dot;
     for (int t = 0; t < mesh->triangles; t++) {
-        out->triangle_area[t] = 0.5 * corner_measures(mesh, 3 * t, &dot);
+        out->triangle_area[t] = area_of(mesh, t);
         for (int k = 0; k < 3; k++)
             out->vertex_area[mesh->triangle[3 * t + k]] += out->triangle_area[t] / 3.0;
     }
-}
-
-/* Edges are taken in order, so those of each ring ascend. */
-static void fill_rings(struct topology *out) {
-    int *start = out->ring_start;
-    for (int i = 0; i < 2 * out->edges; i++) start[out->edge[i] + 1]++;
-    for (int v = 0; v < out->vertices; v++) start[v + 1] += start[v];
-    for (int i = 0; i < 2 * out->edges; i++) out->ring_edge[start[out->edge[i]]++] = i / 2;
-    memmove(start + 1, start, (size_t)out->vertices * sizeof *start);
-    start[0] = 0;
 }
 
 pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struct topology *out) {
@@ -198,7 +188,6 @@ pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struc
     if (ready) {
         fill_edges(mesh, side, out);
         fill_areas(mesh, out);
-        fill_rings(out);
     } else topology_free(context, out);
     FREE_ARRAY(context, side, sides);
     return ready ? PDYN_OK : PDYN_NO_MEMORY;
@@ -207,11 +196,8 @@ pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struc
 void topology_free(pdyn_context *context, struct topology *topology) {
     FREE_ARRAY(context, topology->vertex_area, topology->vertices);
     FREE_ARRAY(context, topology->edge, 2 * topology->edges);
-    FREE_ARRAY(context, topology->edge_area, topology->edges);
-    FREE_ARRAY(context, topology->edge_cotan, topology->edges);
+    FREE_ARRAY(context, topology->edge_share, topology->edges);
     FREE_ARRAY(context, topology->on_border, topology->vertices);
-    FREE_ARRAY(context, topology->ring_start, topology->vertices + 1);
-    FREE_ARRAY(context, topology->ring_edge, 2 * topology->edges);
     FREE_ARRAY(context, topology->triangle_area, topology->triangles);
     FREE_ARRAY(context, topology->across, 3 * topology->triangles);
     *topology = (struct topology){0};

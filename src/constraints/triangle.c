@@ -1,0 +1,155 @@
+/* In-plane strain of a sheet (Bouaziz et al. 2014, section 5.1). u is the deformation gradient of a
+ * triangle by columns, times the root of its area; its projection has the same directions and its
+ * singular values, the principal stretches, clamped to a range. With the weight Y the energy is
+ * Y/2 A sum (s_i - clamped s_i)^2: a sheet of Young's modulus times thickness Y without Poisson's
+ * effect, whatever the mesh. */
+#include "frame.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+struct params {
+    double stretching_stiffness, shortest, longest;
+};
+
+static const pdyn_param params[] = {
+    {"stretching_stiffness", PDYN_REAL, offsetof(struct params, stretching_stiffness), true, 0, 0,
+     1e12, "N/m", "tension per strain of the sheet: Young's modulus times thickness"},
+    {"shortest", PDYN_REAL, offsetof(struct params, shortest), false, 1, 0, 1, "1",
+     "length over that at rest, below which the sheet resists compression"},
+    {"longest", PDYN_REAL, offsetof(struct params, longest), false, 1, 1, 1e3, "1",
+     "length over that at rest, above which the sheet resists tension"},
+    {0}};
+
+struct range { /* of a stretch; times the root of the area, m */
+    double low, high;
+};
+
+static int elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->triangles;
+}
+
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    const struct params *q = par;
+    for (int t = first; t < last; t++) {
+        struct frame f = frame_of(b->body, t);
+        double root = sqrt(f.area);
+        ((struct range *)b->data)[t] = (struct range){q->shortest * root, q->longest * root};
+        for (int k = 0; k < 6; k++) {
+            b->column[6 * t + k] = b->body->first + b->body->triangle[3 * t + k % 3];
+            b->coefficient[6 * t + k] = root * f.gradient[k % 3][k / 3];
+        }
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int t = first; t < last; t++)
+        b->weight[t] = ((const struct params *)par)->stretching_stiffness;
+}
+
+/* u = sum of stretch_i left_i right_i', the larger stretch first; left_2 is normal to both others.
+ * Where a stretch is nothing, its direction is any. */
+struct principal {
+    double stretch[2], right[2][2], left[3][3];
+};
+
+static void any_across(const double *a, double *out) {
+    int least = fabs(a[0]) < fabs(a[1]) ? 0 : 1;
+    if (fabs(a[2]) < fabs(a[least])) least = 2;
+    vec3_cross(out, a, (double[3]){least == 0, least == 1, least == 2});
+}
+
+static bool make_unit(double *a) {
+    double length = vec3_length(a);
+    for (int k = 0; k < 3; k++) a[k] = length > 0.0 ? a[k] / length : 0.0;
+    return length > 0.0;
+}
+
+static struct principal principal_of(const double *u) {
+    struct principal s;
+    double xx = vec3_dot(u, u), xy = vec3_dot(u, u + 3), yy = vec3_dot(u + 3, u + 3);
+    double turn = 0.5 * atan2(2.0 * xy, xx - yy);
+    memcpy(s.right[0], (double[2]){cos(turn), sin(turn)}, sizeof s.right[0]);
+    memcpy(s.right[1], (double[2]){-sin(turn), cos(turn)}, sizeof s.right[1]);
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 3; k++) s.left[i][k] = s.right[i][0] * u[k] + s.right[i][1] * u[3 + k];
+        s.stretch[i] = vec3_length(s.left[i]);
+    }
+    if (!make_unit(s.left[0])) s.left[0][0] = 1.0;
+    vec3_add(s.left[1], -vec3_dot(s.left[0], s.left[1]), s.left[0]);
+    if (!make_unit(s.left[1])) any_across(s.left[0], s.left[1]), make_unit(s.left[1]);
+    vec3_cross(s.left[2], s.left[0], s.left[1]);
+    return s;
+}
+
+static double clamp(const struct range *range, double stretch) {
+    return fmin(fmax(stretch, range->low), range->high);
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int t = first; t < last; t++) {
+        struct principal s = principal_of(b->u + 6 * t);
+        double *p = b->p + 6 * t;
+        memset(p, 0, 6 * sizeof *p);
+        for (int i = 0; i < 2; i++) {
+            double stretch = clamp((const struct range *)b->data + t, s.stretch[i]);
+            for (int c = 0; c < 2; c++) vec3_add(p + 3 * c, stretch * s.right[i][c], s.left[i]);
+        }
+    }
+}
+
+/* J += factor m m', m = a x' + sign b y' brought to length 1; a, b are in space, x, y in the plane
+ */
+static void add_mode(double *J, double factor, const double *a, const double *x, double sign,
+                     const double *b, const double *y) {
+    double m[6];
+    factor = fmin(fmax(factor, 0.0), 1.0) / (1.0 + sign * sign);
+    for (int k = 0; k < 6; k++) m[k] = a[k % 3] * x[k / 3] + sign * b[k % 3] * y[k / 3];
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++) J[6 * i + j] += factor * m[i] * m[j];
+}
+
+/* How the projection follows u: along each principal direction, as the principal directions turn in
+ * the plane and in space, and as the plane turns; each clamped to a contraction. */
+static void tangent_of(const struct principal *s, const struct range *range, double *J) {
+    double p[2], sum = s->stretch[0] + s->stretch[1], gap = s->stretch[0] - s->stretch[1];
+    for (int i = 0; i < 2; i++) p[i] = clamp(range, s->stretch[i]);
+    double free0 = p[0] == s->stretch[0], free1 = p[1] == s->stretch[1];
+    double apart = gap > 1e-9 * sum ? (p[0] - p[1]) / gap : fmin(free0, free1);
+    const double *a = s->left[0], *b = s->left[1], *n = s->left[2];
+    const double *x = s->right[0], *y = s->right[1];
+    add_mode(J, free0, a, x, 0.0, a, x), add_mode(J, free1, b, y, 0.0, b, y);
+    add_mode(J, sum > 0.0 ? (p[0] + p[1]) / sum : 1.0, a, y, -1.0, b, x);
+    add_mode(J, apart, a, y, 1.0, b, x);
+    for (int i = 0; i < 2; i++) {
+        double along = s->stretch[i] > 0.0 ? p[i] / s->stretch[i] : 1.0;
+        add_mode(J, along, n, s->right[i], 0.0, n, s->right[i]);
+    }
+}
+
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par;
+    for (int t = first; t < last; t++, J += 36) {
+        struct principal s = principal_of(b->u + 6 * t);
+        tangent_of(&s, (const struct range *)b->data + t, J);
+    }
+}
+
+const pdyn_constraint_type pdyn_constraint_triangle = {
+    .name = "triangle",
+    .summary = "stretching and shear of a sheet, the same on any mesh",
+    .flags = PDYN_ON_SURFACE,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .data_size = sizeof(struct range),
+    .elements = elements,
+    .rows = 2,
+    .width = 3,
+    .select = select,
+    .weight = weight,
+    .project = project,
+    .tangent = tangent,
+};
