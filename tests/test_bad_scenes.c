@@ -276,7 +276,7 @@ static const struct {
      "number from 0 to 1e+12 N/m"},
     {CLOTH("{'type': 'spring', 'stiffness': 1}"),
      "scene.json:3:37: bodies[0].constraints[0]: unknown key \"stiffness\"; did you mean "
-     "\"stretching_stiffness\"?; known: type, stretching_stiffness"},
+     "\"stretching_stiffness\"?; known: type, stretching_stiffness, damping"},
     {CLOTH("{'type': 'spring', 'stretching_stiffness': -1}"),
      "scene.json:3:61: bodies[0].constraints[0].stretching_stiffness: expected a number "
      "from 0 to 1e+12 N/m, found -1"},

@@ -211,6 +211,12 @@ typedef struct pdyn_constraint_type {
     /* The energy of these elements, J, where it is not w/2 |u - p|^2; its gradient is w (u - p) all
      * the same. NULL: it is. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
+    /* Damping in proportion to stiffness: stress = stiffness (strain + damping x rate of strain).
+     * Where `damping`, in s, is above 0, core has a second batch of the same rows, its weights
+     * times damping / h, which `hold` tells at the beginning of every step to take u for its rest
+     * shape: data changes such that u is its own projection. NULL: none. */
+    double (*damping)(const void *params);
+    void (*hold)(const void *params, const pdyn_batch *batch, int first, int last);
     /* NULL: core derives everything from the rows above. */
     const pdyn_operator *op;
 } pdyn_constraint_type;

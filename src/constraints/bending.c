@@ -12,13 +12,15 @@
 #include "projdyn/vec3.h"
 
 struct params {
-    double bending_rigidity;
+    double bending_rigidity, damping;
 };
 
-static const pdyn_param params[] = {{"bending_rigidity", PDYN_REAL,
-                                     offsetof(struct params, bending_rigidity), true, 0, 0, 1e12,
-                                     "N m", "bending moment per width and curvature of the sheet"},
-                                    {0}};
+static const pdyn_param params[] = {
+    {"bending_rigidity", PDYN_REAL, offsetof(struct params, bending_rigidity), true, 0, 0, 1e12,
+     "N m", "bending moment per width and curvature of the sheet"},
+    {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
+     "moment grows with curvature + damping x rate of curvature"},
+    {0}};
 
 static int elements(const void *par, const pdyn_body *body) {
     (void)par;
@@ -62,6 +64,13 @@ WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int la
         vec3_tangent_length(J, b->u + 3 * e, ((const double *)b->data)[e]);
 }
 
+static double damping(const void *par) { return ((const struct params *)par)->damping; }
+
+static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
+}
+
 const pdyn_constraint_type pdyn_constraint_bending = {
     .name = "bending",
     .summary = "resistance of a sheet to a change of its curvature",
@@ -75,4 +84,6 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .weight = weight,
     .project = project,
     .tangent = tangent,
+    .damping = damping,
+    .hold = hold,
 };

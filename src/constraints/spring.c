@@ -11,12 +11,14 @@
 #include "projdyn/vec3.h"
 
 struct params {
-    double stretching_stiffness;
+    double stretching_stiffness, damping;
 };
 
 static const pdyn_param params[] = {
     {"stretching_stiffness", PDYN_REAL, offsetof(struct params, stretching_stiffness), true, 0, 0,
      1e12, "N/m", "tension per strain of the sheet: Young's modulus times thickness"},
+    {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
+     "stress grows with strain + damping x rate of strain"},
     {0}};
 
 static int elements(const void *par, const pdyn_body *body) {
@@ -55,6 +57,13 @@ WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int la
     for (int e = first; e < last; e++, J += 9) vec3_tangent_length(J, b->u + 3 * e, length[e]);
 }
 
+static double damping(const void *par) { return ((const struct params *)par)->damping; }
+
+static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
+}
+
 const pdyn_constraint_type pdyn_constraint_spring = {
     .name = "spring",
     .summary = "stretching of a sheet along the edges of its mesh",
@@ -69,4 +78,6 @@ const pdyn_constraint_type pdyn_constraint_spring = {
     .weight = weight,
     .project = project,
     .tangent = tangent,
+    .damping = damping,
+    .hold = hold,
 };

@@ -10,7 +10,7 @@
 #include <string.h>
 
 struct params {
-    double stretching_stiffness, shortest, longest;
+    double stretching_stiffness, shortest, longest, damping;
 };
 
 static const pdyn_param params[] = {
@@ -20,10 +20,12 @@ static const pdyn_param params[] = {
      "length over that at rest, below which the sheet resists compression"},
     {"longest", PDYN_REAL, offsetof(struct params, longest), false, 1, 1, 1e3, "1",
      "length over that at rest, above which the sheet resists tension"},
+    {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
+     "stress grows with strain + damping x rate of strain"},
     {0}};
 
-struct range { /* of a stretch; times the root of the area, m */
-    double low, high;
+struct range { /* of the two principal stretches; times the root of the area, m */
+    double low[2], high[2];
 };
 
 static int elements(const void *par, const pdyn_body *body) {
@@ -36,7 +38,9 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     for (int t = first; t < last; t++) {
         struct frame f = frame_of(b->body, t);
         double root = sqrt(f.area);
-        ((struct range *)b->data)[t] = (struct range){q->shortest * root, q->longest * root};
+        struct range *range = (struct range *)b->data + t;
+        for (int i = 0; i < 2; i++)
+            range->low[i] = q->shortest * root, range->high[i] = q->longest * root;
         for (int k = 0; k < 6; k++) {
             b->column[6 * t + k] = b->body->first + b->body->triangle[3 * t + k % 3];
             b->coefficient[6 * t + k] = root * f.gradient[k % 3][k / 3];
@@ -84,8 +88,9 @@ static struct principal principal_of(const double *u) {
     return s;
 }
 
-static double clamp(const struct range *range, double stretch) {
-    return fmin(fmax(stretch, range->low), range->high);
+/* Stretch i, brought into its range. */
+static double clamp(const struct range *range, int i, double stretch) {
+    return fmin(fmax(stretch, range->low[i]), range->high[i]);
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
@@ -95,7 +100,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
         double *p = b->p + 6 * t;
         memset(p, 0, 6 * sizeof *p);
         for (int i = 0; i < 2; i++) {
-            double stretch = clamp((const struct range *)b->data + t, s.stretch[i]);
+            double stretch = clamp((const struct range *)b->data + t, i, s.stretch[i]);
             for (int c = 0; c < 2; c++) vec3_add(p + 3 * c, stretch * s.right[i][c], s.left[i]);
         }
     }
@@ -116,7 +121,7 @@ static void add_mode(double *J, double factor, const double *a, const double *x,
  * the plane and in space, and as the plane turns; each clamped to a contraction. */
 static void tangent_of(const struct principal *s, const struct range *range, double *J) {
     double p[2], sum = s->stretch[0] + s->stretch[1], gap = s->stretch[0] - s->stretch[1];
-    for (int i = 0; i < 2; i++) p[i] = clamp(range, s->stretch[i]);
+    for (int i = 0; i < 2; i++) p[i] = clamp(range, i, s->stretch[i]);
     double free0 = p[0] == s->stretch[0], free1 = p[1] == s->stretch[1];
     double apart = gap > 1e-9 * sum ? (p[0] - p[1]) / gap : fmin(free0, free1);
     const double *a = s->left[0], *b = s->left[1], *n = s->left[2];
@@ -138,6 +143,17 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
     }
 }
 
+static double damping(const void *par) { return ((const struct params *)par)->damping; }
+
+static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int t = first; t < last; t++) {
+        struct range *range = (struct range *)b->data + t;
+        struct principal s = principal_of(b->u + 6 * t);
+        for (int i = 0; i < 2; i++) range->low[i] = range->high[i] = s.stretch[i];
+    }
+}
+
 const pdyn_constraint_type pdyn_constraint_triangle = {
     .name = "triangle",
     .summary = "stretching and shear of a sheet, the same on any mesh",
@@ -152,4 +168,6 @@ const pdyn_constraint_type pdyn_constraint_triangle = {
     .weight = weight,
     .project = project,
     .tangent = tangent,
+    .damping = damping,
+    .hold = hold,
 };

@@ -11,12 +11,12 @@ struct call { /* the arguments of a parallel loop over a batch */
     struct batch *batch;
     const double *in;
     double *out;
-    double eps;
+    double number; /* eps, or the length of a step */
 };
 
 static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *fn,
-                      const double *in, double *out, double eps) {
-    struct call call = {batch, in, out, eps};
+                      const double *in, double *out, double number) {
+    struct call call = {batch, in, out, number};
     pool_for(batch->context->pool, count, grain, fn, &call);
 }
 
@@ -132,6 +132,23 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
     return PDYN_OK;
 }
 
+/* ---- damping --------------------------------------------------------------------------------- */
+
+static void hold_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct batch *b = c->batch;
+    double part = b->type->damping(b->params) / c->number;
+    gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in);
+    b->type->hold(b->params, &b->view, first, last);
+    b->type->weight(b->params, &b->view, first, last);
+    for (int e = first; e < last; e++) b->view.weight[e] *= part;
+}
+
+void batch_hold(struct batch *b, const double *x, double h) {
+    for_range(b, b->view.elements, ELEMENTS, hold_rows, x, NULL, h);
+}
+
 /* ---- tangent --------------------------------------------------------------------------------- */
 
 /* B = w (I - (1 - eps) J), in place of J, n x n numbers */
@@ -159,7 +176,7 @@ static void linearise_rows(void *arg, int first, int last, int block) {
         double *J = b->block + b->block_start[e];
         memset(J, 0, (b->block_start[end] - b->block_start[e]) * sizeof *J);
         if (b->type->tangent) b->type->tangent(b->params, &b->view, e, end, J);
-        damp_blocks(b, e, end, c->eps);
+        damp_blocks(b, e, end, c->number);
     }
 }
 

@@ -24,6 +24,7 @@ struct batch {
     struct samples *samples; /* its vectors go on with these; NULL: not */
     double eps;              /* damping of the current linearisation */
     double energy;           /* J, at the last local step */
+    bool damper;             /* holds back the rate of strain, see pdyn_constraint_type.damping */
 
     /* rows tier */
     bool changing; /* elements come and go */
@@ -59,6 +60,9 @@ pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_t
  * before batch_index makes them known. */
 pdyn_status batch_resize(struct batch *batch, int elements);
 void batch_index(struct batch *batch);
+
+/* A damper at the beginning of a step of length h, s, at x. */
+void batch_hold(struct batch *batch, const double *x, double h);
 
 /* The neighbour lists have changed. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);

@@ -227,28 +227,58 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
 
 /* ---- constraints and solver ------------------------------------------------------------------ */
 
-static pdyn_status make_batches(struct pdyn_sim *sim) {
+static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
+                             const struct scene_constraint *c) {
     struct system *sys = &sim->system;
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
+    pdyn_status status = batch_create(sim->context, c->type, c->params, body, &sim->services, lists,
+                                      false, &sys->batch[sys->batches]);
+    if (status == PDYN_OK) sys->batches++;
+    return status;
+}
+
+static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
+                                  const struct scene_constraint *c) {
+    struct system *sys = &sim->system;
+    pdyn_status status = add_batch(sim, body, c);
+    if (status != PDYN_OK) return status;
+    if (c->type->op) sys->batch[sys->batches - 1]->samples = sim->samples;
+    sys->changing |= c->type->op != NULL;
+    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
+    sim->constraints = sys->batches;
+    return PDYN_OK;
+}
+
+static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
+                              const struct scene_constraint *c) {
+    if (!c->type->damping || c->type->damping(c->params) == 0.0) return PDYN_OK;
+    pdyn_status status = add_batch(sim, body, c);
+    if (status == PDYN_OK) sim->system.batch[sim->system.batches - 1]->damper = true;
+    return status;
+}
+
+typedef pdyn_status add_fn(struct pdyn_sim *sim, const pdyn_body *body,
+                           const struct scene_constraint *c);
+
+/* Calls `add` for every constraint of every body. */
+static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
+    pdyn_status status = PDYN_OK;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints && status == PDYN_OK; k++)
+            status = add(sim, &sim->body[b], &sim->scene.body[b].constraint[k]);
+    return status;
+}
+
+/* First all constraints, then what damps some of them. */
+static pdyn_status make_batches(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
     int count = 0;
-    for (int b = 0; b < sim->bodies; b++) count += sim->scene.body[b].constraints;
+    for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !sys->batch) return PDYN_NO_MEMORY;
     sys->capacity = count;
-    for (int b = 0; b < sim->bodies; b++)
-        for (int k = 0; k < sim->scene.body[b].constraints; k++) {
-            const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
-            pdyn_status status =
-                batch_create(sim->context, c->type, c->params, &sim->body[b], &sim->services, lists,
-                             false, &sys->batch[sys->batches]);
-            if (status != PDYN_OK) return status;
-            if (c->type->op) sys->batch[sys->batches]->samples = sim->samples;
-            sys->batches++;
-            sys->changing |= c->type->op != NULL;
-            sim->anchored |=
-                (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
-        }
-    return PDYN_OK;
+    pdyn_status status = add_each(sim, add_constraint);
+    return status == PDYN_OK ? add_each(sim, add_damper) : status;
 }
 
 /* Fluid alone: its multipliers; a constant matrix: its factor; else conjugate gradients. */

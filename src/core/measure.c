@@ -58,7 +58,7 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
         info->potential_energy -= sys->mass[i] * vec3_dot(sim->scene.settings.gravity, x);
         vec3_add(info->momentum, sys->mass[i], v);
     }
-    for (int b = 0; b < sys->batches; b++) info->constraint_energy += sys->batch[b]->energy;
+    for (int b = 0; b < sim->constraints; b++) info->constraint_energy += sys->batch[b]->energy;
 }
 
 /* What a pin must carry is the gradient of everything else at its point: the whole gradient less

@@ -26,6 +26,7 @@ struct pdyn_sim {
     struct motion motion;      /* of the last of these */
     pdyn_services services;    /* what operators may call */
 
+    int constraints;         /* batches that are constraints of the scene; their dampers follow */
     struct system system;    /* particles' masses, prediction, batches: what is minimised */
     double *x, *v;           /* particles x 3: the state, m, m/s */
     double *density;         /* particles, kg/m^3 */

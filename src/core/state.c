@@ -28,7 +28,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .moving = sim->motion.points,
                         .boundary_x = sim->boundary.x,
                         .bodies = sim->bodies,
-                        .constraints = sim->system.batches};
+                        .constraints = sim->constraints};
 }
 
 pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {

@@ -90,6 +90,11 @@ pdyn_status system_local(struct system *sys, const double *x, double *energy, do
     return status;
 }
 
+void system_hold(struct system *sys, const double *x) {
+    for (int b = 0; b < sys->batches; b++)
+        if (sys->batch[b]->damper) batch_hold(sys->batch[b], x, sys->h);
+}
+
 /* ---- the operator H -------------------------------------------------------------------------- */
 
 pdyn_status system_linearise(struct system *sys, double eps) {

@@ -31,6 +31,9 @@ struct system {
     double ms_neighbours, ms_local;
 };
 
+/* A step of length h begins at x. */
+void system_hold(struct system *system, const double *x);
+
 /* Builds the neighbour lists at x. */
 pdyn_status system_build_lists(struct system *system, const double *x);
 

@@ -1,0 +1,153 @@
+/* Damping in proportion to stiffness: the decay of an oscillator, and what it leaves alone. */
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+static pdyn_context *context;
+
+static int set_up(void **state) {
+    (void)state;
+    context = test_context(1);
+    return test_enter_directory(state);
+}
+
+static int tear_down(void **state) {
+    pdyn_destroy(context);
+    return test_leave_directory(state);
+}
+
+static pdyn_sim *load(const char *mesh, double h, const char *constraint) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{\"duration\": 100, \"gravity\": [0, 0, 0], \"frame_interval\": 100, \"time_step\": "
+             "{\"fixed\": %.17g}, \"solver\": {\"type\": \"cholesky\", \"tolerance\": 1e-13, "
+             "\"outer_iterations\": 100}, \"bodies\": [{\"surface\": {%s, \"area_density\": 1}, "
+             "\"constraints\": [%s]}]}",
+             h, mesh, constraint);
+    return test_load(context, text);
+}
+
+/* An equilateral triangle of sides 1 m that breathes: x = s x_0. Both springs and strain give
+ * I s'' = -2 Y A ((s - 1) + damping s'), I the sum of m |x_0|^2; of springs, Y is 3/2 that, for
+ * this stretches both ways. */
+static void breathe(const char *type, double stiffness) {
+    static const char mesh[] = "v 0 0 0\nv 1 0 0\nv 0.5 0.86602540378443865 0\nf 1 2 3\n";
+    const double h = 0.01, damping = 0.05, area = sqrt(0.75) / 2.0;
+    char text[200];
+    test_write_text("triangle.obj", mesh);
+    snprintf(text, sizeof text, "{\"type\": \"%s\", \"stretching_stiffness\": 10, \"damping\": %g}",
+             type, damping);
+    pdyn_sim *sim = load("\"mesh\": \"triangle.obj\"", h, text);
+    test_remove_file("triangle.obj");
+    double inertia = area / 3.0 * 3.0 * (1.0 / 3.0), k = 2.0 * stiffness * area / inertia;
+    double middle[3] = {0.5, sqrt(1.0 / 12.0), 0.0}, s = 1.0, rate = 0.5;
+    for (int i = 0; i < 9; i++) sim->v[i] = rate * (sim->x[i] - middle[i % 3]);
+    for (int n = 0; n < 200; n++) {
+        test_step(context, sim);
+        double next = (s + h * rate + h * h * k * (1.0 + damping * s / h)) /
+                      (1.0 + h * h * k * (1.0 + damping / h));
+        rate = (next - s) / h, s = next;
+        double found = vec3_distance(sim->x, sim->x + 3);
+        if (fabs(found - s) > 1e-9)
+            fail_msg("%s, step %d: %.12g, expected %.12g", type, n, found, s);
+    }
+    assert_true(fabs(s - 1.0) < 5e-3);
+    pdyn_free(sim);
+}
+
+static void test_breathing(void **state) {
+    (void)state;
+    breathe("triangle", 10.0);
+    breathe("spring", 15.0);
+}
+
+/* Two triangles fold about their common side. A flat plate's vibration of small amplitude decays as
+ * exp(-(damping + h) omega^2 t / 2), by the damping and by implicit Euler. */
+static void test_folding(void **state) {
+    (void)state;
+    const double h = 2e-4, damping = 4e-3, rigidity = 0.5;
+    char text[200];
+    snprintf(text, sizeof text,
+             "{\"type\": \"bending\", \"bending_rigidity\": %g, \"damping\": %g}", rigidity,
+             damping);
+    pdyn_sim *sim = load("\"grid\": {\"size\": [1, 1], \"vertices\": [2, 2]}", h, text);
+    const struct batch *b = sim->system.batch[0];
+    double mode[4] = {0}, square = 0.0, omega2 = 0.0;
+    for (int e = 0; e < b->view.elements; e++) {
+        double sum = 0.0;
+        for (int k = b->view.row_entry[e]; k < b->view.row_entry[e + 1]; k++)
+            sum += b->view.coefficient[k] * b->view.coefficient[k];
+        if (sum < 1e-12) continue;
+        for (int k = b->view.row_entry[e]; k < b->view.row_entry[e + 1]; k++)
+            mode[b->view.column[k]] = b->view.coefficient[k] / sim->system.mass[b->view.column[k]];
+    }
+    for (int i = 0; i < 4; i++) square += sim->system.mass[i] * mode[i] * mode[i];
+    for (int e = 0; e < b->view.elements; e++) {
+        double u = 0.0;
+        for (int k = b->view.row_entry[e]; k < b->view.row_entry[e + 1]; k++)
+            u += b->view.coefficient[k] * mode[b->view.column[k]];
+        omega2 += b->view.weight[e] * u * u / square;
+    }
+    for (int i = 0; i < 4; i++) sim->v[3 * i + 1] = 1e-4 * mode[i];
+    double period = 2.0 * acos(-1.0) / sqrt(omega2), first = 0.0, last = 0.0;
+    int steps = (int)lround(period / h);
+    for (int n = 0; n < 5 * steps; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        double energy = info.kinetic_energy + info.constraint_energy;
+        if (n < steps) first += energy;
+        if (n >= 4 * steps) last += energy;
+    }
+    double expected = (damping + h) * omega2 * 4.0 * steps * h;
+    if (fabs(log(first / last) / expected - 1.0) > 0.03)
+        fail_msg("decay %g, expected %g", log(first / last), expected);
+    pdyn_free(sim);
+}
+
+/* No force and no torque of a damper on the whole; none at all where nothing but the place changes.
+ */
+static void test_balance(void **state) {
+    (void)state;
+    static const char *const constraints[] = {
+        "{\"type\": \"spring\", \"stretching_stiffness\": 10, \"damping\": 1}",
+        "{\"type\": \"triangle\", \"stretching_stiffness\": 10, \"damping\": 1}",
+        "{\"type\": \"bending\", \"bending_rigidity\": 10, \"damping\": 1}"};
+    static const double turn[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6};
+    for (int c = 0; c < 3; c++) {
+        pdyn_sim *sim =
+            load("\"grid\": {\"size\": [1, 1], \"vertices\": [5, 5]}", 0.01, constraints[c]);
+        uint64_t seed = 17;
+        double y[76], sum[3] = {0}, torque[3] = {0}, scale = 0.0;
+        assert_int_equal(sim->system.batches, 2);
+        assert_int_equal(pdyn_get_state(sim).constraints, 1);
+        struct batch *damper = sim->system.batch[1];
+        for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
+        batch_hold(damper, sim->x, 0.01);
+        for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);
+        double gradient[76] = {0};
+        assert_int_equal(batch_local(damper, y, 0.0, gradient), PDYN_OK);
+        for (int i = 0; i < 25; i++) {
+            double t[3];
+            vec3_cross(t, y + 3 * i, gradient + 3 * i);
+            vec3_add(sum, 1.0, gradient + 3 * i), vec3_add(torque, 1.0, t);
+            scale += vec3_length(gradient + 3 * i);
+        }
+        assert_true(scale > 1.0);
+        assert_true(vec3_length(sum) < 1e-12 * scale && vec3_length(torque) < 1e-12 * scale);
+        for (int i = 0; i < 25; i++) vec3_multiply(y + 3 * i, turn, sim->x + 3 * i);
+        memset(gradient, 0, sizeof gradient);
+        assert_int_equal(batch_local(damper, y, 0.0, gradient), PDYN_OK);
+        assert_true(test_distance(gradient, (double[75]){0}, 75) < 1e-10 * scale);
+        pdyn_free(sim);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_breathing),
+        cmocka_unit_test(test_folding),
+        cmocka_unit_test(test_balance),
+    };
+    return cmocka_run_group_tests_name("damping", tests, set_up, tear_down);
+}
