@@ -38,10 +38,12 @@ static const struct {
      "scene.json:1:27: bodies: expected an array of bodies, found an object"},
     {TOP("'gravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
-     "name, gravity, time_step, solver, bodies, solids, outlets, duration, frame_interval"},
+     "name, gravity, time_step, solver, bodies, solids, outlets, contact, duration, "
+     "frame_interval"},
     {TOP("'\\u0067ravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
-     "name, gravity, time_step, solver, bodies, solids, outlets, duration, frame_interval"},
+     "name, gravity, time_step, solver, bodies, solids, outlets, contact, duration, "
+     "frame_interval"},
     {TOP("'gravity': [0, -9.81]"),
      "scene.json:2:13: gravity: expected an array of 3 numbers (m/s^2), found an array of "
      "2"},
@@ -386,6 +388,14 @@ static const struct {
      "of 3"},
     {TOP("'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 1}, 'rotate': [0, 0, 0]}]"),
      "scene.json:2:60: solids[0]: \"rotate\" needs a \"mesh\""},
+    /* contact */
+    {TOP("'contact': {'thickness': 0.001}"),
+     "scene.json:2:2: \"contact\" needs a body with a surface"},
+    {"{'duration': 1, 'bodies': [" SHEET("") "],\n 'contact': {}}",
+     "scene.json:2:13: contact.thickness: missing, expected a number from 1e-09 to 1000 m"},
+    {"{'duration': 1, 'bodies': [" SHEET(
+         "") "],\n 'contact': {'thickness': 0.001, 'friction': -1}}",
+     "scene.json:2:46: contact.friction: expected a number from 0 to 100, found -1"},
     /* inlets */
     {INLETS("'fill': [{'box': " BOX "}], 'inlets': 1"),
      "scene.json:3:76: bodies[0].particles.inlets: expected an array of inlets, found 1"},
@@ -524,7 +534,7 @@ static const struct {
      "type, step, tolerance, outer_iterations, linear_tolerance, linear_iterations"},
     {"solvr.type=cg",
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: "
-     "$schema, name, gravity, time_step, solver, bodies, solids, outlets, duration, "
+     "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, duration, "
      "frame_interval"},
     {"solver.type=gc",
      "--set solver.type=gc: solver.type: unknown solver \"gc\"; did you mean \"cg\"?; "

@@ -13,27 +13,38 @@ static struct box random_box(uint64_t *seed, double size) {
     return box;
 }
 
+struct found {
+    int count;
+    bool has[1000];
+};
+
+static void note(void *user, int id) {
+    struct found *found = user;
+    assert_false(found->has[id]);
+    found->has[id] = true;
+    found->count++;
+}
+
 static void check_set(int count, double size, uint64_t seed) {
     enum { ROOM = 1000 };
     pdyn_context *context = test_context(1);
     struct box box[ROOM];
     struct boxes tree;
-    int list[ROOM];
     for (int i = 0; i < count; i++) box[i] = random_box(&seed, i % 50 ? size : 2.0);
     assert_int_equal(boxes_create(context, count + 3, &tree), PDYN_OK);
     for (int again = 0; again < 2; again++) {
         boxes_sort(&tree, box, count);
         for (int q = 0; q < 100; q++) {
             struct box query = random_box(&seed, size);
+            struct found found = {0};
             int from = q % 3 * count / 3, expected = 0;
-            int found = boxes_query(&tree, &query, from, list, ROOM);
+            boxes_visit(&tree, &query, from, note, &found);
             for (int i = from; i < count; i++) {
                 if (!box_overlaps(&box[i], &query)) continue;
-                assert_true(expected < found);
-                assert_int_equal(list[expected++], i);
+                assert_true(found.has[i]);
+                expected++;
             }
-            assert_int_equal(found, expected);
-            assert_int_equal(boxes_query(&tree, &query, from, list, 1), found);
+            assert_int_equal(found.count, expected);
         }
         for (int i = 0; i < count; i++) box[i] = random_box(&seed, size);
     }
@@ -58,11 +69,12 @@ static void test_heap(void **state) {
     pdyn_context *context = test_context(1);
     struct box box[100];
     struct boxes tree;
-    int list[100];
+    struct found found = {0};
     for (int i = 0; i < 100; i++) box[i] = (struct box){{1, 1, 1}, {1, 1, 1}};
     assert_int_equal(boxes_create(context, 100, &tree), PDYN_OK);
     boxes_sort(&tree, box, 100);
-    assert_int_equal(boxes_query(&tree, &box[0], 10, list, 100), 90);
+    boxes_visit(&tree, &box[0], 10, note, &found);
+    assert_int_equal(found.count, 90);
     boxes_free(context, &tree);
     pdyn_destroy(context);
 }

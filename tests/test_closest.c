@@ -8,7 +8,7 @@
 
 static const struct pair_kind *const kinds[] = {&pair_vertex_face, &pair_edge_edge};
 
-struct pair {
+struct four {
     double x[4][3], d[4][3];
 };
 
@@ -37,8 +37,8 @@ static double sampled_distance(const struct pair_kind *kind, double (*x)[3], int
 }
 
 /* Random pairs, of which some are parallel, flat or without extent. */
-static struct pair random_pair(uint64_t *seed, int sort) {
-    struct pair p;
+static struct four random_pair(uint64_t *seed, int sort) {
+    struct four p;
     for (int k = 0; k < 4; k++)
         for (int a = 0; a < 3; a++) {
             p.x[k][a] = test_random(seed);
@@ -58,7 +58,7 @@ static void test_distances(void **state) {
     (void)state;
     uint64_t seed = 3;
     for (int n = 0; n < 3000; n++) {
-        struct pair p = random_pair(&seed, n % 6);
+        struct four p = random_pair(&seed, n % 6);
         const struct pair_kind *kind = kinds[n / 6 % 2];
         double c[4], u[3] = {0}, first = 0.0, sum = 0.0, d = distance_of(kind, p.x, c);
         double sampled = sampled_distance(kind, p.x, 60);
@@ -79,7 +79,7 @@ static void test_weights(void **state) {
     (void)state;
     uint64_t seed = 5;
     for (int n = 0; n < 200; n++) {
-        struct pair p = random_pair(&seed, 0), q = p;
+        struct four p = random_pair(&seed, 0), q = p;
         const struct pair_kind *kind = kinds[n % 2];
         double c[4], unused[4], u[3] = {0}, du[3] = {0}, e = 1e-6;
         double d = distance_of(kind, p.x, c);
@@ -100,7 +100,7 @@ static void test_free_paths(void **state) {
     uint64_t seed = 7;
     int cut = 0;
     for (int n = 0; n < 2000; n++) {
-        struct pair p = random_pair(&seed, n % 3), at;
+        struct four p = random_pair(&seed, n % 3), at;
         const struct pair_kind *kind = kinds[n / 3 % 2];
         const double *x[4], *d[4];
         double c[4], start = distance_of(kind, p.x, c), keep = 0.2 * start, nearest = INFINITY;
@@ -132,9 +132,9 @@ static void test_fast(void **state) {
     (void)state;
     for (double speed = 1e-3; speed < 1e6; speed *= 10.0)
         for (int n = 0; n < 2; n++) {
-            struct pair p = {{{0.3, 0.01, 0.3}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, -speed, 0}}};
+            struct four p = {{{0.3, 0.01, 0.3}, {0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {{0, -speed, 0}}};
             if (n) {
-                const struct pair edges = {{{0.3, 0.01, -1}, {0.3, 0.01, 1}, {0, 0, 0}, {1, 0, 0}},
+                const struct four edges = {{{0.3, 0.01, -1}, {0.3, 0.01, 1}, {0, 0, 0}, {1, 0, 0}},
                                            {{0, -speed, 0}, {0, -speed, 0}}};
                 p = edges;
             }

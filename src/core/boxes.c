@@ -106,35 +106,24 @@ void boxes_sort(struct boxes *boxes, const struct box *box, int count) {
 
 /* ---- asking ---------------------------------------------------------------------------------- */
 
-static void sort_list(int *list, int count) {
-    for (int i = 1; i < count; i++) {
-        int id = list[i], k = i;
-        for (; k > 0 && list[k - 1] > id; k--) list[k] = list[k - 1];
-        list[k] = id;
-    }
-}
-
 /* Depth first; a node waits on the stack with its level. */
-int boxes_query(const struct boxes *boxes, const struct box *box, int from, int *list, int room) {
+void boxes_visit(const struct boxes *boxes, const struct box *box, int from,
+                 void (*visit)(void *user, int id), void *user) {
     struct {
         int level, node;
     } stack[BOXES_LEVELS * BOXES_WIDTH];
-    int found = 0, waiting = 0;
-    if (!boxes->count) return 0;
+    int waiting = 0;
+    if (!boxes->count) return;
     stack[waiting].level = boxes->levels - 1, stack[waiting++].node = 0;
     while (waiting) {
         int level = stack[--waiting].level, node = stack[waiting].node;
         if (!box_overlaps(&boxes->node[boxes->first[level] + node], box)) continue;
         if (level == 0) {
-            if (boxes->order[node] < from) continue;
-            if (found < room) list[found] = boxes->order[node];
-            found++;
+            if (boxes->order[node] >= from) visit(user, boxes->order[node]);
             continue;
         }
         int nodes = boxes->first[level] - boxes->first[level - 1];
         for (int k = BOXES_WIDTH * node; k < BOXES_WIDTH * (node + 1) && k < nodes; k++)
             stack[waiting].level = level - 1, stack[waiting++].node = k;
     }
-    sort_list(list, found < room ? found : room);
-    return found;
 }

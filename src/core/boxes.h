@@ -26,9 +26,9 @@ void boxes_free(pdyn_context *context, struct boxes *boxes);
 
 void boxes_sort(struct boxes *boxes, const struct box *box, int count);
 
-/* Writes to `list` the boxes that overlap or touch `box` and are numbered `from` or higher,
- * ascending. Returns how many there are; the first `room` of them found are written. */
-int boxes_query(const struct boxes *boxes, const struct box *box, int from, int *list, int room);
+/* Calls visit for each box that overlaps or touches `box` and is numbered `from` or higher. */
+void boxes_visit(const struct boxes *boxes, const struct box *box, int from,
+                 void (*visit)(void *user, int id), void *user);
 
 static inline bool box_overlaps(const struct box *a, const struct box *b) {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &

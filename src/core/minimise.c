@@ -35,22 +35,20 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     return status;
 }
 
-/* x_next + direction, halved until E falls enough (Armijo). step->length: what was taken, 0 for
- * none; then the iterate and its local step are as before. Unfinished multipliers may raise E once;
- * then it has to fall below what it was before that. */
-static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
+/* x_next + direction, halved until E falls enough (Armijo) below the bound. step->length: what was
+ * taken, 0 for none. */
+static pdyn_status go_down(struct pdyn_sim *sim, double bound, double slope, double *energy,
                            struct taken *step) {
     struct system *sys = &sim->system;
-    double slope = system_dot(sys, sim->gradient, sim->direction), trial;
-    double bound = *energy;
-    *step = (struct taken){.length = 1.0, .slope = slope};
-    if (sim->solver->keeps_multipliers) bound = fmax(before, *energy), slope = 0.0;
+    double trial;
+    *step = (struct taken){.length = 1.0, .slope = system_dot(sys, sim->gradient, sim->direction)};
+    slope *= step->slope < 0.0 ? step->slope : 0.0;
     for (int k = 0; k < BACKTRACKS; k++, step->length *= 0.5) {
         memcpy(sim->trial, sim->x_next, system_bytes(&sim->system));
         system_axpy(sys, step->length, sim->direction, sim->trial);
         pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        if (trial <= bound + 1e-4 * step->length * slope + 1e-13 * fabs(bound)) {
+        if (trial <= bound + step->length * slope + 1e-13 * fabs(bound)) {
             take_trial(sim);
             *energy = trial;
             step->slope_after = system_dot(sys, sim->gradient, sim->direction);
@@ -58,6 +56,25 @@ static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
         }
     }
     step->length = 0.0;
+    return PDYN_OK;
+}
+
+/* Goes down along the direction; where it does not, the iterate and its local step are as before.
+ * Unfinished multipliers may raise E once; then it has to fall below what it was before that. In
+ * contact, every point goes as far as its way is free; where that is not downhill, all of them go
+ * as far as the one that goes least. */
+static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
+                           struct taken *step) {
+    struct system *sys = &sim->system;
+    bool unfinished = sim->solver->keeps_multipliers;
+    double bound = unfinished ? fmax(before, *energy) : *energy, slope = unfinished ? 0.0 : 1e-4;
+    pdyn_status status = PDYN_OK;
+    if (sys->contact) status = contact_filter(sys->contact, sim->x_next, sim->direction);
+    if (status == PDYN_OK) status = go_down(sim, bound, slope, energy, step);
+    if (status == PDYN_OK && step->length == 0.0 && sys->contact &&
+        contact_common(sys->contact, sys->particles, sim->direction) < 1.0)
+        status = go_down(sim, bound, slope, energy, step);
+    if (status != PDYN_OK || step->length > 0.0) return status;
     return system_local(sys, sim->x_next, energy, sim->gradient);
 }
 
@@ -109,15 +126,22 @@ static void repeat_correction(struct pdyn_sim *sim, double h, double *x) {
     system_axpy(&sim->system, ratio * ratio, sim->correction, x);
 }
 
+/* The local step at x, in contact as far on the way there as it is free. */
+static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, double *gradient) {
+    struct contact *contact = sim->system.contact;
+    pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
+    return status == PDYN_OK ? system_local(&sim->system, x, energy, gradient) : status;
+}
+
 /* With positions, the correction is taken where it lowers E. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double h, double *energy) {
     double warm;
-    pdyn_status status = system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    pdyn_status status = start_at(sim, sim->x_next, energy, sim->gradient);
     if (status != PDYN_OK || sim->last_h == 0.0) return status;
     repeat_correction(sim, h, sim->trial);
-    status = system_local(&sim->system, sim->trial, &warm, sim->trial_gradient);
+    status = start_at(sim, sim->trial, &warm, sim->trial_gradient);
     if (status != PDYN_OK) return status;
-    if (!(warm < *energy)) return system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    if (!(warm < *energy)) return start_at(sim, sim->x_next, energy, sim->gradient);
     take_trial(sim);
     *energy = warm;
     return PDYN_OK;
@@ -148,6 +172,20 @@ static void observe(const struct pdyn_sim *sim, const struct progress *p, int li
     sim->observer(sim->observer_user, &iteration);
 }
 
+/* Solids that wait for a surface go on. */
+static pdyn_status push(struct pdyn_sim *sim, double *energy) {
+    struct contact *contact = sim->system.contact;
+    if (!contact || !contact->behind) return PDYN_OK;
+    pdyn_status status = contact_advance(contact, sim->x_next);
+    return status == PDYN_OK ? system_local(&sim->system, sim->x_next, energy, sim->gradient)
+                             : status;
+}
+
+static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {
+    return p->residual <= sim->scene.settings.tolerance &&
+           !(sim->system.contact && sim->system.contact->behind);
+}
+
 /* Local and global steps in turn until the step residual is small enough. */
 pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
@@ -167,8 +205,9 @@ pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
                 sim->steps + 1, sim->time);
         observe(sim, p, p->linear - linear);
         linear = p->linear;
-        if (!moved || p->residual <= set->tolerance || p->outer >= set->outer_iterations) break;
+        if (!moved || is_solved(sim, p) || p->outer >= set->outer_iterations) break;
         status = global_step(sim, p, &moved);
+        if (status == PDYN_OK) status = push(sim, &p->energy);
         p->outer++;
     }
     return status;

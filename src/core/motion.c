@@ -82,11 +82,12 @@ static void turned_axes(const struct transform *t, double axes[9]) {
     transform_directions(t, axes, 3);
 }
 
-static void carry(const struct moving *m, const double *placed, double time, double *x) {
-    struct pose pose = pose_between(m->solid, key_before(m->solid, time), time);
+void motion_place(const struct scene_solid *solid, const double *placed, int count, double time,
+                  double *x) {
+    struct pose pose = pose_between(solid, key_before(solid, time), time);
     double axes[9];
     turned_axes(&pose.at, axes);
-    for (int i = 0; i < m->count; i++, x += 3, placed += 3) {
+    for (int i = 0; i < count; i++, x += 3, placed += 3) {
         memcpy(x, pose.at.translate, sizeof pose.at.translate);
         for (int a = 0; a < 3; a++) vec3_add(x, placed[a], axes + 3 * a);
     }
@@ -98,8 +99,8 @@ void motion_carry(struct pdyn_sim *sim, double time) {
     if (!motion->points) return;
     for (int k = 0; k < motion->solids; k++) {
         const struct moving *m = &motion->solid[k];
-        carry(m, motion->placed.x + 3 * (size_t)(m->first - resting), time,
-              sim->boundary.x + 3 * (size_t)m->first);
+        motion_place(m->solid, motion->placed.x + 3 * (size_t)(m->first - resting), m->count, time,
+                     sim->boundary.x + 3 * (size_t)m->first);
     }
     if (sim->neighbours) neighbours_move(sim->neighbours, sim->boundary.x + 3 * (size_t)resting);
 }

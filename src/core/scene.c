@@ -543,12 +543,33 @@ static pdyn_status read_outlets(struct reader *r, const struct json_at *array) {
     return read_each(r, array, read_outlet);
 }
 
+const pdyn_param scene_contact_params[] = {
+    {"thickness", PDYN_REAL, offsetof(struct scene_contact, thickness), true, 0, 1e-9, 1e3, "m",
+     ""},
+    {"friction", PDYN_REAL, offsetof(struct scene_contact, friction), false, 0.3, 0, 100, "1", ""},
+    {"stiffness", PDYN_REAL, offsetof(struct scene_contact, stiffness), false, 1000, 1e-9, 1e15,
+     "N/m", ""},
+    {"self", PDYN_BOOL, offsetof(struct scene_contact, self), false, 1, 0, 0, "", ""},
+    {0}};
+
+static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
+    static const char *const none[] = {NULL};
+    bool surface = false;
+    if (!at->value) return PDYN_OK;
+    for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].is_surface;
+    if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
+    r->scene->has_contact = true;
+    pdyn_status status = params_check_keys(at, scene_contact_params, none);
+    return status == PDYN_OK ? params_read(at, scene_contact_params, NULL, &r->scene->contact)
+                             : status;
+}
+
 static pdyn_status read_all(struct reader *r, const struct json_at *root) {
     static const char *const others[] = {"$schema", "name",   "gravity", "time_step", "solver",
-                                         "bodies",  "solids", "outlets", NULL};
+                                         "bodies",  "solids", "outlets", "contact",   NULL};
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
-    struct json_at outlets = json_member(root, "outlets");
+    struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
     pdyn_status status = params_check_keys(root, settings_general_params, others);
     if (status == PDYN_OK) status = read_general(r, root);
     if (status == PDYN_OK) status = read_time_step(r, &time_step);
@@ -556,6 +577,7 @@ static pdyn_status read_all(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_bodies(r, &bodies);
     if (status == PDYN_OK) status = read_solids(r, &solids);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
+    if (status == PDYN_OK) status = read_contact(r, &contact);
     return status;
 }
 

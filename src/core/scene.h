@@ -71,6 +71,15 @@ struct scene_solid {
     double pivot[3];       /* m, in the world */
 };
 
+struct scene_contact {
+    double thickness; /* m: surfaces keep about this distance */
+    double friction;  /* coefficient */
+    double stiffness; /* N/m, of a pair at its thickness */
+    bool self;        /* surfaces touch themselves */
+};
+
+extern const pdyn_param scene_contact_params[]; /* ends with a name of NULL */
+
 struct scene_settings {      /* the scene's own "solver" and "time_step" and general values */
     double gravity[3];       /* m/s^2 */
     double duration;         /* s */
@@ -91,6 +100,8 @@ struct scene {
     char *name;           /* "name" of the scene; may be empty */
     uint64_t fingerprint; /* of all values in the file but its name and duration */
     struct scene_settings settings;
+    bool has_contact;
+    struct scene_contact contact;
     int bodies, solids, outlets;
     struct scene_body *body;
     struct scene_solid *solid;

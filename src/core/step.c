@@ -86,7 +86,9 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     predict(sim, end.h);
     motion_carry(sim, sim->system.time);
     stretch_samples(sim);
-    pdyn_status status = minimise(sim, end.h, &progress);
+    struct contact *contact = sim->system.contact;
+    pdyn_status status = contact ? contact_begin(contact, sim->system.time) : PDYN_OK;
+    if (status == PDYN_OK) status = minimise(sim, end.h, &progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     if (status == PDYN_OK) status = measure_end(sim);
     if (status != PDYN_OK) {
@@ -106,7 +108,8 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
                              .step_residual = progress.residual};
     measure_step(sim, info);
     info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
-    info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local;
+    info->ms_contact = contact ? contact->ms : 0.0;
+    info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;
     return PDYN_OK;
 }
 

@@ -77,6 +77,7 @@ static bool lists_hold(const struct system *sys, const double *x) {
 pdyn_status system_local(struct system *sys, const double *x, double *energy, double *gradient) {
     const double *all = extend(sys, x);
     pdyn_status status = lists_hold(sys, all) ? PDYN_OK : build_lists(sys, all);
+    if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
     sys->x = x;

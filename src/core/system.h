@@ -8,6 +8,7 @@
 #define PDYN_SYSTEM_H
 
 #include "batch.h"
+#include "contact.h"
 #include "neighbours.h"
 
 enum { SYSTEM_GRAIN = 2048 }; /* particles: vector operations worth waking a thread for */
@@ -23,6 +24,7 @@ struct system {
     double eps;      /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
     struct batch **batch;          /* capacity */
+    struct contact *contact;       /* NULL in a scene without contact */
     struct neighbours *neighbours; /* NULL where no constraint needs them */
     struct samples *samples;       /* of surfaces in these; NULL: none */
     unsigned lists;                /* revision of the lists */

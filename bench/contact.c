@@ -1,0 +1,62 @@
+/* Contact in scenes: runs each for its duration and looks at every frame for triangles that
+ * intersect, by the tests' own method. Prints a row of CSV for each scene. */
+#include "../tests/intersect.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+struct tally {
+    long steps, frames, intersections, contacts;
+    double outer, residual, worst, ms_contact, ms_rest;
+};
+
+static void add(struct tally *t, const pdyn_sim *sim, const pdyn_step_info *info) {
+    t->steps++;
+    t->outer += info->outer_iterations;
+    t->residual += info->step_residual;
+    t->worst = fmax(t->worst, info->step_residual);
+    t->ms_contact += info->ms_contact;
+    t->ms_rest += info->ms_local + info->ms_global + info->ms_neighbours;
+    if (!info->frame) return;
+    struct soup soup = soup_of(sim);
+    int a = 0, b = 0, found = soup_intersections(&soup, &a, &b);
+    if (found && !t->intersections)
+        fprintf(stderr, "at %g s: %d pairs intersect, first triangles %d and %d\n", info->time,
+                found, a, b);
+    t->frames++, t->intersections += found;
+    soup_free(&soup);
+}
+
+static int fail(const pdyn_context *context) {
+    fprintf(stderr, "contact: %s\n", pdyn_last_error(context));
+    return EXIT_FAILURE;
+}
+
+int main(int argc, char **argv) {
+    pdyn_context *context = NULL;
+    pdyn_sim *sim = NULL;
+    struct tally t = {0};
+    pdyn_options options = pdyn_default_options();
+    options.threads = 1;
+    if (argc < 2) {
+        fprintf(stderr, "usage: contact SCENE [PATH=VALUE]...\n");
+        return EXIT_FAILURE;
+    }
+    if (pdyn_create(&options, &context) != PDYN_OK) return EXIT_FAILURE;
+    if (pdyn_load(context, argv[1], (const char *const *)argv + 2, argc - 2, &sim) != PDYN_OK)
+        return fail(context);
+    while (pdyn_time(sim) < pdyn_duration(sim) - 1e-9) {
+        pdyn_step_info info;
+        if (pdyn_step(sim, &info) != PDYN_OK) return fail(context);
+        add(&t, sim, &info);
+        t.contacts += sim->system.contact->touching->view.elements;
+    }
+    double n = (double)t.steps;
+    printf("%d,%ld,%ld,%ld,%.0f,%.1f,%.3g,%.3g,%.2f,%.2f\n", sim->system.particles, t.steps,
+           t.frames, t.intersections, (double)t.contacts / n, t.outer / n, t.residual / n, t.worst,
+           t.ms_contact / n, t.ms_rest / n);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,110 @@
+/* Paths without collision. Every point has its own part of its displacement; a pair that would
+ * collide shortens those of its four points, and is looked at again with the others that have them,
+ * until none is left. A solid goes as far as the least of its points. */
+#include "contact.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* Rounds: after these, what is still blocked is held so close that it cannot be a second time. */
+enum { ROUNDS = 32 };
+
+struct round {
+    struct contact *contact;
+    int number;
+};
+
+/* What a path leaves of a distance: half of it, and no pair is stopped that is not in contact. */
+static double kept(const struct pair *p, double distance, int round) {
+    double some = (round ? 0.25 : 0.5) * fmin(distance, p->thickness);
+    return fmax(some, fmin(distance, CONTACT_LEAST * p->thickness));
+}
+
+/* The most that two primitives may come closer, from how far their points go. */
+static double most_approach(const struct pair *p, const double *length) {
+    const int *i = p->point;
+    double one = length[i[0]], other = fmax(length[i[2]], length[i[3]]);
+    if (pair_kind_of(p->key)->first == 2) one = fmax(one, length[i[1]]);
+    else other = fmax(other, length[i[1]]);
+    return one + other;
+}
+
+static bool was_cut(const struct contact *c, const struct pair *p) {
+    return c->cut[p->point[0]] < 1.0 || c->cut[p->point[1]] < 1.0 || c->cut[p->point[2]] < 1.0 ||
+           c->cut[p->point[3]] < 1.0;
+}
+
+/* The part of its way that the pair may go. */
+static double free_part(const struct contact *c, const struct pair *p, int round) {
+    const struct pair_kind *kind = pair_kind_of(p->key);
+    const double *x[4], *d[4];
+    double unused[4], way = most_approach(p, c->length);
+    double least = p->distance - most_approach(p, c->moved);
+    if (least - way >= 0.5 * p->thickness) return 1.0;
+    pair_load(p->point, c->x, x);
+    double distance = sqrt(kind->closest(x, unused)), keep = kept(p, distance, round);
+    if (distance - way >= keep) return 1.0;
+    pair_load(p->point, c->step, d);
+    if (distance - pair_approach(kind, d) >= keep) return 1.0;
+    if (round >= ROUNDS) return fmin(0.2 * distance, distance - keep) / way;
+    return pair_free_path(kind, x, d, keep);
+}
+
+static void find_blocked(void *arg, int first, int last, int block) {
+    const struct round *r = arg;
+    struct contact *c = r->contact;
+    int count = 0;
+    for (int k = first; k < last; k++) {
+        if (r->number && !was_cut(c, &c->pair[k])) continue;
+        double part = free_part(c, &c->pair[k], r->number);
+        if (part < 1.0) c->blocked[first + count++] = (struct blocked){k, part};
+    }
+    c->blocked_count[block] = count;
+}
+
+/* All points of a solid go the same part of their ways. */
+static void keep_solids_whole(struct contact *c) {
+    for (int s = 0; s < c->groups - c->bodies; s++) {
+        double *cut = c->cut + c->solid[s].first, least = 1.0;
+        for (int i = 0; i < c->solid[s].count; i++) least = fmin(least, cut[i]);
+        for (int i = 0; i < c->solid[s].count; i++) cut[i] = least;
+    }
+}
+
+/* Shortens the ways of what is blocked; false: nothing is. */
+static bool shorten(struct contact *c) {
+    bool any = false;
+    for (int i = 0; i < c->points; i++) c->cut[i] = 1.0;
+    for (int b = 0; b < pool_blocks(c->pairs, CONTACT_GRAIN); b++)
+        for (int k = 0; k < c->blocked_count[b]; k++) {
+            const struct blocked *at = &c->blocked[b * CONTACT_GRAIN + k];
+            any = true;
+            for (int m = 0; m < 4; m++) {
+                double *cut = &c->cut[c->pair[at->pair].point[m]];
+                *cut = fmin(*cut, at->part);
+            }
+        }
+    if (!any) return false;
+    keep_solids_whole(c);
+    for (int i = 0; i < c->points; i++) {
+        if (c->cut[i] == 1.0) continue;
+        c->taken[i] *= c->cut[i], c->length[i] *= c->cut[i];
+        for (int a = 0; a < 3; a++) c->step[3 * i + a] *= c->cut[i];
+    }
+    return true;
+}
+
+pdyn_status contact_free_paths(struct contact *c) {
+    pdyn_status status = contact_cover(c, c->x, c->step);
+    struct round round = {.contact = c};
+    for (int i = 0; i < c->points; i++) {
+        c->length[i] = vec3_length(c->step + 3 * i);
+        c->taken[i] = 1.0;
+    }
+    for (bool blocked = status == PDYN_OK; blocked; round.number++) {
+        pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, find_blocked, &round);
+        blocked = shorten(c);
+    }
+    return status;
+}

@@ -1,0 +1,245 @@
+/* Which pairs may come into contact: all whose boxes overlap and that are close enough. Each point
+ * has a region; as long as no point leaves its own, the list holds. */
+#include "contact.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { QUERIES = 256, FIRST_ROOM = 4096 }; /* queries of a block; pairs it may find, at first */
+
+/* How far a region reaches around where a point is and goes to: a part of the thickness and of the
+ * way. */
+static const double still = 0.5, ahead = 0.25;
+
+/* ---- regions --------------------------------------------------------------------------------- */
+
+static bool holds(const struct box *box, const double *x, const double *step) {
+    for (int a = 0; a < 3; a++) {
+        double y = x[a] + (step ? step[a] : 0.0);
+        if (x[a] < box->min[a] || x[a] > box->max[a]) return false;
+        if (y < box->min[a] || y > box->max[a]) return false;
+    }
+    return true;
+}
+
+static bool all_hold(const struct contact *c, const double *x, const double *step) {
+    for (int i = 0; i < c->points; i++)
+        if (!holds(&c->region[i], x + 3 * i, step ? step + 3 * i : NULL)) return false;
+    return true;
+}
+
+static void set_regions(struct contact *c, const double *x, const double *step) {
+    for (int i = 0; i < c->points; i++) {
+        double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
+        if (step) vec3_add(end, 1.0, step + 3 * i);
+        double way = vec3_distance(end, x + 3 * i);
+        double margin = i < c->free || way > 0.0 ? still * c->set->thickness + ahead * way : 0.0;
+        c->region[i] = box_empty;
+        box_add(&c->region[i], x + 3 * i);
+        box_add(&c->region[i], end);
+        for (int a = 0; a < 3; a++) {
+            c->region[i].min[a] -= margin, c->region[i].max[a] += margin;
+            double side = margin + fabs(end[a] - x[3 * i + a]);
+            far += side * side;
+        }
+        c->reach[i] = sqrt(far);
+    }
+    memcpy(c->built, x, 3 * (size_t)c->points * sizeof *x);
+}
+
+/* ---- trees ----------------------------------------------------------------------------------- */
+
+/* Around the regions of the corners, and half a thickness more. */
+static void wrap(const struct contact *c, const int *corner, int corners, struct box *box) {
+    *box = box_empty;
+    for (int k = 0; k < corners; k++) {
+        box_add(box, c->region[corner[k]].min);
+        box_add(box, c->region[corner[k]].max);
+    }
+    for (int a = 0; a < 3; a++) {
+        box->min[a] -= 0.5 * c->set->thickness;
+        box->max[a] += 0.5 * c->set->thickness;
+    }
+}
+
+static void plant(struct contact *c) {
+    for (int f = 0; f < c->faces; f++) wrap(c, c->face + 3 * f, 3, &c->face_box[f]);
+    for (int e = 0; e < c->edges; e++) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
+    boxes_sort(&c->face_tree[0], c->face_box, c->free_faces);
+    boxes_sort(&c->face_tree[1], c->face_box + c->free_faces, c->faces - c->free_faces);
+    boxes_sort(&c->edge_tree[0], c->edge_box, c->free_edges);
+    boxes_sort(&c->edge_tree[1], c->edge_box + c->free_edges, c->edges - c->free_edges);
+}
+
+/* ---- the search ------------------------------------------------------------------------------ */
+
+struct search { /* the pairs of one vertex or edge */
+    struct contact *contact;
+    bool edges;
+    int a, base, block; /* base: number of the first box of the tree */
+};
+
+static double farthest(const double *of, const int point[4], int first) {
+    double one = of[point[0]], other = of[point[3]];
+    for (int k = 1; k < 3; k++)
+        if (k < first) one = fmax(one, of[point[k]]);
+        else other = fmax(other, of[point[k]]);
+    return one + other;
+}
+
+static bool share_point(const int point[4], int first) {
+    for (int k = 0; k < first; k++)
+        for (int m = first; m < 4; m++)
+            if (point[k] == point[m]) return true;
+    return false;
+}
+
+static double distance_in(const struct pair *p, const double *x) {
+    const double *points[4];
+    double unused[4];
+    pair_load(p->point, x, points);
+    return sqrt(pair_kind_of(p->key)->closest(points, unused));
+}
+
+/* Whether the pair can come closer than its thickness in the regions. In one and the same body it
+ * has none beyond its distance at rest, so that the rest shape is free of forces. */
+static bool close_enough(const struct contact *c, struct pair *p) {
+    int first = pair_kind_of(p->key)->first;
+    bool same = c->group[p->point[0]] == c->group[p->point[3]];
+    if (share_point(p->point, first) || (same && !c->set->self)) return false;
+    p->distance = distance_in(p, c->built);
+    p->thickness = c->set->thickness;
+    double nearest = p->distance - farthest(c->reach, p->point, first);
+    if (nearest > p->thickness) return false;
+    if (same) p->thickness = fmin(p->thickness, 0.9 * distance_in(p, c->rest));
+    return nearest <= p->thickness;
+}
+
+static struct pair make_pair(const struct contact *c, bool edges, int a, int b) {
+    struct pair p = {.key = (uint64_t)edges << 63 | (uint64_t)a << 32 | (uint64_t)b};
+    const int *second = edges ? c->edge + 2 * b : c->face + 3 * b;
+    memcpy(p.point, edges ? c->edge + 2 * a : &a, (edges ? 2 : 1) * sizeof a);
+    memcpy(p.point + (edges ? 2 : 1), second, (edges ? 2 : 3) * sizeof a);
+    return p;
+}
+
+static void visit(void *user, int id) {
+    const struct search *s = user;
+    struct contact *c = s->contact;
+    struct pair p = make_pair(c, s->edges, s->a, s->base + id);
+    if (!close_enough(c, &p)) return;
+    int at = c->found_count[s->block]++;
+    if (at < c->block_room) c->found[(size_t)s->block * (size_t)c->block_room + (size_t)at] = p;
+}
+
+static void search_around(struct search *s, const struct box *box) {
+    struct contact *c = s->contact;
+    s->base = 0;
+    boxes_visit(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0, visit,
+                s);
+    if (!s->edges && s->a >= c->free) return;
+    s->base = s->edges ? c->free_edges : c->free_faces;
+    boxes_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
+}
+
+/* Queries: the points, then the edges of surfaces. */
+static void search_block(void *arg, int first, int last, int block) {
+    struct contact *c = arg;
+    c->found_count[block] = 0;
+    for (int q = first; q < last; q++) {
+        bool edges = q >= c->points;
+        struct search s = {.contact = c, .edges = edges, .a = edges ? q - c->points : q};
+        struct box point;
+        s.block = block;
+        if (!edges && c->group[q] < 0) continue;
+        if (!edges) wrap(c, &q, 1, &point);
+        search_around(&s, edges ? &c->edge_box[s.a] : &point);
+    }
+}
+
+static pdyn_status make_block_room(struct contact *c, int room) {
+    size_t blocks = (size_t)c->blocks;
+    FREE_ARRAY(c->context, c->found, blocks * (size_t)c->block_room);
+    c->block_room = room;
+    c->found = NEW_ARRAY(c->context, blocks * (size_t)room, struct pair);
+    return c->found ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+/* Repeated with more room where a block found too much for it. */
+static pdyn_status search(struct contact *c) {
+    for (;;) {
+        int most = 0;
+        pool_for(c->context->pool, c->points + c->free_edges, QUERIES, search_block, c);
+        for (int b = 0; b < c->blocks; b++)
+            if (c->found_count[b] > most) most = c->found_count[b];
+        if (most <= c->block_room) return PDYN_OK;
+        pdyn_status status = make_block_room(c, most + most / 4);
+        if (status != PDYN_OK) return status;
+    }
+}
+
+/* ---- the list -------------------------------------------------------------------------------- */
+
+static pdyn_status make_room(struct contact *c, int room) {
+    contact_free_pairs(c);
+    c->room = room;
+    c->pair = NEW_ARRAY(c->context, room, struct pair);
+    c->hit = NEW_ARRAY(c->context, room, struct touching);
+    c->hit_distance = NEW_ARRAY(c->context, room, double);
+    c->hit_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    c->hit_start = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    c->blocked = NEW_ARRAY(c->context, room, struct blocked);
+    c->blocked_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    bool good = c->pair && c->hit && c->hit_distance && c->hit_count && c->hit_start &&
+                c->blocked && c->blocked_count;
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void contact_free_pairs(struct contact *c) {
+    FREE_ARRAY(c->context, c->pair, c->room);
+    FREE_ARRAY(c->context, c->hit, c->room);
+    FREE_ARRAY(c->context, c->hit_distance, c->room);
+    FREE_ARRAY(c->context, c->hit_count, pool_blocks(c->room, CONTACT_GRAIN));
+    FREE_ARRAY(c->context, c->hit_start, pool_blocks(c->room, CONTACT_GRAIN));
+    FREE_ARRAY(c->context, c->blocked, c->room);
+    FREE_ARRAY(c->context, c->blocked_count, pool_blocks(c->room, CONTACT_GRAIN));
+}
+
+static pdyn_status collect(struct contact *c) {
+    long count = 0;
+    for (int b = 0; b < c->blocks; b++) count += c->found_count[b];
+    if (count > INT32_MAX / 4)
+        return context_fail(c->context, PDYN_DIVERGED, "contact: %ld pairs are close", count);
+    c->pairs = 0;
+    if (count > c->room) {
+        pdyn_status status = make_room(c, (int)(count + count / 4));
+        if (status != PDYN_OK) return status;
+    }
+    for (int b = 0; b < c->blocks; b++) {
+        memcpy(c->pair + c->pairs, c->found + (size_t)b * (size_t)c->block_room,
+               (size_t)c->found_count[b] * sizeof *c->pair);
+        c->pairs += c->found_count[b];
+    }
+    return PDYN_OK;
+}
+
+/* Where nothing is known yet, no region holds anything: they come zeroed. */
+pdyn_status contact_cover(struct contact *c, const double *x, const double *step) {
+    if (!c->found) {
+        c->blocks = pool_blocks(c->points + c->free_edges, QUERIES);
+        c->found_count = NEW_ARRAY(c->context, c->blocks, int);
+        pdyn_status status = c->found_count ? make_block_room(c, FIRST_ROOM) : PDYN_NO_MEMORY;
+        if (status != PDYN_OK) return status;
+        for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
+    }
+    if (!all_hold(c, x, step)) {
+        set_regions(c, x, step);
+        plant(c);
+        pdyn_status status = search(c);
+        if (status == PDYN_OK) status = collect(c);
+        if (status != PDYN_OK) return status;
+    }
+    for (int i = 0; i < c->points; i++) c->moved[i] = vec3_distance(x + 3 * i, c->built + 3 * i);
+    return PDYN_OK;
+}

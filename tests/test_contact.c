@@ -1,0 +1,407 @@
+/* Contact: its energies, that nothing passes through anything, momentum, friction by exact
+ * solutions, memory and threads. */
+#include "contact.h"
+#include "intersect.h"
+#include "scene_support.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* A scene of sheets and solids; `more` is the rest of the contact entry. */
+static const char *scene(const char *more, const char *gravity, const char *bodies,
+                         const char *solids) {
+    static char text[8192];
+    snprintf(text, sizeof text,
+             "{'duration': 10, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'gravity': "
+             "%s,\n 'solver': {'tolerance': 1e-3, 'linear_tolerance': 0.1, 'outer_iterations': "
+             "60},\n 'contact': {'thickness': 0.004%s},\n 'bodies': [%s],\n 'solids': [%s]}",
+             gravity, more, bodies, solids);
+    return quoted(text);
+}
+
+#define DOWN           "[0, -9.81, 0]"
+#define GRID(n)        "'grid': {'size': [0.5, 0.5], 'vertices': [" #n ", " #n "]}"
+#define HELD           "'constraints': [{'type': 'spring', 'stretching_stiffness': 500}]"
+#define AT(y)          "'translate': [0.01, " #y ", 0.02], 'area_density': 0.2"
+#define CLOTH_AT(n, y) "{'surface': {" GRID(n) ", " AT(y) "}, " HELD "}"
+#define BALL           "{'name': 'ball', 'sphere': {'center': [0, 0, 0], 'radius': 0.15}}"
+#define FLOOR                                                                                      \
+    "{'name': 'floor', 'plane': {'center': [0.2, -0.2, 0.1], 'normal': [0, 1, 0], 'size': 4}}"
+
+static void assert_apart(const pdyn_sim *sim) {
+    struct soup soup = soup_of(sim);
+    int a = 0, b = 0, found = soup_intersections(&soup, &a, &b);
+    if (found) fail_msg("%d pairs at %g s, first %d and %d", found, pdyn_time(sim), a, b);
+    soup_free(&soup);
+}
+
+static void run_apart(const char *text, int steps) {
+    pdyn_context *c = test_context(2);
+    pdyn_sim *sim = test_load(c, text);
+    for (int k = 0; k < steps; k++) test_step(c, sim), assert_apart(sim);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
+/* ---- the test's own test --------------------------------------------------------------------- */
+
+/* Two triangles, one moved through the other in small steps. */
+static void test_intersect(void **state) {
+    (void)state;
+    double x[18] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+    int triangle[6] = {0, 1, 2, 3, 4, 5}, a, b, crossed = 0;
+    struct soup soup = {6, 2, 1, x, triangle};
+    for (double y = -0.5; y < 0.5; y += 0.0501) {
+        const double moved[9] = {0.2, y, 0.2, 0.3, y + 0.2, 0.2, 0.25, y + 0.1, 0.3};
+        memcpy(x + 9, moved, sizeof moved);
+        int found = soup_intersections(&soup, &a, &b);
+        assert_int_equal(found, y < 0.0 && y + 0.2 > 0.0);
+        crossed += found;
+    }
+    assert_true(crossed > 2);
+    const double beside[9] = {1.1, 0, 1, 1, 0, 1, 0.6, 0, 0.6}; /* in the same plane */
+    memcpy(x + 9, beside, sizeof beside);
+    assert_int_equal(soup_intersections(&soup, &a, &b), 0);
+}
+
+/* ---- energies -------------------------------------------------------------------------------- */
+
+struct trial { /* sheets in contact at a random state */
+    pdyn_context *context;
+    pdyn_sim *sim;
+    int n;
+    double *x, *gradient, *u, *y, *z;
+};
+
+static double *array(int n) {
+    double *a = calloc((size_t)n + 1, sizeof *a);
+    assert_non_null(a);
+    return a;
+}
+
+static struct trial start(const char *solver) {
+    static const char bodies[] = CLOTH_AT(6, 0.152) ", " CLOTH_AT(7, 0.154) ", " CLOTH_AT(4, 0.156);
+    struct trial t = {.context = test_context(1)};
+    uint64_t seed = 3;
+    const char *set[] = {solver, "solver.linear_tolerance=1e-12", "solver.tolerance=1e-6"};
+    assert_int_equal(
+        pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
+    assert_int_equal(contact_begin(t.sim->system.contact, 1.0), PDYN_OK);
+    t.n = 3 * t.sim->system.particles;
+    t.x = array(t.n), t.gradient = array(t.n), t.u = array(t.n), t.y = array(t.n), t.z = array(t.n);
+    for (int k = 0; k < t.n; k++) {
+        t.x[k] = t.sim->x[k] + 2e-5 * test_random(&seed);
+        t.u[k] = test_random(&seed);
+    }
+    double energy;
+    t.sim->system.h = 0.01;
+    assert_int_equal(system_local(&t.sim->system, t.x, &energy, t.gradient), PDYN_OK);
+    assert_true(t.sim->system.contact->touching->view.elements > 20);
+    assert_true(t.sim->system.contact->sticking->view.elements > 20);
+    return t;
+}
+
+static void finish(struct trial *t) {
+    free(t->x), free(t->gradient), free(t->u), free(t->y), free(t->z);
+    pdyn_free(t->sim);
+    assert_int_equal(pdyn_bytes_in_use(t->context), 0);
+    pdyn_destroy(t->context);
+}
+
+static double dot(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += a[k] * b[k];
+    return sum;
+}
+
+static double norm(const double *a, int n) { return sqrt(dot(a, a, n)); }
+
+/* By central differences; the slope of each batch by itself, too. */
+static void test_gradient(void **state) {
+    (void)state;
+    struct trial t = start("solver.type=cg");
+    struct contact *c = t.sim->system.contact;
+    struct batch *batch[] = {c->touching, c->sticking};
+    double h = 1e-9, slope[2] = {0}, expected[2], energy;
+    for (int k = 0; k < 2; k++) {
+        memset(t.y, 0, (size_t)t.n * sizeof *t.y);
+        assert_int_equal(batch_local(batch[k], t.x, 1.0, t.y), PDYN_OK);
+        expected[k] = dot(t.y, t.u, t.n);
+        assert_true(norm(t.y, t.n) > 1e-3);
+    }
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < t.n; k++) t.z[k] = t.x[k] + sign * h * t.u[k];
+        assert_int_equal(system_local(&t.sim->system, t.z, &energy, t.y), PDYN_OK);
+        for (int k = 0; k < 2; k++) slope[k] += sign * batch[k]->energy / (2.0 * h);
+    }
+    for (int k = 0; k < 2; k++)
+        if (fabs(slope[k] - expected[k]) > 1e-3 * fabs(expected[k]))
+            fail_msg("batch %d: slope %g, by the gradient %g", k, slope[k], expected[k]);
+    finish(&t);
+}
+
+/* H is symmetric, above the inertia, grows with the damping, and its block diagonal is its own. */
+static void test_hessian(void **state) {
+    (void)state;
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    struct trial t = start("solver.type=cg");
+    struct system *sys = &t.sim->system;
+    double *hz = array(t.n), *blocks = array(2 * t.n), last = 0.0;
+    uint64_t seed = 5;
+    for (int k = 0; k < t.n; k++) t.z[k] = test_random(&seed);
+    for (int k = 0; k <= 2; k++) {
+        assert_int_equal(system_linearise(sys, 0.5 * k), PDYN_OK);
+        system_apply(sys, t.u, t.y), system_apply(sys, t.z, hz);
+        assert_true(fabs(dot(t.z, t.y, t.n) - dot(t.u, hz, t.n)) <=
+                    1e-10 * norm(t.y, t.n) * norm(t.z, t.n));
+        double quadratic = dot(t.u, t.y, t.n);
+        assert_true(quadratic > last);
+        last = quadratic;
+    }
+    assert_int_equal(system_linearise(sys, 0.2), PDYN_OK);
+    system_diagonal(sys, blocks);
+    for (int i = 0; i < t.n; i++) {
+        memset(t.z, 0, (size_t)t.n * sizeof *t.z);
+        t.z[i] = 1.0;
+        system_apply(sys, t.z, t.y);
+        for (int b = 0; b < 6; b++)
+            if (column[b] == i % 3)
+                assert_true(fabs(t.y[i / 3 * 3 + row[b]] - blocks[i / 3 * 6 + b]) <=
+                            1e-10 * fabs(t.y[i]));
+    }
+    free(hz), free(blocks);
+    finish(&t);
+}
+
+/* The product of H with what each solver finds is what it was given. */
+static void test_solvers(void **state) {
+    (void)state;
+    static const char *const solvers[] = {"solver.type=cg", "solver.type=cholesky"};
+    for (int k = 0; k < 4; k++) {
+        struct trial t = start(solvers[k % 2]);
+        int iterations;
+        assert_int_equal(system_linearise(&t.sim->system, k / 2), PDYN_OK);
+        memset(t.y, 0, (size_t)t.n * sizeof *t.y);
+        memcpy(t.z, t.u, (size_t)t.n * sizeof *t.z);
+        assert_int_equal(
+            t.sim->solver->solve(t.sim->solver_state, t.z, t.y, 1e-13, 100000, &iterations),
+            PDYN_OK);
+        system_apply(&t.sim->system, t.y, t.z);
+        if (!(test_distance(t.z, t.u, t.n) <= 1e-8 * norm(t.u, t.n)))
+            fail_msg("%s: residual %g", solvers[k % 2], test_distance(t.z, t.u, t.n));
+        finish(&t);
+    }
+}
+
+/* ---- nothing passes -------------------------------------------------------------------------- */
+
+static void test_sphere(void **state) {
+    (void)state;
+    run_apart(scene("", DOWN, CLOTH_AT(17, 0.2), BALL ", " FLOOR), 60);
+}
+
+/* Falls on its edge, and on itself. */
+static void test_fold(void **state) {
+    (void)state;
+    run_apart(scene("", DOWN,
+                    "{'surface': {" GRID(13) ", 'rotate': [85, 0, 20], " AT(0.15) "}, " HELD "}",
+                    FLOOR),
+              100);
+}
+
+static void test_stack(void **state) {
+    (void)state;
+    run_apart(
+        scene("", DOWN, CLOTH_AT(8, -0.19) ", " CLOTH_AT(9, -0.18) ", " CLOTH_AT(10, -0.17), FLOOR),
+        60);
+}
+
+/* 50 m/s: half a metre in a step, on a ball and a floor; and on each other. */
+static void test_impact(void **state) {
+    (void)state;
+    run_apart(scene("", DOWN,
+                    "{'surface': {" GRID(11) ", " AT(0.3) "}, 'velocity': [0, -50, 0], " HELD "}",
+                    BALL ", " FLOOR),
+              8);
+    run_apart(
+        scene("", "[0, 0, 0]",
+              "{'surface': {" GRID(9) ", " AT(0.3) "}, 'velocity': [0, -50, 0], " HELD "},"
+                                                   "{'surface': {" GRID(8) ", " AT(
+                                                       -0.3) "}, 'velocity': [3, 50, 0], " HELD "}",
+              ""),
+        8);
+}
+
+/* A ball comes up under a sheet that its border holds, and turns. */
+static void test_moving(void **state) {
+    (void)state;
+    run_apart(scene("", DOWN,
+                    "{'surface': {" GRID(13) ", " AT(0.2) "}, 'constraints': [{'type': 'spring', "
+                                                          "'stretching_stiffness': 500}, {'type': "
+                                                          "'pin', 'vertices': {'border': true}}]}",
+                    "{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
+                    "{'time': 0.2, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}"),
+              25);
+}
+
+/* A press that closes: the cloth stays in between, the press waits. */
+static void test_press(void **state) {
+    (void)state;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(
+        c, scene("", DOWN, CLOTH_AT(6, -0.19),
+                 FLOOR ", {'name': 'lid', 'plane': {'center': [0.1, -0.1, 0.2], 'normal': [0, 1, "
+                       "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0, "
+                       "-0.2, 0]}]}"));
+    for (int k = 0; k < 15; k++) test_step(c, sim), assert_apart(sim);
+    const struct contact *contact = sim->system.contact;
+    double lid = contact->at[3 * contact->solid[1].first + 1];
+    assert_true(lid > -0.2 && lid < -0.199);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
+/* ---- conservation, bits, memory -------------------------------------------------------------- */
+
+static const char *collision(void) {
+    return scene("", "[0, 0, 0]",
+                 "{'surface': {" GRID(9) ", 'rotate': [10, 0, 20], " AT(0.2) "}, 'velocity': [0.2, "
+                                                                             "-2, 0.1], " HELD
+                                                                             "}, " CLOTH_AT(8, 0),
+                 "");
+}
+
+static void test_momentum(void **state) {
+    (void)state;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(c, collision());
+    pdyn_step_info info = test_step(c, sim);
+    double before[3], lost = 0.0;
+    memcpy(before, info.momentum, sizeof before);
+    for (int k = 0; k < 20; k++) {
+        info = test_step(c, sim);
+        for (int a = 0; a < 3; a++) lost = fmax(lost, fabs(info.momentum[a] - before[a]));
+    }
+    assert_true(sim->v[3 * 81 + 1] < -0.5); /* the one at rest was hit */
+    assert_true(lost < 1e-13);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
+static void test_threads(void **state) {
+    (void)state;
+    static const int threads[] = {1, 2, 3, 8};
+    uint64_t hash[4];
+    for (int n = 0; n < 4; n++) {
+        pdyn_context *c = test_context(threads[n]);
+        pdyn_sim *sim =
+            test_load(c, scene("", DOWN, CLOTH_AT(21, 0.16) ", " CLOTH_AT(20, 0.17), BALL));
+        for (int k = 0; k < 8; k++) test_step(c, sim);
+        hash[n] = pdyn_state_hash(sim);
+        assert_true(hash[n] == hash[0]);
+        pdyn_free(sim);
+        pdyn_destroy(c);
+    }
+}
+
+/* A sheet that has come to rest on a floor steps without allocating. */
+static void test_allocations(void **state) {
+    (void)state;
+    struct counter counted;
+    pdyn_context *c = test_counting_context(1, &counted);
+    pdyn_sim *sim = test_load(c, scene("", DOWN, CLOTH_AT(9, -0.195), FLOOR));
+    for (int k = 0; k < 30; k++) test_step(c, sim);
+    test_allow(&counted, 0);
+    for (int k = 0; k < 5; k++) test_step(c, sim);
+    test_allow(&counted, -1);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+    test_failing_scene(scene("", DOWN, CLOTH_AT(4, 0.16) ", " CLOTH_AT(3, 0.163), BALL));
+}
+
+/* ---- friction -------------------------------------------------------------------------------- */
+
+/* The acceleration of a sheet on a plane, gravity at an angle to it. */
+static double slide(double angle, double friction, int steps) {
+    char more[64], gravity[128];
+    snprintf(more, sizeof more, ", 'friction': %.17g", friction);
+    snprintf(gravity, sizeof gravity, "[%.17g, %.17g, 0]", 9.81 * sin(angle), -9.81 * cos(angle));
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(
+        c, scene(more, gravity,
+                 "{'surface': {" GRID(4) ", 'rotate': [0, 25, 0], " AT(-0.19601) "}, " HELD "}",
+                 FLOOR));
+    double speed[2];
+    for (int k = 1; k <= steps; k++) {
+        pdyn_step_info info = test_step(c, sim);
+        if (k == steps - 30 || k == steps) speed[k == steps] = info.momentum[0] / 0.05;
+        assert_true(info.step_residual < 1e-3);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(c);
+    return (speed[1] - speed[0]) / 0.3;
+}
+
+static void test_incline(void **state) {
+    (void)state;
+    double angle = 0.5, steep = tan(angle);
+    for (double mu = 0.0; mu < 0.5; mu += 0.2) {
+        double exact = 9.81 * (sin(angle) - mu * cos(angle));
+        assert_true(fabs(slide(angle, mu, 60) - exact) < 0.01 * exact);
+    }
+    assert_true(fabs(slide(angle, 1.01 * steep, 200)) < 1e-4);
+    assert_true(slide(angle, 0.99 * steep, 60) > 0.9 * 0.01 * 9.81 * sin(angle));
+}
+
+/* ---- scenes ---------------------------------------------------------------------------------- */
+
+static void assert_refused(const char *text, const char *expected) {
+    pdyn_sim *sim = NULL;
+    assert_int_equal(pdyn_load_text(context, text, "test", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_message(expected);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+}
+
+static void test_refused(void **state) {
+    (void)state;
+    assert_refused(
+        scene("", DOWN, CLOTH_AT(6, 0.1), BALL),
+        "contact: at the start triangle 12 of \"body0\" and triangle 2896 of \"ball\" intersect");
+    assert_refused(scene("", DOWN, CLOTH_AT(6, 0.1) ", " CLOTH_AT(6, 0.100001), ""),
+                   "contact: at the start \"body0\" and \"body1\" are closer than*");
+    assert_refused(
+        scene("", DOWN,
+              CLOTH_AT(6, 0.1) ", {'surface': {" GRID(5) ", 'rotate': [90, 7, 0], " AT(0.12) "}}",
+              ""),
+        "contact: at the start triangle *");
+}
+
+/* Without contact with itself, a sheet may pass itself and nothing else. */
+static void test_not_self(void **state) {
+    (void)state;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(c, scene(", 'self': false", DOWN, CLOTH_AT(9, -0.1), FLOOR));
+    for (int k = 0; k < 40; k++) test_step(c, sim);
+    const struct contact *contact = sim->system.contact;
+    assert_true(contact->touching->view.elements >= 81);
+    for (int k = 0; k < contact->pairs; k++)
+        assert_true(contact->group[contact->pair[k].point[3]] == 1 ||
+                    contact->group[contact->pair[k].point[0]] == 1);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_intersect),   cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_hessian),     cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_sphere),      cmocka_unit_test(test_fold),
+        cmocka_unit_test(test_stack),       cmocka_unit_test(test_impact),
+        cmocka_unit_test(test_moving),      cmocka_unit_test(test_press),
+        cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_allocations), cmocka_unit_test(test_incline),
+        cmocka_unit_test(test_refused),     cmocka_unit_test(test_not_self),
+    };
+    return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);
+}
