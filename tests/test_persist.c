@@ -29,6 +29,16 @@ static const char sheet[] =
     " \"vertices\": [9, 9]}, \"area_density\": 0.5}, \"constraints\": [{\"type\": \"spring\","
     " \"stretching_stiffness\": 1000}, {\"type\": \"pin\", \"vertices\": {\"border\": true}}]}]}";
 
+/* Friction remembers, pairs are listed, a solid moves. */
+static const char touching[] =
+    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01},"
+    " \"contact\": {\"thickness\": 0.01, \"friction\": 0.5}, \"bodies\": [{\"surface\":"
+    " {\"grid\": {\"size\": [0.4, 0.4], \"vertices\": [9, 9]}, \"translate\": [0.01, 0.12, 0],"
+    " \"area_density\": 0.5}, \"constraints\": [{\"type\": \"spring\","
+    " \"stretching_stiffness\": 1000}]}], \"solids\": [{\"sphere\": {\"center\": [0, 0, 0],"
+    " \"radius\": 0.1}, \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [0, 0.2, 0],"
+    " \"rotate\": [0, 90, 0]}]}]}";
+
 static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
     for (int k = 0; k < steps; k++) test_step(context, sim);
 }
@@ -58,6 +68,7 @@ static void test_same_bits(void **state) {
         goes_on(fluid, "solver.type=auto", before);
         goes_on(fluid, "solver.type=cg", before);
         goes_on(sheet, "solver.type=auto", before);
+        goes_on(touching, "solver.type=auto", before);
         goes_on(sheet, "solver.step=projective", before);
     }
 }

@@ -16,6 +16,7 @@
 #ifndef PDYN_CONTACT_H
 #define PDYN_CONTACT_H
 
+#include "archive.h"
 #include "batch.h"
 #include "boxes.h"
 #include "closest.h"
@@ -122,6 +123,12 @@ void contact_free(struct contact *contact);
  * friction starts from the contacts there. */
 pdyn_status contact_begin(struct contact *contact, double time);
 
+/* It ends at x, where the last local step was. */
+pdyn_status contact_end(struct contact *contact);
+
+/* What the next step depends on, besides x; reading, at x. */
+void contact_persist(struct contact *contact, const double *x, struct archive *archive);
+
 /* Brings target (particles x 3) back to where the paths from x lead that are free; solids come
  * along from where they were. */
 pdyn_status contact_start(struct contact *contact, const double *x, double *target);
@@ -157,9 +164,16 @@ void contact_free_pairs(struct contact *contact);
 /* Shortens contact->step to free paths from contact->x; contact->taken says by how much. */
 pdyn_status contact_free_paths(struct contact *contact);
 
-/* Friction at the start of a step; and after solids moved. */
+/* The list of pairs for the regions as they are. */
+pdyn_status contact_list(struct contact *contact);
+
+/* Friction at the start of a step, at its end, and after solids moved. */
 pdyn_status contact_stick(struct contact *contact);
+pdyn_status contact_remember(struct contact *contact);
 void contact_move_friction(struct contact *contact);
+
+/* Room for what so many elements of friction are stretched by. */
+pdyn_status contact_make_memory(struct contact *contact, int count);
 
 /* Fails where two triangles intersect. */
 pdyn_status contact_check(struct contact *contact);

@@ -149,6 +149,7 @@ static pdyn_status add_batches(struct pdyn_sim *sim) {
 /* Solids at the start; the first elements. */
 static pdyn_status place(struct pdyn_sim *sim) {
     struct contact *c = sim->system.contact;
+    for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
     for (int s = 0; s < c->groups - c->bodies; s++) {
         const struct contact_solid *solid = &c->solid[s];
         const double *from = c->rest + 3 * (size_t)solid->first;
@@ -280,12 +281,12 @@ pdyn_status contact_check(struct contact *c) {
         double u[3] = {0};
         for (int k = 0; k < 4; k++) vec3_add(u, t->c[k], c->at + 3 * (size_t)t->point[k]);
         if (vec3_length(u) >= CONTACT_LEAST * t->thickness) continue;
-        return context_fail(c->context, PDYN_BAD_INPUT,
-                            "contact: at the start \"%s\" and \"%s\" are closer than a sixteenth of "
-                            "the thickness, at (%g, %g, %g)",
-                            c->owner[c->group[t->point[0]]], c->owner[c->group[t->point[3]]],
-                            c->at[3 * t->point[0]], c->at[3 * t->point[0] + 1],
-                            c->at[3 * t->point[0] + 2]);
+        return context_fail(
+            c->context, PDYN_BAD_INPUT,
+            "contact: at the start \"%s\" and \"%s\" are closer than a sixteenth of "
+            "the thickness, at (%g, %g, %g)",
+            c->owner[c->group[t->point[0]]], c->owner[c->group[t->point[3]]],
+            c->at[3 * t->point[0]], c->at[3 * t->point[0] + 1], c->at[3 * t->point[0] + 2]);
     }
     return PDYN_OK;
 }

@@ -166,17 +166,26 @@ static pdyn_status make_block_room(struct contact *c, int room) {
     return c->found ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
+/* No region holds anything at first. */
+static pdyn_status prepare(struct contact *c) {
+    if (c->found) return PDYN_OK;
+    c->blocks = pool_blocks(c->points + c->free_edges, QUERIES);
+    c->found_count = NEW_ARRAY(c->context, c->blocks, int);
+    return c->found_count ? make_block_room(c, FIRST_ROOM) : PDYN_NO_MEMORY;
+}
+
 /* Repeated with more room where a block found too much for it. */
 static pdyn_status search(struct contact *c) {
-    for (;;) {
+    pdyn_status status = prepare(c);
+    while (status == PDYN_OK) {
         int most = 0;
         pool_for(c->context->pool, c->points + c->free_edges, QUERIES, search_block, c);
         for (int b = 0; b < c->blocks; b++)
             if (c->found_count[b] > most) most = c->found_count[b];
         if (most <= c->block_room) return PDYN_OK;
-        pdyn_status status = make_block_room(c, most + most / 4);
-        if (status != PDYN_OK) return status;
+        status = make_block_room(c, most + most / 4);
     }
+    return status;
 }
 
 /* ---- the list -------------------------------------------------------------------------------- */
@@ -224,20 +233,16 @@ static pdyn_status collect(struct contact *c) {
     return PDYN_OK;
 }
 
-/* Where nothing is known yet, no region holds anything: they come zeroed. */
+pdyn_status contact_list(struct contact *c) {
+    plant(c);
+    pdyn_status status = search(c);
+    return status == PDYN_OK ? collect(c) : status;
+}
+
 pdyn_status contact_cover(struct contact *c, const double *x, const double *step) {
-    if (!c->found) {
-        c->blocks = pool_blocks(c->points + c->free_edges, QUERIES);
-        c->found_count = NEW_ARRAY(c->context, c->blocks, int);
-        pdyn_status status = c->found_count ? make_block_room(c, FIRST_ROOM) : PDYN_NO_MEMORY;
-        if (status != PDYN_OK) return status;
-        for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
-    }
     if (!all_hold(c, x, step)) {
         set_regions(c, x, step);
-        plant(c);
-        pdyn_status status = search(c);
-        if (status == PDYN_OK) status = collect(c);
+        pdyn_status status = contact_list(c);
         if (status != PDYN_OK) return status;
     }
     for (int i = 0; i < c->points; i++) c->moved[i] = vec3_distance(x + 3 * i, c->built + 3 * i);

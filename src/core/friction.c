@@ -35,16 +35,23 @@ static void sort_by_key(struct remembered *heap, int count) {
     }
 }
 
-/* Keeps what the elements of the step before are stretched by at its end. */
-static pdyn_status remember(struct contact *c) {
-    const pdyn_batch *v = &c->sticking->view;
-    if (v->elements > c->memory) {
+pdyn_status contact_make_memory(struct contact *c, int count) {
+    c->remembered = 0;
+    if (count > c->memory) {
         FREE_ARRAY(c->context, c->memory_of, c->memory);
-        c->memory = v->elements + v->elements / 2;
-        c->memory_of = NEW_ARRAY(c->context, c->memory, struct remembered);
+        c->memory_of = NEW_ARRAY(c->context, count + count / 2, struct remembered);
         if (!c->memory_of) return c->memory = 0, PDYN_NO_MEMORY;
+        c->memory = count + count / 2;
     }
-    c->remembered = v->elements;
+    c->remembered = count;
+    return PDYN_OK;
+}
+
+/* Keeps what the elements of the step before are stretched by at its end. */
+pdyn_status contact_remember(struct contact *c) {
+    const pdyn_batch *v = &c->sticking->view;
+    pdyn_status status = contact_make_memory(c, v->elements);
+    if (status != PDYN_OK) return status;
     for (int e = 0; e < v->elements; e++) { /* u - p is what is stretched and holds */
         struct remembered *m = &c->memory_of[e];
         m->key = ((const struct sticking *)v->data + e)->pair.key;
@@ -86,8 +93,7 @@ static void stick(struct contact *c, int e, const double stretch[3]) {
 
 pdyn_status contact_stick(struct contact *c) {
     int count = c->touching->view.elements;
-    pdyn_status status = remember(c);
-    if (status == PDYN_OK) status = batch_resize(c->sticking, count);
+    pdyn_status status = batch_resize(c->sticking, count);
     if (status != PDYN_OK) return status;
     for (int e = 0; e < count; e++) {
         uint64_t key = ((const struct touching *)c->touching->view.data)[e].key;

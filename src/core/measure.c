@@ -59,6 +59,7 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
         vec3_add(info->momentum, sys->mass[i], v);
     }
     for (int b = 0; b < sim->constraints; b++) info->constraint_energy += sys->batch[b]->energy;
+    if (sys->contact) info->constraint_energy += sys->contact->touching->energy;
 }
 
 /* What a pin must carry is the gradient of everything else at its point: the whole gradient less

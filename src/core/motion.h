@@ -25,7 +25,8 @@ struct motion { /* empty in a scene whose solids rest */
 pdyn_status motion_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first);
 void motion_free(pdyn_context *context, struct motion *motion);
 
-/* Where points of a solid that moves, placed as seen from its pivot, are at a time, s: count x 3. */
+/* Where points of a solid that moves, placed as seen from its pivot, are at a time, s: count x 3.
+ */
 void motion_place(const struct scene_solid *solid, const double *placed, int count, double time,
                   double *x);
 

@@ -62,6 +62,7 @@ pdyn_status persist(struct pdyn_sim *sim, struct archive *a) {
     emit_persist(sim, a);
     persist_neighbours(sim, a);
     persist_modules(sim, a);
+    if (sim->system.contact) contact_persist(sim->system.contact, sim->x, a);
     return a->status;
 }
 

@@ -91,6 +91,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     if (status == PDYN_OK) status = minimise(sim, end.h, &progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     if (status == PDYN_OK) status = measure_end(sim);
+    if (status == PDYN_OK && contact) status = contact_end(contact);
     if (status != PDYN_OK) {
         motion_carry(sim, sim->time);
         return status;
