@@ -106,6 +106,12 @@ pdyn_status system_linearise(struct system *sys, double eps) {
     return status;
 }
 
+unsigned system_revision(const struct system *sys) {
+    unsigned sum = 0;
+    for (int b = 0; b < sys->batches; b++) sum += sys->batch[b]->revision;
+    return sum;
+}
+
 WIDE static void apply_inertia(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;

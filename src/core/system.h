@@ -48,6 +48,9 @@ pdyn_status system_local(struct system *system, const double *x, double *energy,
 /* Fixes H at the x of the last local step. */
 pdyn_status system_linearise(struct system *system, double eps);
 
+/* Moves when the selector of some rows does. */
+unsigned system_revision(const struct system *system);
+
 /* y = H u */
 void system_apply(struct system *system, const double *u, double *y);
 

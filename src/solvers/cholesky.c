@@ -17,8 +17,9 @@ struct cholesky {
     struct batch **rows; /* system's batches: itself, or the rows twin of one with an operator */
     double *unused;      /* particles x 3: the twins' gradients */
     struct matrix matrix;
-    unsigned lists; /* revision of the neighbours that the pattern belongs to */
-    double h;       /* s: the values belong to it; 0 before the first factor */
+    unsigned lists;    /* revision of the neighbours that the pattern belongs to */
+    unsigned revision; /* and that of the rows */
+    double h;          /* s: the values belong to it; 0 before the first factor */
     cholmod_common common;
     cholmod_factor *factor;
     cholmod_dense *solution, *work, *scratch;
@@ -107,7 +108,8 @@ static pdyn_status prepare(struct cholesky *c) {
     struct system *sys = c->system;
     int dim = sys->eps < 1.0 ? 3 : 1;
     bool moved = sys->changing && c->lists != sys->lists;
-    bool pattern = c->matrix.dim != dim || (moved && dim == 3);
+    bool pattern =
+        c->matrix.dim != dim || (moved && dim == 3) || c->revision != system_revision(sys);
     if (!pattern && !moved && dim == 1 && c->h == sys->h) return PDYN_OK;
     pdyn_status status = update_twins(c, moved);
     if (status == PDYN_OK && pattern) status = matrix_pattern(&c->matrix, sys, c->rows, dim);
@@ -121,7 +123,7 @@ static pdyn_status prepare(struct cholesky *c) {
     }
     if (!cholmod_factorize(&A, c->factor, &c->common) || c->common.status != CHOLMOD_OK)
         return fail(c, "factor");
-    c->h = sys->h, c->lists = sys->lists;
+    c->h = sys->h, c->lists = sys->lists, c->revision = system_revision(sys);
     return PDYN_OK;
 }
 
