@@ -275,12 +275,13 @@ static void check_solvers(const pdyn_constraint_type *type) {
         for (const struct solver_type *const *s = registry_solvers(); *s; s++) {
             if (!fits(*s, type)) continue;
             struct trial t = start(type, (*s)->name, 0.002);
+            const struct solve_goal goal = {.tolerance = 1e-13, .iterations = 100000};
             int iterations = 0;
             assert_int_equal(system_linearise(&t.sim->system, damped && !type->op ? 1.0 : 0.0),
                              PDYN_OK);
             memset(t.y, 0, (size_t)t.n * sizeof *t.y);
             memcpy(t.z, t.u, (size_t)t.n * sizeof *t.z);
-            assert_int_equal((*s)->solve(t.sim->solver_state, t.z, t.y, 1e-13, 100000, &iterations),
+            assert_int_equal((*s)->solve(t.sim->solver_state, t.z, t.y, &goal, &iterations),
                              PDYN_OK);
             system_apply(&t.sim->system, t.y, t.z);
             if (test_distance(t.z, t.u, t.n) > 1e-8 * norm(t.u, t.n))

@@ -177,19 +177,20 @@ static void test_hessian(void **state) {
 /* The product of H with what each solver finds is what it was given. */
 static void test_solvers(void **state) {
     (void)state;
-    static const char *const solvers[] = {"solver.type=cg", "solver.type=cholesky"};
-    for (int k = 0; k < 4; k++) {
-        struct trial t = start(solvers[k % 2]);
+    static const char *const solvers[] = {"solver.type=cg", "solver.type=cholesky",
+                                          "solver.type=hybrid"};
+    const struct solve_goal goal = {.tolerance = 1e-13, .iterations = 100000};
+    for (int k = 0; k < 6; k++) {
+        struct trial t = start(solvers[k % 3]);
         int iterations;
-        assert_int_equal(system_linearise(&t.sim->system, k / 2), PDYN_OK);
+        assert_int_equal(system_linearise(&t.sim->system, k / 3), PDYN_OK);
         memset(t.y, 0, (size_t)t.n * sizeof *t.y);
         memcpy(t.z, t.u, (size_t)t.n * sizeof *t.z);
-        assert_int_equal(
-            t.sim->solver->solve(t.sim->solver_state, t.z, t.y, 1e-13, 100000, &iterations),
-            PDYN_OK);
+        assert_int_equal(t.sim->solver->solve(t.sim->solver_state, t.z, t.y, &goal, &iterations),
+                         PDYN_OK);
         system_apply(&t.sim->system, t.y, t.z);
         if (!(test_distance(t.z, t.u, t.n) <= 1e-8 * norm(t.u, t.n)))
-            fail_msg("%s: residual %g", solvers[k % 2], test_distance(t.z, t.u, t.n));
+            fail_msg("%s: residual %g", solvers[k % 3], test_distance(t.z, t.u, t.n));
         finish(&t);
     }
 }

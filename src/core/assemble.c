@@ -20,7 +20,8 @@ static void visit_pairs(struct matrix *matrix, const struct batch *b, visit_fn *
 
 static void visit_batches(struct matrix *matrix, const struct system *sys,
                           struct batch *const *rows, visit_fn *visit) {
-    for (int b = 0; b < sys->batches; b++) visit_pairs(matrix, rows[b], visit);
+    for (int b = 0; b < sys->batches; b++)
+        if (rows[b]) visit_pairs(matrix, rows[b], visit);
 }
 
 /* ---- pattern --------------------------------------------------------------------------------- */
@@ -130,10 +131,15 @@ static int find_block(const struct matrix *matrix, int i, int j) {
 static void add_pair(struct matrix *matrix, const struct batch *b, int k, int m) {
     int dim = matrix->dim, i = b->view.column[k], j = b->view.column[m],
         block = find_block(matrix, i, j);
+    double *column = matrix->value + matrix->column_start[dim * j] + dim * block;
     double B[9], c = b->view.coefficient[k] * b->view.coefficient[m];
+    if (dim == 1) {
+        *column += c * b->view.weight[b->entry_element[k]];
+        return;
+    }
     batch_block(b, k, m, B);
     for (int q = 0; q < dim; q++) {
-        double *column = matrix->value + matrix->column_start[dim * j + q] + dim * block;
+        column = matrix->value + matrix->column_start[dim * j + q] + dim * block;
         for (int p = 0; p < dim; p++) column[p] += c * B[3 * p + q];
     }
 }

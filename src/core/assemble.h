@@ -1,5 +1,6 @@
 /* H as a sparse matrix, for direct solvers: lower triangle by block columns, one block row and
- * column a particle. Blocks are 3 x 3, or 1 x 1 where x, y and z do not couple (eps = 1). */
+ * column a particle. Blocks are 3 x 3, or 1 x 1 for the projective step's (eps = 1), where x, y and
+ * z do not couple. */
 #ifndef PDYN_ASSEMBLE_H
 #define PDYN_ASSEMBLE_H
 
@@ -16,11 +17,12 @@ struct matrix {
     double *value;      /* entries; of a diagonal block the upper triangle counts for nothing */
 };
 
-/* Pattern of the rows of these batches (rows tier) and of the masses. Frees what was there. */
+/* Pattern of the rows of these batches (rows tier; NULL: left out) and of the masses. Frees what
+ * was there. */
 pdyn_status matrix_pattern(struct matrix *matrix, const struct system *system,
                            struct batch *const *rows, int dim);
 
-/* Values of H as the batches were linearised. */
+/* Values of H: with 3 x 3 blocks as the batches were linearised. */
 void matrix_values(struct matrix *matrix, const struct system *system, struct batch *const *rows);
 
 void matrix_free(struct matrix *matrix);

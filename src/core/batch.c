@@ -138,15 +138,26 @@ static void hold_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     struct batch *b = c->batch;
-    double part = b->type->damping(b->params) / c->number;
     gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in);
     b->type->hold(b->params, &b->view, first, last);
+}
+
+static void weigh_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct batch *b = c->batch;
+    double part = b->type->damping(b->params) / c->number;
     b->type->weight(b->params, &b->view, first, last);
     for (int e = first; e < last; e++) b->view.weight[e] *= part;
 }
 
+void batch_weigh(struct batch *b, double h) {
+    if (b->damper) for_range(b, b->view.elements, ELEMENTS, weigh_rows, NULL, NULL, h);
+}
+
 void batch_hold(struct batch *b, const double *x, double h) {
-    for_range(b, b->view.elements, ELEMENTS, hold_rows, x, NULL, h);
+    for_range(b, b->view.elements, ELEMENTS, hold_rows, x, NULL, 0.0);
+    batch_weigh(b, h);
 }
 
 /* ---- tangent --------------------------------------------------------------------------------- */

@@ -63,6 +63,8 @@ void batch_index(struct batch *batch);
 
 /* A damper at the beginning of a step of length h, s, at x. */
 void batch_hold(struct batch *batch, const double *x, double h);
+/* The weights of a damper for steps of length h, s; those of others stay. */
+void batch_weigh(struct batch *batch, double h);
 
 /* The neighbour lists have changed. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);

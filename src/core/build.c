@@ -282,20 +282,36 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     return status == PDYN_OK ? add_each(sim, add_damper) : status;
 }
 
-/* Fluid alone: its multipliers; a constant matrix: its factor; else conjugate gradients. */
+static bool has_operator(const struct system *sys) {
+    for (int b = 0; b < sys->batches; b++)
+        if (sys->batch[b]->op) return true;
+    return false;
+}
+
+/* Fluid alone: its multipliers; with something else: conjugate gradients; surfaces: a factor, by
+ * itself where it is exact. */
 static const char *automatic(const struct pdyn_sim *sim, const char **reason) {
     const struct system *sys = &sim->system;
-    if (sim->scene.settings.newton && registry_solver("dual")->fits(sys)) {
+    bool newton = sim->scene.settings.newton;
+    if (newton && registry_solver("dual")->fits(sys)) {
         *reason = "nothing but the fluid acts: its pressures are solved for";
         return "dual";
     }
-    if (!sim->scene.settings.newton && !sys->changing) {
-        *reason = "the matrix is constant: it is factored once for each length of step";
-        return "cholesky";
+    if (has_operator(sys)) {
+        *reason = "the fluid's constraints change every step";
+        return "cg";
     }
-    *reason = sys->changing ? "the fluid's constraints change every step"
-                            : "the matrix of the newton step changes in every iteration";
-    return "cg";
+    if (newton) {
+        *reason = "no fluid: a factor of what is static and 3 x 3 blocks precondition the newton "
+                  "step";
+        return "hybrid";
+    }
+    if (sys->changing) {
+        *reason = "contact changes every step";
+        return "cg";
+    }
+    *reason = "the matrix is constant: it is factored once for each length of step";
+    return "cholesky";
 }
 
 static pdyn_status choose_solver(struct pdyn_sim *sim) {

@@ -9,6 +9,10 @@
 
 enum { BACKTRACKS = 6 };
 
+/* What an iteration of a linear solve must gain, of the mean: the model is that of a nonlinear E,
+ * and a new one is better than the last digits of the old. */
+static const double worth = 0.3;
+
 struct taken {                 /* a step along the direction */
     double length;             /* 1: all of it */
     double slope, slope_after; /* of E along it, before and after */
@@ -24,13 +28,15 @@ static void take_trial(struct pdyn_sim *sim) {
 /* The direction to the minimum of E's model. */
 static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
+    double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
+    const struct solve_goal goal = {.tolerance = fmax(set->linear_tolerance, enough),
+                                    .gain = worth,
+                                    .iterations = set->linear_iterations};
     int iterations = 0;
     memset(sim->direction, 0, system_bytes(&sim->system));
     for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];
-    double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
-    pdyn_status status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction,
-                                            fmax(set->linear_tolerance, enough),
-                                            set->linear_iterations, &iterations);
+    pdyn_status status =
+        sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &goal, &iterations);
     p->linear += iterations;
     return status;
 }

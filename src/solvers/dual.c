@@ -268,16 +268,16 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
     }
 }
 
-static pdyn_status solve(void *self, double *b, double *y, double tolerance, int max_iterations,
+static pdyn_status solve(void *self, double *b, double *y, const struct solve_goal *goal,
                          int *iterations) {
     struct dual *s = self;
     pdyn_status status = reserve(s, s->at->at.count);
     if (status != PDYN_OK) return status;
     s->d = y;
-    s->target = tolerance * sqrt(system_dot(s->system, b, b));
+    s->target = goal->tolerance * sqrt(system_dot(s->system, b, b));
     *iterations = 0;
     start(s, b);
-    iterate(s, max_iterations, iterations);
+    iterate(s, goal->iterations, iterations);
     for_all(s, s->count, find_change, 0.0, NULL, NULL);
     displace(s, b, s->p);
     return PDYN_OK;

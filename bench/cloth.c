@@ -1,0 +1,310 @@
+/* Speed and error of a sheet: 1 m, n x n vertices, 0.2 kg/m^2, two corners pinned, springs along
+ * the edges, bending, h = 1/60 s. One step, 20 steps into its fall, from s.
+ *
+ *     cloth N STIFFNESS THREADS        one step by several methods
+ *     cloth run N STIFFNESS OUTER LINEAR    a second, each step cut short
+ *
+ * prints rows of CSV (without arguments: the header). Stretching stiffness in N/m. Error: |x - x*|
+ * / |s - x*|, x* the minimum of E. Times are the shortest of several, the methods in turn; factors
+ * and analyses are not in them. `plain` is what one writes first: classic Projective Dynamics in
+ * plain C, springs one after the other, cholmod_solve2 with its defaults (`plain_simplicial`:
+ * without supernodes, where the BLAS is slow). */
+#include "assemble.h"
+#include "clock.h"
+#include "sim.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <suitesparse/cholmod.h>
+
+enum { FALL = 20, ITERATIONS = 10, POINTS = 400 };
+
+static void die(const char *what) {
+    fprintf(stderr, "cloth: %s\n", what);
+    exit(1);
+}
+
+static void *allocate(size_t count, size_t size) {
+    void *block = calloc(count, size);
+    if (!block) die("out of memory");
+    return block;
+}
+
+static pdyn_sim *load(pdyn_context *context, int n, double stiffness, const char *solver) {
+    char text[2048];
+    pdyn_sim *sim;
+    snprintf(text, sizeof text,
+             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"fixed\": %.17g}, "
+             "\"solver\": {%s}, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], "
+             "\"vertices\": [%d, %d]}, \"area_density\": 0.2}, \"constraints\": [{\"type\": "
+             "\"spring\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "
+             "\"bending_rigidity\": 1e-4}, {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, "
+             "%d]}}]}]}",
+             1.0 / 60.0, solver, n, n, stiffness, n - 1);
+    if (pdyn_load_text(context, text, "cloth", NULL, 0, &sim) != PDYN_OK)
+        die(pdyn_last_error(context));
+    return sim;
+}
+
+static void step(pdyn_context *context, pdyn_sim *sim) {
+    if (pdyn_step(sim, NULL) != PDYN_OK) die(pdyn_last_error(context));
+}
+
+/* The state of one simulation goes over to another, as if it were at its first step. */
+static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
+    memcpy(to->x, from->x, system_bytes(&from->system));
+    memcpy(to->v, from->v, system_bytes(&from->system));
+    to->time = from->time, to->frame = from->frame, to->last_h = 0.0;
+    to->damping = to->scene.settings.newton ? 0.0 : 1.0;
+}
+
+static double distance(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(sum);
+}
+
+/* ---- plain C --------------------------------------------------------------------------------- */
+
+struct plain {
+    const pdyn_sim *sim;
+    const struct batch *spring, *pin;
+    int n;
+    double *b, *x; /* n x 3 by columns */
+    cholmod_common common;
+    cholmod_factor *factor;
+    cholmod_dense *solution, *work, *scratch;
+};
+
+static struct plain *plain_create(pdyn_sim *sim, int supernodal) {
+    struct plain *p = allocate(1, sizeof *p);
+    struct matrix m = {0};
+    *p = (struct plain){.sim = sim, .n = sim->system.particles};
+    p->spring = sim->system.batch[0], p->pin = sim->system.batch[2];
+    p->b = allocate(3 * (size_t)p->n, sizeof *p->b);
+    p->x = allocate(3 * (size_t)p->n, sizeof *p->x);
+    cholmod_start(&p->common);
+    p->common.supernodal = supernodal;
+    sim->system.h = 1.0 / 60.0;
+    if (matrix_pattern(&m, &sim->system, sim->system.batch, 1) != PDYN_OK) die("no matrix");
+    matrix_values(&m, &sim->system, sim->system.batch);
+    cholmod_sparse A = {.nrow = (size_t)p->n,
+                        .ncol = (size_t)p->n,
+                        .nzmax = (size_t)m.column_start[p->n],
+                        .p = m.column_start,
+                        .i = m.row,
+                        .x = m.value,
+                        .stype = -1,
+                        .itype = CHOLMOD_INT,
+                        .xtype = CHOLMOD_REAL,
+                        .dtype = CHOLMOD_DOUBLE,
+                        .packed = 1};
+    p->factor = cholmod_analyze(&A, &p->common);
+    if (!p->factor || !cholmod_factorize(&A, p->factor, &p->common)) die("no factor");
+    matrix_free(&m);
+    return p;
+}
+
+static void plain_free(struct plain *p) {
+    cholmod_free_factor(&p->factor, &p->common);
+    cholmod_free_dense(&p->solution, &p->common);
+    cholmod_free_dense(&p->work, &p->common);
+    cholmod_free_dense(&p->scratch, &p->common);
+    cholmod_finish(&p->common);
+    free(p->b), free(p->x), free(p);
+}
+
+/* b = M/h^2 s + sum of w G' p; flat bending has p = 0. */
+static void plain_local(struct plain *p) {
+    const struct system *sys = &p->sim->system;
+    const pdyn_batch *spring = &p->spring->view, *pin = &p->pin->view;
+    const double *length = spring->data;
+    int n = p->n;
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 3; a++) p->b[a * n + i] = system_inertia(sys, i) * sys->s[3 * i + a];
+    for (int e = 0; e < spring->elements; e++) {
+        int i = spring->column[2 * e], j = spring->column[2 * e + 1];
+        double d[3], l = 0.0;
+        for (int a = 0; a < 3; a++) d[a] = p->x[a * n + j] - p->x[a * n + i], l += d[a] * d[a];
+        double f = spring->weight[e] * length[e] / sqrt(l);
+        for (int a = 0; a < 3; a++) p->b[a * n + i] -= f * d[a], p->b[a * n + j] += f * d[a];
+    }
+    for (int e = 0; e < pin->elements; e++)
+        for (int a = 0; a < 3; a++)
+            p->b[a * n + pin->column[e]] += pin->weight[e] * pin->p[3 * e + a];
+}
+
+/* A step from s, in ms; *error: how far it came. */
+static double plain_step(struct plain *p, const double *best, double start, double *error) {
+    const double *s = p->sim->system.s;
+    int n = p->n;
+    double begin = clock_ms(), sum = 0.0;
+    for (int k = 0; k < 3 * n; k++) p->x[k % 3 * n + k / 3] = s[k];
+    for (int it = 0; it < ITERATIONS; it++) {
+        plain_local(p);
+        cholmod_dense rhs = {.nrow = (size_t)n,
+                             .ncol = 3,
+                             .nzmax = 3 * (size_t)n,
+                             .d = (size_t)n,
+                             .x = p->b,
+                             .xtype = CHOLMOD_REAL,
+                             .dtype = CHOLMOD_DOUBLE};
+        if (!cholmod_solve2(CHOLMOD_A, p->factor, &rhs, NULL, &p->solution, NULL, &p->work,
+                            &p->scratch, &p->common))
+            die("no solution");
+        memcpy(p->x, p->solution->x, 3 * (size_t)n * sizeof *p->x);
+    }
+    double ms = clock_ms() - begin;
+    for (int k = 0; k < 3 * n; k++)
+        sum += (p->x[k % 3 * n + k / 3] - best[k]) * (p->x[k % 3 * n + k / 3] - best[k]);
+    *error = sqrt(sum) / start;
+    return ms;
+}
+
+/* ---- our steps ------------------------------------------------------------------------------- */
+
+struct trace { /* of one step */
+    const double *best;
+    double start;         /* |s - x*| */
+    double begin, paused; /* ms: the observer's own time does not count */
+    int points, linear;
+    struct point {
+        double ms, error;
+        int outer, linear;
+    } point[POINTS];
+    int size;
+};
+
+static void note(void *user, const pdyn_iteration *it) {
+    struct trace *t = user;
+    double now = clock_ms();
+    t->linear += it->linear_iterations;
+    if (t->points < POINTS)
+        t->point[t->points++] =
+            (struct point){now - t->begin - t->paused, distance(it->x, t->best, t->size) / t->start,
+                           it->iteration, t->linear};
+    t->paused += clock_ms() - now;
+}
+
+static void trace_step(pdyn_context *context, pdyn_sim *sim, const pdyn_sim *state,
+                       struct trace *t) {
+    copy_state(state, sim);
+    t->points = t->linear = 0, t->paused = 0.0;
+    pdyn_observe(sim, note, t);
+    t->begin = clock_ms();
+    step(context, sim);
+}
+
+/* The first point at most so far from x*, or the last. */
+static const struct point *reached(const struct trace *t, double error) {
+    int k = 0;
+    while (k + 1 < t->points && t->point[k].error > error) k++;
+    return &t->point[k];
+}
+
+/* ---- one step -------------------------------------------------------------------------------- */
+
+struct row {
+    const char *method;
+    double ms, error;
+    int outer, linear;
+};
+
+static void keep(struct row *row, const char *method, const struct point *p) {
+    if (row->method && row->ms <= p->ms) return;
+    *row = (struct row){method, p->ms, p->error, p->outer, p->linear};
+}
+
+static void print(const struct row *r, int n, double stiffness, int threads) {
+    printf("%s,%d,%g,%d,%.3f,%.5f,%d,%d\n", r->method, n, stiffness, threads, r->ms, r->error,
+           r->outer, r->linear);
+}
+
+#define NEWTON "\"tolerance\": 0, \"outer_iterations\": %d"
+
+static void one_step(pdyn_context *context, int n, double stiffness, int threads, int repeat) {
+    pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-6, \"outer_iterations\": 200");
+    pdyn_sim *newton = load(context, n, stiffness, "\"tolerance\": 0, \"outer_iterations\": 300");
+    pdyn_sim *classic =
+        load(context, n, stiffness,
+             "\"tolerance\": 0, \"step\": \"projective\", \"outer_iterations\": 10");
+    struct row row[6] = {{0}};
+    struct trace t = {.size = 3 * newton->system.particles};
+    double *best = allocate((size_t)t.size, sizeof *best);
+    for (int k = 0; k < FALL; k++) step(context, state);
+    copy_state(state, newton);
+    step(context, newton);
+    memcpy(best, newton->x, system_bytes(&newton->system));
+    t.best = best, t.start = distance(newton->system.s, best, t.size);
+    newton->scene.settings.outer_iterations = 60;
+    struct plain *plain[2] = {plain_create(newton, CHOLMOD_AUTO),
+                              plain_create(newton, CHOLMOD_SIMPLICIAL)};
+    static const char *const name[] = {"plain",      "plain_simplicial", "projective",
+                                       "newton_10%", "newton_1%",        "newton_0.1%"};
+    for (int k = 0; k < repeat; k++) {
+        for (int q = 0; q < 2; q++) {
+            struct point p = {.outer = ITERATIONS, .linear = ITERATIONS};
+            p.ms = plain_step(plain[q], best, t.start, &p.error);
+            keep(&row[q], name[q], &p);
+        }
+        trace_step(context, classic, state, &t);
+        if (k) keep(&row[2], name[2], &t.point[t.points - 1]); /* the first one factored */
+        trace_step(context, newton, state, &t);
+        for (int q = 0; q < 3; q++) keep(&row[3 + q], name[3 + q], reached(&t, pow(0.1, q + 1)));
+    }
+    for (int q = 0; q < 6; q++) print(&row[q], n, stiffness, threads);
+    plain_free(plain[0]), plain_free(plain[1]);
+    free(best);
+    pdyn_free(state), pdyn_free(newton), pdyn_free(classic);
+}
+
+/* ---- a run ----------------------------------------------------------------------------------- */
+
+/* Every step cut short, and once more from the same state to its minimum: the mean error. */
+static void run(pdyn_context *context, int n, double stiffness, int outer, int linear) {
+    char cut[256];
+    snprintf(cut, sizeof cut,
+             "\"tolerance\": 0, \"outer_iterations\": %d, \"linear_iterations\": %d", outer,
+             linear);
+    pdyn_sim *sim = load(context, n, stiffness, cut);
+    pdyn_sim *best = load(context, n, stiffness, "\"tolerance\": 1e-7, \"outer_iterations\": 300");
+    double sum = 0.0, worst = 0.0, solves = 0.0, ms = 0.0, most = 0.0;
+    int steps = 60, size = 3 * sim->system.particles;
+    for (int k = 0; k < steps; k++) {
+        pdyn_step_info info;
+        copy_state(sim, best);
+        step(context, best);
+        if (pdyn_step(sim, &info) != PDYN_OK) die(pdyn_last_error(context));
+        double error = distance(sim->x, best->x, size) / distance(sim->system.s, best->x, size);
+        sum += error, worst = fmax(worst, error), solves += info.linear_iterations;
+        most = fmax(most, info.linear_iterations);
+        ms += k ? info.ms_local + info.ms_global : 0.0;
+    }
+    printf("run_mean,%d,%g,%d,%.3f,%.5f,%d,%.1f\n", n, stiffness, pdyn_thread_count(context),
+           ms / (steps - 1), sum / steps, outer, solves / steps);
+    printf("run_worst,%d,%g,%d,,%.5f,%d,%.0f\n", n, stiffness, pdyn_thread_count(context), worst,
+           outer, most);
+    pdyn_free(sim), pdyn_free(best);
+}
+
+int main(int argc, char **argv) {
+    pdyn_options options = pdyn_default_options();
+    pdyn_context *context;
+    bool whole = argc == 6 && !strcmp(argv[1], "run");
+    if (argc == 1) {
+        puts("method,n,stiffness,threads,ms,error,outer,linear");
+        return 0;
+    }
+    if (!whole && argc != 4) die("expected N STIFFNESS THREADS, see bench/cloth.c");
+    options.threads = whole ? 1 : atoi(argv[3]);
+    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
+    if (whole) run(context, atoi(argv[2]), atof(argv[3]), atoi(argv[4]), atoi(argv[5]));
+    else {
+        int n = atoi(argv[1]);
+        one_step(context, n, atof(argv[2]), options.threads, n < 100 ? 10 : n < 200 ? 4 : 2);
+    }
+    pdyn_destroy(context);
+    return 0;
+}

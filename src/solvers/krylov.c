@@ -1,0 +1,120 @@
+#include "krylov.h"
+
+#include "../core/simd.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rounds: linear solves for one model. Inner: what such a solve makes of its residual, at least. */
+enum { ROUNDS = 12 };
+static const double inner = 0.03;
+
+struct call {
+    struct krylov *k;
+    double scale;
+};
+
+pdyn_status krylov_create(struct krylov *k, pdyn_context *context, struct system *system) {
+    int n = system->particles;
+    k->context = context, k->system = system;
+    k->r = NEW_VECTOR(context, n);
+    k->z = NEW_VECTOR(context, n);
+    k->p = NEW_VECTOR(context, n);
+    k->q = NEW_VECTOR(context, n);
+    k->d = NEW_VECTOR(context, n);
+    return k->r && k->z && k->p && k->q && k->d ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void krylov_free(struct krylov *k) {
+    if (!k->context) return;
+    int n = k->system->particles;
+    FREE_VECTOR(k->context, k->r, n);
+    FREE_VECTOR(k->context, k->z, n);
+    FREE_VECTOR(k->context, k->p, n);
+    FREE_VECTOR(k->context, k->q, n);
+    FREE_VECTOR(k->context, k->d, n);
+}
+
+/* ---- conjugate gradients --------------------------------------------------------------------- */
+
+/* p = z + scale p */
+WIDE static void next_direction(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    double *p = c->k->p;
+    for (int k = 3 * first; k < 3 * last; k++) p[k] = c->k->z[k] + c->scale * p[k];
+}
+
+/* d += scale p, r -= scale q; partial: r.r */
+WIDE static void advance(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    const double *p = c->k->p, *q = c->k->q;
+    double *r = c->k->r, *d = c->k->d;
+    for (int k = 3 * first; k < 3 * last; k++) {
+        d[k] += c->scale * p[k];
+        r[k] -= c->scale * q[k];
+    }
+    r += 3 * first;
+    c->k->system->partial[block] = simd_dot(r, r, 3 * (last - first));
+}
+
+static void for_particles(struct krylov *k, pdyn_range_fn *fn, double scale) {
+    struct call call = {k, scale};
+    pool_for(k->context->pool, k->system->particles, SYSTEM_GRAIN, fn, &call);
+}
+
+/* d = H^-1 r with all constraints on the sides where they are, until |r| is at most `target` or
+ * an iteration gains too little: the model falls by rz / 2 times the length of each. */
+static void solve_linear(struct krylov *k, double target, const struct solve_goal *goal,
+                         int *iterations) {
+    struct system *sys = k->system;
+    double rr = INFINITY, rz = 0.0, gained = 0.0, gain = INFINITY;
+    memset(k->p, 0, system_bytes(sys));
+    memset(k->d, 0, system_bytes(sys));
+    k->prepare(k->self);
+    for (int done = 0; rr > target * target && *iterations < goal->iterations &&
+                       !(gain * done < goal->gain * gained);
+         done++) {
+        double before = rz;
+        k->restart = false;
+        rz = k->precondition(k->self);
+        for_particles(k, next_direction, before > 0.0 && !k->restart ? rz / before : 0.0);
+        system_apply(sys, k->p, k->q);
+        double curvature = system_dot(sys, k->p, k->q);
+        if (!(curvature > 0.0)) return; /* the residual is exhausted, or not a number */
+        for_particles(k, advance, rz / curvature);
+        rr = system_partial_sum(sys);
+        gain = rz * rz / curvature, gained += gain;
+        ++*iterations;
+    }
+}
+
+/* ---- the model with its sides ---------------------------------------------------------------- */
+
+/* Goes along d to the minimum of the model; b becomes its residual there. Returns how many
+ * constraints changed sides. */
+static int go_along(struct krylov *k, double *b, double *y) {
+    struct system *sys = k->system;
+    system_aim(sys, k->d, k->q);
+    double descent = system_dot(sys, b, k->d), curvature = system_dot(sys, k->d, k->q);
+    double t = descent > 0.0 ? system_line_minimum(sys, descent, curvature) : 0.0;
+    int changed = system_go(sys, t, k->q);
+    system_axpy(sys, t, k->d, y);
+    system_axpy(sys, -1.0, k->q, b);
+    return changed;
+}
+
+void krylov_solve(struct krylov *k, double *b, double *y, const struct solve_goal *goal,
+                  int *iterations) {
+    struct system *sys = k->system;
+    double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
+    bool solved = false;
+    *iterations = 0;
+    for (int n = 0; n < ROUNDS && size > target && !solved && *iterations < goal->iterations; n++) {
+        double aim_at = sys->changing ? fmax(target, inner * size) : target;
+        memcpy(k->r, b, system_bytes(sys));
+        solve_linear(k, aim_at, goal, iterations);
+        solved = !go_along(k, b, y) && aim_at == target;
+        size = sqrt(system_dot(sys, b, b));
+    }
+}

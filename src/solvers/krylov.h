@@ -1,0 +1,35 @@
+/* Conjugate gradients on the model of E without a matrix, for solvers that differ in how they
+ * precondition.
+ *
+ * The model is quadratic but for one-sided constraints. These keep their sides for a linear solve;
+ * then the model is followed with its sides along what was found, to the minimum there, and the
+ * next solve begins from that: a semi-smooth Newton iteration with an exact line search.
+ *
+ * What is sought is a correction, so it is warm started by construction: its first residual is that
+ * of the iterate, and the tolerance is relative to it. */
+#ifndef PDYN_KRYLOV_H
+#define PDYN_KRYLOV_H
+
+#include "../core/solver.h"
+#include "../core/system.h"
+
+struct krylov {
+    pdyn_context *context;
+    struct system *system;
+    double *r, *z, *p, *q, *d; /* particles x 3 */
+    bool restart; /* the preconditioner has changed: earlier directions mean nothing to it */
+    /* Of a solver: before a linear solve, and z = P^-1 r, P symmetric positive definite; returns
+     * r.z */
+    void (*prepare)(void *self);
+    double (*precondition)(void *self);
+    void *self;
+};
+
+pdyn_status krylov_create(struct krylov *krylov, pdyn_context *context, struct system *system);
+void krylov_free(struct krylov *krylov);
+
+/* As solver_type.solve. */
+void krylov_solve(struct krylov *krylov, double *b, double *y, const struct solve_goal *goal,
+                  int *iterations);
+
+#endif

@@ -1,0 +1,183 @@
+/* The factor against dense elimination, and what its solvers promise beyond conformance. */
+#include "support.h"
+
+#include "../src/solvers/factor.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A sheet of n x n vertices held by two corners, with these settings. */
+static pdyn_sim *hang(pdyn_context *context, int n, const char *settings) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{\"duration\": 100, %s, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], "
+             "\"vertices\": [%d, %d]}, \"area_density\": 0.2}, \"constraints\": [{\"type\": "
+             "\"spring\", \"stretching_stiffness\": 400}, {\"type\": \"bending\", "
+             "\"bending_rigidity\": 1e-4}, {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, "
+             "%d]}}]}]}",
+             settings, n, n, n - 1);
+    return test_load(context, text);
+}
+
+/* The matrix in full, lower triangle, n x n by rows. */
+static double *dense(const struct matrix *m) {
+    int n = m->particles;
+    double *A = calloc((size_t)n * (size_t)n, sizeof *A);
+    assert_non_null(A);
+    for (int j = 0; j < n; j++)
+        for (int k = m->column_start[j]; k < m->column_start[j + 1]; k++)
+            A[(size_t)m->row[k] * (size_t)n + (size_t)j] = m->value[k];
+    return A;
+}
+
+/* x = A^-1 x for n x 3 numbers, by L L' in place of A. */
+static void solve_dense(double *A, int n, double *x) {
+    for (int i = 0; i < n; i++) {
+        double *a = A + (size_t)i * (size_t)n;
+        for (int j = 0; j <= i; j++) {
+            const double *b = A + (size_t)j * (size_t)n;
+            for (int k = 0; k < j; k++) a[j] -= a[k] * b[k];
+            a[j] = i == j ? sqrt(a[j]) : a[j] / b[j];
+        }
+    }
+    for (int i = 0; i < n; i++)
+        for (int c = 0; c < 3; c++) {
+            for (int k = 0; k < i; k++)
+                x[3 * i + c] -= A[(size_t)i * (size_t)n + (size_t)k] * x[3 * k + c];
+            x[3 * i + c] /= A[(size_t)i * (size_t)n + (size_t)i];
+        }
+    for (int i = n - 1; i >= 0; i--)
+        for (int c = 0; c < 3; c++) {
+            for (int k = i + 1; k < n; k++)
+                x[3 * i + c] -= A[(size_t)k * (size_t)n + (size_t)i] * x[3 * k + c];
+            x[3 * i + c] /= A[(size_t)i * (size_t)n + (size_t)i];
+        }
+}
+
+/* Solves with the factor for two lengths of step, the layout found once. `lasting`: see
+ * factor_analyse. Returns the solutions, 2 x particles x 3. */
+static double *factor_twice(int threads, int n, bool lasting, bool compare) {
+    pdyn_context *context = test_context(threads);
+    pdyn_sim *sim = hang(context, n, "\"time_step\": {\"fixed\": 0.01}");
+    struct system *sys = &sim->system;
+    struct matrix matrix = {0};
+    struct factor factor = {0};
+    int size = 3 * sys->particles;
+    double *y = calloc(2 * (size_t)size, sizeof *y), *x = calloc((size_t)size, sizeof *x);
+    assert_true(y && x);
+    assert_int_equal(matrix_pattern(&matrix, sys, sys->batch, 1), PDYN_OK);
+    factor_start(&factor, context);
+    assert_int_equal(factor_analyse(&factor, &matrix, lasting), PDYN_OK);
+    for (int k = 0; k < 2; k++) {
+        uint64_t seed = 3;
+        sys->h = k ? 0.001 : 0.02;
+        matrix_values(&matrix, sys, sys->batch);
+        assert_int_equal(factor_numbers(&factor, &matrix), PDYN_OK);
+        for (int i = 0; i < size; i++) x[i] = test_random(&seed);
+        assert_int_equal(factor_solve(&factor, x, y + k * size), PDYN_OK);
+        if (!compare) continue;
+        double *A = dense(&matrix), norm = 0.0;
+        solve_dense(A, sys->particles, x);
+        for (int i = 0; i < size; i++) norm += x[i] * x[i];
+        assert_true(test_distance(x, y + k * size, size) < 1e-11 * sqrt(norm));
+        free(A);
+    }
+    if (compare) assert_true(n < 30 || (factor.panels.tasks > 4 && factor.panels.tops > 4));
+    factor_free(&factor);
+    matrix_free(&matrix);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    free(x);
+    return y;
+}
+
+/* Small ones are all top, larger ones have tasks. */
+static void test_factor(void **state) {
+    (void)state;
+    for (int n = 2; n <= 32; n += n < 5 ? 1 : 9)
+        for (int lasting = 0; lasting < 2; lasting++) free(factor_twice(1, n, lasting, true));
+}
+
+static void test_factor_threads(void **state) {
+    (void)state;
+    static const int threads[] = {2, 3, 8};
+    size_t bytes = 2 * 3 * 40 * 40 * sizeof(double);
+    double *one = factor_twice(1, 40, true, false);
+    for (int k = 0; k < 3; k++) {
+        double *other = factor_twice(threads[k], 40, true, false);
+        assert_memory_equal(one, other, bytes);
+        free(other);
+    }
+    free(one);
+}
+
+/* A hanging sheet is solved by factor and blocks in a fraction of the iterations that blocks alone
+ * need, to the same place. */
+static void test_hybrid(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    const char *settings = "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"%s\", "
+                           "\"tolerance\": 1e-4, \"outer_iterations\": 100}";
+    static const char *const solver[] = {"cg", "hybrid"};
+    long linear[2] = {0};
+    pdyn_sim *sim[2];
+    for (int k = 0; k < 2; k++) {
+        char text[256];
+        snprintf(text, sizeof text, settings, solver[k]);
+        sim[k] = hang(context, 33, text);
+        for (int step = 0; step < 10; step++) {
+            pdyn_step_info info = test_step(context, sim[k]);
+            assert_true(info.step_residual <= 1e-4);
+            linear[k] += info.linear_iterations;
+        }
+    }
+    assert_true(test_distance(sim[0]->x, sim[1]->x, 3 * 33 * 33) < 1e-4);
+    assert_true(linear[1] < linear[0] / 4);
+    pdyn_free(sim[0]), pdyn_free(sim[1]);
+    pdyn_destroy(context);
+}
+
+/* Steps of two lengths in turn, as before frames: an old factor still serves, and nothing is
+ * allocated but for a new one. */
+static void test_changing_step(void **state) {
+    (void)state;
+    struct counter counter;
+    pdyn_context *context = test_counting_context(2, &counter);
+    pdyn_sim *sim = hang(context, 17,
+                         "\"time_step\": {\"fixed\": 0.008}, \"frame_interval\": 0.01, "
+                         "\"solver\": {\"tolerance\": 1e-3, \"outer_iterations\": 50}");
+    assert_string_equal(pdyn_solver_type(sim), "hybrid");
+    long quiet = 0;
+    for (int step = 0; step < 60; step++) {
+        long before = counter.calls;
+        pdyn_step_info info = test_step(context, sim);
+        assert_true(info.step_residual <= 1e-3);
+        if (step >= 2) quiet += counter.calls == before;
+    }
+    assert_true(quiet >= 50);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_failing_allocator(void **state) {
+    (void)state;
+    test_failing_scene(
+        "{\"duration\": 1, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], "
+        "\"vertices\": [5, 5]}, \"area_density\": 0.2}, \"constraints\": [{\"type\": "
+        "\"spring\", \"stretching_stiffness\": 400}, {\"type\": \"pin\", "
+        "\"vertices\": {\"vertices\": [0, 4]}}]}]}");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_factor),
+        cmocka_unit_test(test_factor_threads),
+        cmocka_unit_test(test_hybrid),
+        cmocka_unit_test(test_changing_step),
+        cmocka_unit_test(test_failing_allocator),
+    };
+    return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
+}
