@@ -61,59 +61,66 @@ static struct tip exact(double gamma) {
 
 static const double length = 1.0, area_density = 0.2, stiffness = 2e4; /* m, kg/m^2, N/m */
 
-/* The clamp is in the middle between the first two rows, which are pinned. */
+/* The clamp is in the middle between the first two rows, which are pinned. `last`: of the last
+ * segment, times the first one. */
 static struct tip measure(pdyn_context *context, const char *directory, double gamma, int segments,
-                          bool irregular) {
+                          double last, bool irregular) {
     char constraints[512];
-    double mean[3], segment = length / (segments - 0.5);
-    snprintf(constraints, sizeof constraints,
-             "{\"type\": \"spring\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "
-             "\"bending_rigidity\": %.17g}, {\"type\": \"pin\", \"vertices\": {\"box\": "
-             "{\"minimum\": [-1, -1, -1], \"maximum\": [%.17g, 1, 1]}}}",
-             stiffness, area_density * g * length * length * length / gamma, 0.6 * segment);
+    double mean[3], rigidity = area_density * g * length * length * length / gamma;
     struct strip strip = {.name = "elastica",
                           .along = segments,
-                          .across = 4,
-                          .segment = segment,
-                          .first = -0.5 * segment,
+                          .across = 2,
+                          .segment = 1.0,
+                          .growth = pow(last, 1.0 / (segments - 1)),
                           .random = irregular ? 0.2 : 0.0,
                           .area_density = area_density,
                           .constraints = constraints,
-                          .h = 0.2,
-                          .solver = "\"type\": \"cholesky\", \"tolerance\": 1e-6, "
-                                    "\"outer_iterations\": 200",
-                          .more = ""};
+                          .h = 1.0,
+                          .gravity = {0.0, -g, 0.0},
+                          .tolerance = 1e-6};
+    strip.segment = length / (strip_length(&strip, segments) - 0.5);
+    strip.first = -0.5 * strip.segment;
+    snprintf(constraints, sizeof constraints,
+             "{\"type\": \"%s\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "
+             "\"bending_rigidity\": %.17g}, {\"type\": \"pin\", \"stiffness\": 1e8, \"vertices\": "
+             "{\"box\": "
+             "{\"minimum\": [-1, -1, -1], \"maximum\": [%.17g, 1, 1]}}}",
+             irregular ? "triangle" : "spring", stiffness, rigidity, 0.6 * strip.segment);
     pdyn_sim *sim = strip_load(context, directory, &strip);
-    strip_settle(context, sim, &strip, 1e-5);
+    strip_settle(context, sim, &strip, 1e-4);
     strip_row(sim, &strip, segments, mean);
     pdyn_free(sim);
     return (struct tip){-mean[1], mean[0]};
 }
 
-void elastica(pdyn_context *context, const char *directory, int count, char **segments) {
-    static const double gammas[] = {0.1, 1, 10, 100, 1000, 10000};
-    FILE *csv = open_csv(directory, "elastica");
-    fprintf(csv, "gamma,exact,segments,regular,irregular\n");
+static void print_head(int count, char **meshes) {
     printf("| Gamma | H / W |");
-    for (int k = 0; k < count; k++)
-        printf(" regular, %s | irregular, %s |", segments[k], segments[k]);
+    for (int k = 0; k < count; k++) printf(" %s, regular | irregular |", meshes[k]);
     printf("\n|---|---|");
     for (int k = 0; k < count; k++) printf("---|---|");
     printf("\n");
+}
+
+void elastica(pdyn_context *context, const char *directory, int count, char **meshes) {
+    static const double gammas[] = {0.1, 1, 10, 100, 1000, 10000};
+    FILE *csv = open_csv(directory, "elastica");
+    fprintf(csv, "gamma,exact,segments,last,irregular,measured\n");
+    print_head(count, meshes);
     for (size_t i = 0; i < sizeof gammas / sizeof *gammas; i++) {
         struct tip right = exact(gammas[i]);
-        printf("| %g | %.6f |", gammas[i], right.drop / right.reach);
-        for (int k = 0; k < count; k++) {
-            double ratio[2];
-            for (int irregular = 0; irregular < 2; irregular++) {
-                struct tip tip =
-                    measure(context, directory, gammas[i], atoi(segments[k]), irregular);
-                ratio[irregular] = tip.drop / tip.reach;
-                printf(" %+.2f %% |", 100.0 * (ratio[irregular] * right.reach / right.drop - 1.0));
-                fflush(stdout);
-            }
-            fprintf(csv, "%g,%.9g,%s,%.9g,%.9g\n", gammas[i], right.drop / right.reach, segments[k],
-                    ratio[0], ratio[1]);
+        double expected = right.drop / right.reach;
+        printf("| %g | %.6f |", gammas[i], expected);
+        for (int k = 0; k < 2 * count; k++) {
+            int segments;
+            double last = 1.0;
+            if (sscanf(meshes[k / 2], "%dx%lf", &segments, &last) < 1 || segments < 3)
+                die("expected SEGMENTS or SEGMENTSxLAST, found %s", meshes[k / 2]);
+            struct tip tip = measure(context, directory, gammas[i], segments, last, k % 2);
+            double ratio = tip.drop / tip.reach;
+            printf(" %+.2f %% |", 100.0 * (ratio / expected - 1.0));
+            fprintf(csv, "%g,%.9g,%d,%g,%d,%.9g\n", gammas[i], expected, segments, last, k % 2,
+                    ratio);
+            fflush(stdout);
         }
         printf("\n");
     }

@@ -9,6 +9,10 @@
 
 int strip_vertex(const struct strip *strip, int i, int j) { return i * (strip->across + 1) + j; }
 
+double strip_length(const struct strip *s, int n) {
+    return s->segment * (s->growth == 1.0 ? n : (pow(s->growth, n) - 1.0) / (s->growth - 1.0));
+}
+
 /* In [-1, 1), the same on every machine. */
 static double random_number(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
@@ -22,8 +26,9 @@ static void write_vertex(FILE *file, const struct strip *s, int i, int j, uint64
     if (i <= 1 || i >= s->along) dx = 0.0;
     if (i == 0 || i == s->along || j == 0 || j == s->across) dz = 0.0;
     if (j == 0 || j == s->across) dx = 0.0;
-    fprintf(file, "v %.17g 0 %.17g\n", s->first + i * s->segment + dx,
-            (j - 0.5 * s->across) * s->segment + dz);
+    double arc = strip_length(s, i) + dx, xy[2] = {s->first + arc, 0.0};
+    if (s->place) s->place(s, arc, xy);
+    fprintf(file, "v %.17g %.17g %.17g\n", xy[0], xy[1], (j - 0.5 * s->across) * s->segment + dz);
 }
 
 static void write_cell(FILE *file, const struct strip *s, int i, int j, uint64_t *seed) {
@@ -52,22 +57,26 @@ pdyn_sim *strip_load(pdyn_context *context, const char *directory, const struct 
     write_mesh(directory, s);
     snprintf(text, sizeof text,
              "{\"duration\": 1e6, \"frame_interval\": 1e3, \"time_step\": {\"fixed\": %.17g}, "
-             "\"solver\": {%s}, \"bodies\": [{\"name\": \"strip\", \"surface\": {\"mesh\": "
-             "\"%s/%s.obj\", \"area_density\": %.17g}, \"constraints\": [%s]}]%s}",
-             s->h, s->solver, directory, s->name, s->area_density, s->constraints, s->more);
+             "\"gravity\": [%.17g, %.17g, %.17g], \"solver\": {\"type\": \"%s\", "
+             "\"tolerance\": %.17g, \"outer_iterations\": 200}, \"bodies\": [{\"name\": "
+             "\"strip\", \"surface\": {\"mesh\": \"%s/%s.obj\", \"area_density\": %.17g}, "
+             "\"constraints\": [%s]}]}",
+             s->h, s->gravity[0], s->gravity[1], s->gravity[2], s->solver ? s->solver : "cholesky",
+             s->tolerance, directory, s->name, s->area_density, s->constraints);
     if (pdyn_load_text(context, text, "validation", NULL, 0, &sim) != PDYN_OK)
         die("%s", pdyn_last_error(context));
     return sim;
 }
 
+/* A swing stands still where it turns, so it takes some steps to be at rest. */
 void strip_settle(pdyn_context *context, pdyn_sim *sim, const struct strip *s, double still) {
     const pdyn_state state = pdyn_get_state(sim);
-    double fastest = INFINITY;
-    for (int n = 0; fastest * s->h > still * s->segment; n++) {
+    for (int n = 0, quiet = 0; quiet < 5; n++) {
         if (n == 20000) die("%s does not come to rest", s->name);
+        double fastest = 0.0;
         take_step(context, sim);
-        fastest = 0.0;
         for (int k = 0; k < 3 * state.particles; k++) fastest = fmax(fastest, fabs(state.v[k]));
+        quiet = fastest * s->h > still * s->segment ? 0 : quiet + 1;
     }
 }
 

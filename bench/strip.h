@@ -5,24 +5,33 @@
 
 #include "projdyn/projdyn.h"
 
-/* In the x-z plane: from x = first on, `along` segments of `segment` each; `across` of the same
- * length along z, symmetric to z = 0. */
+/* `along` segments, the first of them of `segment`, each next one longer by the factor `growth`;
+ * `across` of `segment` along z, symmetric to z = 0. Flat along x, unless `place` puts it
+ * elsewhere. */
 struct strip {
-    const char *name;    /* of the mesh file */
-    int along, across;   /* segments */
-    double segment;      /* m */
-    double first;        /* m, x of the first row of vertices */
-    double random;       /* 0: a grid with alternating diagonals; else inner vertices are off theirs
-                            by so many segments, at most 0.2, and diagonals lie at random */
-    double area_density; /* kg/m^2 */
+    const char *name;  /* of the mesh file */
+    int along, across; /* segments */
+    double segment;    /* m */
+    double growth;     /* 1: all segments are alike */
+    double random; /* 0: a grid with alternating diagonals; else inner vertices are off theirs by
+                      so many segments, at most 0.2, and diagonals lie at random */
+    double first;  /* m, x of the first row */
+    /* x and y of a vertex at an arc length from the first row, m; NULL: first + arc, 0 */
+    void (*place)(const struct strip *strip, double arc, double xy[2]);
+    double shape;            /* for `place` */
+    double area_density;     /* kg/m^2 */
     const char *constraints; /* JSON, inside the brackets */
     double h;                /* s, of every step */
-    const char *solver;      /* JSON, inside the braces */
-    const char *more;        /* JSON, more entries of the scene, each after a comma */
+    double gravity[3];       /* m/s^2 */
+    double tolerance;        /* step residual */
+    const char *solver;      /* NULL: cholesky */
 };
 
 /* Writes DIRECTORY/NAME.obj and loads a scene of that sheet alone. */
 pdyn_sim *strip_load(pdyn_context *context, const char *directory, const struct strip *strip);
+
+/* m, of so many segments from the first one on. */
+double strip_length(const struct strip *strip, int segments);
 
 /* Vertices go along z first: vertex j of row i. */
 int strip_vertex(const struct strip *strip, int i, int j);

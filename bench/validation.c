@@ -107,6 +107,12 @@ int main(int argc, char **argv) {
     else if (!strcmp(command, "sloshing") && argc == 5)
         sloshing(context, argv[2], atof(argv[3]), atoi(argv[4]));
     else if (!strcmp(command, "elastica")) elastica(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "catenary")) catenary(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "chain") && argc > 4)
+        chain(context, argv[2], atoi(argv[3]), argc - 4, argv + 4);
+    else if (!strcmp(command, "buckling")) buckling(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "sheet")) sheet(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "stretch")) stretch(context, argv[2], argc - 3, argv + 3);
     else
         die("usage: validation martin_moyce DIRECTORY CELLS... | tank DIRECTORY SECONDS "
             "DEPTHxWIDTH... | sloshing DIRECTORY SECONDS CELLS");

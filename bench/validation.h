@@ -49,6 +49,11 @@ FILE *open_csv(const char *directory, const char *name);
 void martin_moyce(pdyn_context *context, const char *directory, int count, char **cells);
 void tank(pdyn_context *context, const char *directory, double seconds, int count, char **sizes);
 void sloshing(pdyn_context *context, const char *directory, double seconds, int cells);
+void catenary(pdyn_context *context, const char *directory, int count, char **segments);
+void chain(pdyn_context *context, const char *directory, int segments, int count, char **steps);
+void buckling(pdyn_context *context, const char *directory, int count, char **segments);
+void stretch(pdyn_context *context, const char *directory, int count, char **segments);
+void sheet(pdyn_context *context, const char *directory, int count, char **vertices);
 void elastica(pdyn_context *context, const char *directory, int count, char **segments);
 
 #endif
