@@ -98,7 +98,7 @@ static const struct {
     {TOP("'solver': {'iterations': 2}"),
      "scene.json:2:13: solver: unknown key \"iterations\"; did you mean "
      "\"linear_iterations\"?; known: type, step, tolerance, outer_iterations, "
-     "linear_tolerance, linear_iterations"},
+     "linear_tolerance, linear_iterations, retries"},
     /* bodies of particles */
     {BODY("7"), "scene.json:2:3: bodies[0]: expected an object, found 7"},
     {BODY("{'name': 'a'}"),
@@ -531,7 +531,7 @@ static const struct {
      "array"},
     {"solver.typ=cg",
      "--set solver.typ=cg: solver: unknown key \"typ\"; did you mean \"type\"?; known: "
-     "type, step, tolerance, outer_iterations, linear_tolerance, linear_iterations"},
+     "type, step, tolerance, outer_iterations, linear_tolerance, linear_iterations, retries"},
     {"solvr.type=cg",
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: "
      "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, duration, "

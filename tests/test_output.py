@@ -26,12 +26,13 @@ TIME = 0.1  # s
 COLUMNS = (
     "time_s,h_s,outer_iterations,linear_iterations,particles,density_error_mean,density_error_max,"
     "step_residual,kinetic_J,potential_J,constraint_J,momentum_x,momentum_y,momentum_z,"
-    "pin_reaction_x_N,pin_reaction_y_N,pin_reaction_z_N,ms_neighbours,ms_local,ms_global,ms_contact"
+    "pin_reaction_x_N,pin_reaction_y_N,pin_reaction_z_N,ms_neighbours,ms_local,ms_global,ms_contact,"
+    "retries"
 ).split(",")
 REPORT = """version scene name threads particles.fluid particles.cloth particles.boundary
 particles.start particles.peak particles.end particles.emitted particles.removed bodies
 constraints solver.type solver.step solver.reason steps simulated_s wall_s ms_per_step
-ms.neighbours ms.local ms.global ms.contact ms.output outer_iterations.mean outer_iterations.max
+ms.neighbours ms.local ms.global ms.contact ms.output retries outer_iterations.mean outer_iterations.max
 linear_iterations.mean linear_iterations.max density_error.mean density_error.worst_mean
 density_error.mean_max density_error.max step_residual.mean step_residual.max
 energy.start.kinetic energy.start.potential energy.start.constraint energy.start.total

@@ -100,6 +100,7 @@ typedef struct pdyn_step_info {
     bool frame;           /* the step ended exactly at a frame */
     int outer_iterations; /* local/global iterations */
     int linear_iterations;
+    int retries;               /* attempts that were taken back: the step became shorter */
     int particles;             /* live ones, of bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;

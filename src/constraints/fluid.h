@@ -6,6 +6,8 @@
 #include "../core/kernel.h"
 #include "projdyn/module.h"
 
+#include <math.h>
+
 struct fluid_params {
     double stiffness, viscosity, projection_tolerance;
     bool wall_pressure;
@@ -28,16 +30,20 @@ static inline struct kernel fluid_kernel(const pdyn_body *body) {
 /* The length t > 0 at which a constraint of value c > 0 is met on the line p = u - t grad C(u):
  * Newton's first step c / |grad C|^2, then secant steps until |C| < tolerance. `value` gives C at
  * t. It need not be asked where c is small: Newton's step leaves an error of -0.6 to 1.0 c^2
- * (measured in collapsing and in resting water). */
+ * (measured in collapsing and in resting water). Where particles all but coincide there is hardly a
+ * gradient and Newton's step leads far away; the bracket finds back. */
 static inline double fluid_root(double (*value)(const void *line, double t), const void *line,
                                 double c, double squares, double tolerance) {
-    double t = c / squares, t_before = 0.0;
+    double t = c / squares, t_before = 0.0, low = 0.0, high = INFINITY;
     if (2.0 * c * c < tolerance) return t;
-    for (int k = 0; c >= tolerance && k < 20; k++) {
+    for (int k = 0; k < 50; k++) {
         double next = value(line, t), slope = (next - c) / (t - t_before);
-        if (fabs(next) < tolerance || !(slope < 0.0)) break;
+        if (fabs(next) < tolerance || (!(slope < 0.0) && high == INFINITY)) break;
+        *(next > 0.0 ? &low : &high) = t;
         t_before = t, c = next;
         t -= next / slope;
+        if (high == INFINITY || (t > low && t < high)) continue;
+        t = low > 0.0 ? sqrt(low) * sqrt(high) : 1e-3 * high;
     }
     return t;
 }

@@ -177,6 +177,12 @@ pdyn_status contact_begin(struct contact *c, double time) {
     return status;
 }
 
+pdyn_status contact_take_back(struct contact *c, const double *x) {
+    size_t solids = 3 * (size_t)(c->points - c->free) * sizeof *c->at;
+    if (solids) memcpy(c->at + 3 * (size_t)c->free, c->begin, solids);
+    return contact_local(c, x);
+}
+
 pdyn_status contact_end(struct contact *c) { return c->sticking ? contact_remember(c) : PDYN_OK; }
 
 /* The pairs are listed again where they were, for their order decides how sums are rounded. */

@@ -123,6 +123,9 @@ void contact_free(struct contact *contact);
  * friction starts from the contacts there. */
 pdyn_status contact_begin(struct contact *contact, double time);
 
+/* It is taken back: the next one begins again at x. */
+pdyn_status contact_take_back(struct contact *contact, const double *x);
+
 /* It ends at x, where the last local step was. */
 pdyn_status contact_end(struct contact *contact);
 

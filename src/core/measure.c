@@ -22,16 +22,17 @@ static void fetch(struct pdyn_sim *sim, const struct batch *b) {
     b->type->op->pressure(b->op, sim->pressure);
 }
 
-pdyn_status measure_end(struct pdyn_sim *sim) {
+pdyn_status measure_finite(struct pdyn_sim *sim) {
     const struct system *sys = &sim->system;
     for (int k = 0; k < 3 * sys->particles; k++)
         if (!isfinite(sim->x_next[k]))
-            return context_fail(sim->context, PDYN_DIVERGED,
-                                "step %ld at %g s: particle %d has no finite "
-                                "position; the state is that of the step before",
-                                sim->steps + 1, sim->time, k / 3);
-    for (int b = 0; b < sys->batches; b++) fetch(sim, sys->batch[b]);
+            return context_fail(sim->context, PDYN_DIVERGED, "particle %d has no finite position",
+                                k / 3);
     return PDYN_OK;
+}
+
+void measure_fetch(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->system.batches; b++) fetch(sim, sim->system.batch[b]);
 }
 
 static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {

@@ -8,9 +8,11 @@
  */
 double measure_weight(const struct pdyn_sim *sim);
 
-/* Density of the coming state x_next, which was that of the last local step; fails where it cannot
- * be a state. */
-pdyn_status measure_end(struct pdyn_sim *sim);
+/* PDYN_DIVERGED where x_next cannot be a state. */
+pdyn_status measure_finite(struct pdyn_sim *sim);
+
+/* Density and pressure of the coming state x_next, which was that of the last local step. */
+void measure_fetch(struct pdyn_sim *sim);
 
 /* Fills density errors, energies, momentum and pin reaction of the state just accepted. */
 void measure_step(struct pdyn_sim *sim, pdyn_step_info *info);

@@ -204,11 +204,7 @@ pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
         if (!isfinite(p->energy) || !isfinite(p->residual))
-            return context_fail(
-                sim->context, PDYN_DIVERGED,
-                "step %ld at %g s: the energy is not finite; the state is that of the "
-                "step before",
-                sim->steps + 1, sim->time);
+            return context_fail(sim->context, PDYN_DIVERGED, "the energy is not finite");
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (!moved || is_solved(sim, p) || p->outer >= set->outer_iterations) break;

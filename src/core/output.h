@@ -33,7 +33,8 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *pat
     X(ms_neighbours, ms_neighbours)                                                                \
     X(ms_local, ms_local)                                                                          \
     X(ms_global, ms_global)                                                                        \
-    X(ms_contact, ms_contact)
+    X(ms_contact, ms_contact)                                                                      \
+    X(retries, retries)
 enum {
 #define STEP_INDEX(column, member) STEP_##column,
     STEP_NUMBERS(STEP_INDEX)

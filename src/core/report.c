@@ -182,9 +182,10 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
     const double *pin = end->pin_reaction;
     char hash[17];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
-    return json_pack("{s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
-                     "outer_iterations", mean_max(report, STEP_outer_iterations),
-                     "linear_iterations", mean_max(report, STEP_linear_iterations), "density_error",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
+                     "retries", real(report->tally[STEP_retries].sum), "outer_iterations",
+                     mean_max(report, STEP_outer_iterations), "linear_iterations",
+                     mean_max(report, STEP_linear_iterations), "density_error",
                      density_error(report), "step_residual", mean_max(report, STEP_step_residual),
                      "energy", "start", energy(start), "end", energy(end), "momentum", "start",
                      vector(start->momentum), "end", vector(end->momentum), "pin_reaction_N",

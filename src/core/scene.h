@@ -87,6 +87,7 @@ struct scene_settings {      /* the scene's own "solver" and "time_step" and gen
     double h_fixed;          /* s; 0: adaptive by the CFL condition */
     double h_min, h_max;     /* s */
     double cfl;              /* particle radii that a particle may travel in a step */
+    int retries;             /* of a step that cannot be taken */
     double tolerance;        /* step residual at which a step is solved */
     int outer_iterations;    /* cap */
     double linear_tolerance; /* |r| / |r_0| of the linear solve */

@@ -30,4 +30,6 @@ const pdyn_param settings_solver_params[] = {
      "tolerance"},
     {"linear_iterations", PDYN_INT, SETTING(linear_iterations), false, 500, 1, 1e6, "",
      "iterations of a linear solve at most"},
+    {"retries", PDYN_INT, SETTING(retries), false, 4, 0, 30, "",
+     "attempts with shorter steps after one that diverged"},
     {0}};

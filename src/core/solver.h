@@ -30,6 +30,8 @@ struct solver_type {
      * direct solver. */
     pdyn_status (*solve)(void *self, double *b, double *y, const struct solve_goal *goal,
                          int *iterations);
+    /* Drops what it keeps from step to step. NULL: nothing. */
+    void (*forget)(void *self);
     void (*free)(void *self);
     /* Writes or reads what the next step depends on. NULL: nothing. */
     pdyn_status (*persist)(void *self, pdyn_archive *archive);

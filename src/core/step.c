@@ -9,6 +9,7 @@
 
 #include "projdyn/vec3.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* s = x + h v + h^2 g, and the iterate starts there. Dampers hold the strain of x. */
@@ -77,25 +78,61 @@ static void accept(struct pdyn_sim *sim, double h) {
     sim->steps++;
 }
 
-static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
-    struct progress progress = {0};
-    struct moment end = timestep_choose(sim);
-    double start = clock_ms();
-    sim->system.ms_neighbours = sim->system.ms_local = 0.0;
-
-    predict(sim, end.h);
+/* Where a step of length h would end, in x_next; the state is as it was. */
+static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
+    *progress = (struct progress){0};
+    predict(sim, h);
     motion_carry(sim, sim->system.time);
     stretch_samples(sim);
     struct contact *contact = sim->system.contact;
     pdyn_status status = contact ? contact_begin(contact, sim->system.time) : PDYN_OK;
-    if (status == PDYN_OK) status = minimise(sim, end.h, &progress);
+    if (status == PDYN_OK) status = minimise(sim, h, progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
-    if (status == PDYN_OK) status = measure_end(sim);
-    if (status == PDYN_OK && contact) status = contact_end(contact);
-    if (status != PDYN_OK) {
-        motion_carry(sim, sim->time);
-        return status;
+    return status == PDYN_OK ? measure_finite(sim) : status;
+}
+
+/* After an attempt that failed: solids go back, and nothing that led there is built upon. */
+static pdyn_status take_back(struct pdyn_sim *sim) {
+    motion_carry(sim, sim->time);
+    if (sim->solver->forget) sim->solver->forget(sim->solver_state);
+    if (sim->scene.settings.newton) sim->damping = 1.0;
+    return sim->system.contact ? contact_take_back(sim->system.contact, sim->x) : PDYN_OK;
+}
+
+/* Adds where and when to what is known. */
+static pdyn_status say_diverged(struct pdyn_sim *sim, double h) {
+    char what[256];
+    snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));
+    return context_fail(sim->context, PDYN_DIVERGED,
+                        "step %ld of %g s at %g s: %s; the state is that of the step before",
+                        sim->steps + 1, h, sim->time, what);
+}
+
+/* Attempts shorter and shorter steps until one can be taken, as often as the scene allows. */
+static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct progress *progress,
+                               int *retries) {
+    *end = timestep_choose(sim, INFINITY);
+    pdyn_status status = attempt(sim, end->h, progress);
+    while (status == PDYN_DIVERGED && *retries < sim->scene.settings.retries) {
+        if ((status = take_back(sim)) != PDYN_OK) return status;
+        *end = timestep_choose(sim, 0.25 * end->h);
+        status = attempt(sim, end->h, progress);
+        ++*retries;
     }
+    if (status == PDYN_OK && sim->system.contact) status = contact_end(sim->system.contact);
+    if (status != PDYN_OK) motion_carry(sim, sim->time);
+    return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
+}
+
+static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
+    struct progress progress;
+    struct moment end;
+    int retries = 0;
+    double start = clock_ms();
+    sim->system.ms_neighbours = sim->system.ms_local = 0.0;
+    pdyn_status status = attempt_all(sim, &end, &progress, &retries);
+    if (status != PDYN_OK) return status;
+    measure_fetch(sim);
     accept(sim, end.h);
     timestep_check(sim, end.h, progress.residual);
 
@@ -106,10 +143,11 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
                              .frame = end.frame,
                              .outer_iterations = progress.outer,
                              .linear_iterations = progress.linear,
+                             .retries = retries,
                              .step_residual = progress.residual};
     measure_step(sim, info);
     info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
-    info->ms_contact = contact ? contact->ms : 0.0;
+    info->ms_contact = sim->system.contact ? sim->system.contact->ms : 0.0;
     info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;
     return PDYN_OK;
 }

@@ -71,9 +71,9 @@ static double adaptive(const struct pdyn_sim *sim) {
 }
 
 /* The rest of the way to the next frame is cut into equal steps, so that none is tiny. */
-struct moment timestep_choose(const struct pdyn_sim *sim) {
+struct moment timestep_choose(const struct pdyn_sim *sim, double longest) {
     const struct scene_settings *set = &sim->scene.settings;
-    double h = set->h_fixed > 0.0 ? set->h_fixed : adaptive(sim);
+    double h = fmin(longest, set->h_fixed > 0.0 ? set->h_fixed : adaptive(sim));
     double rest = (double)(sim->frame + 1) * set->frame_interval - sim->time;
     double steps = ceil(rest / h * (1.0 - 1e-9));
     return (struct moment){rest / fmax(1.0, steps), steps <= 1.0};

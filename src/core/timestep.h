@@ -9,7 +9,8 @@ struct moment { /* the end of the coming step */
     bool frame; /* it is the next frame */
 };
 
-struct moment timestep_choose(const struct pdyn_sim *sim);
+/* longest: s; INFINITY for what the scene asks for. */
+struct moment timestep_choose(const struct pdyn_sim *sim, double longest);
 
 /* Warns, once, of a fixed step that was cut short and is too long for that. */
 void timestep_check(struct pdyn_sim *sim, double h, double residual);

@@ -283,6 +283,11 @@ static pdyn_status solve(void *self, double *b, double *y, const struct solve_go
     return PDYN_OK;
 }
 
+static void forget(void *self) {
+    struct dual *s = self;
+    if (s->multiplier) memset(s->multiplier, 0, (size_t)s->count * sizeof *s->multiplier);
+}
+
 static pdyn_status persist(void *self, pdyn_archive *archive) {
     struct dual *s = self;
     int count = s->count;
@@ -301,6 +306,7 @@ const struct solver_type pdyn_solver_dual = {
     .fits = fits,
     .create = create,
     .solve = solve,
+    .forget = forget,
     .free = release,
     .persist = persist,
 };

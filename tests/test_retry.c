@@ -1,0 +1,77 @@
+/* Steps that diverge are taken back and attempted again, shorter. */
+#include "support.h"
+
+#include <string.h>
+
+static const char drop[] =
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.01,"
+    " \"solver\": {\"type\": \"cg\"}, \"bodies\": [{\"name\": \"water\", \"particles\":"
+    " {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
+    " [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [{\"name\":"
+    " \"floor\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 1, 0.2]}}]}";
+
+/* The scene's own solver, which fails where a step is longer than `longest`. */
+static const struct solver_type *own;
+static struct system *system_of_own;
+static double longest;
+
+static pdyn_status fail_where_long(void *self, double *b, double *y, const struct solve_goal *goal,
+                                   int *iterations) {
+    pdyn_status status = own->solve(self, b, y, goal, iterations);
+    if (system_of_own->h > longest) y[4] = NAN;
+    return status;
+}
+
+static pdyn_sim *load(pdyn_context *context, struct solver_type *failing, const char *set,
+                      double limit) {
+    pdyn_sim *sim = NULL;
+    assert_int_equal(pdyn_load_text(context, drop, "drop", &set, 1, &sim), PDYN_OK);
+    *failing = *(own = sim->solver), failing->solve = fail_where_long;
+    system_of_own = &sim->system, longest = INFINITY, sim->solver = failing;
+    for (int k = 0; k < 5; k++) assert_int_equal(test_step(context, sim).retries, 0);
+    longest = limit;
+    return sim;
+}
+
+static void test_shorter(void **state) {
+    (void)state;
+    struct solver_type failing;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load(context, &failing, "solver.retries=4", 0.0006);
+    double time = pdyn_time(sim);
+    pdyn_step_info info = test_step(context, sim);
+    assert_int_equal(info.retries, 2);
+    assert_true(info.h <= 0.0006 && pdyn_time(sim) == time + info.h);
+    longest = INFINITY;
+    for (int k = 0; k < 20; k++) info = test_step(context, sim);
+    assert_true(info.retries == 0 && info.h > 0.003 && info.kinetic_energy < 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void ends(const char *set) {
+    struct solver_type failing;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load(context, &failing, set, 0.0);
+    uint64_t hash = pdyn_state_hash(sim);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+    assert_true(strstr(pdyn_last_error(context), "step 6 of") != NULL);
+    assert_true(pdyn_state_hash(sim) == hash);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_BAD_CALL);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void test_used_up(void **state) {
+    (void)state;
+    ends("solver.retries=0");
+    ends("solver.retries=3");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_shorter),
+        cmocka_unit_test(test_used_up),
+    };
+    return cmocka_run_group_tests_name("retry", tests, NULL, NULL);
+}
