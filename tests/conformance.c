@@ -214,6 +214,31 @@ static void check_tiers(const pdyn_constraint_type *type) {
     finish(&t);
 }
 
+/* One matrix stands for rows that are linear. */
+static void check_stiffness(const pdyn_constraint_type *type) {
+    struct trial t = start(type, "auto", 0.002);
+    struct batch *rows;
+    double *da = array(2 * t.n), *db = array(2 * t.n), *ga = array(t.n), *gb = array(t.n);
+    if (t.batch->stiffness) {
+        assert_int_equal(batch_create(t.context, type, t.batch->params, t.batch->view.body, NULL,
+                                      NULL, false, &rows),
+                         PDYN_OK);
+        batch_local(t.batch, t.x, 0.0, ga), batch_local(rows, t.x, 0.0, gb);
+        assert_true(fabs(t.batch->energy - rows->energy) <= 1e-10 * rows->energy);
+        assert_true(test_distance(ga, gb, t.n) <= 1e-10 * norm(gb, t.n));
+        assert_int_equal(batch_linearise(t.batch, 0.0), PDYN_OK);
+        assert_int_equal(batch_linearise(rows, 0.0), PDYN_OK);
+        memset(t.y, 0, (size_t)t.n * sizeof *t.y), memset(t.z, 0, (size_t)t.n * sizeof *t.z);
+        batch_apply(t.batch, t.u, t.y), batch_apply(rows, t.u, t.z);
+        assert_true(test_distance(t.y, t.z, t.n) <= 1e-10 * norm(t.z, t.n));
+        batch_diagonal(t.batch, da), batch_diagonal(rows, db);
+        assert_true(test_distance(da, db, 2 * t.n) <= 1e-10 * norm(db, 2 * t.n));
+        batch_free(rows);
+    } else assert_true(!type->linear || !type->linear(t.batch->params, &t.batch->view));
+    free(da), free(db), free(ga), free(gb);
+    finish(&t);
+}
+
 /* The model along a direction: its slope is that of the gradient's change, with and without changes
  * of side; without, the change is the product. */
 static void check_model(const pdyn_constraint_type *type) {
@@ -324,6 +349,7 @@ static void test_gradients(void **state) { (void)state, each_type(check_gradient
 static void test_projections(void **state) { (void)state, each_type(check_projection); }
 static void test_bounds(void **state) { (void)state, each_type(check_bounds); }
 static void test_diagonals(void **state) { (void)state, each_type(check_diagonal); }
+static void test_stiffness(void **state) { (void)state, each_type(check_stiffness); }
 static void test_tiers(void **state) { (void)state, each_type(check_tiers); }
 static void test_model(void **state) { (void)state, each_type(check_model); }
 static void test_ranges(void **state) { (void)state, each_type(check_ranges); }
@@ -334,9 +360,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gradients), cmocka_unit_test(test_projections),
         cmocka_unit_test(test_bounds),    cmocka_unit_test(test_diagonals),
-        cmocka_unit_test(test_tiers),     cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_model),     cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_stiffness), cmocka_unit_test(test_tiers),
+        cmocka_unit_test(test_ranges),    cmocka_unit_test(test_model),
+        cmocka_unit_test(test_solvers),   cmocka_unit_test(test_steps),
     };
     return cmocka_run_group_tests_name("conformance", tests, NULL, NULL);
 }

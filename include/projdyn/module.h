@@ -208,6 +208,9 @@ typedef struct pdyn_constraint_type {
      * symmetric, eigenvalues in [0, 1] (clamp: H must stay positive). J comes zeroed. NULL: J = 0.
      */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
+    /* p = 0 and J = 0 for all elements, whatever u: then core sums them up to one matrix. NULL: no.
+     */
+    bool (*linear)(const void *params, const pdyn_batch *batch);
     /* The energy of these elements, J, where it is not w/2 |u - p|^2; its gradient is w (u - p) all
      * the same. NULL: it is. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);

@@ -64,6 +64,14 @@ WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int la
         vec3_tangent_length(J, b->u + 3 * e, ((const double *)b->data)[e]);
 }
 
+/* Flat at rest. */
+static bool linear(const void *par, const pdyn_batch *b) {
+    (void)par;
+    for (int e = 0; e < b->elements; e++)
+        if (((const double *)b->data)[e] != 0.0) return false;
+    return true;
+}
+
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
 
 static void hold(const void *par, const pdyn_batch *b, int first, int last) {
@@ -84,6 +92,7 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .weight = weight,
     .project = project,
     .tangent = tangent,
+    .linear = linear,
     .damping = damping,
     .hold = hold,
 };

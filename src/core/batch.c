@@ -125,8 +125,12 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
         end_output(b, gradient);
         return scalars_begin(&b->scalars);
     }
-    for_range(b, b->view.elements, ELEMENTS, local_rows, x, NULL, 0.0);
     b->energy = 0.0;
+    if (b->stiffness) {
+        b->energy = stiffness_apply(b->stiffness, x, gradient);
+        return PDYN_OK;
+    }
+    for_range(b, b->view.elements, ELEMENTS, local_rows, x, NULL, 0.0);
     for (int k = 0; k < pool_blocks(b->view.elements, ELEMENTS); k++) b->energy += b->partial[k];
     for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, gradient, 0.0);
     return PDYN_OK;
@@ -194,9 +198,12 @@ static void linearise_rows(void *arg, int first, int last, int block) {
 /* With room to load the last column as four. */
 static size_t block_numbers(const struct batch *b) { return b->block_start[b->room.elements] + 1; }
 
+/* The components of its rows are not independent: B is not w I. */
+INLINE bool has_blocks(const struct batch *b) { return b->eps < 1.0 && !b->stiffness; }
+
 pdyn_status batch_linearise(struct batch *b, double eps) {
     b->eps = eps;
-    if (b->op || eps == 1.0 || !b->rows) return PDYN_OK;
+    if (b->op || !has_blocks(b) || !b->rows) return PDYN_OK;
     if (!b->block) b->block = NEW_ARRAY(b->context, block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
     for_range(b, b->view.elements, ELEMENTS, linearise_rows, NULL, NULL, eps);
@@ -207,7 +214,7 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
 INLINE void multiply_element(const struct batch *b, int e, int first, int rows, const double *x) {
     const int *entry = b->view.row_entry + first;
     double *flux = b->flux + 4 * (size_t)first;
-    const double *B = b->eps < 1.0 ? b->block + b->block_start[e] : NULL;
+    const double *B = has_blocks(b) ? b->block + b->block_start[e] : NULL;
     for (int s = 0; s < rows; s++) {
         v4 u, f, column;
         if (b->width == 2) gather_row(&b->view, 2 * (first + s), 2, x, &u);
@@ -241,6 +248,10 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
         scalars_apply(&b->scalars, b->eps, extend(b, u), begin_output(b, y));
         end_output(b, y);
+        return;
+    }
+    if (b->stiffness) {
+        stiffness_apply(b->stiffness, u, y);
         return;
     }
     for_range(b, b->view.elements, ELEMENTS, apply_rows, u, NULL, 0.0);
@@ -281,7 +292,7 @@ void batch_block(const struct batch *b, int k, int m, double B[9]) {
     int e = b->entry_element[k], r0 = b->view.element_row[e],
         n = 3 * (b->view.element_row[e + 1] - r0);
     bool same = b->entry_row[k] == b->entry_row[m];
-    const double *from = b->eps < 1.0
+    const double *from = has_blocks(b)
                              ? b->block + b->block_start[e] + 3 * (b->entry_row[k] - r0) * n +
                                    3 * (b->entry_row[m] - r0)
                              : NULL;
@@ -321,14 +332,22 @@ WIDE static void diagonal_single(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     const struct batch *b = c->batch;
     for (int i = first; i < last; i++) {
-        double *out = c->out + 6 * (size_t)(b->touch_first + i);
+        double *out = c->out + 6 * (size_t)(b->touch_first + i), zz = 0.0, plain = 0.0;
+        v4 low = {0}, high = {0}, part;
         for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
             const struct touch *at = &b->touch[t];
-            double square = at->coefficient * at->coefficient, w = b->view.weight[at->row] * square;
-            const double *B = b->eps < 1.0 ? b->block + 9 * (size_t)at->row : NULL;
-            if (!B) out[0] += w, out[3] += w, out[5] += w;
-            for (int a = 0; B && a < 6; a++) out[a] += square * B[a + (a > 2) + (a > 4) * 2];
+            double square = at->coefficient * at->coefficient;
+            if (!has_blocks(b)) {
+                plain += b->view.weight[at->row] * square;
+                continue;
+            }
+            const double *B = b->block + 9 * (size_t)at->row;
+            memcpy(&part, B, sizeof part), low += square * part;
+            memcpy(&part, B + 4, sizeof part), high += square * part;
+            zz += square * B[8];
         }
+        out[0] += low[0] + plain, out[1] += low[1], out[2] += low[2];
+        out[3] += high[0] + plain, out[4] += high[1], out[5] += zz + plain;
     }
 }
 
@@ -338,6 +357,7 @@ void batch_diagonal(struct batch *b, double *blocks) {
         scalars_diagonal(&b->scalars, b->eps, b->samples->blocks);
         samples_gather_blocks(b->samples, b->samples->blocks, blocks);
     } else if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
+    else if (b->stiffness) stiffness_diagonal(b->stiffness, blocks);
     else
         for_range(b, b->touch_count, PARTICLES, b->single ? diagonal_single : diagonal_rows, NULL,
                   blocks, 0.0);
@@ -526,6 +546,11 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     return status;
 }
 
+pdyn_status batch_join_rows(struct batch *b) {
+    if (b->op || !b->type->linear || !b->type->linear(b->params, &b->view)) return PDYN_OK;
+    return stiffness_create(b->context, b, &b->stiffness);
+}
+
 /* ---- elements that come and go --------------------------------------------------------------- */
 
 pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_type *type,
@@ -573,6 +598,7 @@ void batch_free(struct batch *b) {
     pdyn_context *c = b->context;
     if (b->op) b->type->op->free(b->op), scalars_free(&b->scalars);
     free_rows(b);
+    stiffness_free(b->stiffness);
     FREE_ARRAY(c, b->touch_start, b->touch_count + 2);
     FREE_ARRAY(c, b, 1);
 }

@@ -8,6 +8,7 @@
 #include "neighbours.h"
 #include "projdyn/module.h"
 #include "scalars.h"
+#include "stiffness.h"
 
 struct touch { /* an entry, from its particle */
     double coefficient;
@@ -40,6 +41,7 @@ struct batch {
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
                             NULL until eps is below 1 for the first time */
     double *partial;     /* a partial energy for each parallel block */
+    struct stiffness *stiffness;    /* stands for all rows in products and local steps; NULL: not */
     int *entry_element, *entry_row; /* entries: where they belong */
     int touch_first, touch_count;   /* the rows touch only these particles of the system */
     int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
@@ -51,6 +53,10 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
                          const void *params, const pdyn_body *body, const pdyn_services *services,
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
 void batch_free(struct batch *batch);
+
+/* From now on one matrix stands for the rows, where the type says that these are linear. u, p and
+ * flux are left alone then. */
+pdyn_status batch_join_rows(struct batch *batch);
 
 /* A batch whose elements come and go, each of them one row of type->width entries; none at first.
  * They touch the particles of the body alone. An entry that is not needed has the coefficient 0. */

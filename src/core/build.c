@@ -246,7 +246,7 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     sys->changing |= c->type->op != NULL;
     sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
     sim->constraints = sys->batches;
-    return PDYN_OK;
+    return batch_join_rows(sys->batch[sys->batches - 1]);
 }
 
 static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,

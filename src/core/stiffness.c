@@ -1,0 +1,126 @@
+#include "stiffness.h"
+
+#include "batch.h"
+#include "simd.h"
+
+enum { GRAIN = 512 }; /* particles */
+
+struct call {
+    struct stiffness *k;
+    const double *x;
+    double *y;
+};
+
+/* y_i += sum_j K_ij (x_j - x_i) + own_i x_i: what neighbours have in common does not round. */
+WIDE static void apply(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    const struct stiffness *k = c->k;
+    v4 energy = {0}; /* the fourth lane means nothing */
+    for (int i = first; i < last; i++) {
+        v4 x, xj, squares = {0}, sum = {0};
+        memcpy(&x, c->x + 3 * (size_t)(k->first + i), sizeof x);
+        for (int t = k->start[i]; t < k->start[i + 1]; t++) {
+            memcpy(&xj, c->x + 3 * (size_t)k->column[t], sizeof xj);
+            xj -= x;
+            v4 force = k->value[t] * xj;
+            sum += force;
+            squares += force * xj;
+        }
+        sum += k->own[i] * x;
+        energy += k->own[i] * x * x - 0.5 * squares;
+        v4_add_to(c->y + 3 * (size_t)(k->first + i), &sum);
+    }
+    k->partial[block] = 0.5 * (energy[0] + energy[1] + energy[2]);
+}
+
+double stiffness_apply(struct stiffness *k, const double *x, double *y) {
+    struct call call = {k, x, y};
+    double sum = 0.0;
+    pool_for(k->context->pool, k->count, GRAIN, apply, &call);
+    for (int b = 0; b < pool_blocks(k->count, GRAIN); b++) sum += k->partial[b];
+    return sum;
+}
+
+void stiffness_diagonal(const struct stiffness *k, double *blocks) {
+    for (int i = 0; i < k->count; i++) {
+        double *block = blocks + 6 * (size_t)(k->first + i);
+        block[0] += k->diagonal[i], block[3] += k->diagonal[i], block[5] += k->diagonal[i];
+    }
+}
+
+/* ---- setting up ------------------------------------------------------------------------------ */
+
+/* Row i: its numbers where `value`, which begins at the row; returns how many entries beside the
+ * diagonal. place: for each particle, the last row that met it and where; particles x 2. */
+static int sum_row(const struct batch *b, int i, int *place, int *column, double *value,
+                   double *diagonal) {
+    const pdyn_batch *v = &b->view;
+    int count = 0, self = b->touch_first + i;
+    for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
+        const struct touch *at = &b->touch[t];
+        double w = v->weight[b->entry_element[at->entry]] * at->coefficient;
+        for (int m = v->row_entry[at->row]; m < v->row_entry[at->row + 1]; m++) {
+            int *met = place + 2 * (v->column[m] - b->touch_first);
+            double number = w * v->coefficient[m];
+            if (number == 0.0) continue;
+            if (v->column[m] == self) {
+                *diagonal += number;
+                continue;
+            }
+            if (met[0] != i + 1) {
+                if (value) column[count] = v->column[m], value[count] = 0.0;
+                met[0] = i + 1, met[1] = count++;
+            }
+            if (value) value[met[1]] += number;
+        }
+    }
+    return count;
+}
+
+static bool allocate(struct stiffness *k) {
+    k->column = NEW_ARRAY(k->context, k->entries, int);
+    k->value = NEW_ARRAY(k->context, k->entries, double);
+    k->own = NEW_ARRAY(k->context, k->count, double);
+    k->diagonal = NEW_ARRAY(k->context, k->count, double);
+    k->partial = NEW_ARRAY(k->context, pool_blocks(k->count, GRAIN), double);
+    return (!k->entries || (k->column && k->value)) &&
+           (!k->count || (k->own && k->diagonal && k->partial));
+}
+
+static void fill(struct stiffness *k, const struct batch *b, int *place) {
+    memset(place, 0, 2 * (size_t)k->count * sizeof *place);
+    for (int i = 0; i < k->count; i++) {
+        int from = k->start[i];
+        sum_row(b, i, place, k->column + from, k->value + from, &k->diagonal[i]);
+        k->own[i] = k->diagonal[i];
+        for (int t = from; t < k->start[i + 1]; t++) k->own[i] += k->value[t];
+    }
+}
+
+pdyn_status stiffness_create(pdyn_context *context, const struct batch *b, struct stiffness **out) {
+    struct stiffness *k = *out = NEW_ARRAY(context, 1, struct stiffness);
+    if (!k) return PDYN_NO_MEMORY;
+    *k = (struct stiffness){.context = context, .first = b->touch_first, .count = b->touch_count};
+    k->start = NEW_ARRAY(context, k->count + 1, int);
+    int *place = NEW_ARRAY(context, 2 * (size_t)k->count, int);
+    bool good = k->start && (!k->count || place);
+    double unused = 0.0;
+    for (int i = 0; good && i < k->count; i++)
+        k->start[i + 1] = k->entries += sum_row(b, i, place, NULL, NULL, &unused);
+    good = good && allocate(k);
+    if (good) fill(k, b, place);
+    FREE_ARRAY(context, place, 2 * (size_t)k->count);
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void stiffness_free(struct stiffness *k) {
+    if (!k) return;
+    pdyn_context *c = k->context;
+    FREE_ARRAY(c, k->start, k->count + 1);
+    FREE_ARRAY(c, k->column, k->entries);
+    FREE_ARRAY(c, k->value, k->entries);
+    FREE_ARRAY(c, k->own, k->count);
+    FREE_ARRAY(c, k->diagonal, k->count);
+    FREE_ARRAY(c, k->partial, pool_blocks(k->count, GRAIN));
+    FREE_ARRAY(c, k, 1);
+}
