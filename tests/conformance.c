@@ -77,6 +77,8 @@ static struct trial start(const pdyn_constraint_type *type, const char *solver, 
         t.sim->system.s[k] = t.sim->x[k] + 0.01 * test_random(&seed);
     }
     t.sim->system.h = 0.004;
+    for (int k = 0; k < t.n; k++) t.sim->v[k] = test_random(&seed);
+    system_begin(&t.sim->system, t.sim->x, t.sim->v);
     double energy;
     assert_int_equal(system_local(&t.sim->system, t.x, &energy, t.gradient), PDYN_OK);
     if (type->op)

@@ -87,6 +87,7 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     double *weight;                           /* elements, N/m, >= 0 */
     void *data;                               /* elements x data_size: the type's own */
     double time;                              /* s, at the end of the step */
+    double h;                                 /* s, of the step; 0 before the first */
     const double *u;                          /* rows x 3: G x */
     double *p;                                /* rows x 3: the projection of u */
     const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
@@ -187,6 +188,7 @@ enum {                        /* pdyn_constraint_type.flags */
        PDYN_ON_SURFACE = 2,   /* needs a body with triangles */
        PDYN_ON_PARTICLES = 4, /* needs a body of particles */
        PDYN_REACTION = 8,     /* what it carries is reported as pin reaction */
+       PDYN_LOSSY = 16,       /* its energy is what it takes in a step, none that it stores */
 };
 
 typedef struct pdyn_constraint_type {
@@ -214,10 +216,13 @@ typedef struct pdyn_constraint_type {
     /* The energy of these elements, J, where it is not w/2 |u - p|^2; its gradient is w (u - p) all
      * the same. NULL: it is. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Damping in proportion to stiffness: stress = stiffness (strain + damping x rate of strain).
-     * Where `damping`, in s, is above 0, core has a second batch of the same rows, its weights
-     * times damping / h, which `hold` tells at the beginning of every step to take u for its rest
-     * shape: data changes such that u is its own projection. NULL: none. */
+    /* At the beginning of every step, with u = G x and p = G v there: data and weights may change.
+     * NULL: nothing does. */
+    void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
+    /* s: damping in proportion to stiffness, stress = stiffness (strain + damping x its rate).
+     * Above 0, core has a second batch of the same rows, its weights times damping / h, which
+     * `hold` tells at the beginning of every step to take u = G x for its rest shape: data changes
+     * such that u is its own projection. NULL: none. */
     double (*damping)(const void *params);
     void (*hold)(const void *params, const pdyn_batch *batch, int first, int last);
     /* NULL: core derives everything from the rows above. */

@@ -136,7 +136,7 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
     return PDYN_OK;
 }
 
-/* ---- damping --------------------------------------------------------------------------------- */
+/* ---- the beginning of a step ----------------------------------------------------------------- */
 
 static void hold_rows(void *arg, int first, int last, int block) {
     (void)block;
@@ -159,9 +159,27 @@ void batch_weigh(struct batch *b, double h) {
     if (b->damper) for_range(b, b->view.elements, ELEMENTS, weigh_rows, NULL, NULL, h);
 }
 
-void batch_hold(struct batch *b, const double *x, double h) {
-    for_range(b, b->view.elements, ELEMENTS, hold_rows, x, NULL, 0.0);
+/* in: x; out: v */
+static void begin_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct batch *b = c->batch;
+    int row = b->view.element_row[first], end = b->view.element_row[last];
+    gather_rows(b, row, end, c->out);
+    memcpy(b->view.p + 3 * (size_t)row, b->view.u + 3 * (size_t)row,
+           3 * (size_t)(end - row) * sizeof(double));
+    gather_rows(b, row, end, c->in);
+    b->type->begin(b->params, &b->view, first, last);
+    b->type->weight(b->params, &b->view, first, last);
+}
+
+bool batch_begin(struct batch *b, const double *x, const double *v, double h) {
+    b->view.h = h;
+    if (b->damper) for_range(b, b->view.elements, ELEMENTS, hold_rows, x, NULL, 0.0);
     batch_weigh(b, h);
+    if (!b->damper && b->type->begin)
+        for_range(b, b->view.elements, ELEMENTS, begin_rows, x, (double *)v, 0.0);
+    return !b->damper && b->type->begin;
 }
 
 /* ---- tangent --------------------------------------------------------------------------------- */

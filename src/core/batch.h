@@ -67,8 +67,9 @@ pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_t
 pdyn_status batch_resize(struct batch *batch, int elements);
 void batch_index(struct batch *batch);
 
-/* A damper at the beginning of a step of length h, s, at x. */
-void batch_hold(struct batch *batch, const double *x, double h);
+/* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
+ * weights change even where h does not. */
+bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
 /* The weights of a damper for steps of length h, s; those of others stay. */
 void batch_weigh(struct batch *batch, double h);
 

@@ -59,7 +59,9 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
         info->potential_energy -= sys->mass[i] * vec3_dot(sim->scene.settings.gravity, x);
         vec3_add(info->momentum, sys->mass[i], v);
     }
-    for (int b = 0; b < sim->constraints; b++) info->constraint_energy += sys->batch[b]->energy;
+    for (int b = 0; b < sim->constraints; b++)
+        if (!(sys->batch[b]->type->flags & PDYN_LOSSY))
+            info->constraint_energy += sys->batch[b]->energy;
     if (sys->contact) info->constraint_energy += sys->contact->touching->energy;
 }
 

@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* s = x + h v + h^2 g, and the iterate starts there. Dampers hold the strain of x. */
+/* s = x + h v + h^2 g, and the iterate starts there. */
 static void predict(struct pdyn_sim *sim, double h) {
     const double *g = sim->scene.settings.gravity;
     sim->system.h = h;
@@ -21,7 +21,7 @@ static void predict(struct pdyn_sim *sim, double h) {
         sim->system.s[k] = sim->x[k] + h * sim->v[k] + h * h * g[k % 3];
     emit_hold(sim);
     memcpy(sim->x_next, sim->system.s, system_bytes(&sim->system));
-    system_hold(&sim->system, sim->x);
+    system_begin(&sim->system, sim->x, sim->v);
 }
 
 /* Surfaces act on the fluid with the volumes that they have where the step begins. */

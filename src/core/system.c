@@ -91,9 +91,10 @@ pdyn_status system_local(struct system *sys, const double *x, double *energy, do
     return status;
 }
 
-void system_hold(struct system *sys, const double *x) {
-    for (int b = 0; b < sys->batches; b++)
-        if (sys->batch[b]->damper) batch_hold(sys->batch[b], x, sys->h);
+void system_begin(struct system *sys, const double *x, const double *v) {
+    bool moved = false;
+    for (int b = 0; b < sys->batches; b++) moved |= batch_begin(sys->batch[b], x, v, sys->h);
+    sys->weights += moved;
 }
 
 /* ---- the operator H -------------------------------------------------------------------------- */

@@ -16,12 +16,13 @@ enum { SYSTEM_GRAIN = 2048 }; /* particles: vector operations worth waking a thr
 struct system {
     pdyn_context *context;
     int particles;
-    double *mass;    /* particles, kg */
-    double *s;       /* the inertial prediction, m */
-    double h;        /* s, of the current step */
-    double time;     /* s, at its end */
-    const double *x; /* where the last local step was */
-    double eps;      /* damping of the current linearisation: 0 newton, 1 projective */
+    double *mass;     /* particles, kg */
+    double *s;        /* the inertial prediction, m */
+    double h;         /* s, of the current step */
+    unsigned weights; /* moves when weights do by themselves, not with h */
+    double time;      /* s, at its end */
+    const double *x;  /* where the last local step was */
+    double eps;       /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
     struct batch **batch;          /* capacity */
     struct contact *contact;       /* NULL in a scene without contact */
@@ -33,8 +34,8 @@ struct system {
     double ms_neighbours, ms_local;
 };
 
-/* A step of length h begins at x. */
-void system_hold(struct system *system, const double *x);
+/* A step of length h begins at x and v. */
+void system_begin(struct system *system, const double *x, const double *v);
 
 /* Builds the neighbour lists at x. */
 pdyn_status system_build_lists(struct system *system, const double *x);

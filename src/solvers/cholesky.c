@@ -16,7 +16,8 @@ struct cholesky {
     struct matrix matrix;
     unsigned lists;    /* revision of the neighbours that the pattern belongs to */
     unsigned revision; /* and that of the rows */
-    double h;          /* s: the values belong to it; 0 before the first factor */
+    double h;          /* s: the values belong to it, 0 before the first factor, */
+    unsigned weights;  /* and to these weights */
     struct factor factor;
 };
 
@@ -77,7 +78,8 @@ static pdyn_status prepare(struct cholesky *c) {
     bool moved = sys->changing && c->lists != sys->lists;
     bool pattern =
         c->matrix.dim != dim || (moved && dim == 3) || c->revision != system_revision(sys);
-    if (!pattern && !moved && dim == 1 && c->h == sys->h) return PDYN_OK;
+    if (!pattern && !moved && dim == 1 && c->h == sys->h && c->weights == sys->weights)
+        return PDYN_OK;
     pdyn_status status = update_twins(c, moved);
     if (status == PDYN_OK && pattern) status = matrix_pattern(&c->matrix, sys, c->rows, dim);
     if (status != PDYN_OK) return status;
@@ -85,7 +87,8 @@ static pdyn_status prepare(struct cholesky *c) {
     if (pattern) status = factor_analyse(&c->factor, &c->matrix, !sys->changing);
     if (status == PDYN_OK) status = factor_numbers(&c->factor, &c->matrix);
     if (status != PDYN_OK) return status;
-    c->h = sys->h, c->lists = sys->lists, c->revision = system_revision(sys);
+    c->h = sys->h, c->weights = sys->weights;
+    c->lists = sys->lists, c->revision = system_revision(sys);
     return PDYN_OK;
 }
 
