@@ -3,12 +3,12 @@
  * A pair is a vertex and a face, or two edges, that share no vertex. Where its distance d is below
  * its thickness T it has the energy
  *
- *     b(d) = k T (T - d)^2 / (2 d)        force k T/2 (T^2/d^2 - 1), stiffness k (T/d)^3
+ *     b(d) = k (T - d)^3 / (2 d),    -b' = k/2 (T - d)^2 (T + 2 d) / d^2,    b'' = k (T^3/d^3 - 1)
  *
- * a penalty of stiffness k near T, a barrier near 0. It is a constraint of the rows tier, one row
- * u = sum c_k x_k, the shortest vector between the two, whose weights c are those of the closest
- * points at each local step; what is constant in it, the points of solids, is an offset. Friction
- * (friction.c) has a row per pair that was in contact at the start of the step.
+ * a barrier that begins smoothly, with two derivatives, at T. It is a constraint of the rows tier,
+ * one row u = sum c_k x_k, the shortest vector between the two, whose weights c are those of the
+ * closest points at each local step; what is constant in it, the points of solids, is an offset.
+ * Friction (friction.c) has a row per pair that was in contact at the start of the step.
  *
  * No pair ever passes through another: iterates move along straight paths that were checked
  * (contact_filter.c), from a state without intersections. Solids are pairs' partners like surfaces;
@@ -190,14 +190,15 @@ static inline void pair_load(const int point[4], const double *from, const doubl
     for (int k = 0; k < 4; k++) out[k] = from + 3 * (size_t)point[k];
 }
 
-/* Force of a pair at a distance below its thickness, N, and its derivative. */
+/* Force of a pair at a distance below its thickness, N, and its derivative, N/m. */
 static inline double contact_force(double stiffness, double thickness, double d) {
-    return 0.5 * stiffness * thickness * (thickness * thickness / (d * d) - 1.0);
+    double depth = thickness - d;
+    return 0.5 * stiffness * depth * depth * (thickness + 2.0 * d) / (d * d);
 }
 
 static inline double contact_weight(double stiffness, double thickness, double d) {
     double ratio = thickness / d;
-    return stiffness * ratio * ratio * ratio;
+    return stiffness * (ratio * ratio * ratio - 1.0);
 }
 
 #endif

@@ -16,14 +16,15 @@ static double apart(const pdyn_batch *b, int e, double n[3]) {
     return d;
 }
 
-/* With the weight k (T/d)^3, w (u - p) is the force. */
+/* With the weight b'', w (u - p) is the force: u - p has the length -b'/b''. */
 static void project_touching(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         const struct touching *data = (const struct touching *)b->data + e;
-        double n[3], d = apart(b, e, n), ratio = d / data->thickness;
+        double n[3], d = apart(b, e, n), T = data->thickness;
+        double length = 0.5 * d * (T - d) * (T + 2.0 * d) / (T * T + T * d + d * d);
         memcpy(b->p + 3 * e, b->u + 3 * e, 3 * sizeof *n);
-        vec3_add(b->p + 3 * e, 0.5 * d * (1.0 - ratio * ratio), n);
+        vec3_add(b->p + 3 * e, length, n);
     }
 }
 
@@ -43,7 +44,7 @@ static double energy_touching(const void *par, const pdyn_batch *b, int first, i
     double sum = 0.0;
     for (int e = first; e < last; e++) {
         double n[3], d = apart(b, e, n), T = ((const struct touching *)b->data + e)->thickness;
-        sum += 0.5 * set->stiffness * T * (T - d) * (T - d) / d;
+        sum += 0.5 * set->stiffness * (T - d) * (T - d) * (T - d) / d;
     }
     return sum;
 }
