@@ -1,5 +1,7 @@
 #include "boxes.h"
 
+#include "simd.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -12,16 +14,16 @@ void box_add(struct box *box, const double x[3]) {
     }
 }
 
-/* Nodes of all levels over `count` boxes; first: where each level begins. */
-static int count_nodes(int count, int *levels, int *first) {
+/* Groups of all levels over `count` boxes; first: where each level begins. */
+static int count_groups(int count, int *levels, int *first) {
     int total = 0;
-    for (*levels = 0;; ++*levels) {
-        first[*levels] = total;
-        total += count;
-        if (count <= 1) break;
+    *levels = 0;
+    do {
+        first[(*levels)++] = total;
         count = (count + BOXES_WIDTH - 1) / BOXES_WIDTH;
-    }
-    first[++*levels] = total;
+        total += count;
+    } while (count > 1);
+    first[*levels] = total;
     return total;
 }
 
@@ -30,9 +32,9 @@ pdyn_status boxes_create(pdyn_context *context, int capacity, struct boxes *boxe
     boxes->key = NEW_ARRAY(context, capacity, uint32_t);
     boxes->order = NEW_ARRAY(context, capacity, int);
     boxes->swapped = NEW_ARRAY(context, capacity, int);
-    boxes->node =
-        NEW_ARRAY(context, count_nodes(capacity, &boxes->levels, boxes->first), struct box);
-    if (!capacity || (boxes->key && boxes->order && boxes->swapped && boxes->node)) return PDYN_OK;
+    int groups = count_groups(capacity, &boxes->levels, boxes->first);
+    boxes->group = NEW_ARRAY(context, groups, struct box_group);
+    if (!capacity || (boxes->key && boxes->order && boxes->swapped && boxes->group)) return PDYN_OK;
     boxes_free(context, boxes);
     return PDYN_NO_MEMORY;
 }
@@ -41,7 +43,7 @@ void boxes_free(pdyn_context *context, struct boxes *boxes) {
     FREE_ARRAY(context, boxes->key, boxes->capacity);
     FREE_ARRAY(context, boxes->order, boxes->capacity);
     FREE_ARRAY(context, boxes->swapped, boxes->capacity);
-    FREE_ARRAY(context, boxes->node, count_nodes(boxes->capacity, &boxes->levels, boxes->first));
+    FREE_ARRAY(context, boxes->group, count_groups(boxes->capacity, &boxes->levels, boxes->first));
 }
 
 /* ---- sorting --------------------------------------------------------------------------------- */
@@ -84,46 +86,77 @@ static void sort_keys(struct boxes *boxes, int count) {
     }
 }
 
-static void wrap_groups(struct boxes *boxes, int level) {
-    int below = boxes->first[level - 1], end = boxes->first[level];
-    for (int n = end; n < boxes->first[level + 1]; n++, below += BOXES_WIDTH) {
-        boxes->node[n] = box_empty;
-        for (int k = below; k < below + BOXES_WIDTH && k < end; k++) {
-            box_add(&boxes->node[n], boxes->node[k].min);
-            box_add(&boxes->node[n], boxes->node[k].max);
+static void set_lane(struct box_group *group, int lane, const struct box *box) {
+    for (int a = 0; a < 3; a++)
+        group->min[a][lane] = box->min[a], group->max[a][lane] = box->max[a];
+}
+
+static struct box around(const struct box_group *group) {
+    struct box box = box_empty;
+    for (int a = 0; a < 3; a++)
+        for (int k = 0; k < BOXES_WIDTH; k++) {
+            box.min[a] = fmin(box.min[a], group->min[a][k]);
+            box.max[a] = fmax(box.max[a], group->max[a][k]);
         }
-    }
+    return box;
 }
 
 void boxes_sort(struct boxes *boxes, const struct box *box, int count) {
     boxes->count = count;
-    count_nodes(count, &boxes->levels, boxes->first);
+    count_groups(count, &boxes->levels, boxes->first);
     find_keys(boxes, box, count);
     sort_keys(boxes, count);
-    for (int i = 0; i < count; i++) boxes->node[i] = box[boxes->order[i]];
-    for (int level = 1; level < boxes->levels; level++) wrap_groups(boxes, level);
+    for (int level = 0, below = count; level < boxes->levels; level++) {
+        struct box_group *group = boxes->group + boxes->first[level];
+        int groups = boxes->first[level + 1] - boxes->first[level];
+        for (int k = 0; k < BOXES_WIDTH * groups; k++) {
+            struct box one = box_empty;
+            if (k < below)
+                one = level ? around(boxes->group + boxes->first[level - 1] + k)
+                            : box[boxes->order[k]];
+            set_lane(&group[k / BOXES_WIDTH], k % BOXES_WIDTH, &one);
+        }
+        below = groups;
+    }
 }
 
 /* ---- asking ---------------------------------------------------------------------------------- */
 
-/* Depth first; a node waits on the stack with its level. */
+typedef int64_t lanes4 __attribute__((vector_size(32)));
+
+/* Not 0 in the lanes that overlap the box. */
+INLINE void test_group(const struct box_group *group, const struct box *box, int64_t lanes[4]) {
+    v4 min, max;
+    lanes4 good = {-1, -1, -1, -1};
+    for (int a = 0; a < 3; a++) {
+        v4 low = {box->min[a], box->min[a], box->min[a], box->min[a]};
+        v4 high = {box->max[a], box->max[a], box->max[a], box->max[a]};
+        memcpy(&min, group->min[a], sizeof min);
+        memcpy(&max, group->max[a], sizeof max);
+        good &= (min <= high) & (low <= max);
+    }
+    memcpy(lanes, &good, sizeof good);
+}
+
+/* Depth first; a group waits on the stack with its level. */
+WIDE static void visit_groups(const struct boxes *boxes, const struct box *box, int from,
+                              void (*visit)(void *user, int id), void *user) {
+    struct {
+        int level, group;
+    } stack[BOXES_LEVELS * BOXES_WIDTH] = {{boxes->levels - 1, 0}};
+    for (int waiting = 1; waiting;) {
+        int level = stack[--waiting].level, group = stack[waiting].group;
+        int64_t lanes[BOXES_WIDTH];
+        test_group(&boxes->group[boxes->first[level] + group], box, lanes);
+        for (int k = 0, child = BOXES_WIDTH * group; k < BOXES_WIDTH; k++, child++) {
+            if (!lanes[k]) continue;
+            if (level) stack[waiting].level = level - 1, stack[waiting++].group = child;
+            else if (boxes->order[child] >= from) visit(user, boxes->order[child]);
+        }
+    }
+}
+
 void boxes_visit(const struct boxes *boxes, const struct box *box, int from,
                  void (*visit)(void *user, int id), void *user) {
-    struct {
-        int level, node;
-    } stack[BOXES_LEVELS * BOXES_WIDTH];
-    int waiting = 0;
-    if (!boxes->count) return;
-    stack[waiting].level = boxes->levels - 1, stack[waiting++].node = 0;
-    while (waiting) {
-        int level = stack[--waiting].level, node = stack[waiting].node;
-        if (!box_overlaps(&boxes->node[boxes->first[level] + node], box)) continue;
-        if (level == 0) {
-            if (boxes->order[node] >= from) visit(user, boxes->order[node]);
-            continue;
-        }
-        int nodes = boxes->first[level] - boxes->first[level - 1];
-        for (int k = BOXES_WIDTH * node; k < BOXES_WIDTH * (node + 1) && k < nodes; k++)
-            stack[waiting].level = level - 1, stack[waiting++].node = k;
-    }
+    if (boxes->count) visit_groups(boxes, box, from, visit, user);
 }

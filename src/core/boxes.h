@@ -1,6 +1,7 @@
 /* A tree of boxes: which boxes of a set overlap a given one. The boxes are sorted along a curve
- * that fills space (Morton order; Lauterbach et al. 2009), groups of BOXES_WIDTH neighbours get a
- * box around them, groups of these as well, up to one. */
+ * that fills space (Morton order; Lauterbach et al. 2009); four neighbours make a group, which has
+ * a box around it, four of these groups make one again, up to a single one. A group is tested at
+ * once. */
 #ifndef PDYN_BOXES_H
 #define PDYN_BOXES_H
 
@@ -12,12 +13,16 @@ struct box {
 
 enum { BOXES_WIDTH = 4, BOXES_LEVELS = 16 };
 
+struct box_group { /* lanes without a box hold none */
+    double min[3][BOXES_WIDTH], max[3][BOXES_WIDTH];
+};
+
 struct boxes {
     int count, capacity;
-    int levels, first[BOXES_LEVELS + 1]; /* where the nodes of a level begin; level 0: the boxes */
-    struct box *node;
+    int *order;                          /* capacity: the boxes along the curve */
+    int levels, first[BOXES_LEVELS + 1]; /* where the groups of a level begin; level 0: of boxes */
+    struct box_group *group;
     uint32_t *key; /* capacity: along the curve */
-    int *order;    /* capacity: the boxes along the curve */
     int *swapped;  /* capacity: scratch of the sort */
 };
 
