@@ -1,0 +1,24 @@
+#!/bin/sh
+# Runs the scenes of contact for ten seconds and the falling sheet at two sizes; writes bench/contact.csv
+# and the table of docs/contact.md. Takes some twenty minutes.
+set -eu
+cd "$(dirname "$0")/.."
+scripts/build.sh
+out=$(mktemp)
+trap 'rm -f "$out"' EXIT
+echo "run,vertices,steps,frames,intersections,elements,outer_iterations,residual_mean,residual_max,ms_contact,ms_rest,moved_mm" >"$out"
+measure() {
+    name=$1
+    shift
+    echo "$name,$(build/bench/contact "$@")" >>"$out"
+}
+measure cloth_on_sphere scenes/cloth_on_sphere.json duration=10
+measure cloth_on_mesh scenes/cloth_on_mesh.json duration=10
+measure stacked_sheets scenes/stacked_sheets.json duration=10
+measure "50 m/s" scenes/cloth_on_sphere.json duration=0.2 bodies.sheet.velocity='[0, -50, 0]' \
+    bodies.sheet.surface.translate='[0.02, 0.8, 0.01]'
+measure "33^2" scenes/cloth_on_sphere.json duration=1 bodies.sheet.surface.grid.vertices='[33, 33]'
+measure "65^2" scenes/cloth_on_sphere.json duration=1 bodies.sheet.surface.grid.vertices='[65, 65]'
+cp "$out" bench/contact.csv
+awk -F, -f scripts/contact_table.awk bench/contact.csv docs/contact.md >"$out"
+cp "$out" docs/contact.md
