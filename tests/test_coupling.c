@@ -220,11 +220,61 @@ static void test_momentum(void **state) {
     keeps_momentum("solver.outer_iterations=4", "solver.linear_tolerance=0.01");
 }
 
+/* ---- sides ----------------------------------------------------------------------------------- */
+
+static const char impact[] =
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"contact\": {\"thickness\": 0.005},"
+    " \"solver\": {\"tolerance\": 1, \"outer_iterations\": 6, \"linear_iterations\": 50},"
+    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
+    " {\"minimum\": [-0.08, 0.1, -0.08], \"maximum\": [0.08, 0.26, 0.08]},"
+    " \"velocity\": [0, -20, 0]}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]},"
+    " {\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [0.6, 0.6], \"vertices\": [13, 13]},"
+    " \"area_density\": 0.2}, \"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\":"
+    " 4000}, {\"type\": \"pin\", \"vertices\": {\"border\": true}}]}]}";
+
+/* How many triangles of the sheet are above a point. */
+static int above(const pdyn_sim *sim, const double *p) {
+    const pdyn_body *sheet = &sim->body[1];
+    int count = 0;
+    for (int t = 0; t < sheet->triangles; t++) {
+        const double *x[3];
+        double w[3], whole = 0.0, height = 0.0;
+        for (int k = 0; k < 3; k++) x[k] = sim->x + 3 * (sheet->first + sheet->triangle[3 * t + k]);
+        for (int k = 0; k < 3; k++) { /* areas seen from above */
+            const double *a = x[(k + 1) % 3], *b = x[(k + 2) % 3];
+            w[k] = (a[0] - p[0]) * (b[2] - p[2]) - (b[0] - p[0]) * (a[2] - p[2]);
+            whole += w[k], height += w[k] * x[k][1];
+        }
+        bool inside = (w[0] > 0.0) == (w[1] > 0.0) && (w[1] > 0.0) == (w[2] > 0.0);
+        count += inside && height / whole > p[1];
+    }
+    return count;
+}
+
+/* However fast, however long the step, however far it is solved: what was above stays above. */
+static void test_impact(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, impact);
+    double lowest = 0.0;
+    for (int step = 0; step < 12; step++) {
+        test_step(context, sim);
+        for (int i = 0; i < sim->body[0].count; i++) {
+            if (above(sim, sim->x + 3 * i) % 2) fail_msg("particle %d, step %d", i, step);
+            lowest = fmin(lowest, sim->x[3 * i + 1]);
+        }
+    }
+    assert_true(lowest < -0.02); /* it did arrive */
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),
         cmocka_unit_test(test_stretch), cmocka_unit_test(test_forces),
         cmocka_unit_test(test_solvers), cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_impact),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
-/* Contact of surfaces with themselves, each other and solids.
+/* Contact of surfaces with themselves, each other, solids, and the particles of fluids.
  *
- * A pair is a vertex and a face, or two edges, that share no vertex. Where its distance d is below
- * its thickness T it has the energy
+ * A pair is a vertex or a particle and a face, or two edges, that share no vertex. Where its
+ * distance d is below its thickness T it has the energy
  *
  *     b(d) = k (T - d)^3 / (2 d),    -b' = k/2 (T - d)^2 (T + 2 d) / d^2,    b'' = k (T^3/d^3 - 1)
  *
@@ -67,8 +67,11 @@ struct contact {
     const struct scene_contact *set;
     double ms; /* in this step */
 
-    /* points: those of surfaces, that are free, then those of solids */
-    int points, free;
+    /* points: the vertices of surfaces and the particles of fluids, that are free, then those of
+     * solids */
+    int points, free, vertices;
+    const bool *live;      /* particles of the system; NULL: all are */
+    double *near;          /* groups, m: thickness of what belongs to them */
     const char **owner;    /* groups: names of the bodies, then of the solids */
     int *group;            /* points: body, or bodies + solid */
     int *column;           /* free: particle of the system */

@@ -2,6 +2,7 @@
  * that none intersects another. */
 #include "contact.h"
 
+#include "emit.h"
 #include "sim.h"
 
 #include "projdyn/vec3.h"
@@ -33,7 +34,7 @@ static void count_parts(struct contact *c, const struct pdyn_sim *sim) {
     int low = INT32_MAX, high = 0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (!body->triangles) continue;
+        if (body->triangles) c->vertices += body->count;
         c->free += body->count, c->free_faces += body->triangles, c->free_edges += body->edges;
         if (body->first < low) low = body->first;
         if (body->first + body->count > high) high = body->first + body->count;
@@ -52,6 +53,7 @@ static bool allocate(struct contact *c) {
     pdyn_context *x = c->context;
     size_t n = (size_t)c->points, solids = n - (size_t)c->free;
     c->owner = NEW_ARRAY(x, c->groups, const char *);
+    c->near = NEW_ARRAY(x, c->groups, double);
     c->group = NEW_ARRAY(x, n, int);
     c->column = NEW_ARRAY(x, c->free, int);
     c->face = NEW_ARRAY(x, 3 * (size_t)c->faces, int);
@@ -59,7 +61,7 @@ static bool allocate(struct contact *c) {
     c->solid = NEW_ARRAY(x, c->groups - c->bodies, struct contact_solid);
     double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->step};
     double **numbers[] = {&c->moved, &c->reach, &c->length, &c->taken, &c->cut};
-    bool good = c->owner && c->group && c->column && c->face && c->edge;
+    bool good = c->owner && c->near && c->group && c->column && c->face && c->edge;
     for (int k = 0; k < 5; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
     for (int k = 0; k < 5; k++) good &= (*numbers[k] = NEW_ARRAY(x, n, double)) != NULL;
     if (solids) good &= c->solid && (c->begin = NEW_ARRAY(x, 3 * solids, double));
@@ -72,21 +74,32 @@ static bool allocate(struct contact *c) {
 
 /* ---- parts ----------------------------------------------------------------------------------- */
 
+/* A particle is felt where it comes closer than this to a surface, in radii: in water at rest
+ * particles are held farther away by the surface's part in their density. */
+static const double particle_thickness = 0.5;
+
+static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int points) {
+    const pdyn_body *body = &sim->body[b];
+    c->owner[b] = body->name;
+    c->near[b] = c->set->thickness;
+    if (!body->triangles) c->near[b] = fmin(c->near[b], particle_thickness * body->radius);
+    for (int i = 0; i < body->count; i++) {
+        c->column[points + i] = body->first + i;
+        c->group[points + i] = b;
+    }
+    memcpy(c->rest + 3 * (size_t)points, body->rest, 3 * (size_t)body->count * sizeof *c->rest);
+}
+
 static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
-    int points = 0, faces = 0, edges = 0;
+    int points = 0, particles = c->vertices, faces = 0, edges = 0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        c->owner[b] = body->name;
-        if (!body->triangles) continue;
+        int *first = body->triangles ? &points : &particles;
+        add_body(c, sim, b, *first);
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
-        for (int i = 0; i < body->count; i++) {
-            c->column[points + i] = body->first + i;
-            c->group[points + i] = b;
-        }
-        memcpy(c->rest + 3 * (size_t)points, body->rest, 3 * (size_t)body->count * sizeof *c->rest);
-        points += body->count, faces += body->triangles, edges += body->edges;
+        *first += body->count, faces += body->triangles, edges += body->edges;
     }
 }
 
@@ -99,6 +112,7 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         const struct mesh *mesh = &solid->mesh;
         c->owner[c->bodies + s] = solid->name;
+        c->near[c->bodies + s] = c->set->thickness;
         c->solid[s] = (struct contact_solid){solid, points, mesh->vertices};
         c->moving |= solid->keys > 0;
         for (int i = 0; i < mesh->vertices; i++) {
@@ -169,6 +183,7 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
     struct contact *c = sim->system.contact = NEW_ARRAY(sim->context, 1, struct contact);
     if (!c) return PDYN_NO_MEMORY;
     c->context = sim->context, c->set = &sim->scene.contact;
+    c->live = sim->emit ? sim->emit->live : NULL;
     count_parts(c, sim);
     if (!allocate(c)) return context_no_memory(sim->context);
     add_bodies(c, sim);
@@ -200,6 +215,7 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->face_box, c->faces);
     FREE_ARRAY(x, c->edge_box, c->edges_room);
     FREE_ARRAY(x, c->owner, c->groups);
+    FREE_ARRAY(x, c->near, c->groups);
     FREE_ARRAY(x, c->group, n);
     FREE_ARRAY(x, c->column, c->free);
     FREE_ARRAY(x, c->face, 3 * (size_t)c->faces);

@@ -109,7 +109,7 @@ static bool close_enough(const struct contact *c, struct pair *p) {
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
     if (share_point(p->point, first) || (same && !c->set->self)) return false;
     p->distance = distance_in(p, c->built);
-    p->thickness = c->set->thickness;
+    p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
     double nearest = p->distance - farthest(c->reach, p->point, first);
     if (nearest > p->thickness) return false;
     if (same) p->thickness = fmin(p->thickness, 0.9 * distance_in(p, c->rest));
@@ -138,9 +138,14 @@ static void search_around(struct search *s, const struct box *box) {
     s->base = 0;
     boxes_visit(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0, visit,
                 s);
-    if (!s->edges && s->a >= c->free) return;
+    if (!s->edges && s->a >= c->vertices) return; /* what solids do to fluids is not contact's */
     s->base = s->edges ? c->free_edges : c->free_faces;
     boxes_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
+}
+
+/* A particle that has not come yet, or is gone. */
+static bool is_absent(const struct contact *c, int point) {
+    return c->live && point >= c->vertices && point < c->free && !c->live[c->column[point]];
 }
 
 /* Queries: the points, then the edges of surfaces. */
@@ -152,7 +157,7 @@ static void search_block(void *arg, int first, int last, int block) {
         struct search s = {.contact = c, .edges = edges, .a = edges ? q - c->points : q};
         struct box point;
         s.block = block;
-        if (!edges && c->group[q] < 0) continue;
+        if (!edges && (c->group[q] < 0 || is_absent(c, q))) continue;
         if (!edges) wrap(c, &q, 1, &point);
         search_around(&s, edges ? &c->edge_box[s.a] : &point);
     }

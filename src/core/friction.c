@@ -73,15 +73,15 @@ static const double *recall(const struct contact *c, uint64_t key) {
                                                                : nothing;
 }
 
-/* From the element of contact e; its rows and weight are taken over. */
-static void stick(struct contact *c, int e, const double stretch[3]) {
+/* Element e from that of contact `of`; its row and weight are taken over. */
+static void stick(struct contact *c, int of, int e, const double stretch[3]) {
     const pdyn_batch *from = &c->touching->view;
     pdyn_batch *to = &c->sticking->view;
     struct sticking *data = (struct sticking *)to->data + e;
-    *data = (struct sticking){.pair = ((const struct touching *)from->data)[e]};
-    memcpy(to->column + 4 * e, from->column + 4 * e, 4 * sizeof *to->column);
-    memcpy(to->coefficient + 4 * e, from->coefficient + 4 * e, 4 * sizeof *to->coefficient);
-    to->weight[e] = from->weight[e];
+    *data = (struct sticking){.pair = ((const struct touching *)from->data)[of]};
+    memcpy(to->column + 4 * e, from->column + 4 * of, 4 * sizeof *to->column);
+    memcpy(to->coefficient + 4 * e, from->coefficient + 4 * of, 4 * sizeof *to->coefficient);
+    to->weight[e] = from->weight[of];
     for (int k = 0; k < 4; k++)
         vec3_add(data->anchor, data->pair.c[k], c->at + 3 * (size_t)data->pair.point[k]);
     double d = vec3_length(data->anchor);
@@ -91,14 +91,19 @@ static void stick(struct contact *c, int e, const double stretch[3]) {
     data->limit = c->set->friction * contact_force(c->set->stiffness, data->pair.thickness, d);
 }
 
+/* Fluids slide along surfaces. */
+static bool rubs(const struct contact *c, const struct touching *pair) {
+    return pair->point[0] < c->vertices || pair->point[0] >= c->free;
+}
+
 pdyn_status contact_stick(struct contact *c) {
-    int count = c->touching->view.elements;
+    const struct touching *pair = c->touching->view.data;
+    int elements = c->touching->view.elements, count = 0;
+    for (int e = 0; e < elements; e++) count += rubs(c, &pair[e]);
     pdyn_status status = batch_resize(c->sticking, count);
     if (status != PDYN_OK) return status;
-    for (int e = 0; e < count; e++) {
-        uint64_t key = ((const struct touching *)c->touching->view.data)[e].key;
-        stick(c, e, recall(c, key));
-    }
+    for (int e = 0, to = 0; e < elements; e++)
+        if (rubs(c, &pair[e])) stick(c, e, to++, recall(c, pair[e].key));
     batch_index(c->sticking);
     return PDYN_OK;
 }
