@@ -12,13 +12,19 @@ measure() {
     shift
     echo "$name,$(build/bench/contact "$@")" >>"$out"
 }
-measure cloth_on_sphere scenes/cloth_on_sphere.json duration=10
-measure cloth_on_mesh scenes/cloth_on_mesh.json duration=10
-measure stacked_sheets scenes/stacked_sheets.json duration=10
-measure "50 m/s" scenes/cloth_on_sphere.json duration=0.2 bodies.sheet.velocity='[0, -50, 0]' \
-    bodies.sheet.surface.translate='[0.02, 0.8, 0.01]'
-measure "33^2" scenes/cloth_on_sphere.json duration=1 bodies.sheet.surface.grid.vertices='[33, 33]'
-measure "65^2" scenes/cloth_on_sphere.json duration=1 bodies.sheet.surface.grid.vertices='[65, 65]'
+measure "cloth_on_sphere 10 s" scenes/cloth_on_sphere.json duration=10
+measure "cloth_on_mesh 10 s" scenes/cloth_on_mesh.json duration=10
+measure "stacked_sheets 10 s" scenes/stacked_sheets.json duration=10
+measure "on its edge and folding 13 s" scenes/cloth_on_sphere.json duration=13 contact.friction=0.5 \
+    bodies.sheet.surface.grid='{"size": [0.6, 0.6], "vertices": [33, 33]}' \
+    bodies.sheet.surface.rotate='[88, 0, 20]' bodies.sheet.surface.translate='[1, 0.1, 0]'
+measure "cloth_on_sphere 33^2 0.6 s" scenes/cloth_on_sphere.json duration=0.6 \
+    bodies.sheet.surface.grid.vertices='[33, 33]'
+measure "cloth_on_sphere 65^2 0.4 s" scenes/cloth_on_sphere.json duration=0.4 \
+    bodies.sheet.surface.grid.vertices='[65, 65]'
+measure "50 m/s 33^2 0.12 s" scenes/cloth_on_sphere.json duration=0.12 \
+    bodies.sheet.velocity='[0, -50, 0]' bodies.sheet.surface.translate='[0.02, 0.8, 0.01]' \
+    bodies.sheet.surface.grid.vertices='[33, 33]'
 cp "$out" bench/contact.csv
 awk -F, -f scripts/contact_table.awk bench/contact.csv docs/contact.md >"$out"
 cp "$out" docs/contact.md

@@ -1,6 +1,6 @@
 # Writes the table between its marks in docs/contact.md (second file) from bench/contact.csv (first).
 FNR == NR && FNR > 1 {
-    row[++rows] = sprintf("| %s | %d | %d | %d | %d | %.1f | %s | %.1f / %.1f | %.3g |", $1, $2, $3, $5, $6, $7, $9, $10, $11, $12)
+    row[++rows] = sprintf("| %s | %d | %d | %d | %d | %.1f | %s | %.0f / %.0f | %s |", $1, $2, $3, $5, $6, $7, $9, $10, $11, $12 == "" ? "-" : $12)
 }
 FNR == NR { next }
 /<!-- table -->/ {

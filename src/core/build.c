@@ -289,7 +289,7 @@ static bool has_operator(const struct system *sys) {
 }
 
 /* Fluid alone: its multipliers; with something else: conjugate gradients; surfaces: a factor, by
- * itself where it is exact. */
+ * itself where it is exact, and without contact, which it does not know. */
 static const char *automatic(const struct pdyn_sim *sim, const char **reason) {
     const struct system *sys = &sim->system;
     bool newton = sim->scene.settings.newton;
@@ -301,14 +301,14 @@ static const char *automatic(const struct pdyn_sim *sim, const char **reason) {
         *reason = "the fluid's constraints change every step";
         return "cg";
     }
+    if (sys->contact) {
+        *reason = "contact changes in every iteration";
+        return "cg";
+    }
     if (newton) {
         *reason = "no fluid: a factor of what is static and 3 x 3 blocks precondition the newton "
                   "step";
         return "hybrid";
-    }
-    if (sys->changing) {
-        *reason = "contact changes every step";
-        return "cg";
     }
     *reason = "the matrix is constant: it is factored once for each length of step";
     return "cholesky";
