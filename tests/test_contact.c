@@ -255,7 +255,7 @@ static void test_impact(void **state) {
     pdyn_destroy(c);
 }
 
-/* Two sheets at 100 m/s: the middle of each stays on its side of the other. */
+/* Two sheets at 100 m/s stop each other. */
 static void test_head_on(void **state) {
     (void)state;
     pdyn_context *c = test_context(1);
@@ -265,10 +265,10 @@ static void test_head_on(void **state) {
                                                 "{'surface': {" GRID(7) ", " AT(
                                                     -0.3) "}, 'velocity': [3, 50, 0], " HELD "}",
                                        ""));
-    for (int k = 0; k < 4; k++) {
-        test_step(c, sim), assert_apart(sim);
-        assert_true(sim->x[3 * 40 + 1] > sim->x[3 * (81 + 24) + 1]);
-    }
+    for (int k = 0; k < 4; k++) test_step(c, sim), assert_apart(sim);
+    double speed = 0.0;
+    for (int i = 0; i < 81; i++) speed += sim->v[3 * i + 1] / 81.0;
+    assert_true(fabs(speed) < 20.0);
     pdyn_free(sim);
     pdyn_destroy(c);
 }
