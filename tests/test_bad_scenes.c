@@ -343,7 +343,7 @@ static const struct {
      "\"centre\"; did you mean \"center\"?; known: center, radius"},
     {PIN("{'all': true}, 'path': []"),
      "scene.json:3:69: bodies[0].constraints[0].path: expected an array of at least one "
-     "[time, dx, dy, dz] (s, m, m, m), found an array of 0"},
+     "[time, x, y, z] (s, m, m, m), found an array of 0"},
     {PIN("{'all': true}, 'path': [[0, 0, 0]]"),
      "scene.json:3:70: bodies[0].constraints[0].path[0]: expected an array of 4 numbers "
      "(s, m, m, m), found an array of 3"},

@@ -28,7 +28,7 @@ typedef enum pdyn_param_kind {
     PDYN_BOOL,     /* bool */
     PDYN_VECTOR,   /* double[3] */
     PDYN_VERTICES, /* pdyn_vertices: chosen points of the body */
-    PDYN_PATH,     /* pdyn_path: displacement over time */
+    PDYN_PATH,     /* pdyn_path: three numbers over time */
 } pdyn_param_kind;
 
 typedef struct pdyn_vertices {
@@ -38,7 +38,7 @@ typedef struct pdyn_vertices {
 
 typedef struct pdyn_path { /* piecewise linear; the first and last values hold outside */
     int count;
-    const double *key; /* count x 4: s, m, m, m; times ascending */
+    const double *key; /* count x 4: s, three numbers in the parameter's unit; times ascending */
 } pdyn_path;
 
 typedef struct pdyn_param {
@@ -188,6 +188,7 @@ enum {                        /* pdyn_constraint_type.flags */
        PDYN_ON_SURFACE = 2,   /* needs a body with triangles */
        PDYN_ON_PARTICLES = 4, /* needs a body of particles */
        PDYN_REACTION = 8,     /* what it carries is reported as pin reaction */
+       PDYN_SEVERAL = 32,     /* a body may have several of them */
        PDYN_LOSSY = 16,       /* its energy is what it takes in a step, none that it stores */
 };
 

@@ -247,17 +247,19 @@ static pdyn_status read_vertices(const struct json_at *at, const pdyn_param *par
 
 static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
                              const struct mesh *surface, void *field) {
-    (void)param, (void)surface;
+    (void)surface;
+    char unit[WHAT] = "", expected[WHAT] = "";
     pdyn_path *path = field;
     size_t count = json_array_size(at->value);
-    if (!count || count > INT_MAX / 4)
-        return json_expected(at, "an array of at least one [time, dx, dy, dz] (s, m, m, m)");
+    text_append(unit, sizeof unit, "s, %s, %s, %s", param->unit, param->unit, param->unit);
+    text_append(expected, sizeof expected, "an array of at least one [time, x, y, z] (%s)", unit);
+    if (!count || count > INT_MAX / 4) return json_expected(at, expected);
     double *key = NEW_ARRAY(at->file->context, 4 * count, double);
     if (!key) return PDYN_NO_MEMORY;
     *path = (pdyn_path){(int)count, key};
     for (size_t k = 0; k < count; k++, key += 4) {
         struct json_at element = json_element(at, k);
-        pdyn_status status = params_reals(&element, 4, -FARTHEST, FARTHEST, "s, m, m, m", key);
+        pdyn_status status = params_reals(&element, 4, -FARTHEST, FARTHEST, unit, key);
         if (status != PDYN_OK) return status;
         if (k && !(key[0] > key[-4]))
             return json_fail(&element, "expected a time after %.10g s, found %.10g s", key[-4],

@@ -324,7 +324,7 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
                               const struct scene_body *body, int index) {
     const pdyn_constraint_type *type = body->constraint[index].type;
     for (int k = 0; k < index; k++)
-        if (body->constraint[k].type == type)
+        if (body->constraint[k].type == type && !(type->flags & PDYN_SEVERAL))
             return json_fail(at, "a second \"%s\" constraint on body \"%s\"", type->name,
                              body->name);
     if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
