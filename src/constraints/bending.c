@@ -52,13 +52,14 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
         b->weight[e] = q->bending_rigidity / b->body->triangle_area[e / 3];
 }
 
-WIDE static void project(const void *par, const pdyn_batch *b, int first, int last) {
+WIDE static void project_bends(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++)
         vec3_project_length(b->p + 3 * e, b->u + 3 * e, ((const double *)b->data)[e]);
 }
 
-WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+WIDE static void tangent_bends(const void *par, const pdyn_batch *b, int first, int last,
+                               double *J) {
     (void)par;
     for (int e = first; e < last; e++, J += 9)
         vec3_tangent_length(J, b->u + 3 * e, ((const double *)b->data)[e]);
@@ -90,8 +91,8 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .shape = shape,
     .select = select,
     .weight = weight,
-    .project = project,
-    .tangent = tangent,
+    .project = project_bends,
+    .tangent = tangent_bends,
     .linear = linear,
     .damping = damping,
     .hold = hold,

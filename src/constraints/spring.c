@@ -45,13 +45,14 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
         b->weight[e] = 3.0 * q->stretching_stiffness * b->body->edge_share[e];
 }
 
-WIDE static void project(const void *par, const pdyn_batch *b, int first, int last) {
+WIDE static void project_springs(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     const double *length = b->data;
     for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
 }
 
-WIDE static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+WIDE static void tangent_springs(const void *par, const pdyn_batch *b, int first, int last,
+                                 double *J) {
     (void)par;
     const double *length = b->data;
     for (int e = first; e < last; e++, J += 9) vec3_tangent_length(J, b->u + 3 * e, length[e]);
@@ -76,8 +77,8 @@ const pdyn_constraint_type pdyn_constraint_spring = {
     .width = 2,
     .select = select,
     .weight = weight,
-    .project = project,
-    .tangent = tangent,
+    .project = project_springs,
+    .tangent = tangent_springs,
     .damping = damping,
     .hold = hold,
 };
