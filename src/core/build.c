@@ -75,11 +75,24 @@ static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all
     return PDYN_OK;
 }
 
+/* Files often have vertices twice along seams. */
+static pdyn_status look_for_seams(struct pdyn_sim *sim, const struct scene_body *body) {
+    int doubles;
+    pdyn_status status = mesh_doubles(sim->context, &body->mesh, &doubles);
+    if (status == PDYN_OK && doubles)
+        context_log(sim->context, PDYN_LOG_WARNING,
+                    "body \"%s\": %d of its vertices lie where another one does already; triangles "
+                    "that do not share a vertex are not joined",
+                    body->name, doubles);
+    return status;
+}
+
 static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
     const struct scene_body *from = &sim->scene.body[b];
     struct topology *t = &sim->topology[b];
     pdyn_body *body = &sim->body[b];
-    pdyn_status status = topology_build(sim->context, &from->mesh, t);
+    pdyn_status status = look_for_seams(sim, from);
+    if (status == PDYN_OK) status = topology_build(sim->context, &from->mesh, t);
     if (status != PDYN_OK) return status;
     body->triangles = from->mesh.triangles, body->triangle = from->mesh.triangle;
     body->across = t->across, body->triangle_area = t->triangle_area;

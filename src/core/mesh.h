@@ -32,8 +32,12 @@ pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const cha
 
 /* What a sheet needs on top of mesh_check: every vertex is used by a triangle (it would have no
  * mass), every triangle has an area (more than 1e-12 of its longest edge squared), no edge has more
- * than two triangles. A solid, whose surface is only sampled, does without. */
+ * than two triangles, no two triangles have the same vertices. A solid, whose surface is only
+ * sampled, does without. */
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name);
+
+/* How many vertices lie where another one does already. */
+pdyn_status mesh_doubles(pdyn_context *context, const struct mesh *mesh, int *count);
 
 /* What a volume needs on top of mesh_check: no edge has an odd number of triangles, so that there
  * is an inside. */

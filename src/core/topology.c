@@ -4,6 +4,7 @@
 
 #include "projdyn/vec3.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 struct side {
@@ -88,8 +89,8 @@ static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, c
 }
 
 /* Looks at the sides of every edge, `count` of them from `side` on. */
-typedef pdyn_status check_edge_fn(pdyn_context *context, const char *name, const struct side *side,
-                                  int count);
+typedef pdyn_status check_edge_fn(pdyn_context *context, const struct mesh *mesh, const char *name,
+                                  const struct side *side, int count);
 
 static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, const char *name,
                                check_edge_fn *check) {
@@ -99,14 +100,18 @@ static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, c
     pdyn_status status = PDYN_OK;
     for (int first = 0; first < sides && status == PDYN_OK; first = last) {
         last = edge_end(side, sides, first);
-        status = check(context, name, side + first, last - first);
+        status = check(context, mesh, name, side + first, last - first);
     }
     FREE_ARRAY(context, side, sides);
     return status;
 }
 
-static pdyn_status at_most_two(pdyn_context *context, const char *name, const struct side *side,
-                               int count) {
+static pdyn_status fits_cloth(pdyn_context *context, const struct mesh *mesh, const char *name,
+                              const struct side *side, int count) {
+    if (count == 2 && mesh->triangle[side[0].corner] == mesh->triangle[side[1].corner])
+        return context_fail(context, PDYN_BAD_INPUT,
+                            "%.1024s: triangles %d and %d have the same vertices", name,
+                            side[0].corner / 3, side[1].corner / 3);
     if (count <= 2) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT,
                         "%.1024s: the edge between vertices %d and %d has %d triangles, "
@@ -114,8 +119,9 @@ static pdyn_status at_most_two(pdyn_context *context, const char *name, const st
                         name, side->end[0], side->end[1], count);
 }
 
-static pdyn_status even(pdyn_context *context, const char *name, const struct side *side,
-                        int count) {
+static pdyn_status even(pdyn_context *context, const struct mesh *mesh, const char *name,
+                        const struct side *side, int count) {
+    (void)mesh;
     if (count % 2 == 0) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT,
                         "%.1024s: the mesh is not closed: the edge between vertices %d and %d has "
@@ -126,11 +132,34 @@ static pdyn_status even(pdyn_context *context, const char *name, const struct si
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
     pdyn_status status = check_used(context, mesh, name);
     if (status == PDYN_OK) status = check_areas(context, mesh, name);
-    return status == PDYN_OK ? check_edges(context, mesh, name, at_most_two) : status;
+    return status == PDYN_OK ? check_edges(context, mesh, name, fits_cloth) : status;
 }
 
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name) {
     return check_edges(context, mesh, name, even);
+}
+
+/* ---- vertices at the same place ---------------------------------------------------------------
+ */
+
+static int by_place(const void *a, const void *b, void *vertex) {
+    const double *x = (const double *)vertex + 3 * (size_t) * (const int *)a;
+    const double *y = (const double *)vertex + 3 * (size_t) * (const int *)b;
+    int k = 0;
+    while (k < 2 && x[k] == y[k]) k++;
+    return (x[k] > y[k]) - (x[k] < y[k]);
+}
+
+pdyn_status mesh_doubles(pdyn_context *context, const struct mesh *mesh, int *count) {
+    int *order = NEW_ARRAY(context, mesh->vertices, int);
+    if (!order) return PDYN_NO_MEMORY;
+    for (int i = 0; i < mesh->vertices; i++) order[i] = i;
+    qsort_r(order, (size_t)mesh->vertices, sizeof *order, by_place, mesh->vertex);
+    *count = 0;
+    for (int i = 1; i < mesh->vertices; i++)
+        *count += by_place(order + i - 1, order + i, mesh->vertex) == 0;
+    FREE_ARRAY(context, order, mesh->vertices);
+    return PDYN_OK;
 }
 
 /* ---- topology ------------------------------------------------------------------------------- */
