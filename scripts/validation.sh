@@ -21,13 +21,4 @@ esac
     build/bench/validation sloshing "$out" "$swing" "$along" >"$out/sloshing.md"
 }
 gnuplot -e "target='$docs/validation.svg'; deep='$deep'" scripts/validation.gnuplot
-# Between <!-- NAME --> and <!-- end --> stands NAME.md.
-awk -v out="$out" '
-    /^<!-- end -->$/ { skip = 0 }
-    !skip
-    /^<!-- [a-z_]+ -->$/ && $2 != "end" {
-        file = out "/" $2 ".md"
-        while ((getline line <file) > 0) print line
-        skip = 1
-    }' docs/validation.md >"$out/filled.md"
-mv "$out/filled.md" "$docs/validation.md"
+scripts/fill_tables.sh "$out" docs/validation.md "$docs/validation.md"
