@@ -222,11 +222,10 @@ static void print(const struct row *r, int n, double stiffness, int threads) {
            r->outer, r->linear);
 }
 
-#define NEWTON "\"tolerance\": 0, \"outer_iterations\": %d"
-
 static void one_step(pdyn_context *context, int n, double stiffness, int threads, int repeat) {
-    pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-6, \"outer_iterations\": 200");
-    pdyn_sim *newton = load(context, n, stiffness, "\"tolerance\": 0, \"outer_iterations\": 300");
+    pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-3, \"outer_iterations\": 200");
+    pdyn_sim *newton =
+        load(context, n, stiffness, "\"tolerance\": 1e-7, \"outer_iterations\": 150");
     pdyn_sim *classic =
         load(context, n, stiffness,
              "\"tolerance\": 0, \"step\": \"projective\", \"outer_iterations\": 10");
@@ -238,7 +237,8 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
     step(context, newton);
     memcpy(best, newton->x, system_bytes(&newton->system));
     t.best = best, t.start = distance(newton->system.s, best, t.size);
-    newton->scene.settings.outer_iterations = 60;
+    newton->scene.settings.tolerance = 0.0;
+    newton->scene.settings.outer_iterations = 30;
     struct plain *plain[2] = {plain_create(newton, CHOLMOD_AUTO),
                               plain_create(newton, CHOLMOD_SIMPLICIAL)};
     static const char *const name[] = {"plain",      "plain_simplicial", "projective",

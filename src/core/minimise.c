@@ -11,7 +11,7 @@ enum { BACKTRACKS = 6 };
 
 /* What an iteration of a linear solve must gain, of the mean: the model is that of a nonlinear E,
  * and a new one is better than the last digits of the old. */
-static const double worth = 0.3;
+static const double worth = 0.5;
 
 struct taken {                 /* a step along the direction */
     double length;             /* 1: all of it */
@@ -139,11 +139,12 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, dou
     return status == PDYN_OK ? system_local(&sim->system, x, energy, gradient) : status;
 }
 
-/* With positions, the correction is taken where it lowers E. */
+/* With positions, the correction is taken where it lowers E. That of a step that was cut short
+ * would hand on its error, even so. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double h, double *energy) {
     double warm;
     pdyn_status status = start_at(sim, sim->x_next, energy, sim->gradient);
-    if (status != PDYN_OK || sim->last_h == 0.0) return status;
+    if (status != PDYN_OK || sim->last_h == 0.0 || sim->unfinished) return status;
     repeat_correction(sim, h, sim->trial);
     status = start_at(sim, sim->trial, &warm, sim->trial_gradient);
     if (status != PDYN_OK) return status;

@@ -11,6 +11,7 @@ static void persist_numbers(struct pdyn_sim *sim, struct archive *a) {
     ARCHIVE(a, sim->steps);
     ARCHIVE(a, sim->last_h);
     ARCHIVE(a, sim->damping);
+    ARCHIVE(a, sim->unfinished);
     ARCHIVE(a, sim->warned);
 }
 

@@ -36,6 +36,7 @@ struct pdyn_sim {
     double *gradient;        /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
     double *correction; /* particles x 3: x - s of the last step, its constraints' work */
+    bool unfinished;    /* the last step was cut short: its correction is not one to repeat */
     double last_h;      /* s; 0 before the first step */
     double damping;     /* eps, kept from step to step */
     bool anchored;      /* some constraint can take momentum from the system */

@@ -134,6 +134,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     if (status != PDYN_OK) return status;
     measure_fetch(sim);
     accept(sim, end.h);
+    sim->unfinished = progress.residual > sim->scene.settings.tolerance;
     timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);

@@ -1,0 +1,31 @@
+#!/bin/sh
+# Measures speed and error of a sheet (bench/cloth.c) and writes out/cloth.csv, and bench/cloth.csv when all runs ended
+# well. `quick`: small sizes, printed only.
+set -eu
+cd "$(dirname "$0")/.."
+scripts/build.sh >/dev/null
+run() { OMP_NUM_THREADS=1 build/bench/cloth "$@"; }
+measure() {
+    run
+    for n in 33 65; do
+        for stiffness in 400 4000 40000; do
+            for threads in 1 2; do run $n $stiffness $threads; done
+        done
+    done
+    for stiffness in 400 4000; do
+        for threads in 1 2; do run 129 $stiffness $threads; done
+    done
+    for threads in 1 2; do run 257 4000 $threads; done
+    run run 65 400 2 5
+    run run 65 400 3 3
+    run run 65 400 5 2
+}
+case ${1:-} in
+quick) run; run 33 400 1; run 33 4000 2; run run 33 400 5 2 ;;
+"")
+    mkdir -p out
+    measure >out/cloth.csv
+    cp out/cloth.csv bench/cloth.csv
+    ;;
+*) echo "usage: scripts/cloth_bench.sh [quick]" >&2; exit 2 ;;
+esac
