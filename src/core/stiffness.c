@@ -88,7 +88,7 @@ static bool allocate(struct stiffness *k) {
 }
 
 static void fill(struct stiffness *k, const struct batch *b, int *place) {
-    memset(place, 0, 2 * (size_t)k->count * sizeof *place);
+    if (k->count) memset(place, 0, 2 * (size_t)k->count * sizeof *place);
     for (int i = 0; i < k->count; i++) {
         int from = k->start[i];
         sum_row(b, i, place, k->column + from, k->value + from, &k->diagonal[i]);

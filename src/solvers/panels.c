@@ -272,7 +272,8 @@ static void read_panels(struct panels *s, const cholmod_factor *factor) {
         *p = (struct panel){
             .first = super[q], .columns = super[q + 1] - super[q], .row = rows, .value = s->values};
         p->rows = start[q + 1] - start[q] - p->columns;
-        memcpy(s->place + rows, row + start[q] + p->columns, (size_t)p->rows * sizeof *row);
+        if (p->rows)
+            memcpy(s->place + rows, row + start[q] + p->columns, (size_t)p->rows * sizeof *row);
         for (int k = 0; k < p->columns; k++) panel_of[p->first + k] = q;
         rows += p->rows;
         s->values += panel_values(p);
