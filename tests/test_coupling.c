@@ -222,6 +222,88 @@ static void test_momentum(void **state) {
 
 /* ---- sides ----------------------------------------------------------------------------------- */
 
+#define ABOVE                                                                                      \
+    "{\"box\": {\"minimum\": [-0.1, -0.005, -0.1], \"maximum\": [0.1, 0.11, 0.1]}, \"velocity\": " \
+    "[1, "                                                                                         \
+    "0, 0]}"
+#define BELOW "{\"box\": {\"minimum\": [-0.11, -0.075, -0.11], \"maximum\": [0.11, 0.005, 0.09]}}"
+#define LAYERS(fill)                                                                               \
+    "{\"duration\": 1, \"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"water\", \"particles\": " \
+    "{\"radius\": 0.01, \"fill\": [" fill                                                          \
+    "]}, \"constraints\": [{\"type\": \"fluid\"}]}, {\"name\": "                                   \
+    "\"sheet\", \"surface\": {\"grid\": {\"size\": [0.4, 0.4], \"vertices\": [6, 6]}, "            \
+    "\"area_density\": 0.2}, \"constraints\": [{\"type\": \"pin\", \"vertices\": {\"all\": "       \
+    "true}}]}]}"
+
+/* Densities of water half a radius above a sheet that is not even, or below it, or on both sides;
+ * returns how many particles there are. */
+static int densities(const char *text, int vertices, double *density) {
+    char grid[64];
+    const char *const set[] = {grid};
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = NULL;
+    snprintf(grid, sizeof grid, "bodies.sheet.surface.grid.vertices=[%d, %d]", vertices, vertices);
+    assert_int_equal(pdyn_load_text(context, text, "layers", set, 1, &sim), PDYN_OK);
+    int n = sim->body[0].count;
+    for (int i = n; i < sim->system.particles; i++)
+        sim->x[3 * i + 1] = 0.002 * sin(60.0 * sim->x[3 * i] + 40.0 * sim->x[3 * i + 2]);
+    energy_at(sim, sim->x, sim->gradient);
+    assert_int_equal(system_build_lists(&sim->system, sim->x), PDYN_OK);
+    energy_at(sim, sim->x, sim->gradient);
+    sim->system.batch[0]->type->op->density(sim->system.batch[0]->op, density);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return n;
+}
+
+/* Water on one side of a sheet has the density it has without that on the other. */
+static void test_layers(void **state) {
+    (void)state;
+    static const int vertices[] = {2, 6,
+                                   50}; /* triangles much wider than particles, and narrower */
+    double *both = array(2000), *above = array(2000), *below = array(2000);
+    for (int k = 0; k < 3; k++) {
+        int n = densities(LAYERS(ABOVE), vertices[k], above);
+        int m = densities(LAYERS(BELOW), vertices[k], below), pressed = 0;
+        assert_int_equal(densities(LAYERS(ABOVE ", " BELOW), vertices[k], both), n + m);
+        for (int i = 0; i < n + m; i++) {
+            assert_true(fabs(both[i] - (i < n ? above[i] : below[i - n])) < 1e-9);
+            pressed += both[i] > 1100.0;
+        }
+        assert_true(pressed > 50);
+    }
+    free(both), free(above), free(below);
+}
+
+/* Around the border of a sheet fluid feels fluid; and who is hidden from whom is mutual. */
+static void test_hidden(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(3);
+    pdyn_sim *sim = NULL;
+    const char *const set[] = {"bodies.sheet.surface.grid.size=[0.1, 0.1]"};
+    assert_int_equal(pdyn_load_text(context, LAYERS(ABOVE ", " BELOW), "layers", set, 1, &sim),
+                     PDYN_OK);
+    const pdyn_neighbours *l = neighbours_view(sim->neighbours);
+    int n = sim->body[0].count, across = 0, through = 0;
+    for (int i = 0; i < n; i++)
+        for (int s = l->start[i]; s < l->boundary_start[i]; s++) {
+            int j = l->index[s], back = 0;
+            if (j >= n) continue;
+            for (int t = l->start[j]; t < l->boundary_start[j]; t++) back += l->index[t] == i;
+            assert_int_equal(back, 1);
+            const double *a = sim->x + 3 * i, *b = sim->x + 3 * j;
+            if (!(a[1] > 0.0 && b[1] < 0.0)) continue;
+            double at = a[1] / (a[1] - b[1]);
+            across++;
+            through +=
+                fabs(a[0] + at * (b[0] - a[0])) < 0.05 && fabs(a[2] + at * (b[2] - a[2])) < 0.05;
+        }
+    assert_true(across > 500);
+    assert_int_equal(through, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 static const char impact[] =
     "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"contact\": {\"thickness\": 0.005},"
     " \"solver\": {\"tolerance\": 1, \"outer_iterations\": 6, \"linear_iterations\": 50},"
@@ -274,6 +356,7 @@ int main(void) {
         cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),
         cmocka_unit_test(test_stretch), cmocka_unit_test(test_forces),
         cmocka_unit_test(test_solvers), cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_layers),  cmocka_unit_test(test_hidden),
         cmocka_unit_test(test_impact),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);

@@ -71,7 +71,7 @@ static void walk(pdyn_context *context, double stride, int moving) {
     assert_non_null(c);
     fill_cloud(c, 1);
     double *carried = c->boundary + 3 * (B - moving);
-    struct neighbours_points points = {N, c->centre, B, c->boundary, moving, c->volume};
+    struct neighbours_points points = {N, c->centre, B, c->boundary, moving, c->volume, NULL};
     assert_int_equal(neighbours_create(context, &points, NULL, 0.2, 0.1, &n), PDYN_OK);
     for (int move = 0; move < 40; move++) {
         if (!neighbours_hold(n, c->x)) assert_int_equal(neighbours_build(n, c->x), PDYN_OK);

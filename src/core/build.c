@@ -204,20 +204,25 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, in
 
 static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
     int n = sim->system.particles + (sim->samples ? sim->samples->count : 0);
+    double support = 4.0 * fluid->radius, skin = 0.01 * SKIN_PERCENT;
     double *volume = NEW_ARRAY(sim->context, n + sim->boundary.count, double);
     bool *centre = NEW_ARRAY(sim->context, n, bool);
     pdyn_status status =
         volume && centre ? fill_volumes(sim, fluid, n, volume, centre) : PDYN_NO_MEMORY;
+    if (status == PDYN_OK)
+        status = sides_create(sim->context, sim->bodies, sim->body, n, (1.0 + skin) * support,
+                              &sim->sides);
     motion_carry(sim, 0.0);
     struct neighbours_points points = {.particles = n,
                                        .centre = centre,
                                        .boundary = sim->boundary.count,
                                        .boundary_x = sim->boundary.x,
                                        .moving = sim->motion.points,
-                                       .volume = volume};
+                                       .volume = volume,
+                                       .sides = sim->sides};
     if (status == PDYN_OK)
-        status = neighbours_create(sim->context, &points, sim->samples, 4.0 * fluid->radius,
-                                   0.01 * SKIN_PERCENT, &sim->neighbours);
+        status =
+            neighbours_create(sim->context, &points, sim->samples, support, skin, &sim->neighbours);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
     FREE_ARRAY(sim->context, centre, n);
     return status;
@@ -430,6 +435,7 @@ void pdyn_free(pdyn_sim *sim) {
     emit_free(sim);
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
+    sides_free(sim->sides);
     points_free(c, &sim->boundary);
     motion_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);

@@ -29,6 +29,7 @@ struct neighbours {
     int *used;                         /* a count for each block */
     size_t capacity;                   /* of index */
     bool *moved;                       /* a flag for each parallel block of `active` */
+    struct sides *sides;               /* NULL where there is no surface */
     bool built;
 };
 
@@ -94,7 +95,7 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_poi
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
-    n->carried = points->moving;
+    n->carried = points->moving, n->sides = points->sides;
     n->skin = skin * support, n->reach = support + n->skin;
     n->view = (pdyn_neighbours){.support = support,
                                 .particles = points->particles,
@@ -261,12 +262,46 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
     return status;
 }
 
+static void find_clearances(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++)
+        if (c->n->centre[c->n->id[k]]) sides_approach(c->n->sides, c->x, c->n->id[k]);
+}
+
+/* Takes other centres that a surface hides from the lists of centres, and closes the gaps. */
+static void hide(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct neighbours *n = c->n;
+    for (int k = first; k < last; k++) {
+        int i = n->id[k], to = n->start[i];
+        if (!n->centre[i]) continue;
+        for (int s = n->start[i]; s < n->boundary_start[i]; s++) {
+            int j = n->index[s];
+            if (!n->centre[j] || !sides_between(n->sides, c->x, i, j)) n->index[to++] = j;
+        }
+        int boundary = n->end[i] - n->boundary_start[i];
+        memmove(n->index + to, n->index + n->boundary_start[i],
+                (size_t)boundary * sizeof *n->index);
+        n->boundary_start[i] = to, n->end[i] = to + boundary;
+    }
+}
+
+static void separate(struct neighbours *n, const double *x) {
+    struct call call = {n, x};
+    sides_plant(n->sides, x);
+    pool_for(n->context->pool, n->active, PARTICLES, find_clearances, &call);
+    pool_for(n->context->pool, n->active, PARTICLES, hide, &call);
+}
+
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
     pdyn_status status = n->carried_by > 0.0 ? sort_boundary(n) : PDYN_OK;
     if (status == PDYN_OK) status = grid_sort(n->context, &n->moving, n->active, n->id, x);
     if (status == PDYN_OK) status = fill(n, x);
     if (status != PDYN_OK) return status;
+    if (n->sides) separate(n, x);
     memmove(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);
     n->built = true;
     n->view.revision++;

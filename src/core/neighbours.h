@@ -1,13 +1,16 @@
 /* Neighbour lists for SPH sums. Lists hold every pair closer than the support plus a skin at the
  * time they were built, so they stay complete until some particle has moved by half the skin, or by
  * what moving boundary points have left of it. Pairs are those of a centre (a particle that needs
- * sums) with any other taking part, both ways. */
+ * sums) with any other taking part, both ways, but for two centres between which there was a
+ * surface when the lists were built: as long as nothing passes through it, it stays between them.
+ */
 #ifndef PDYN_NEIGHBOURS_H
 #define PDYN_NEIGHBOURS_H
 
 #include "context.h"
 #include "projdyn/module.h"
 #include "samples.h"
+#include "sides.h"
 
 struct neighbours;
 
@@ -18,6 +21,7 @@ struct neighbours_points { /* all arrays are copied */
     const double *boundary_x; /* boundary x 3, m */
     int moving;               /* so many of the last boundary points may move */
     const double *volume;     /* particles, then boundary; 0 for a particle that takes no part */
+    struct sides *sides;      /* what hides centres from each other, or NULL; not copied */
 };
 
 /* samples: the last particles, or NULL for none; they must stay. skin: a part of the support, >= 0.

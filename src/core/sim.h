@@ -45,6 +45,7 @@ struct pdyn_sim {
 
     struct neighbours *neighbours; /* NULL where no constraint needs them */
     struct samples *samples;       /* on surfaces, where these meet a fluid; otherwise NULL */
+    struct sides *sides;           /* the same surfaces, between fluid and fluid */
 
     const struct solver_type *solver;
     void *solver_state;

@@ -1,0 +1,35 @@
+/* Whether a surface lies between two points: fluid on one side of a sheet does not feel fluid on
+ * the other. Two particles see each other where the segment between them meets no triangle (the
+ * visibility criterion of meshless methods, Belytschko, Lu, Gu 1994). */
+#ifndef PDYN_SIDES_H
+#define PDYN_SIDES_H
+
+#include "boxes.h"
+#include "projdyn/module.h"
+
+struct sides {
+    pdyn_context *context;
+    int points;        /* of the system, and samples */
+    int triangles;     /* of all surfaces */
+    int *corner;       /* triangles x 3: particles of the system */
+    struct box *box;   /* triangles */
+    struct boxes tree; /* of these */
+    double far;        /* m: as far as clearances are looked at */
+    double *clearance; /* points, m: to the next triangle, at most `far` */
+};
+
+/* Pairs up to `reach` (m) apart will be asked for. *out is NULL where there is no surface. */
+pdyn_status sides_create(pdyn_context *context, int bodies, const pdyn_body *body, int points,
+                         double reach, struct sides **out);
+void sides_free(struct sides *sides);
+
+/* The surfaces are at x (points x 3) from now on. */
+void sides_plant(struct sides *sides, const double *x);
+
+/* Notes how far point i is from them; needed of both points of a pair. */
+void sides_approach(struct sides *sides, const double *x, int i);
+
+/* Is a triangle between i and j? The same for (j, i). */
+bool sides_between(const struct sides *sides, const double *x, int i, int j);
+
+#endif
