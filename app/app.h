@@ -8,6 +8,7 @@ enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 13
 
 /* Each gets its own name as argv[0] and returns the exit code. */
 int run_main(int argc, char **argv);
+int sweep_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 
@@ -28,6 +29,9 @@ bool scene_set(struct scene_options *options, const char *text);
 /* A context whose warnings go to stderr, and the scene in it; an exit code, not EXIT_GOOD on
  * failure. */
 int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
+
+/* out/BEFORE + NAME for a scene .../NAME.json, to be freed; NULL with a message without memory. */
+char *default_output(const char *before, const char *scene);
 
 /* Removes the progress line of a terminal, before something else is said on stderr. */
 void clear_progress(void);

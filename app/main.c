@@ -14,6 +14,7 @@ static const struct command {
     const char *summary;
 } commands[] = {
     {"run", run_main, "simulate a scene and write frames, metrics and a report"},
+    {"sweep", sweep_main, "simulate a scene with many settings, in parallel; one table"},
     {"check", check_main, "read a scene and say what is in it"},
     {"list", list_main, "constraint types and solvers, their parameters and units"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},
@@ -104,6 +105,16 @@ bool scene_set(struct scene_options *options, const char *text) {
     options->set = set;
     options->set[options->sets++] = text;
     return true;
+}
+
+char *default_output(const char *before, const char *scene) {
+    const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
+    size_t length = strlen(base);
+    char *path;
+    if (length > 5 && !strcmp(base + length - 5, ".json")) length -= 5;
+    if (asprintf(&path, "out/%s%.*s", before, (int)length, base) >= 0) return path;
+    fprintf(stderr, "projdyn: out of memory\n");
+    return NULL;
 }
 
 void clear_progress(void) {

@@ -25,6 +25,7 @@ static const char usage[] =
     "      --time S          simulates S seconds instead of the scene's duration\n"
     "      --report FILE     writes the report there instead of DIR/report.json\n"
     "      --ply             writes each frame as PLY, too\n"
+    "      --no-frames       writes no frames: metrics, report and the last state\n"
     "      --save N          saves the state every N frames (default 10; 0: at the end only)\n"
     "      --resume DIR      goes on with the run in DIR from its saved state, to the same bits;\n"
     "                        with --time S to another end\n"
@@ -40,7 +41,7 @@ struct run_options {
     void *record;         /* of a run that is resumed */
     char duration[64];    /* override made from --time */
     int save;             /* frames */
-    bool ply, quiet;
+    bool ply, frameless, quiet;
 };
 
 struct totals {
@@ -98,6 +99,9 @@ static bool accept_option(struct run_options *o, int option) {
     case 'p':
         o->ply = true;
         return true;
+    case 'n':
+        o->frameless = true;
+        return true;
     case 'q':
         o->quiet = true;
         return true;
@@ -117,20 +121,6 @@ static bool accept_option(struct run_options *o, int option) {
     }
 }
 
-/* out/NAME for a scene .../NAME.json. */
-static bool choose_output(struct run_options *o) {
-    const char *slash = strrchr(o->scene.scene, '/'), *base = slash ? slash + 1 : o->scene.scene;
-    size_t length = strlen(base);
-    if (length > 5 && !strcmp(base + length - 5, ".json")) length -= 5;
-    if (asprintf(&o->default_output, "out/%.*s", (int)length, base) < 0) {
-        o->default_output = NULL;
-        fprintf(stderr, "projdyn: out of memory\n");
-        return false;
-    }
-    o->output = o->default_output;
-    return true;
-}
-
 /* Scene, overrides and output are those of the run; its end may be another. -1: go on. */
 static int choose_resumed(struct run_options *o, int scenes) {
     if (scenes || o->output || o->ply || o->scene.sets > (*o->duration != '\0')) {
@@ -147,17 +137,13 @@ static int choose_resumed(struct run_options *o, int scenes) {
 
 /* -1: go on; otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
-    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"set", required_argument, NULL, 's'},
-                                                 {"time", required_argument, NULL, 'T'},
-                                                 {"report", required_argument, NULL, 'r'},
-                                                 {"ply", no_argument, NULL, 'p'},
-                                                 {"quiet", no_argument, NULL, 'q'},
-                                                 {"save", required_argument, NULL, 'S'},
-                                                 {"resume", required_argument, NULL, 'R'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
+    static const struct option long_options[] = {
+        {"output", required_argument, NULL, 'o'}, {"threads", required_argument, NULL, 't'},
+        {"set", required_argument, NULL, 's'},    {"time", required_argument, NULL, 'T'},
+        {"report", required_argument, NULL, 'r'}, {"ply", no_argument, NULL, 'p'},
+        {"no-frames", no_argument, NULL, 'n'},    {"quiet", no_argument, NULL, 'q'},
+        {"save", required_argument, NULL, 'S'},   {"resume", required_argument, NULL, 'R'},
+        {"help", no_argument, NULL, 'h'},         {0}};
     int option;
     while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
         if (option == 'h') {
@@ -176,7 +162,8 @@ static int parse(struct run_options *o, int argc, char **argv) {
         return EXIT_BAD_INPUT;
     }
     o->scene.scene = argv[optind];
-    return o->output || choose_output(o) ? -1 : EXIT_FAILED;
+    if (!o->output) o->output = o->default_output = default_output("", o->scene.scene);
+    return o->output ? -1 : EXIT_FAILED;
 }
 
 /* ---- progress -----------------------------------------------------------------------------------
@@ -238,7 +225,7 @@ static bool stops(bool frame, bool *told) {
 
 /* The first frame is saved, too: from then on a run can be resumed. */
 static pdyn_status end_frame(pdyn_writer *writer, const struct run_options *o, struct totals *t) {
-    pdyn_status status = pdyn_writer_frame(writer);
+    pdyn_status status = o->frameless ? PDYN_OK : pdyn_writer_frame(writer);
     bool due = o->save && t->frames++ % o->save == 0;
     return status == PDYN_OK && due ? pdyn_writer_save(writer) : status;
 }

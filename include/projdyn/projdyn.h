@@ -110,6 +110,7 @@ typedef struct pdyn_step_info {
     double
         pin_reaction[3]; /* N, what the pins carry: the gradient of all else at the pinned points */
     double ms_neighbours, ms_local, ms_global, ms_contact; /* wall clock */
+    double ms_cpu; /* processor time of the process, of all its threads */
 } pdyn_step_info;
 
 /* info NULL: not wanted. PDYN_DIVERGED leaves the state of the last good step. */

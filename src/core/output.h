@@ -34,7 +34,8 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *pat
     X(ms_local, ms_local)                                                                          \
     X(ms_global, ms_global)                                                                        \
     X(ms_contact, ms_contact)                                                                      \
-    X(retries, retries)
+    X(retries, retries)                                                                            \
+    X(ms_cpu, ms_cpu)
 enum {
 #define STEP_INDEX(column, member) STEP_##column,
     STEP_NUMBERS(STEP_INDEX)

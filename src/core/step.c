@@ -128,7 +128,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     struct progress progress;
     struct moment end;
     int retries = 0;
-    double start = clock_ms();
+    double start = clock_ms(), cpu = clock_cpu_ms();
     sim->system.ms_neighbours = sim->system.ms_local = 0.0;
     pdyn_status status = attempt_all(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
@@ -150,6 +150,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
     info->ms_contact = sim->system.contact ? sim->system.contact->ms : 0.0;
     info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;
+    info->ms_cpu = clock_cpu_ms() - cpu;
     return PDYN_OK;
 }
 

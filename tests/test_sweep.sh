@@ -1,0 +1,93 @@
+#!/bin/sh
+# Sweeps that are killed, and go on; runs that fail; commands for others to run. Arguments: the program, a scene.
+program=$(realpath "$1") scene=$(realpath "$2")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir" || exit 1
+failed=0
+
+check() { # NAME COMMAND...
+    name=$1
+    shift
+    if "$@" >said 2>&1; then echo "ok $name"; else echo "not ok $name"; sed 's/^/    /' said; failed=1; fi
+}
+ends() { # CODE TEXT COMMAND...
+    code=$1 text=$2
+    shift 2
+    "$@" >ended 2>&1
+    [ $? = "$code" ] && grep -qF -e "$text" ended || { cat ended; false; }
+}
+eight="--set duration=0.04 --set solver.tolerance=0.1,0.2,0.3,0.4 --set solver.outer_iterations=1,2" # runs
+sweep() { # DIRECTORY OPTIONS...
+    out=$1
+    shift
+    "$program" sweep "$scene" $eight -o "$out" "$@"
+}
+hashes() { cut -d, -f2,3,4 "$1/sweep.csv" >"$1.csv"; rev <"$1/sweep.csv" | cut -d, -f1,2 >>"$1.csv"; }
+same() { hashes whole; hashes "$1"; cmp whole.csv "$1.csv"; }
+
+check "a sweep" sweep whole
+check "eight rows" test "$(grep -c ',good,' whole/sweep.csv)" = 8
+check "as run by itself" sh -c "'$program' run '$scene' --set duration=0.04 --set solver.tolerance=0.3 \
+    --set solver.outer_iterations=2 -o alone --threads 1 --quiet --no-frames &&
+    grep '^0.04,0.3,2,good' whole/sweep.csv | grep \$(sed -n 's/.*\"state_hash\": \"\\(.*\\)\".*/\\1/p' alone/report.json)"
+check "no frames" sh -c "! ls whole/*/sheet_*.vtk"
+
+# Killed after some runs: what ended is told by the first or the second, never by both, and nothing is left running.
+kill_in_the_middle() {
+    "$program" sweep "$scene" $eight -o killed --jobs 2 >first &
+    pid=$!
+    for _ in $(seq 600); do
+        [ "$(wc -l <first)" -ge 3 ] && break
+        sleep 0.05
+    done
+    kill -9 $pid
+    wait $pid 2>/dev/null
+    sweep killed >second
+    grep -h '^[0-9]*/8 ' first second | sed 's/^[^:]*://' | sort >told
+    [ "$(grep -c '^[0-9]*/8 ' first)" -ge 3 ] && [ "$(wc -l <told)" = 8 ] && [ "$(uniq told | wc -l)" = 8 ] &&
+        ! ls -d killed/*.part
+}
+check "killed and started again: no run twice, none lost" kill_in_the_middle
+check "the same table" same killed
+sweep killed >third
+check "nothing left to do" sh -c '! grep ^[0-9]*/8 third'
+
+two_at_a_time() {
+    sweep shared --jobs 1 >first &
+    sweep shared --jobs 1 >second
+    wait $!
+    grep -h '^[0-9]*/8 ' first second | sed 's/^[^:]*://' | sort >told
+    [ "$(wc -l <told)" = 8 ] && [ "$(uniq told | wc -l)" = 8 ] && same shared
+}
+check "two at a time share the runs" two_at_a_time
+
+sweep printed --print >commands
+check "eight commands" test "$(wc -l <commands)" = 8
+check "nothing is run" test ! -e printed
+check "one command by itself" sh -c "sed -n 3p commands | sh"
+check "missing runs are said" ends 1 "7 of 8 runs failed or are missing" sweep printed --collect
+check "the others by themselves" sh -c "sh commands >/dev/null"
+check "gathered" sweep printed --collect
+check "the same table from commands" same printed
+if parallel --version 2>/dev/null | grep -q GNU; then
+    sweep parallel --print >commands
+    check "GNU parallel" sh -c "parallel -j 2 <commands >/dev/null 2>&1"
+    check "gathered from GNU parallel" sweep parallel --collect
+    check "the same table from GNU parallel" same parallel
+else
+    echo "skipped: GNU parallel is not installed"
+fi
+
+bad() { "$program" sweep "$scene" --set duration=0.01,-1 --set gravity='[0, -1, 0],[0,-9.81,0]' -o bad; }
+check "a run that fails" ends 1 "2 of 4 runs failed" bad
+check "is recorded with its error" grep -q '^-1,"\[0, -1, 0\]",bad input,"--set duration=-1: duration: expected' bad/sweep.csv
+check "the others are good" test "$(grep -c ',good,' bad/sweep.csv)" = 2
+check "no values" ends 2 "PATH=VALUE" "$program" sweep "$scene" --set duration
+check "an empty value" ends 2 "found an empty value" "$program" sweep "$scene" --set duration=1,
+check "a path twice" ends 2 "given twice" "$program" sweep "$scene" --set duration=1 --set duration=2
+check "no scene" ends 2 "nowhere.json" "$program" sweep nowhere.json --set duration=1
+check "no setting" ends 2 "at least one --set" "$program" sweep "$scene"
+check "a point beyond" ends 2 "expected at most 7" sweep whole --point 8
+check "jobs that are no number" ends 2 "from 1 to 1024" sweep whole --jobs two
+exit $failed
