@@ -18,15 +18,24 @@ struct scene_options {
     int threads; /* 0: one per core */
     const char **set;
     int sets;
+    const char **plugin; /* files */
+    int plugins;
 };
 
 /* Takes the value of --threads; false with a message on bad ones. */
 bool scene_threads(struct scene_options *options, const char *text);
 
-/* Adds an override, a text that outlives the options; false with a message without memory. */
+/* Adds an override or a plug-in, a text that outlives the options; false with a message without
+ * memory. */
 bool scene_set(struct scene_options *options, const char *text);
+bool scene_plugin(struct scene_options *options, const char *file);
+void scene_options_free(struct scene_options *options);
 
-/* A context whose warnings go to stderr, and the scene in it; an exit code, not EXIT_GOOD on
+/* A context whose warnings go to stderr, with the plug-ins; an exit code, not EXIT_GOOD on failure.
+ */
+int scene_context(const struct scene_options *options, pdyn_context **context);
+
+/* Such a context, and the scene in it; an exit code, not EXIT_GOOD on
  * failure. */
 int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
 

@@ -32,10 +32,11 @@ static void describe(const pdyn_sim *sim) {
 int check_main(int argc, char **argv) {
     static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
                                                  {"threads", required_argument, NULL, 't'},
+                                                 {"plugin", required_argument, NULL, 'p'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
-    static const char usage[] = "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads "
-                                "N]\n\nReads a scene and says what is in it.\n";
+    static const char usage[] = "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads N] "
+                                "[--plugin FILE]...\n\nReads a scene and says what is in it.\n";
     struct scene_options options = {0};
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
@@ -43,11 +44,12 @@ int check_main(int argc, char **argv) {
     while (code == EXIT_GOOD && (option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
         if (option == 'h') {
             fputs(usage, stdout);
-            free(options.set);
+            scene_options_free(&options);
             return EXIT_GOOD;
         }
-        bool good = option == 's' ? scene_set(&options, optarg)
-                                  : option == 't' && scene_threads(&options, optarg);
+        bool good = option == 's'   ? scene_set(&options, optarg)
+                    : option == 'p' ? scene_plugin(&options, optarg)
+                                    : option == 't' && scene_threads(&options, optarg);
         if (!good) code = EXIT_BAD_INPUT;
     }
     if (code == EXIT_GOOD && argc - optind != 1) {
@@ -59,6 +61,6 @@ int check_main(int argc, char **argv) {
     if (code == EXIT_GOOD) describe(sim);
     pdyn_free(sim);
     pdyn_destroy(context);
-    free(options.set);
+    scene_options_free(&options);
     return code;
 }

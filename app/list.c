@@ -4,23 +4,29 @@
 #include <getopt.h>
 #include <stdio.h>
 
+static const char usage[] = "Usage: projdyn list [TYPE] [--plugin FILE]...\n\n"
+                            "Lists constraint types and solvers, or the parameters of one with\n"
+                            "units, defaults and bounds.\n";
+
 static void print(void *user, const char *text) { fputs(text, user); }
 
 int list_main(int argc, char **argv) {
-    static const struct option long_options[] = {{"help", no_argument, NULL, 'h'}, {0}};
-    int option = getopt_long(argc, argv, "h", long_options, NULL);
-    if (option == 'h' || (option == -1 && argc - optind > 1)) {
-        fprintf(option == 'h' ? stdout : stderr,
-                "Usage: projdyn list [TYPE]\n\nLists constraint types and solvers, or the "
-                "parameters of one with\n"
-                "units, defaults and bounds.\n");
-        return option == 'h' ? EXIT_GOOD : EXIT_BAD_INPUT;
-    }
-    if (option != -1) return EXIT_BAD_INPUT;
+    static const struct option long_options[] = {
+        {"plugin", required_argument, NULL, 'p'}, {"help", no_argument, NULL, 'h'}, {0}};
+    struct scene_options options = {0};
     pdyn_context *context = NULL;
-    pdyn_status status = pdyn_create(NULL, &context);
-    if (status == PDYN_OK) status = pdyn_describe(context, argv[optind], print, stdout);
-    int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
+    int option, code = -1;
+    while (code < 0 && (option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
+        if (option == 'h') fputs(usage, stdout), code = EXIT_GOOD;
+        else if (option != 'p' || !scene_plugin(&options, optarg)) code = EXIT_BAD_INPUT;
+    }
+    if (code < 0 && argc - optind > 1) fputs(usage, stderr), code = EXIT_BAD_INPUT;
+    if (code < 0) {
+        code = scene_context(&options, &context);
+        pdyn_status status = code ? PDYN_OK : pdyn_describe(context, argv[optind], print, stdout);
+        if (status != PDYN_OK) code = report_status(context, status);
+    }
     pdyn_destroy(context);
+    scene_options_free(&options);
     return code;
 }

@@ -96,14 +96,14 @@ bool scene_threads(struct scene_options *options, const char *text) {
     return true;
 }
 
-bool scene_set(struct scene_options *options, const char *text) {
-    const char **set = realloc(options->set, (size_t)(options->sets + 1) * sizeof *set);
-    if (!set) {
+static bool add_text(const char ***list, int *count, const char *text) {
+    const char **longer = realloc(*list, (size_t)(*count + 1) * sizeof *longer);
+    if (!longer) {
         fprintf(stderr, "projdyn: out of memory\n");
         return false;
     }
-    options->set = set;
-    options->set[options->sets++] = text;
+    *list = longer;
+    longer[(*count)++] = text;
     return true;
 }
 
@@ -115,6 +115,19 @@ char *default_output(const char *before, const char *scene) {
     if (asprintf(&path, "out/%s%.*s", before, (int)length, base) >= 0) return path;
     fprintf(stderr, "projdyn: out of memory\n");
     return NULL;
+}
+
+bool scene_set(struct scene_options *options, const char *text) {
+    return add_text(&options->set, &options->sets, text);
+}
+
+bool scene_plugin(struct scene_options *options, const char *file) {
+    return add_text(&options->plugin, &options->plugins, file);
+}
+
+void scene_options_free(struct scene_options *options) {
+    free(options->set);
+    free(options->plugin);
 }
 
 void clear_progress(void) {
@@ -138,14 +151,21 @@ int report_status(const pdyn_context *context, pdyn_status status) {
     return status == PDYN_BAD_INPUT || status == PDYN_BAD_CALL ? EXIT_BAD_INPUT : EXIT_FAILED;
 }
 
-int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim) {
+int scene_context(const struct scene_options *options, pdyn_context **context) {
     pdyn_options settings = pdyn_default_options();
     settings.threads = options->threads;
     settings.log = warn;
-    *sim = NULL;
     pdyn_status status = pdyn_create(&settings, context);
-    if (status == PDYN_OK)
-        status = pdyn_load(*context, options->scene, options->set, options->sets, sim);
+    for (int k = 0; k < options->plugins && status == PDYN_OK; k++)
+        status = pdyn_load_plugin(*context, options->plugin[k]);
+    return status == PDYN_OK ? EXIT_GOOD : report_status(*context, status);
+}
+
+int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim) {
+    int failed = scene_context(options, context);
+    *sim = NULL;
+    if (failed) return failed;
+    pdyn_status status = pdyn_load(*context, options->scene, options->set, options->sets, sim);
     if (status == PDYN_OK) return EXIT_GOOD;
     int code = report_status(*context, status);
     return status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : code; /* a file that the scene names */

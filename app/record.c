@@ -16,16 +16,24 @@ static char *path_in(const char *directory, const char *ending) {
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-/* The scene's path from the root, so that a run can go on from anywhere. */
+static bool append_path(json_t *array, const char *path) {
+    char *whole = realpath(path, NULL);
+    bool good = whole && !json_array_append_new(array, json_string(whole));
+    free(whole);
+    return good;
+}
+
+/* Paths from the root, so that a run can go on from anywhere. */
 static json_t *describe(const struct scene_options *o) {
     char *scene = realpath(o->scene, NULL);
-    json_t *set = json_array(), *root = NULL;
-    bool good = scene && set;
+    json_t *set = json_array(), *plugins = json_array(), *root = NULL;
+    bool good = scene && set && plugins;
     for (int k = 0; k < o->sets && good; k++)
         good = !json_array_append_new(set, json_string(o->set[k]));
-    if (good) root = json_pack("{s:s, s:O}", "scene", scene, "set", set);
+    for (int k = 0; k < o->plugins && good; k++) good = append_path(plugins, o->plugin[k]);
+    if (good) root = json_pack("{s:s, s:O, s:O}", "scene", scene, "set", set, "plugins", plugins);
     free(scene);
-    json_decref(set);
+    json_decref(set), json_decref(plugins);
     return root;
 }
 
@@ -50,15 +58,21 @@ int record_write(const char *directory, const struct scene_options *options) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static bool take(const json_t *root, struct scene_options *o) {
-    const json_t *set = json_object_get(root, "set");
-    o->scene = json_string_value(json_object_get(root, "scene"));
-    if (!o->scene || !json_is_array(set)) return false;
-    for (size_t k = 0; k < json_array_size(set); k++) {
-        const char *text = json_string_value(json_array_get(set, k));
-        if (!text || !scene_set(o, text)) return false;
+/* Adds every text of an array. */
+static bool take_all(const json_t *array, struct scene_options *o,
+                     bool (*add)(struct scene_options *options, const char *text)) {
+    for (size_t k = 0; k < json_array_size(array); k++) {
+        const char *text = json_string_value(json_array_get(array, k));
+        if (!text || !add(o, text)) return false;
     }
     return true;
+}
+
+static bool take(const json_t *root, struct scene_options *o) {
+    const json_t *set = json_object_get(root, "set"), *plugins = json_object_get(root, "plugins");
+    o->scene = json_string_value(json_object_get(root, "scene"));
+    return o->scene && json_is_array(set) && take_all(set, o, scene_set) &&
+           take_all(plugins, o, scene_plugin);
 }
 
 int record_read(const char *directory, struct scene_options *options, void **record) {

@@ -7,8 +7,8 @@
 /* Writes it, whole or not at all; EXIT_GOOD, or an exit code with a message. */
 int record_write(const char *directory, const struct scene_options *options);
 
-/* Adds scene and overrides to the options. The texts belong to *record, an opaque value to give to
- * record_free. */
+/* Adds scene, overrides and plug-ins to the options. The texts belong to *record, an opaque value
+ * to give to record_free. */
 int record_read(const char *directory, struct scene_options *options, void **record);
 void record_free(void *record);
 

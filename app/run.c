@@ -22,6 +22,7 @@ static const char usage[] =
     "  -o, --output DIR      where to write (default out/NAME of the scene)\n"
     "      --threads N       worker threads (default: one per core)\n"
     "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky\n"
+    "      --plugin FILE     loads a plug-in's constraints and solvers before the scene\n"
     "      --time S          simulates S seconds instead of the scene's duration\n"
     "      --report FILE     writes the report there instead of DIR/report.json\n"
     "      --ply             writes each frame as PLY, too\n"
@@ -114,6 +115,8 @@ static bool accept_option(struct run_options *o, int option) {
         return scene_threads(&o->scene, optarg);
     case 's':
         return scene_set(&o->scene, optarg);
+    case 'P':
+        return scene_plugin(&o->scene, optarg);
     case 'T':
         return parse_time(o, optarg);
     default:
@@ -123,9 +126,11 @@ static bool accept_option(struct run_options *o, int option) {
 
 /* Scene, overrides and output are those of the run; its end may be another. -1: go on. */
 static int choose_resumed(struct run_options *o, int scenes) {
-    if (scenes || o->output || o->ply || o->scene.sets > (*o->duration != '\0')) {
-        fprintf(stderr,
-                "projdyn: --resume: scene, --output, --set and --ply are those of the run\n");
+    if (scenes || o->output || o->ply || o->scene.plugins ||
+        o->scene.sets > (*o->duration != '\0')) {
+        fprintf(
+            stderr,
+            "projdyn: --resume: scene, --output, --set, --plugin and --ply are those of the run\n");
         return EXIT_BAD_INPUT;
     }
     o->output = o->resume;
@@ -137,13 +142,19 @@ static int choose_resumed(struct run_options *o, int scenes) {
 
 /* -1: go on; otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"output", required_argument, NULL, 'o'}, {"threads", required_argument, NULL, 't'},
-        {"set", required_argument, NULL, 's'},    {"time", required_argument, NULL, 'T'},
-        {"report", required_argument, NULL, 'r'}, {"ply", no_argument, NULL, 'p'},
-        {"no-frames", no_argument, NULL, 'n'},    {"quiet", no_argument, NULL, 'q'},
-        {"save", required_argument, NULL, 'S'},   {"resume", required_argument, NULL, 'R'},
-        {"help", no_argument, NULL, 'h'},         {0}};
+    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"set", required_argument, NULL, 's'},
+                                                 {"plugin", required_argument, NULL, 'P'},
+                                                 {"time", required_argument, NULL, 'T'},
+                                                 {"report", required_argument, NULL, 'r'},
+                                                 {"ply", no_argument, NULL, 'p'},
+                                                 {"no-frames", no_argument, NULL, 'n'},
+                                                 {"quiet", no_argument, NULL, 'q'},
+                                                 {"save", required_argument, NULL, 'S'},
+                                                 {"resume", required_argument, NULL, 'R'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     int option;
     while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
         if (option == 'h') {
@@ -307,7 +318,7 @@ int run_main(int argc, char **argv) {
     }
     pdyn_free(sim);
     pdyn_destroy(context);
-    free(o.scene.set);
+    scene_options_free(&o.scene);
     free(o.default_output);
     record_free(o.record);
     return code;

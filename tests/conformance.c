@@ -105,7 +105,7 @@ static double dot(const double *a, const double *b, int n) {
 static double norm(const double *a, int n) { return sqrt(dot(a, a, n)); }
 
 static void each_type(void (*check)(const pdyn_constraint_type *type)) {
-    for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) check(*t);
+    for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++) check(*t);
 }
 
 /* ---- the mathematics ------------------------------------------------------------------------- */
@@ -288,9 +288,9 @@ static void check_ranges(const pdyn_constraint_type *type) {
 
 /* ---- with every solver ----------------------------------------------------------------------- */
 
-static bool fits(const struct solver_type *solver, const pdyn_constraint_type *type) {
+static bool fits(const pdyn_global_solver *solver, const pdyn_constraint_type *type) {
     struct trial t = start(type, "auto", 0.002);
-    bool good = !solver->fits || solver->fits(&t.sim->system);
+    bool good = !solver->fits || solver->fits(&t.sim->model.view);
     finish(&t);
     return good;
 }
@@ -299,10 +299,10 @@ static bool fits(const struct solver_type *solver, const pdyn_constraint_type *t
 static void check_solvers(const pdyn_constraint_type *type) {
     double *first = NULL;
     for (int damped = 0; damped < 2; damped++) {
-        for (const struct solver_type *const *s = registry_solvers(); *s; s++) {
+        for (const pdyn_global_solver *const *s = registry_builtin.solvers; *s; s++) {
             if (!fits(*s, type)) continue;
             struct trial t = start(type, (*s)->name, 0.002);
-            const struct solve_goal goal = {.tolerance = 1e-13, .iterations = 100000};
+            const pdyn_goal goal = {.tolerance = 1e-13, .iterations = 100000};
             int iterations = 0;
             assert_int_equal(system_linearise(&t.sim->system, damped && !type->op ? 1.0 : 0.0),
                              PDYN_OK);
@@ -332,7 +332,7 @@ static void check_solvers(const pdyn_constraint_type *type) {
 static void check_steps(const pdyn_constraint_type *type) {
     static const char *const steps[] = {"newton", "projective"};
     static const int threads[] = {1, 2, 3, 8};
-    for (const struct solver_type *const *s = registry_solvers(); *s; s++)
+    for (const pdyn_global_solver *const *s = registry_builtin.solvers; *s; s++)
         for (int k = 0; k < 2 && fits(*s, type); k++) {
             uint64_t hash[4];
             for (int n = 0; n < 4; n++) {

@@ -179,7 +179,7 @@ static void test_solvers(void **state) {
     (void)state;
     static const char *const solvers[] = {"solver.type=cg", "solver.type=cholesky",
                                           "solver.type=hybrid"};
-    const struct solve_goal goal = {.tolerance = 1e-13, .iterations = 100000};
+    const pdyn_goal goal = {.tolerance = 1e-13, .iterations = 100000};
     for (int k = 0; k < 6; k++) {
         struct trial t = start(solvers[k % 3]);
         int iterations;

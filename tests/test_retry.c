@@ -11,18 +11,18 @@ static const char drop[] =
     " \"floor\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 1, 0.2]}}]}";
 
 /* The scene's own solver, which fails where a step is longer than `longest`. */
-static const struct solver_type *own;
+static const pdyn_global_solver *own;
 static struct system *system_of_own;
 static double longest;
 
-static pdyn_status fail_where_long(void *self, double *b, double *y, const struct solve_goal *goal,
+static pdyn_status fail_where_long(void *self, double *b, double *y, const pdyn_goal *goal,
                                    int *iterations) {
     pdyn_status status = own->solve(self, b, y, goal, iterations);
     if (system_of_own->h > longest) y[4] = NAN;
     return status;
 }
 
-static pdyn_sim *load(pdyn_context *context, struct solver_type *failing, const char *set,
+static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const char *set,
                       double limit) {
     pdyn_sim *sim = NULL;
     assert_int_equal(pdyn_load_text(context, drop, "drop", &set, 1, &sim), PDYN_OK);
@@ -35,7 +35,7 @@ static pdyn_sim *load(pdyn_context *context, struct solver_type *failing, const 
 
 static void test_shorter(void **state) {
     (void)state;
-    struct solver_type failing;
+    pdyn_global_solver failing;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load(context, &failing, "solver.retries=4", 0.0006);
     double time = pdyn_time(sim);
@@ -50,7 +50,7 @@ static void test_shorter(void **state) {
 }
 
 static void ends(const char *set) {
-    struct solver_type failing;
+    pdyn_global_solver failing;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load(context, &failing, set, 0.0);
     uint64_t hash = pdyn_state_hash(sim);

@@ -100,11 +100,11 @@ static void check_full(const struct scene *scene) {
     assert_close(water->start.x[3 * 125000], 2.01);
     assert_true(water->radius == 0.01 && water->rest_density == 900.0 &&
                 water->velocity[1] == -1.0);
-    assert_ptr_equal(water->constraint[0].type, registry_constraint("fluid"));
+    assert_ptr_equal(water->constraint[0].type, registry_constraint(context, "fluid"));
     assert_true(sheet->is_surface && sheet->area_density == 0.3);
     assert_int_equal(sheet->mesh.vertices, 15);
     assert_int_equal(sheet->constraints, 3);
-    assert_ptr_equal(sheet->constraint[2].type, registry_constraint("pin"));
+    assert_ptr_equal(sheet->constraint[2].type, registry_constraint(context, "pin"));
     assert_true(stiffness_of(scene, 1) == 1000.0);
     assert_int_equal(scene->solids, 3);
     assert_true(scene->solid[0].is_box && scene->solid[0].box.max[1] == 2.0);

@@ -79,11 +79,11 @@ static const char *described(const char *name) {
 static void test_describe(void **state) {
     (void)state;
     const char *all = described(NULL);
-    for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++)
+    for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++)
         assert_non_null(strstr(all, (*t)->summary));
     assert_non_null(strstr(all, "cholesky"));
     const char *fluid = described("fluid");
-    for (const pdyn_param *p = registry_constraint("fluid")->params; p->name; p++) {
+    for (const pdyn_param *p = registry_constraint(context, "fluid")->params; p->name; p++) {
         assert_non_null(strstr(fluid, p->name));
         assert_non_null(strstr(fluid, p->doc));
     }
@@ -156,16 +156,20 @@ static void check_table(const json_t *object, const pdyn_param *table, size_t ot
 
 static void test_schema(void **state) {
     (void)state;
-    check_table(schema, settings_general_params, 9);
+    check_table(schema, settings_general_params, 10);
     check_table(definition("time_step"), settings_time_step_params, 0);
     check_table(definition("solver"), settings_solver_params, 2);
     check_table(definition("motion_key"), scene_key_params, 0);
     check_table(definition("contact"), scene_contact_params, 0);
-    for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++) {
+    for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++) {
         char name[64];
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
         check_table(definition(name), (*t)->params, 1);
     }
+    const json_t *others = json_object_get(definition("constraint_of_plugin"), "properties");
+    others = json_object_get(json_object_get(json_object_get(others, "type"), "not"), "enum");
+    for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++)
+        assert_true(is_listed(others, (*t)->name));
     check_table(definition("inlet_rectangle"), inlet_params, 2);
     check_table(definition("inlet_disc"), inlet_params, 2);
     check_table(definition("outlet"), outlet_params, 1);
@@ -180,7 +184,7 @@ static void test_schema(void **state) {
     const json_t *types = json_object_get(json_object_get(solver, "type"), "enum");
     size_t count = 1;
     assert_true(is_listed(types, "auto"));
-    for (const struct solver_type *const *t = registry_solvers(); *t; t++, count++)
+    for (const pdyn_global_solver *const *t = registry_builtin.solvers; *t; t++, count++)
         if (!is_listed(types, (*t)->name)) fail_msg("the schema lacks the solver %s", (*t)->name);
     assert_int_equal(json_array_size(types), count);
 }

@@ -1,4 +1,5 @@
-/* projdyn for authors of constraints and solvers: the tables a module fills.
+/* projdyn for authors of constraints and solvers: the tables a module fills. A module is a part of
+ * the library or a plug-in; either way it calls nothing but what a table here gives it.
  *
  * A constraint type gives, for every element, rows of a sparse selector G, a weight w and the
  * projection p of the selected u = G x (one 3-vector per row) onto the manifold of the constraint;
@@ -15,10 +16,11 @@
 #ifndef PROJDYN_MODULE_H
 #define PROJDYN_MODULE_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "projdyn.h"
 
-#define PDYN_ABI 1u
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* ---- parameters: core reads, checks and documents them -------------------------------------- */
 
@@ -109,11 +111,14 @@ typedef void pdyn_range_fn(void *arg, int first, int last, int block);
 
 typedef struct pdyn_core pdyn_core; /* core's own; opaque to modules */
 
-typedef struct pdyn_services { /* what core offers to an operator */
+typedef struct pdyn_services { /* what core offers to operators and solvers */
     pdyn_core *core;
     /* Runs fn over [0, count) in blocks of `grain`; blocks may run in parallel. */
     void (*parallel_for)(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg);
+    /* New memory is zeroed. block NULL allocates, new_size 0 frees; NULL: no memory. */
     void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);
+    /* Sets the text of pdyn_last_error and returns the status. */
+    pdyn_status (*set_error)(pdyn_core *core, pdyn_status status, const char *message);
 } pdyn_services;
 
 /* Points that take part in SPH sums: particles of the system, then samples on its surfaces, then
@@ -230,4 +235,86 @@ typedef struct pdyn_constraint_type {
     const pdyn_operator *op;
 } pdyn_constraint_type;
 
+/* ---- the solver table ------------------------------------------------------------------------ */
+
+/* H as a sparse matrix: lower triangle by columns. Without tangents (eps = 1) x, y and z do not
+ * couple and have the same matrix: dim is 1. Otherwise it is 3, and row and column 3 i + a belong
+ * to component a of particle i; above the diagonal of a diagonal block there are entries as well,
+ * which count for nothing. */
+typedef struct pdyn_matrix {
+    int dim;
+    int size;         /* dim x particles */
+    const int *start; /* size + 1: first entry of each column */
+    const int *row;   /* entries; ascending in a column */
+    const double *value;
+    unsigned pattern, values; /* move when the pattern does, when the values do */
+} pdyn_matrix;
+
+/* What a global step minimises, 1/2 d.H d - b.d: vectors are particles x 3, with room for one
+ * number more. One-sided constraints stay on the sides where the iterate is. */
+typedef struct pdyn_model {
+    const pdyn_services *services;
+    int particles;
+    /* y = H u */
+    void (*product)(struct pdyn_model *model, const double *u, double *y);
+    /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
+    void (*diagonal)(struct pdyn_model *model, double *blocks);
+    /* a . b, the same bits for any number of threads. */
+    double (*dot)(struct pdyn_model *model, const double *a, const double *b);
+    /* H assembled, as it is now; valid until the next call. */
+    pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
+} pdyn_model;
+
+typedef struct pdyn_goal { /* when a solve may end: at the first of these */
+    double tolerance;      /* the model's gradient has fallen by this factor */
+    double gain;           /* an iteration lowers the model by less than this part of the mean of
+                              all; 0: never; solvers that cannot tell ignore it */
+    int iterations;        /* so many are done */
+} pdyn_goal;
+
+typedef struct pdyn_global_solver {
+    const char *name, *summary;
+    bool direct; /* factors a matrix: costs a factorisation where the constraints change every step
+                  */
+    bool keeps_multipliers; /* its memory of the last step; the next one then starts from s */
+    size_t state_size;      /* zeroed before create */
+    bool (*fits)(pdyn_model *model); /* NULL: any model */
+    /* Refers to the model from now on. After a failure free is called, too. */
+    pdyn_status (*create)(void *self, pdyn_model *model);
+    /* Minimises the model that has the gradient -b at d = 0; without one-sided constraints that is
+     * H y = b. A direct solver needs no goal and takes the sides of x. y: the d found, particles x
+     * 3, zero on entry; b: particles x 3, may be overwritten; *iterations: 1 for a direct solver.
+     */
+    pdyn_status (*solve)(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations);
+    /* Drops what it keeps from step to step. NULL: nothing. */
+    void (*forget)(void *self);
+    void (*free)(void *self);
+    /* Writes or reads what the next step depends on. NULL: nothing. */
+    pdyn_status (*persist)(void *self, pdyn_archive *archive);
+} pdyn_global_solver;
+
+/* ---- plug-ins -------------------------------------------------------------------------------- */
+
+/* Moves when one of the tables here changes its layout. */
+#define PDYN_ABI 2u
+
+typedef struct pdyn_plugin {
+    unsigned abi; /* PDYN_ABI: stays the first of all */
+    const char *name;
+    const pdyn_constraint_type *const *constraints; /* ends with NULL; NULL: none */
+    const pdyn_global_solver *const *solvers;       /* ends with NULL; NULL: none */
+} pdyn_plugin;
+
+/* The one symbol of a shared object that pdyn_load_plugin loads:
+ *     const pdyn_plugin pdyn_plugin_table = {PDYN_ABI, "NAME", constraints, solvers}; */
+PDYN_API extern const pdyn_plugin pdyn_plugin_table;
+
+/* Makes the types of a plug-in that is linked with the program known to the context, which refers
+ * to it from then on. Twice the same does nothing. PDYN_BAD_INPUT: another abi, a table that makes
+ * no sense, a name that is taken; nothing is registered then. */
+PDYN_API pdyn_status pdyn_register(pdyn_context *context, const pdyn_plugin *plugin);
+
+#ifdef __cplusplus
+}
+#endif
 #endif

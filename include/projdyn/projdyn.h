@@ -77,6 +77,11 @@ PDYN_API int pdyn_thread_count(const pdyn_context *context);
 PDYN_API size_t pdyn_bytes_in_use(const pdyn_context *context);
 PDYN_API size_t pdyn_peak_bytes(const pdyn_context *context);
 
+/* Loads the shared object of a plug-in (module.h) and registers its types; a path without a slash
+ * means the current directory. It runs the plug-in's code and stays loaded until the program ends.
+ * Scenes load plug-ins, too. */
+PDYN_API pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path);
+
 /* Describes the registered constraint types and solvers as text, for people: name NULL lists all,
  * otherwise one with its parameters, units, defaults and bounds. `write` gets pieces of text. */
 PDYN_API pdyn_status pdyn_describe(pdyn_context *context, const char *name,

@@ -2,6 +2,8 @@
 
 #include "simd.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { ELEMENTS = 2048, PARTICLES = 1024 }; /* grains: worth waking a thread for */
@@ -383,6 +385,39 @@ void batch_diagonal(struct batch *b, double *blocks) {
 
 /* ---- setting up ------------------------------------------------------------------------------ */
 
+/* ---- what a type must not do, as far as it is cheap to see ----------------------------------- */
+
+static pdyn_status fault(const struct batch *b, const char *format, ...) PDYN_PRINTF(2, 3);
+static pdyn_status fault(const struct batch *b, const char *format, ...) {
+    char what[256];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    return context_fail(b->context, PDYN_BAD_INPUT, "constraint \"%s\" on body \"%s\": %s",
+                        b->type->name, b->view.body->name, what);
+}
+
+/* Rows select particles of their body; those that know neighbours, of the whole system. */
+static pdyn_status check_rows(const struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    const pdyn_neighbours *l = v->neighbours;
+    int low = l ? 0 : v->body->first;
+    int high = l ? l->particles - l->samples : v->body->first + v->body->count;
+    for (int k = 0; k < b->entries; k++) {
+        if (v->column[k] < low || v->column[k] >= high)
+            return fault(b, "element %d selects particle %d, expected %d to %d",
+                         b->entry_element[k], v->column[k], low, high - 1);
+        if (!isfinite(v->coefficient[k]))
+            return fault(b, "element %d has a coefficient that is not finite", b->entry_element[k]);
+    }
+    for (int e = 0; e < v->elements && !b->type->begin; e++) /* begin weighs anew, by h */
+        if (!(v->weight[e] >= 0.0 && isfinite(v->weight[e])))
+            return fault(b, "element %d has the weight %g, expected a finite one of at least 0", e,
+                         v->weight[e]);
+    return PDYN_OK;
+}
+
 /* Counts rows and entries of every element. */
 static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width) {
     const pdyn_constraint_type *t = b->type;
@@ -391,6 +426,9 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
     for (int e = 0; e < v->elements; e++) {
         int n = t->rows, width = t->width;
         if (t->shape) t->shape(b->params, v, e, &n, &width);
+        if (n < 1 || width < 1)
+            return fault(b, "element %d has %d rows of %d entries, expected at least 1", e, n,
+                         width);
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)
@@ -535,6 +573,8 @@ static pdyn_status create_rows(struct batch *b) {
     if (status != PDYN_OK) return status;
     b->type->select(b->params, v, 0, v->elements);
     b->type->weight(b->params, v, 0, v->elements);
+    status = check_rows(b);
+    if (status != PDYN_OK) return status;
     b->single = is_single(v), b->width = common_width(v, b->rows);
     status = find_touched(b);
     if (status == PDYN_OK) batch_index(b);
@@ -550,7 +590,9 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     b->view.body = body, b->view.neighbours = neighbours;
     b->view.elements = type->elements(params, body);
     pdyn_status status = PDYN_OK;
-    if (!type->op || rows_only) status = create_rows(b);
+    if (b->view.elements < 0)
+        status = fault(b, "it has %d elements", b->view.elements), b->view.elements = 0;
+    else if (!type->op || rows_only) status = create_rows(b);
     else if (!(b->op = type->op->create(params, body, services)))
         status = context_no_memory(context);
     else {

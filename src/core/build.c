@@ -19,8 +19,11 @@ static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn
 static void *service_allocate(pdyn_core *core, void *block, size_t old_size, size_t new_size) {
     return context_resize((pdyn_context *)core, block, old_size, new_size);
 }
+static pdyn_status service_fail(pdyn_core *core, pdyn_status status, const char *message) {
+    return context_fail((pdyn_context *)core, status, "%s", message);
+}
 pdyn_services sim_services(pdyn_context *context) {
-    return (pdyn_services){(pdyn_core *)context, service_for, service_allocate};
+    return (pdyn_services){(pdyn_core *)context, service_for, service_allocate, service_fail};
 }
 
 /* ---- bodies ---------------------------------------------------------------------------------- */
@@ -308,10 +311,10 @@ static bool has_operator(const struct system *sys) {
 
 /* Fluid alone: its multipliers; with something else: conjugate gradients; surfaces: a factor, by
  * itself where it is exact, and without contact, which it does not know. */
-static const char *automatic(const struct pdyn_sim *sim, const char **reason) {
+static const char *automatic(struct pdyn_sim *sim, const char **reason) {
     const struct system *sys = &sim->system;
     bool newton = sim->scene.settings.newton;
-    if (newton && registry_solver("dual")->fits(sys)) {
+    if (newton && registry_solver(sim->context, "dual")->fits(&sim->model.view)) {
         *reason = "nothing but the fluid acts: its pressures are solved for";
         return "dual";
     }
@@ -335,11 +338,12 @@ static const char *automatic(const struct pdyn_sim *sim, const char **reason) {
 static pdyn_status choose_solver(struct pdyn_sim *sim) {
     const struct scene_settings *set = &sim->scene.settings;
     const char *name = set->solver_type, *reason = "as the scene asks";
+    model_create(&sim->model, &sim->system, &sim->services);
     if (!strcmp(name, "auto")) name = automatic(sim, &reason);
-    sim->solver = registry_solver(name);
+    sim->solver = registry_solver(sim->context, name);
     if (!sim->solver)
         return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
-    if (sim->solver->fits && !sim->solver->fits(&sim->system))
+    if (sim->solver->fits && !sim->solver->fits(&sim->model.view))
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "solver \"%s\" does not fit this scene: %s", name,
                             sim->solver->summary);
@@ -354,7 +358,7 @@ static pdyn_status choose_solver(struct pdyn_sim *sim) {
                         : "after a new analysis where neighbours change");
     sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
     if (!sim->solver_state) return PDYN_NO_MEMORY;
-    return sim->solver->create(sim->solver_state, sim->context, &sim->system);
+    return sim->solver->create(sim->solver_state, &sim->model.view);
 }
 
 /* ---- the life of a simulation ---------------------------------------------------------------- */
@@ -422,6 +426,7 @@ void pdyn_free(pdyn_sim *sim) {
         sim->solver->free(sim->solver_state);
         context_resize(c, sim->solver_state, sim->solver->state_size, 0);
     }
+    model_free(&sim->model);
     double *vectors[] = {sim->x,         sim->v,        sim->x_next,
                          sim->gradient,  sim->trial,    sim->trial_gradient,
                          sim->direction, sim->negative, sim->correction,

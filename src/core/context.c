@@ -1,5 +1,7 @@
 #include "context.h"
 
+#include "registry.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,6 +50,7 @@ pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
     if (!context) return PDYN_NO_MEMORY;
     memset(context, 0, sizeof *context);
     context->options = chosen;
+    context->plugin[context->plugins++] = &registry_builtin;
     pthread_mutex_init(&context->memory_lock, NULL);
     context->pool = pool_create(chosen.threads);
     if (!context->pool) {

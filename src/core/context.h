@@ -8,12 +8,17 @@
 #include <pthread.h>
 #include <stdarg.h>
 
+enum { MOST_PLUGINS = 64 };
+
 struct pdyn_context {
     pdyn_options options;
     struct pool *pool;
     pthread_mutex_t memory_lock;
     size_t bytes, peak_bytes;
     char error[2048];
+    int plugins;
+    const struct pdyn_plugin
+        *plugin[MOST_PLUGINS]; /* what is registered; the library's own first */
 };
 
 /* Memory. Sizes are given back on release, so that the live count is exact. New memory is zeroed.

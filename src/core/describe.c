@@ -55,13 +55,15 @@ static void table(const struct sink *to, const pdyn_param *params) {
     }
 }
 
-static void describe_all(const struct sink *to) {
+static void describe_all(const pdyn_context *context, const struct sink *to) {
+    const pdyn_constraint_type *constraint;
+    const pdyn_global_solver *solver;
     line(to, "constraints\n");
-    for (const pdyn_constraint_type *const *t = registry_constraints(); *t; t++)
-        line(to, "  %-12s %s\n", (*t)->name, (*t)->summary);
+    for (int k = 0; (constraint = registry_constraint_at(context, k)); k++)
+        line(to, "  %-12s %s\n", constraint->name, constraint->summary);
     line(to, "\nsolvers\n");
-    for (const struct solver_type *const *t = registry_solvers(); *t; t++)
-        line(to, "  %-12s %s\n", (*t)->name, (*t)->summary);
+    for (int k = 0; (solver = registry_solver_at(context, k)); k++)
+        line(to, "  %-12s %s\n", solver->name, solver->summary);
 }
 
 static void describe_constraint(const struct sink *to, const pdyn_constraint_type *type) {
@@ -72,7 +74,7 @@ static void describe_constraint(const struct sink *to, const pdyn_constraint_typ
 }
 
 /* What every scene's "solver" object knows; its two words are no numbers, so no table has them. */
-static void describe_solver(const struct sink *to, const struct solver_type *type) {
+static void describe_solver(const struct sink *to, const pdyn_global_solver *type) {
     heading(to, "solver", type->name, type->summary);
     row(to, "type", "", "\"auto\"", "\"auto\" or the name of a solver",
         "\"auto\": what suits the scene");
@@ -85,10 +87,10 @@ static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
     const char *names[NAMES];
     char clipped[64], hint[768] = "";
     int count = 0;
-    for (int k = 0; registry_constraints()[k] && count < NAMES; k++)
-        names[count++] = registry_constraints()[k]->name;
-    for (int k = 0; registry_solvers()[k] && count < NAMES; k++)
-        names[count++] = registry_solvers()[k]->name;
+    for (int k = 0; registry_constraint_at(context, k) && count < NAMES; k++)
+        names[count++] = registry_constraint_at(context, k)->name;
+    for (int k = 0; registry_solver_at(context, k) && count < NAMES; k++)
+        names[count++] = registry_solver_at(context, k)->name;
     text_clip(clipped, sizeof clipped, name);
     text_hint(hint, sizeof hint, name, names, count);
     return context_fail(context, PDYN_BAD_INPUT, "no constraint and no solver \"%s\"%s", clipped,
@@ -99,12 +101,12 @@ pdyn_status pdyn_describe(pdyn_context *context, const char *name,
                           void (*write)(void *user, const char *text), void *user) {
     if (!context || !write) return PDYN_BAD_CALL;
     const struct sink to = {write, user};
-    const pdyn_constraint_type *constraint = name ? registry_constraint(name) : NULL;
-    const struct solver_type *solver = name ? registry_solver(name) : NULL;
+    const pdyn_constraint_type *constraint = name ? registry_constraint(context, name) : NULL;
+    const pdyn_global_solver *solver = name ? registry_solver(context, name) : NULL;
     if (name && !constraint && !solver) return fail_unknown(context, name);
     struct text_locale locale;
     if (!text_begin(&locale)) return context_no_memory(context);
-    if (!name) describe_all(&to);
+    if (!name) describe_all(context, &to);
     if (constraint) describe_constraint(&to, constraint);
     if (solver) describe_solver(&to, solver);
     text_end(&locale);

@@ -29,9 +29,9 @@ static void take_trial(struct pdyn_sim *sim) {
 static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
     double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
-    const struct solve_goal goal = {.tolerance = fmax(set->linear_tolerance, enough),
-                                    .gain = worth,
-                                    .iterations = set->linear_iterations};
+    const pdyn_goal goal = {.tolerance = fmax(set->linear_tolerance, enough),
+                            .gain = worth,
+                            .iterations = set->linear_iterations};
     int iterations = 0;
     memset(sim->direction, 0, system_bytes(&sim->system));
     for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];
@@ -193,6 +193,18 @@ static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {
            !(sim->system.contact && sim->system.contact->behind);
 }
 
+/* Names the constraint that it comes from, if there is one. */
+static pdyn_status say_not_finite(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->system.batches; b++) {
+        const struct batch *batch = sim->system.batch[b];
+        if (!isfinite(batch->energy))
+            return context_fail(sim->context, PDYN_DIVERGED,
+                                "the energy of constraint \"%s\" on body \"%s\" is not finite",
+                                batch->type->name, batch->view.body->name);
+    }
+    return context_fail(sim->context, PDYN_DIVERGED, "the energy is not finite");
+}
+
 /* Local and global steps in turn until the step residual is small enough. */
 pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
@@ -204,8 +216,7 @@ pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     p->before = p->energy;
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
-        if (!isfinite(p->energy) || !isfinite(p->residual))
-            return context_fail(sim->context, PDYN_DIVERGED, "the energy is not finite");
+        if (!isfinite(p->energy) || !isfinite(p->residual)) return say_not_finite(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (!moved || is_solved(sim, p) || p->outer >= set->outer_iterations) break;

@@ -60,9 +60,7 @@ void transform_directions(const struct transform *t, double *v, int count) {
     for (int i = 0; i < count; i++) turn(t, v + 3 * (size_t)i);
 }
 
-/* The path of a file, *size bytes. */
-static pdyn_status find_file(const struct json_at *at, const char *what, char **path,
-                             size_t *size) {
+pdyn_status placed_path(const struct json_at *at, const char *what, char **path, size_t *size) {
     const struct json_file *scene = at->file;
     const char *name = json_string_value(at->value);
     if (!name) return json_expected(at, what);
@@ -79,7 +77,7 @@ static pdyn_status find_file(const struct json_at *at, const char *what, char **
 pdyn_status placed_mesh(const struct json_at *at, struct mesh *mesh) {
     char *path = NULL;
     size_t size = 0;
-    pdyn_status status = find_file(at, "the name of a mesh file, .obj or .ply", &path, &size);
+    pdyn_status status = placed_path(at, "the name of a mesh file, .obj or .ply", &path, &size);
     if (status != PDYN_OK) return status;
     status = json_wrap(at, mesh_read(at->file->context, path, mesh));
     FREE_ARRAY(at->file->context, path, size);
@@ -90,7 +88,7 @@ pdyn_status placed_particles(const struct json_at *at, struct particles *particl
     char *path = NULL;
     size_t size = 0;
     pdyn_status status =
-        find_file(at, "the name of a file of particles, .ply or .vtk", &path, &size);
+        placed_path(at, "the name of a file of particles, .ply or .vtk", &path, &size);
     if (status != PDYN_OK) return status;
     status = json_wrap(at, particles_read(at->file->context, path, particles));
     FREE_ARRAY(at->file->context, path, size);

@@ -25,4 +25,8 @@ void transform_directions(const struct transform *t, double *v, int count);
 pdyn_status placed_mesh(const struct json_at *at, struct mesh *mesh);
 pdyn_status placed_particles(const struct json_at *at, struct particles *particles);
 
+/* The path of a file that a scene names, found relative to the folder of the scene's file: *size
+ * bytes of the context. `what` is expected at `at`. */
+pdyn_status placed_path(const struct json_at *at, const char *what, char **path, size_t *size);
+
 #endif

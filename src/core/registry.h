@@ -1,16 +1,24 @@
-/* The registered constraint types and solvers, and looking them up by name. */
+/* The constraint types and solvers that a context knows, and looking them up by name. */
 #ifndef PDYN_REGISTRY_H
 #define PDYN_REGISTRY_H
 
+#include "context.h"
 #include "projdyn/module.h"
-#include "solver.h"
 
-/* Arrays that end with NULL, in the order in which they are listed. */
-const pdyn_constraint_type *const *registry_constraints(void);
-const struct solver_type *const *registry_solvers(void);
+/* What the library brings along. */
+extern const pdyn_plugin registry_builtin;
 
-const pdyn_constraint_type *registry_constraint(const char *name); /* NULL: unknown */
-const struct solver_type *registry_solver(const char *name);       /* NULL: unknown */
+/* The k-th of all, in the order in which they are listed; NULL beyond the last. */
+const pdyn_constraint_type *registry_constraint_at(const pdyn_context *context, int k);
+const pdyn_global_solver *registry_solver_at(const pdyn_context *context, int k);
+
+/* NULL: unknown */
+const pdyn_constraint_type *registry_constraint(const pdyn_context *context, const char *name);
+const pdyn_global_solver *registry_solver(const pdyn_context *context, const char *name);
+
+/* Whether the table of a type can be worked with: PDYN_BAD_INPUT with what is wrong. */
+pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_type *type);
+pdyn_status table_check_solver(pdyn_context *context, const pdyn_global_solver *type);
 
 /* The parameters that every scene's "solver" and "time_step" object knows (tables in settings.c,
  * offsets into struct scene_settings), ending with a name of NULL. */

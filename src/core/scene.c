@@ -178,8 +178,8 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     struct json_at type = json_member(at, "type"), step = json_member(at, "step");
     struct scene_settings *set = &r->scene->settings;
     int count = 1, chosen_type = 0, chosen_step = 0;
-    for (int k = 0; registry_solvers()[k] && count < NAMES; k++)
-        types[count++] = registry_solvers()[k]->name;
+    for (int k = 0; registry_solver_at(r->context, k) && count < NAMES; k++)
+        types[count++] = registry_solver_at(r->context, k)->name;
     pdyn_status status =
         at->value ? params_check_keys(at, settings_solver_params, others) : PDYN_OK;
     if (status == PDYN_OK) status = params_read(at, settings_solver_params, NULL, set);
@@ -310,12 +310,13 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
 /* ---- constraints ----------------------------------------------------------------------------- */
 
 static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_type **out) {
+    const pdyn_context *context = at->file->context;
     const char *names[NAMES];
     int count = 0;
-    for (int k = 0; registry_constraints()[k] && count < NAMES; k++)
-        names[count++] = registry_constraints()[k]->name;
+    for (int k = 0; registry_constraint_at(context, k) && count < NAMES; k++)
+        names[count++] = registry_constraint_at(context, k)->name;
     if (!json_is_string(at->value)) return json_expected(at, "the name of a constraint");
-    *out = registry_constraint(json_string_value(at->value));
+    *out = registry_constraint(context, json_string_value(at->value));
     return *out ? PDYN_OK : fail_word(at, "constraint", names, count);
 }
 
@@ -564,14 +565,34 @@ static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
                              : status;
 }
 
+static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {
+    char *path = NULL;
+    size_t size = 0;
+    (void)index;
+    pdyn_status status = placed_path(at, "the name of a plug-in's shared object", &path, &size);
+    if (status != PDYN_OK) return status;
+    status = json_wrap(at, pdyn_load_plugin(r->context, path));
+    FREE_ARRAY(r->context, path, size);
+    return status;
+}
+
+static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = read_count(array, "an array of plug-ins", &count);
+    return status == PDYN_OK ? read_each(r, array, read_plugin) : status;
+}
+
 static pdyn_status read_all(struct reader *r, const struct json_at *root) {
-    static const char *const others[] = {"$schema", "name",   "gravity", "time_step", "solver",
-                                         "bodies",  "solids", "outlets", "contact",   NULL};
+    static const char *const others[] = {"$schema", "name",    "gravity", "time_step",
+                                         "solver",  "bodies",  "solids",  "outlets",
+                                         "contact", "plugins", NULL};
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
     struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
+    struct json_at plugins = json_member(root, "plugins");
     pdyn_status status = params_check_keys(root, settings_general_params, others);
     if (status == PDYN_OK) status = read_general(r, root);
+    if (status == PDYN_OK) status = read_plugins(r, &plugins);
     if (status == PDYN_OK) status = read_time_step(r, &time_step);
     if (status == PDYN_OK) status = read_solver(r, &solver);
     if (status == PDYN_OK) status = read_bodies(r, &bodies);

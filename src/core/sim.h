@@ -47,7 +47,8 @@ struct pdyn_sim {
     struct samples *samples;       /* on surfaces, where these meet a fluid; otherwise NULL */
     struct sides *sides;           /* the same surfaces, between fluid and fluid */
 
-    const struct solver_type *solver;
+    struct model model; /* what the solver sees */
+    const pdyn_global_solver *solver;
     void *solver_state;
     const char *solver_reason;
 

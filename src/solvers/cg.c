@@ -75,8 +75,10 @@ static double precondition(void *self) {
     return system_partial_sum(cg->krylov.system);
 }
 
-static pdyn_status create(void *self, pdyn_context *context, struct system *system) {
+static pdyn_status create(void *self, pdyn_model *model) {
     struct cg *cg = self;
+    struct system *system = model_system(model);
+    pdyn_context *context = system->context;
     size_t n = (size_t)system->particles;
     cg->krylov.prepare = prepare, cg->krylov.precondition = precondition, cg->krylov.self = cg;
     pdyn_status status = krylov_create(&cg->krylov, context, system);
@@ -88,16 +90,15 @@ static pdyn_status create(void *self, pdyn_context *context, struct system *syst
     return PDYN_OK;
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const struct solve_goal *goal,
-                         int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct cg *cg = self;
-    struct solve_goal patient = *goal;
+    pdyn_goal patient = *goal;
     patient.gain = 0.0;
     krylov_solve(&cg->krylov, b, y, &patient, iterations);
     return PDYN_OK;
 }
 
-const struct solver_type pdyn_solver_cg = {
+const pdyn_global_solver pdyn_solver_cg = {
     .name = "cg",
     .summary =
         "conjugate gradients without a matrix, preconditioned by 3 x 3 blocks; for scenes that "

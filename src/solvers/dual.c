@@ -64,14 +64,15 @@ static void release(void *self) {
     FREE_ARRAY(s->context, s->sums, SUMS * (size_t)pool_blocks(s->count, SYSTEM_GRAIN));
 }
 
-static bool fits(const struct system *system) {
+static bool fits(pdyn_model *model) {
+    const struct system *system = model_system(model);
     return system->batches == 1 && system->batch[0]->op;
 }
 
-static pdyn_status create(void *self, pdyn_context *context, struct system *system) {
+static pdyn_status create(void *self, pdyn_model *model) {
     struct dual *s = self;
-    s->context = context, s->system = system;
-    s->at = &system->batch[0]->scalars;
+    s->system = model_system(model), s->context = s->system->context;
+    s->at = &s->system->batch[0]->scalars;
     return PDYN_OK;
 }
 
@@ -268,8 +269,7 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
     }
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const struct solve_goal *goal,
-                         int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct dual *s = self;
     pdyn_status status = reserve(s, s->at->at.count);
     if (status != PDYN_OK) return status;
@@ -297,7 +297,7 @@ static pdyn_status persist(void *self, pdyn_archive *archive) {
     return PDYN_OK;
 }
 
-const struct solver_type pdyn_solver_dual = {
+const pdyn_global_solver pdyn_solver_dual = {
     .name = "dual",
     .summary = "conjugate gradients on the multipliers (pressures), kept from step to step; for "
                "scenes of fluid alone",

@@ -191,8 +191,10 @@ static pdyn_status persist(void *self, pdyn_archive *archive) {
     return PDYN_OK;
 }
 
-static pdyn_status create(void *self, pdyn_context *context, struct system *system) {
+static pdyn_status create(void *self, pdyn_model *model) {
     struct hybrid *s = self;
+    struct system *system = model_system(model);
+    pdyn_context *context = system->context;
     s->krylov.prepare = prepare, s->krylov.precondition = precondition, s->krylov.self = s;
     s->omega = relaxed;
     pdyn_status status = krylov_create(&s->krylov, context, system);
@@ -207,8 +209,7 @@ static pdyn_status create(void *self, pdyn_context *context, struct system *syst
     return PDYN_OK;
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const struct solve_goal *goal,
-                         int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
     pdyn_status status = update_factor(s);
     if (status != PDYN_OK) return status;
@@ -217,7 +218,7 @@ static pdyn_status solve(void *self, double *b, double *y, const struct solve_go
     return PDYN_OK;
 }
 
-const struct solver_type pdyn_solver_hybrid = {
+const pdyn_global_solver pdyn_solver_hybrid = {
     .name = "hybrid",
     .summary = "conjugate gradients preconditioned by a factor of the projective step's matrix and "
                "by 3 x 3 blocks; for cloth with the newton step",

@@ -65,8 +65,7 @@ static void for_particles(struct krylov *k, pdyn_range_fn *fn, double scale) {
 
 /* d = H^-1 r with all constraints on the sides where they are, until |r| is at most `target` or
  * an iteration gains too little: the model falls by rz / 2 times the length of each. */
-static void solve_linear(struct krylov *k, double target, const struct solve_goal *goal,
-                         int *iterations) {
+static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal, int *iterations) {
     struct system *sys = k->system;
     double rr = INFINITY, rz = 0.0, gained = 0.0, gain = INFINITY;
     memset(k->p, 0, system_bytes(sys));
@@ -104,8 +103,7 @@ static int go_along(struct krylov *k, double *b, double *y) {
     return changed;
 }
 
-void krylov_solve(struct krylov *k, double *b, double *y, const struct solve_goal *goal,
-                  int *iterations) {
+void krylov_solve(struct krylov *k, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct system *sys = k->system;
     double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
     bool solved = false;

@@ -28,8 +28,8 @@ struct krylov {
 pdyn_status krylov_create(struct krylov *krylov, pdyn_context *context, struct system *system);
 void krylov_free(struct krylov *krylov);
 
-/* As solver_type.solve. */
-void krylov_solve(struct krylov *krylov, double *b, double *y, const struct solve_goal *goal,
+/* As pdyn_global_solver.solve. */
+void krylov_solve(struct krylov *krylov, double *b, double *y, const pdyn_goal *goal,
                   int *iterations);
 
 #endif

@@ -1,0 +1,42 @@
+/* Plug-ins: shared objects with one data symbol, pdyn_plugin_table. They are never unloaded, for
+ * simulations refer to their tables, and another context may, too. */
+#include "context.h"
+#include "projdyn/module.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <string.h>
+
+static pdyn_status fail_load(pdyn_context *context, const char *path) {
+    const char *why = dlerror();
+    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the plug-in cannot be loaded: %s", path,
+                        why ? why : "unknown reason");
+}
+
+/* The loader looks for a name without a slash in the system's folders. */
+static void *open_object(pdyn_context *context, const char *path) {
+    if (strchr(path, '/')) return dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    size_t size = strlen(path) + 3;
+    char *here = NEW_ARRAY(context, size, char);
+    if (!here) return NULL;
+    snprintf(here, size, "./%s", path);
+    void *object = dlopen(here, RTLD_NOW | RTLD_LOCAL);
+    FREE_ARRAY(context, here, size);
+    return object;
+}
+
+pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
+    if (!context || !path || !*path) return PDYN_BAD_CALL;
+    dlerror();
+    void *object = open_object(context, path);
+    if (!object) return fail_load(context, path);
+    const pdyn_plugin *plugin = dlsym(object, "pdyn_plugin_table");
+    if (!plugin)
+        return context_fail(context, PDYN_BAD_INPUT,
+                            "%.1024s: not a plug-in: it has no symbol pdyn_plugin_table", path);
+    pdyn_status status = pdyn_register(context, plugin);
+    if (status != PDYN_BAD_INPUT) return status;
+    char why[1024];
+    snprintf(why, sizeof why, "%.1000s", pdyn_last_error(context));
+    return context_fail(context, status, "%.1000s: %s", path, why);
+}

@@ -1,0 +1,270 @@
+/* Registering: what is refused, and why; what a solver of a plug-in is given. */
+#include "support.h"
+
+#include "projdyn/module.h"
+#include "registry.h"
+
+#include <string.h>
+
+/* ---- tables that make no sense --------------------------------------------------------------- */
+
+struct params {
+    double stiffness, length;
+    int count;
+};
+
+static int elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->count;
+}
+
+static void fill(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)b, (void)first, (void)last;
+}
+
+static double damping(const void *par) { return ((const struct params *)par)->length; }
+
+static const pdyn_param good_params[] = {
+    {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), true, 0, 0, 1, "N/m", "its"}, {0}};
+
+static const pdyn_constraint_type good = {.name = "mine",
+                                          .summary = "does nothing",
+                                          .params_size = sizeof(struct params),
+                                          .params = good_params,
+                                          .elements = elements,
+                                          .rows = 1,
+                                          .width = 1,
+                                          .select = fill,
+                                          .weight = fill,
+                                          .project = fill};
+
+static void refuse(const pdyn_plugin *plugin, const char *why) {
+    pdyn_context *context = test_context(1);
+    int before = context->plugins;
+    assert_int_equal(pdyn_register(context, plugin), PDYN_BAD_INPUT);
+    if (!strstr(pdyn_last_error(context), why))
+        fail_msg("expected \"%s\" in \"%s\"", why, pdyn_last_error(context));
+    assert_int_equal(context->plugins, before);
+    pdyn_destroy(context);
+}
+
+static void refuse_type(pdyn_constraint_type type, const char *why) {
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
+    refuse(&plugin, why);
+}
+
+static void refuse_param(pdyn_param second, const char *why) {
+    const pdyn_param params[] = {good_params[0], second, {0}};
+    pdyn_constraint_type type = good;
+    type.params = params;
+    refuse_type(type, why);
+}
+
+static void test_plugins(void **state) {
+    (void)state;
+    refuse(&(pdyn_plugin){PDYN_ABI + 1, "p", NULL, NULL}, "expected abi");
+    refuse(&(pdyn_plugin){PDYN_ABI, "", NULL, NULL}, "no name");
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(NULL, &registry_builtin), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_register(context, NULL), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_load_plugin(context, ""), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_load_plugin(context, "nowhere.so"), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_tables(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.name = "my constraint", refuse_type(t, "no name of 1 to 31");
+    t = good, t.name = "spring", refuse_type(t, "the name \"spring\" is taken");
+    t = good, t.name = "cg", refuse_type(t, "the name \"cg\" is taken");
+    t = good, t.name = "auto", refuse_type(t, "the name \"auto\" is taken");
+    t = good, t.summary = NULL, refuse_type(t, "no summary");
+    t = good, t.params = NULL, refuse_type(t, "no table of parameters");
+    t = good, t.project = NULL, refuse_type(t, "lacks one of");
+    t = good, t.width = 0, refuse_type(t, "needs rows and width");
+    t = good, t.damping = damping, refuse_type(t, "need each other");
+    t = good, t.flags = PDYN_ON_PARTICLES | PDYN_ON_SURFACE, refuse_type(t, "no body is both");
+    t = good, t.op = &(pdyn_operator){0}, refuse_type(t, "lacks a callback");
+    t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
+}
+
+static void test_parameters(void **state) {
+    (void)state;
+    const size_t length = offsetof(struct params, length);
+    refuse_param((pdyn_param){"type", PDYN_REAL, length, false, 0, 0, 1, "", ""}, "key of a scene");
+    refuse_param((pdyn_param){"l", (pdyn_param_kind)17, length, false, 0, 0, 1, "", ""}, "kind");
+    refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 0, 0, 1, NULL, ""}, "no unit");
+    refuse_param((pdyn_param){"l", PDYN_VECTOR, length, false, 0, 0, 1, "", ""}, "outside");
+    refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 0, 2, 1, "", ""}, "not ordered");
+    refuse_param((pdyn_param){"stiffness", PDYN_REAL, length, false, 0, 0, 1, "", ""}, "twice");
+    refuse_param((pdyn_param){"l", PDYN_INT, 4, false, 0, 0, 1, "", ""}, "overlaps");
+}
+
+/* ---- rows that make no sense ----------------------------------------------------------------- */
+
+static int column_of_all;
+static double coefficient_of_all, weight_of_all;
+static int elements_of_all;
+
+static int some_elements(const void *par, const pdyn_body *body) {
+    (void)par, (void)body;
+    return elements_of_all;
+}
+
+static void some_select(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        b->column[e] = column_of_all, b->coefficient[e] = coefficient_of_all;
+}
+
+static void some_weight(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = weight_of_all;
+}
+
+static void project_to_nan(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = NAN;
+}
+
+static const char sheet[] =
+    "{\"duration\": 1, \"bodies\": [{\"name\": \"b\", \"surface\": {\"grid\": {\"size\": [1, 1],"
+    " \"vertices\": [3, 3]}, \"area_density\": 1}, \"constraints\": [{\"type\": \"mine\","
+    " \"stiffness\": 1}]}]}";
+
+static pdyn_status load_rows(pdyn_context *context, int count, int column, double coefficient,
+                             double weight, pdyn_sim **sim) {
+    static pdyn_constraint_type type;
+    static const pdyn_constraint_type *const types[] = {&type, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
+    elements_of_all = count, column_of_all = column;
+    coefficient_of_all = coefficient, weight_of_all = weight;
+    type = good, type.elements = some_elements, type.select = some_select;
+    type.weight = some_weight, type.project = project_to_nan;
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    return pdyn_load_text(context, sheet, "sheet", NULL, 0, sim);
+}
+
+static void refuse_rows(int count, int column, double coefficient, double weight, const char *why) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim;
+    assert_int_equal(load_rows(context, count, column, coefficient, weight, &sim), PDYN_BAD_INPUT);
+    if (!strstr(pdyn_last_error(context), why))
+        fail_msg("expected \"%s\" in \"%s\"", why, pdyn_last_error(context));
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_rows(void **state) {
+    (void)state;
+    refuse_rows(-1, 0, 1.0, 1.0, "constraint \"mine\" on body \"b\": it has -1 elements");
+    refuse_rows(2, 9, 1.0, 1.0, "element 0 selects particle 9, expected 0 to 8");
+    refuse_rows(2, -1, 1.0, 1.0, "element 0 selects particle -1, expected 0 to 8");
+    refuse_rows(2, 0, NAN, 1.0, "coefficient that is not finite");
+    refuse_rows(2, 0, 1.0, -1.0, "element 0 has the weight -1, expected a finite one");
+    refuse_rows(2, 0, 1.0, NAN, "expected a finite one of at least 0");
+}
+
+/* A projection that is no number ends the run and is named. */
+static void test_not_finite(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim;
+    assert_int_equal(load_rows(context, 2, 0, 1.0, 1.0, &sim), PDYN_OK);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+    assert_non_null(strstr(pdyn_last_error(context),
+                           "the energy of constraint \"mine\" on body \"b\" is not finite"));
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- what a solver is given ------------------------------------------------------------------ */
+
+static pdyn_model *model;
+
+static pdyn_status create(void *self, pdyn_model *given) {
+    (void)self;
+    model = given;
+    return PDYN_OK;
+}
+
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
+    (void)self, (void)b, (void)y, (void)goal, (void)iterations;
+    return model->services->set_error(model->services->core, PDYN_SOLVER_FAILED, "no idea");
+}
+
+static void release(void *self) { (void)self; }
+
+static const pdyn_global_solver lazy = {.name = "lazy",
+                                        .summary = "solves nothing",
+                                        .state_size = 1,
+                                        .create = create,
+                                        .solve = solve,
+                                        .free = release};
+static const pdyn_global_solver *const solvers[] = {&lazy, NULL};
+static const pdyn_plugin lazy_plugin = {PDYN_ABI, "lazy", NULL, solvers};
+
+static const char springs[] =
+    "{\"duration\": 1, \"solver\": {\"type\": \"lazy\"}, \"bodies\": [{\"surface\": {\"grid\":"
+    " {\"size\": [1, 1], \"vertices\": [4, 5]}, \"area_density\": 1}, \"constraints\": [{\"type\":"
+    " \"spring\", \"stretching_stiffness\": 100}, {\"type\": \"pin\", \"vertices\": {\"vertices\":"
+    " [0]}}]}]}";
+
+/* y = H u by the matrix, of which only the lower triangle counts. */
+static void multiply(const pdyn_matrix *m, const double *u, double *y) {
+    int copies = 3 / m->dim;
+    for (int k = 0; k < m->size * copies; k++) y[k] = 0.0;
+    for (int c = 0; c < m->size; c++)
+        for (int k = m->start[c]; k < m->start[c + 1]; k++)
+            for (int a = 0; a < copies && m->row[k] >= c; a++) {
+                int i = copies * m->row[k] + a, j = copies * c + a;
+                y[i] += m->value[k] * u[j];
+                if (i != j) y[j] += m->value[k] * u[i];
+            }
+}
+
+/* Product, block diagonal and matrix are of one H, and the matrix says when it moves. */
+static void test_model(void **state) {
+    (void)state;
+    static const int place[3] = {0, 3, 5}; /* of xx, yy, zz in a packed block */
+    double u[61], y[61], z[61], blocks[120];
+    uint64_t seed = 3;
+    pdyn_context *context = test_context(2);
+    assert_int_equal(pdyn_register(context, &lazy_plugin), PDYN_OK);
+    pdyn_sim *sim = test_load(context, springs);
+    assert_int_equal(model->particles, 20);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_SOLVER_FAILED);
+    assert_string_equal(pdyn_last_error(context), "no idea");
+    for (int k = 0; k < 60; k++) u[k] = test_random(&seed);
+    for (int dim = 1; dim <= 3; dim += 2) {
+        pdyn_matrix matrix, again;
+        assert_int_equal(system_linearise(&sim->system, dim == 1 ? 1.0 : 0.25), PDYN_OK);
+        assert_int_equal(model->matrix(model, &matrix), PDYN_OK);
+        assert_int_equal(matrix.dim, dim);
+        model->product(model, u, y);
+        multiply(&matrix, u, z);
+        assert_true(test_distance(y, z, 60) <= 1e-12 * sqrt(model->dot(model, y, y)));
+        model->diagonal(model, blocks);
+        for (int c = 0; c < matrix.size; c++)
+            assert_true(fabs(matrix.value[matrix.start[c] + c % dim] -
+                             blocks[6 * (c / dim) + place[c % dim]]) <= 1e-9 * fabs(y[0]));
+        assert_int_equal(model->matrix(model, &again), PDYN_OK);
+        assert_int_equal(again.pattern, matrix.pattern);
+        assert_int_equal(again.values == matrix.values, dim == 1);
+    }
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_plugins),    cmocka_unit_test(test_tables),
+        cmocka_unit_test(test_parameters), cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_model),
+    };
+    return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
+}

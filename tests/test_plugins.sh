@@ -1,0 +1,56 @@
+#!/bin/sh
+# Plug-ins from the command line. Arguments: the program, the source folder, the template as a
+# shared object, one of another abi, one that is no plug-in.
+program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+failed=0
+cd "$dir" || exit 1
+
+# expect NAME CODE TEXT COMMAND...: the exit code, and a text in what is printed
+expect() {
+    name=$1 code=$2 text=$3
+    shift 3
+    "$@" >"$dir/said" 2>&1
+    got=$?
+    if [ "$got" = "$code" ] && grep -qF -e "$text" "$dir/said"; then
+        echo "ok $name"
+    else
+        failed=$((failed + 1))
+        echo "not ok $name: exit $got (expected $code), expected to read '$text' in:"
+        sed 's/^/    /' "$dir/said"
+    fi
+}
+
+cp "$root/examples/plugin/template.json" sheet.json
+expect "without its plug-in" 2 'unknown constraint "floor"' "$program" check sheet.json
+expect "with its plug-in" 0 "constraint floor on sheet: 625 elements" "$program" check sheet.json --plugin "$good"
+expect "list" 0 "floor" "$program" list --plugin "$good"
+expect "list one" 0 "where the floor is" "$program" list floor --plugin "$good"
+expect "twice the same" 0 "floor" "$program" list --plugin "$good" --plugin "$good"
+expect "missing file" 2 "nowhere.so: the plug-in cannot be loaded" "$program" list --plugin nowhere.so
+expect "no shared object" 2 "sheet.json: the plug-in cannot be loaded" "$program" list --plugin sheet.json
+expect "another abi" 2 "expected abi" "$program" list --plugin "$old"
+expect "no symbol" 2 "not a plug-in" "$program" list --plugin "$empty"
+cp "$good" floor.so && cp "$good" again.so
+expect "file of the current folder" 0 "floor" "$program" list --plugin floor.so
+expect "a name that is taken" 2 'the name "floor" is taken' "$program" list --plugin floor.so --plugin again.so
+
+# in the scene, found from its folder
+mkdir -p scenes/lib && cp "$good" scenes/lib/floor.so
+sed '2s|^|  "plugins": ["lib/floor.so"],\n|' sheet.json >scenes/sheet.json
+expect "in the scene" 0 "constraint floor" "$program" check scenes/sheet.json
+expect "bad parameter" 2 "expected a number from 0 to" "$program" check scenes/sheet.json --set bodies.sheet.constraints.floor.stiffness=-1
+sed 's|lib/floor.so|lib/roof.so|' scenes/sheet.json >scenes/roof.json
+expect "missing in the scene" 2 "scenes/roof.json:2:15: plugins[0]: scenes/lib/roof.so: the plug-in cannot be loaded" "$program" check scenes/roof.json
+
+# the same bits with any number of threads, and after an interruption
+run="$program run sheet.json --plugin floor.so --quiet --set time_step.fixed=0.01 --set frame_interval=0.05
+    --set bodies.sheet.surface.grid.vertices=[9,9]"
+for solver in cg cholesky hybrid; do
+    $run --time 0.3 -o one --threads 1 --set solver.type=$solver && $run --time 0.3 -o three --threads 3 --set solver.type=$solver
+    expect "threads, $solver" 0 "state_hash" sh -c "a=\$(grep state_hash one/report.json) && [ \"\$a\" = \"\$(grep state_hash three/report.json)\" ] && echo \"\$a\""
+done
+$run --time 0.1 -o part --set solver.type=hybrid && "$program" run --resume part --time 0.3 --quiet
+expect "the same bits when resumed" 0 "state_hash" sh -c "a=\$(grep state_hash part/report.json) && [ \"\$a\" = \"\$(grep state_hash one/report.json)\" ] && echo \"\$a\""
+exit $((failed > 0))
