@@ -9,6 +9,7 @@ enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 13
 /* Each gets its own name as argv[0] and returns the exit code. */
 int run_main(int argc, char **argv);
 int sweep_main(int argc, char **argv);
+int compare_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 
@@ -20,6 +21,7 @@ struct scene_options {
     int sets;
     const char **plugin; /* files */
     int plugins;
+    bool silent; /* no warnings */
 };
 
 /* Takes the value of --threads; false with a message on bad ones. */

@@ -15,6 +15,7 @@ static const struct command {
 } commands[] = {
     {"run", run_main, "simulate a scene and write frames, metrics and a report"},
     {"sweep", sweep_main, "simulate a scene with many settings, in parallel; one table"},
+    {"compare", compare_main, "the same steps by several solvers: which is faster, from when on"},
     {"check", check_main, "read a scene and say what is in it"},
     {"list", list_main, "constraint types and solvers, their parameters and units"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},
@@ -154,7 +155,7 @@ int report_status(const pdyn_context *context, pdyn_status status) {
 int scene_context(const struct scene_options *options, pdyn_context **context) {
     pdyn_options settings = pdyn_default_options();
     settings.threads = options->threads;
-    settings.log = warn;
+    settings.log = options->silent ? NULL : warn;
     pdyn_status status = pdyn_create(&settings, context);
     for (int k = 0; k < options->plugins && status == PDYN_OK; k++)
         status = pdyn_load_plugin(*context, options->plugin[k]);

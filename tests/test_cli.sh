@@ -81,7 +81,7 @@ expect "version" 0 "projdyn 0." "$program" --version
 expect "unknown command" 2 'did you mean "check"' "$program" chekc
 expect "unknown command lists all" 2 "  replay " "$program" chekc
 expect "command like no other" 1 "" sh -c "'$program' frobnicate 2>&1 | grep 'did you mean'"
-for command in run sweep check list replay; do
+for command in run sweep compare check list replay; do
     expect "$command --help" 0 "Usage: projdyn $command" "$program" $command --help
 done
 expect "run without a scene" 2 "expected one scene" "$program" run
@@ -143,6 +143,15 @@ EOF
 else
     skip "small file system: mounting is not permitted"
 fi
+contest="$root/scenes/hanging_cloth.json --set bodies.sheet.surface.grid.vertices=[17,17] --set solver.outer_iterations=3
+    --set bodies.sheet.constraints.pin.vertices.vertices=[0,16] --steps 3 --rounds 2"
+expect "compare" 0 "times as fast a step as" "$program" compare $contest --solver cg,cholesky --set solver.step=projective
+expect "compare with itself" 0 "0.00e+00" sh -c "'$program' compare $(echo $contest) --solver cg,cg | grep ^cg | sed 1d"
+expect "compare in one way" 0 "cholesky" sh -c "'$program' compare $(echo $contest) --solver cg,cholesky --set solver.step=projective \
+    --csv | awk -F, 'NR == 2 { linear = \$5 } NR == 3 && \$5 == 3 && linear > 3 && \$8 > 0 && \$8 < 0.1'"
+expect "compare needs two" 2 "two solvers or more" "$program" compare $contest --solver cg
+expect "compare of a solver that does not fit" 2 "does not fit" "$program" compare $contest --solver cg,dual
+expect "compare in no steps" 2 "from 1 to" "$program" compare $contest --solver cg,hybrid --steps 0
 expect "replay of nothing" 2 "nothing-here" "$program" replay "$dir/nothing-here"
 expect "same bits for one thread and two" 0 "same" sh -c "
     for n in 1 2; do '$program' run '$scene' -o '$dir/t'\$n --time 0.1 --threads \$n --quiet; done
