@@ -19,6 +19,7 @@ static const char usage[] =
     "\n"
     "      --solver A,B,...  solvers ('projdyn list')\n"
     "      --set PATH=VALUE  overrides a value of the scene\n"
+    "      --plugin FILE     loads a plug-in before the scene\n"
     "      --steps N         steps (default 20)\n"
     "      --rounds N        times that each takes them (default 4)\n"
     "      --threads N       worker threads (default 1: processor time is measured; else wall "
@@ -66,6 +67,8 @@ static bool accept_option(struct compare *c, int option) {
         return parse_solvers(c, optarg);
     case 's':
         return scene_set(&c->contest.scene, optarg);
+    case 'P':
+        return scene_plugin(&c->contest.scene, optarg);
     case 'n':
         return parse_count("--steps", optarg, &c->contest.steps);
     case 'r':
@@ -81,11 +84,15 @@ static bool accept_option(struct compare *c, int option) {
 
 /* -1: go on; otherwise the exit code. */
 static int parse(struct compare *c, int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"solver", required_argument, NULL, 'o'},  {"set", required_argument, NULL, 's'},
-        {"steps", required_argument, NULL, 'n'},   {"rounds", required_argument, NULL, 'r'},
-        {"threads", required_argument, NULL, 't'}, {"csv", no_argument, NULL, 'c'},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    static const struct option long_options[] = {{"solver", required_argument, NULL, 'o'},
+                                                 {"set", required_argument, NULL, 's'},
+                                                 {"steps", required_argument, NULL, 'n'},
+                                                 {"rounds", required_argument, NULL, 'r'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"csv", no_argument, NULL, 'c'},
+                                                 {"plugin", required_argument, NULL, 'P'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     int option;
     while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
         if (option == 'h') {
@@ -164,7 +171,7 @@ int compare_main(int argc, char **argv) {
         else if (code == EXIT_GOOD) print_table(&c.contest);
     }
     contest_free(&c.contest);
-    free(c.contest.scene.set);
+    scene_options_free(&c.contest.scene);
     free(c.solvers);
     return code;
 }

@@ -49,8 +49,11 @@ static uint64_t add_text(uint64_t hash, const char *text, size_t length) {
     return hash;
 }
 
-static void name_run(const char *scene, size_t size, struct farm_run *run) {
+static void name_run(const struct farm *farm, const char *scene, size_t size,
+                     struct farm_run *run) {
     uint64_t hash = add_text(0xcbf29ce484222325u, scene, size);
+    for (int k = 0; k < farm->scene.plugins; k++)
+        hash = add_text(hash, farm->scene.plugin[k], strlen(farm->scene.plugin[k]));
     hash = add_text(hash, pdyn_version(), strlen(pdyn_version()));
     for (int k = 0; k < run->sets; k++) hash = add_text(hash, run->set[k], strlen(run->set[k]));
     if (run->frames) hash = add_text(hash, "", 0);
@@ -67,9 +70,9 @@ static int look_for(const struct farm *farm, struct farm_run *run) {
 int farm_survey(struct farm *farm) {
     char *scene;
     size_t size;
-    int code = file_read(farm->scene, &scene, &size);
+    int code = file_read(farm->scene.scene, &scene, &size);
     for (long k = 0; code == EXIT_GOOD && k < farm->count; k++) {
-        name_run(scene, size, &farm->run[k]);
+        name_run(farm, scene, size, &farm->run[k]);
         code = look_for(farm, &farm->run[k]);
     }
     free(scene);
@@ -125,15 +128,17 @@ static int claim(const struct farm *farm, struct farm_run *run, int *lock) {
 /* In a process of its own, which ends with the one that started it. */
 static void be_run(const struct farm *farm, const struct farm_run *run, pid_t parent) {
     char part[FARM_PATH], threads[16];
-    const char **argv = calloc(16 + 2 * (size_t)run->sets, sizeof *argv);
+    const char **argv = calloc(16 + 2 * (size_t)(run->sets + farm->scene.plugins), sizeof *argv);
     int argc = 0;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent || !argv || !farm_path(part, farm, run, ".part")) _exit(EXIT_FAILED);
     snprintf(threads, sizeof threads, "%d", farm->threads);
-    const char *fixed[] = {"run",       farm->scene, "--output", part, "--quiet",
-                           "--threads", threads,     "--save",   "0"};
+    const char *fixed[] = {"run",       farm->scene.scene, "--output", part, "--quiet",
+                           "--threads", threads,           "--save",   "0"};
     for (size_t k = 0; k < sizeof fixed / sizeof *fixed; k++) argv[argc++] = fixed[k];
     if (!run->frames) argv[argc++] = "--no-frames";
+    for (int k = 0; k < farm->scene.plugins; k++)
+        argv[argc++] = "--plugin", argv[argc++] = farm->scene.plugin[k];
     for (int k = 0; k < run->sets; k++) argv[argc++] = "--set", argv[argc++] = run->set[k];
     argv[argc] = NULL;
     optind = 0;

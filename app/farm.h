@@ -4,7 +4,7 @@
 #ifndef FARM_H
 #define FARM_H
 
-#include <stdbool.h>
+#include "app.h"
 
 enum { FARM_KEY = 17, FARM_PATH = 4096 };
 
@@ -20,7 +20,8 @@ struct farm_run {
 };
 
 struct farm {
-    const char *scene, *output;
+    struct scene_options scene; /* and plug-ins; what differs is in the runs */
+    const char *output;
     int jobs, threads; /* processes at a time, threads of each */
     bool quiet;
     long count;

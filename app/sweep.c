@@ -21,6 +21,7 @@ static const char usage[] =
     "  -o, --output DIR        where to write (default out/sweep-NAME of the scene)\n"
     "      --jobs N            runs at a time (default: cores over threads)\n"
     "      --threads N         worker threads of each (default 1)\n"
+    "      --plugin FILE       loads a plug-in before the scene\n"
     "      --frames            writes the frames of all runs\n"
     "      --print             runs nothing; prints one command for each run, for GNU parallel or\n"
     "                          an array of Slurm; then --collect\n"
@@ -54,6 +55,8 @@ static bool accept_option(struct sweep *s, int option) {
     switch (option) {
     case 's':
         return choices_add(&s->choices, optarg);
+    case 'P':
+        return scene_plugin(&s->farm.scene, optarg);
     case 'o':
         return s->farm.output = optarg, true;
     case 'j':
@@ -88,23 +91,19 @@ static int complete(struct sweep *s) {
         return EXIT_BAD_INPUT;
     }
     if (!s->farm.jobs) s->farm.jobs = cores > s->farm.threads ? (int)cores / s->farm.threads : 1;
-    if (!s->farm.output) s->farm.output = s->output = default_output("sweep-", s->farm.scene);
+    if (!s->farm.output) s->farm.output = s->output = default_output("sweep-", s->farm.scene.scene);
     return s->farm.output ? -1 : EXIT_FAILED;
 }
 
 /* -1: go on; otherwise the exit code. */
 static int parse(struct sweep *s, int argc, char **argv) {
-    static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
-                                                 {"output", required_argument, NULL, 'o'},
-                                                 {"jobs", required_argument, NULL, 'j'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"point", required_argument, NULL, 'k'},
-                                                 {"frames", no_argument, NULL, 'f'},
-                                                 {"print", no_argument, NULL, 'p'},
-                                                 {"collect", no_argument, NULL, 'c'},
-                                                 {"quiet", no_argument, NULL, 'q'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
+    static const struct option long_options[] = {
+        {"set", required_argument, NULL, 's'},   {"output", required_argument, NULL, 'o'},
+        {"jobs", required_argument, NULL, 'j'},  {"threads", required_argument, NULL, 't'},
+        {"point", required_argument, NULL, 'k'}, {"frames", no_argument, NULL, 'f'},
+        {"print", no_argument, NULL, 'p'},       {"collect", no_argument, NULL, 'c'},
+        {"quiet", no_argument, NULL, 'q'},       {"plugin", required_argument, NULL, 'P'},
+        {"help", no_argument, NULL, 'h'},        {0}};
     int option;
     while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
         if (option == 'h') {
@@ -118,7 +117,7 @@ static int parse(struct sweep *s, int argc, char **argv) {
                 usage);
         return EXIT_BAD_INPUT;
     }
-    s->farm.scene = argv[optind];
+    s->farm.scene.scene = argv[optind];
     return complete(s);
 }
 
@@ -145,7 +144,7 @@ static int print_commands(const struct sweep *s) {
     for (long k = 0; k < s->farm.count; k++) {
         print_quoted(length > 0 ? program : "projdyn");
         printf(" sweep");
-        print_argument("", s->farm.scene);
+        print_argument("", s->farm.scene.scene);
         for (int a = 0; a < s->choices.axes; a++) {
             printf(" --set ");
             print_quoted(s->choices.axis[a].path);
@@ -155,6 +154,8 @@ static int print_commands(const struct sweep *s) {
                 print_quoted(s->choices.axis[a].value[v]);
             }
         }
+        for (int p = 0; p < s->farm.scene.plugins; p++)
+            print_argument("--plugin", s->farm.scene.plugin[p]);
         print_argument("--output", s->farm.output);
         printf("%s --threads %d --point %ld\n", s->frames ? " --frames" : "", s->farm.threads, k);
     }
@@ -195,6 +196,7 @@ int sweep_main(int argc, char **argv) {
     for (long k = 0; s.farm.run && k < s.farm.count; k++)
         settings_free(s.farm.run[k].set, s.farm.run[k].sets);
     free(s.farm.run);
+    scene_options_free(&s.farm.scene);
     free(s.output);
     choices_free(&s.choices);
     return code;
