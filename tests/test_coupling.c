@@ -220,6 +220,43 @@ static void test_momentum(void **state) {
     keeps_momentum("solver.outer_iterations=4", "solver.linear_tolerance=0.01");
 }
 
+static void sum_up(const pdyn_sim *sim, double linear[3], double angular[3], double *energy) {
+    double moment[3];
+    *energy = linear[0] = linear[1] = linear[2] = angular[0] = angular[1] = angular[2] = 0.0;
+    for (int i = 0; i < sim->system.particles; i++) {
+        vec3_cross(moment, sim->x + 3 * i, sim->v + 3 * i);
+        vec3_add(linear, sim->system.mass[i], sim->v + 3 * i);
+        vec3_add(angular, sim->system.mass[i], moment);
+        *energy += 0.5 * sim->system.mass[i] * vec3_dot(sim->v + 3 * i, sim->v + 3 * i);
+    }
+}
+
+/* Viscosity takes energy, neither momentum nor angular momentum, and nothing of a rotation. */
+static void test_viscosity(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, drop);
+    int n = 3 * sim->system.particles;
+    double p[2][3], l[2][3], energy[2], *before = array(n), spin[3] = {1, 2, 3};
+    uint64_t seed = 4;
+    for (int k = 0; k < n; k++)
+        sim->x[k] += 0.005 * test_random(&seed), sim->v[k] = test_random(&seed);
+    energy_at(sim, sim->x, sim->gradient);
+    sum_up(sim, p[0], l[0], &energy[0]);
+    batch_velocity(sim->system.batch[0], sim->v);
+    sum_up(sim, p[1], l[1], &energy[1]);
+    assert_true(vec3_distance(p[0], p[1]) < 1e-15);
+    assert_true(vec3_distance(l[0], l[1]) < 1e-9 * vec3_length(l[0]));
+    assert_true(energy[1] < 0.99 * energy[0]);
+    for (int i = 0; i < n / 3; i++) vec3_cross(sim->v + 3 * i, spin, sim->x + 3 * i);
+    memcpy(before, sim->v, (size_t)n * sizeof *before);
+    batch_velocity(sim->system.batch[0], sim->v);
+    assert_true(test_distance(before, sim->v, n) < 1e-8);
+    free(before);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- sides ----------------------------------------------------------------------------------- */
 
 #define ABOVE                                                                                      \
@@ -353,11 +390,11 @@ static void test_impact(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),
-        cmocka_unit_test(test_stretch), cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_solvers), cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_layers),  cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_impact),
+        cmocka_unit_test(test_places),    cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_stretch),   cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_solvers),   cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_viscosity), cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_hidden),    cmocka_unit_test(test_impact),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
 }

@@ -27,7 +27,7 @@ static const pdyn_param params[] = {
     {"stiffness", PDYN_REAL, offsetof(struct fluid_params, stiffness), false, 1e6, 0, 1e15, "N/m",
      "weight of the density constraint: force per distance from the uncompressed state"},
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",
-     "XSPH: how much of the velocity difference to the neighbours a step takes away"},
+     "how much of the velocity difference to the neighbours a step takes away (XSPH)"},
     {"projection_tolerance", PDYN_REAL, offsetof(struct fluid_params, projection_tolerance), false,
      1e-6, 1e-14, 1, "1", "relative density error at which the projection of a constraint ends"},
     {"wall_pressure", PDYN_BOOL, offsetof(struct fluid_params, wall_pressure), false, 0, 0, 1, "",

@@ -126,21 +126,30 @@ void fluid_diagonal(void *self, const double *stiffness, double *blocks) {
 
 /* ---- viscosity ------------------------------------------------------------------------------- */
 
-/* XSPH (Schechter & Bridson 2012) between fluid particles, at rest density: the exchange of a pair
- * is the same on both sides, so momentum stays. */
+/* What pair s gives to the velocity of its first particle, which has the velocity `own`. */
+INLINE void add_exchange(const struct fluid *f, int s, const v4 *own, v4 *sum) {
+    v4 g, v;
+    load_pair(f, s, &g);
+    memcpy(&v, f->vector + 4 * (size_t)f->pair_index[s], sizeof v);
+    double weight = g[3] * v[3];
+    g[3] = 0.0, v -= *own;
+    double squared = v4_dot(&g, &g);
+    if (squared > 0.0) *sum += weight * v4_dot(&v, &g) / squared * g;
+}
+
+/* XSPH (Schechter & Bridson 2012) between fluid particles at rest density, but of the difference of
+ * two velocities only the part along the line between them (Monaghan 1992), times three, for that
+ * is what a part is in the mean: the exchange of a pair is the same on both sides and central, so
+ * momentum stays, and angular momentum, too. */
 WIDE static void add_viscosity(void *arg, int first, int last, int block) {
     (void)block;
     const struct fluid_call *c = arg;
     const struct fluid *f = c->f;
     for (int i = f->first + first; i < f->first + last; i++) {
         v4 sum = {0}, own;
-        for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) {
-            v4 v;
-            memcpy(&v, f->vector + 4 * (size_t)f->pair_index[s], sizeof v);
-            sum += (double)f->pair[4 * (size_t)s + 3] * v;
-        }
         v4_set(&own, c->out + 3 * i, 0.0);
-        sum = f->params.viscosity * (sum - sum[3] * own);
+        for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) add_exchange(f, s, &own, &sum);
+        sum *= 3.0 * f->params.viscosity;
         v4_add_to(c->out + 3 * i, &sum);
     }
 }
