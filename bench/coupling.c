@@ -1,0 +1,59 @@
+/* Fluid and cloth on each other against what is known. Each command writes CSV files into
+ * DIRECTORY and prints a table as markdown:
+ *
+ *     coupling momentum DIRECTORY STEPS SECONDS    free water and cloth: what is conserved */
+#include "coupling.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+void die(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fputs("coupling: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+    exit(1);
+}
+
+pdyn_sim *load(pdyn_context *context, const char *format, ...) {
+    char text[8192];
+    pdyn_sim *sim;
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (length < 0 || (size_t)length >= sizeof text) die("too long a scene");
+    for (char *c = text; *c; c++)
+        if (*c == '\'') *c = '"';
+    if (pdyn_load_text(context, text, "coupling", NULL, 0, &sim) != PDYN_OK)
+        die("%s", pdyn_last_error(context));
+    return sim;
+}
+
+pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim) {
+    pdyn_step_info info;
+    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
+    return info;
+}
+
+FILE *open_csv(const char *directory, const char *name) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.csv", directory, name);
+    FILE *file = fopen(path, "w");
+    if (!file) die("%s: cannot be written", path);
+    return file;
+}
+
+int main(int argc, char **argv) {
+    const char *command = argc > 2 ? argv[1] : "";
+    pdyn_context *context;
+    if (pdyn_create(NULL, &context) != PDYN_OK) die("no context");
+    if (!strcmp(command, "momentum") && argc == 5)
+        momentum(context, argv[2], atoi(argv[3]), atof(argv[4]));
+    else die("usage: coupling momentum DIRECTORY STEPS SECONDS");
+    pdyn_destroy(context);
+    return 0;
+}
