@@ -1,9 +1,14 @@
 /* projdyn check: loads a scene and says what is in it. */
 #include "app.h"
 
+#include "projdyn/conformance.h"
+
+#include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
-#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static void describe(const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
@@ -29,38 +34,91 @@ static void describe(const pdyn_sim *sim) {
     printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));
 }
 
-int check_main(int argc, char **argv) {
-    static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"plugin", required_argument, NULL, 'p'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
-    static const char usage[] = "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads N] "
-                                "[--plugin FILE]...\n\nReads a scene and says what is in it.\n";
-    struct scene_options options = {0};
+/* ---- plug-ins -------------------------------------------------------------------------------- */
+
+static void print_fault(void *user, const char *text) {
+    (void)user;
+    printf("fault: %s\n", text);
+    fflush(stdout);
+}
+
+static int check_plugins(const struct scene_options *options) {
+    pdyn_context *context = NULL;
+    int faults = 0, code = scene_context(options, &context);
+    if (code == EXIT_GOOD) {
+        pdyn_status status = pdyn_conformance(context, NULL, print_fault, NULL, &faults);
+        if (status != PDYN_OK) code = report_status(context, status);
+        else printf(faults ? "%d faults\n" : "no faults\n", faults);
+    }
+    pdyn_destroy(context);
+    return code == EXIT_GOOD && faults ? EXIT_FAILED : code;
+}
+
+/* In a process of its own, for a plug-in may do anything. */
+static int check_apart(const struct scene_options *options) {
+    int ended;
+    fflush(stdout);
+    pid_t child = fork();
+    if (child == 0) {
+        int code = check_plugins(options);
+        fflush(stdout);
+        _exit(code);
+    }
+    if (child < 0 || waitpid(child, &ended, 0) != child) {
+        fprintf(stderr, "projdyn: check: %s\n", strerror(errno));
+        return EXIT_FAILED;
+    }
+    if (WIFEXITED(ended)) return WEXITSTATUS(ended);
+    printf("fault: it crashed (%s)\n", strsignal(WTERMSIG(ended)));
+    return EXIT_FAILED;
+}
+
+/* ---- arguments ------------------------------------------------------------------------------- */
+
+static const char usage[] =
+    "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads N] [--plugin FILE]...\n"
+    "       projdyn check --conformance PLUGIN\n"
+    "\n"
+    "Reads a scene and says what is in it, or checks that the constraints and solvers of a "
+    "plug-in\n"
+    "do what they have to: exit code 1 where they do not.\n";
+
+static bool accept_option(struct scene_options *options, bool *conformance, int option) {
+    *conformance |= option == 'c';
+    if (option == 's') return scene_set(options, optarg);
+    if (option == 't') return scene_threads(options, optarg);
+    return (option == 'p' || option == 'c') && scene_plugin(options, optarg);
+}
+
+static int check_scene(const struct scene_options *options) {
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    int option, code = EXIT_GOOD;
-    while (code == EXIT_GOOD && (option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(usage, stdout);
-            scene_options_free(&options);
-            return EXIT_GOOD;
-        }
-        bool good = option == 's'   ? scene_set(&options, optarg)
-                    : option == 'p' ? scene_plugin(&options, optarg)
-                                    : option == 't' && scene_threads(&options, optarg);
-        if (!good) code = EXIT_BAD_INPUT;
-    }
-    if (code == EXIT_GOOD && argc - optind != 1) {
-        fprintf(stderr, "projdyn: check: expected one scene file\n\n%s", usage);
-        code = EXIT_BAD_INPUT;
-    }
-    options.scene = argv[optind];
-    if (code == EXIT_GOOD) code = scene_load(&options, &context, &sim);
+    int code = scene_load(options, &context, &sim);
     if (code == EXIT_GOOD) describe(sim);
     pdyn_free(sim);
     pdyn_destroy(context);
+    return code;
+}
+
+int check_main(int argc, char **argv) {
+    static const struct option long_options[] = {
+        {"set", required_argument, NULL, 's'},    {"threads", required_argument, NULL, 't'},
+        {"plugin", required_argument, NULL, 'p'}, {"conformance", required_argument, NULL, 'c'},
+        {"help", no_argument, NULL, 'h'},         {0}};
+    struct scene_options options = {0};
+    bool conformance = false;
+    int option, code = -1;
+    while (code < 0 && (option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
+        if (option == 'h') fputs(usage, stdout), code = EXIT_GOOD;
+        else if (!accept_option(&options, &conformance, option)) code = EXIT_BAD_INPUT;
+    }
+    if (code < 0 && argc - optind != !conformance) {
+        fprintf(stderr, "projdyn: check: expected %s\n\n%s",
+                conformance ? "no scene beside a plug-in" : "one scene file", usage);
+        code = EXIT_BAD_INPUT;
+    }
+    options.scene = argv[optind];
+    if (code < 0) code = conformance ? check_apart(&options) : check_scene(&options);
     scene_options_free(&options);
     return code;
 }

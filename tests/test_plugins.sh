@@ -1,7 +1,7 @@
 #!/bin/sh
 # Plug-ins from the command line. Arguments: the program, the source folder, the template as a
-# shared object, one of another abi, one that is no plug-in.
-program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5")
+# shared object, one of another abi, one that is no plug-in, one that is wrong, one that crashes.
+program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5") wrong=$(realpath "$6") crash=$(realpath "$7")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 failed=0
@@ -35,6 +35,13 @@ expect "no symbol" 2 "not a plug-in" "$program" list --plugin "$empty"
 cp "$good" floor.so && cp "$good" again.so
 expect "file of the current folder" 0 "floor" "$program" list --plugin floor.so
 expect "a name that is taken" 2 'the name "floor" is taken' "$program" list --plugin floor.so --plugin again.so
+
+# the contract; the crash is in a process of its own
+expect "conformance" 0 "no faults" "$program" check --conformance "$good"
+expect "conformance of a wrong one" 1 "fault: floor (surface): project is no projection" "$program" check --conformance "$wrong"
+expect "conformance of one that crashes" 1 "fault: it crashed" "$program" check --conformance "$crash"
+expect "conformance and a scene" 2 "no scene beside" "$program" check --conformance "$good" sheet.json
+expect "conformance of no plug-in" 2 "not a plug-in" "$program" check --conformance "$empty"
 
 # in the scene, found from its folder
 mkdir -p scenes/lib && cp "$good" scenes/lib/floor.so

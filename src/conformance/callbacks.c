@@ -1,0 +1,195 @@
+/* The callbacks of the rows tier, on arrays with guards around: what they write, where, and whether
+ * the same comes out of the same. */
+#include "conformance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { COLUMN, COEFFICIENT, WEIGHT, DATA, U, P, ARRAYS, GUARD = 256 /* bytes */ };
+
+static const char *const array_name[ARRAYS] = {"column", "coefficient", "weight", "data", "u", "p"};
+
+struct guarded { /* a batch whose arrays have guards */
+    const struct batch *from;
+    pdyn_batch view;
+    struct {
+        unsigned char *memory, *before; /* bytes + 2 guards each; before: as it was */
+        size_t bytes;
+    } array[ARRAYS];
+};
+
+/* The bytes of an array that belong to the elements [first, last). */
+static void part_of(const struct guarded *g, int array, int first, int last, size_t *begin,
+                    size_t *end) {
+    const pdyn_batch *v = &g->from->view;
+    size_t unit[ARRAYS] = {sizeof(int),        sizeof(double),
+                           sizeof(double),     g->from->type->data_size,
+                           3 * sizeof(double), 3 * sizeof(double)};
+    int from = first, to = last;
+    if (array != WEIGHT && array != DATA) from = v->element_row[first], to = v->element_row[last];
+    if (array == COLUMN || array == COEFFICIENT) from = v->row_entry[from], to = v->row_entry[to];
+    *begin = (size_t)from * unit[array], *end = (size_t)to * unit[array];
+}
+
+static void *inside(const struct guarded *g, int array) { return g->array[array].memory + GUARD; }
+
+static void guarded_free(struct guarded *g) {
+    for (int k = 0; k < ARRAYS; k++) {
+        FREE_ARRAY(g->from->context, g->array[k].memory, g->array[k].bytes + 2 * GUARD);
+        FREE_ARRAY(g->from->context, g->array[k].before, g->array[k].bytes + 2 * GUARD);
+    }
+}
+
+/* A copy of all that the batch has. */
+static bool guarded_create(struct guarded *g, const struct batch *b) {
+    const void *from[ARRAYS] = {b->view.column, b->view.coefficient, b->view.weight,
+                                b->view.data,   b->view.u,           b->view.p};
+    *g = (struct guarded){.from = b, .view = b->view};
+    for (int k = 0; k < ARRAYS; k++) {
+        size_t begin, end;
+        part_of(g, k, 0, b->view.elements, &begin, &end);
+        g->array[k].bytes = end;
+        g->array[k].memory = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
+        g->array[k].before = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
+        if (!g->array[k].memory || !g->array[k].before) return guarded_free(g), false;
+        memset(g->array[k].memory, 0xA5, end + 2 * GUARD);
+        memcpy(inside(g, k), from[k], end);
+    }
+    g->view.column = inside(g, COLUMN), g->view.coefficient = inside(g, COEFFICIENT);
+    g->view.weight = inside(g, WEIGHT), g->view.data = inside(g, DATA);
+    g->view.u = inside(g, U), g->view.p = inside(g, P);
+    return true;
+}
+
+/* ---- one call -------------------------------------------------------------------------------- */
+
+typedef void callback(const void *params, const pdyn_batch *batch, int first, int last);
+
+struct call {
+    const char *name;
+    callback *run;
+    unsigned writes; /* a bit for each array that it may write */
+};
+
+/* Fills what the call may write, for the elements [first, last), with one byte. */
+static void fill(struct guarded *g, unsigned writes, int first, int last, int byte) {
+    for (int k = 0; k < ARRAYS; k++) {
+        size_t begin, end;
+        part_of(g, k, first, last, &begin, &end);
+        if (writes & 1u << k) memset((unsigned char *)inside(g, k) + begin, byte, end - begin);
+    }
+}
+
+/* Calls, and tells of what was written elsewhere. */
+static void call_guarded(struct check *check, struct guarded *g, const struct call *call, int first,
+                         int last) {
+    for (int k = 0; k < ARRAYS; k++)
+        memcpy(g->array[k].before, g->array[k].memory, g->array[k].bytes + 2 * GUARD);
+    call->run(g->from->params, &g->view, first, last);
+    for (int k = 0; k < ARRAYS; k++) {
+        size_t begin, end, all = g->array[k].bytes + 2 * GUARD;
+        const unsigned char *now = g->array[k].memory, *before = g->array[k].before;
+        part_of(g, k, first, last, &begin, &end);
+        if (!(call->writes & 1u << k)) begin = end = 0;
+        if (memcmp(now, before, GUARD + begin) == 0 &&
+            memcmp(now + GUARD + end, before + GUARD + end, all - GUARD - end) == 0)
+            continue;
+        fault(check, "%s writes %s %s", call->name, array_name[k],
+              call->writes & 1u << k ? "outside of its elements" : "which is not its to write");
+        memcpy(g->array[k].memory, before, all);
+    }
+}
+
+static bool same(const struct guarded *a, const struct guarded *b, int array) {
+    return !memcmp(inside(a, array), inside(b, array), a->array[array].bytes);
+}
+
+/* The same call on all elements, and on thirds from the last to the first, from another content:
+ * what must come out the same is in `compared`. */
+static void check_call(struct check *check, struct guarded *a, struct guarded *b,
+                       const struct call *call, unsigned compared) {
+    int n = a->view.elements, faults = check->faults;
+    fill(a, call->writes & compared, 0, n, 0xFF), fill(b, call->writes & compared, 0, n, 0x11);
+    call_guarded(check, a, call, 0, n);
+    for (int k = 2; k >= 0 && check->faults == faults; k--)
+        call_guarded(check, b, call, k * n / 3, (k + 1) * n / 3);
+    for (int k = 0; k < ARRAYS && check->faults == faults; k++)
+        if ((compared & 1u << k) && !same(a, b, k))
+            fault(check,
+                  "%s gives another %s for the same elements in another range or order, or does "
+                  "not write all of it",
+                  call->name, array_name[k]);
+}
+
+/* ---- all calls ------------------------------------------------------------------------------- */
+
+static bool all_finite(const double *a, size_t n) {
+    for (size_t k = 0; k < n; k++)
+        if (!isfinite(a[k])) return false;
+    return true;
+}
+
+/* Elements and their shapes do not depend on the call. */
+static void check_shape(struct check *check, const struct batch *b) {
+    const pdyn_constraint_type *t = b->type;
+    for (int k = 0; k < 2; k++)
+        if (t->elements(b->params, b->view.body) != b->view.elements) {
+            fault(check, "elements gives another number when it is called again");
+            return;
+        }
+    for (int e = 0; e < b->view.elements && t->shape; e++) {
+        int rows = 0, width = 0, first = b->view.element_row[e];
+        t->shape(b->params, &b->view, e, &rows, &width);
+        if (rows != b->view.element_row[e + 1] - first ||
+            width != b->view.row_entry[first + 1] - b->view.row_entry[first]) {
+            fault(check, "shape gives other rows for element %d when it is called again", e);
+            return;
+        }
+    }
+}
+
+/* What begin left is kept: data of a step is that of its beginning. */
+static void check_all(struct check *check, struct guarded *a, struct guarded *b) {
+    const pdyn_constraint_type *t = a->from->type;
+    unsigned rows = 1u << COLUMN | 1u << COEFFICIENT;
+    const struct call select = {"select", t->select, rows | 1u << DATA},
+                      weigh = {"weight", t->weight, 1u << WEIGHT},
+                      project = {"project", t->project, 1u << P};
+    size_t points = 3 * (size_t)a->from->rows;
+    check_call(check, a, b, &project, 1u << P);
+    if (!all_finite(a->view.p, points)) fault(check, "project gives a p that is not finite");
+    check_call(check, a, b, &weigh, 1u << WEIGHT);
+    for (int e = 0; e < a->view.elements; e++)
+        if (!(a->view.weight[e] >= 0.0 && isfinite(a->view.weight[e]))) {
+            fault(check, "weight gives %g, expected a finite number of at least 0",
+                  a->view.weight[e]);
+            break;
+        }
+    check_call(check, a, b, &select, rows);
+    if (memcmp(a->view.column, a->from->view.column, a->array[COLUMN].bytes) ||
+        memcmp(a->view.coefficient, a->from->view.coefficient, a->array[COEFFICIENT].bytes))
+        fault(check, "select gives other rows when it is called again");
+}
+
+static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
+    const pdyn_constraint_type *t = a->from->type;
+    const struct call hold = {"hold", t->hold, 1u << DATA},
+                      begin = {"begin", t->begin, 1u << DATA | 1u << WEIGHT};
+    if (t->hold) check_call(check, a, b, &hold, 0);
+    if (t->begin) check_call(check, a, b, &begin, 0);
+}
+
+void check_callbacks(struct check *check, struct trial *trial) {
+    struct guarded a, b;
+    if (!trial->rows->view.elements) fault(check, "no element on a body of this kind");
+    batch_local(trial->rows, trial->x, 0.0, trial->y);
+    check_shape(check, trial->rows);
+    if (!guarded_create(&a, trial->rows)) return;
+    if (guarded_create(&b, trial->rows)) {
+        check_all(check, &a, &b);
+        check_others(check, &a, &b);
+        guarded_free(&b);
+    }
+    guarded_free(&a);
+}

@@ -1,0 +1,59 @@
+#include "conformance.h"
+
+/* A trial for each: what one check breaks does not spoil the next. After callbacks that write where
+ * they must not, nothing else has a meaning. */
+static void check_type_on(struct check *check) {
+    static check_fn *const checks[] = {check_callbacks, check_projection, check_tangent,
+                                       check_gradient,  check_momentum,   check_hold,
+                                       check_bounds,    check_diagonal,   check_stiffness,
+                                       check_tiers,     check_model};
+    for (size_t k = 0; k < sizeof checks / sizeof *checks; k++) {
+        struct trial trial;
+        if (!trial_start(&trial, check, check->type, "auto")) return;
+        checks[k](check, &trial);
+        trial_finish(&trial, check);
+        if (k == 0 && check->faults) return;
+    }
+    int faults = check->faults;
+    check_solvers(check);
+    if (check->faults == faults) check_steps(check);
+}
+
+static void check_type(struct check *check) {
+    static const unsigned excludes[BODY_KINDS] = {
+        [SURFACE] = PDYN_ON_PARTICLES, [PARTICLES] = PDYN_ON_SURFACE};
+    for (int kind = 0; kind < BODY_KINDS && !check->faults; kind++) {
+        check->kind = (enum body_kind)kind;
+        if (!(check->type->flags & excludes[kind])) check_type_on(check);
+    }
+}
+
+static void check_one(struct check *check, const pdyn_constraint_type *type,
+                      const pdyn_global_solver *solver) {
+    struct check one = *check;
+    one.type = type, one.solver = solver, one.faults = 0;
+    if (type) check_type(&one);
+    else check_solver(&one);
+    check->faults += one.faults;
+}
+
+static void check_plugin(struct check *check, const pdyn_plugin *plugin) {
+    const pdyn_constraint_type *const *c = plugin->constraints;
+    const pdyn_global_solver *const *s = plugin->solvers;
+    for (; c && *c; c++) check_one(check, *c, NULL);
+    for (; s && *s; s++) check_one(check, NULL, *s);
+}
+
+pdyn_status pdyn_conformance(pdyn_context *context, const char *name,
+                             void (*tell)(void *user, const char *text), void *user, int *faults) {
+    if (!context || !faults) return PDYN_BAD_CALL;
+    struct check check = {.like = context, .tell = tell, .user = user};
+    const pdyn_constraint_type *type = name ? registry_constraint(context, name) : NULL;
+    const pdyn_global_solver *solver = name ? registry_solver(context, name) : NULL;
+    if (name && !type && !solver)
+        return context_fail(context, PDYN_BAD_INPUT, "no constraint and no solver \"%.64s\"", name);
+    if (name) check_one(&check, type, solver);
+    for (int p = 1; !name && p < context->plugins; p++) check_plugin(&check, context->plugin[p]);
+    *faults = check.faults;
+    return PDYN_OK;
+}

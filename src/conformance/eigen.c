@@ -1,0 +1,32 @@
+#include "eigen.h"
+
+#include <math.h>
+
+enum { SWEEPS = 30 };
+
+/* Rows or columns p and q, `stride` from one number to the next. */
+static void turn(double *A, int n, int p, int q, int stride, double c, double s) {
+    int across = stride == 1 ? n : 1;
+    for (int k = 0; k < n; k++) {
+        double *a = A + p * across + k * stride, *b = A + q * across + k * stride, before = *a;
+        *a = c * before - s * *b;
+        *b = s * before + c * *b;
+    }
+}
+
+static void rotate(double *A, int n, int p, int q, double *vector) {
+    double apart = (A[q * n + q] - A[p * n + p]) / (2.0 * A[p * n + q]);
+    double t = (apart >= 0.0 ? 1.0 : -1.0) / (fabs(apart) + sqrt(1.0 + apart * apart));
+    double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
+    turn(A, n, p, q, 1, c, s), turn(A, n, p, q, n, c, s);
+    turn(vector, n, p, q, n, c, s);
+}
+
+void eigen_symmetric(double *A, int n, double *value, double *vector) {
+    for (int k = 0; k < n * n; k++) vector[k] = k % (n + 1) == 0;
+    for (int sweep = 0; sweep < SWEEPS; sweep++)
+        for (int p = 0; p < n; p++)
+            for (int q = p + 1; q < n; q++)
+                if (fabs(A[p * n + q]) > 1e-15) rotate(A, n, p, q, vector);
+    for (int k = 0; k < n; k++) value[k] = A[k * n + k];
+}

@@ -1,0 +1,208 @@
+/* Projection, tangent, energy and H of a type, by definition and by finite differences. */
+#include "conformance.h"
+#include "eigen.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Of an element whose tangent is compared with finite differences: 3 rows. */
+enum { MOST_NUMBERS = 36, PROBES = 24 };
+
+static double *u_of(const struct batch *b) { return (double *)b->view.u; }
+
+static size_t point_bytes(const struct batch *b) { return 3 * (size_t)b->rows * sizeof(double); }
+
+/* ---- projection ------------------------------------------------------------------------------ */
+
+/* Projecting what is projected changes nothing. */
+void check_projection(struct check *check, struct trial *t) {
+    struct batch *b = t->rows;
+    size_t bytes = point_bytes(b);
+    batch_local(b, t->x, 0.0, t->y);
+    double *once = NEW_ARRAY(t->context, 3 * (size_t)b->rows, double);
+    if (!once) return;
+    memcpy(once, b->view.p, bytes), memcpy(u_of(b), once, bytes);
+    check->type->project(b->params, &b->view, 0, b->view.elements);
+    double moved = trial_distance(once, b->view.p, 3 * b->rows);
+    double size = 1e-9 + trial_norm(once, 3 * b->rows);
+    if (moved > 1e-6 * size)
+        fault(check, "project is no projection: projecting p moves it by %.3g of %.3g", moved,
+              size);
+    FREE_ARRAY(t->context, once, 3 * (size_t)b->rows);
+}
+
+/* After hold, what was held is its own projection. */
+void check_hold(struct check *check, struct trial *t) {
+    struct batch *b = t->rows;
+    if (!check->type->hold) return;
+    batch_local(b, t->x, 0.0, t->y);
+    check->type->hold(b->params, &b->view, 0, b->view.elements);
+    check->type->project(b->params, &b->view, 0, b->view.elements);
+    double moved = trial_distance(b->view.u, b->view.p, 3 * b->rows);
+    double size = trial_norm(b->view.u, 3 * b->rows);
+    if (!(moved <= 1e-9 * size))
+        fault(check, "after hold, u is not its own projection: it moves by %.3g of %.3g", moved,
+              size);
+}
+
+/* ---- tangent --------------------------------------------------------------------------------- */
+
+/* D = dp/du of element e by central differences, n x n; u is as before after it. */
+static void difference(const struct check *check, struct batch *b, int e, int n, double *D) {
+    double *u = u_of(b) + 3 * (size_t)b->view.element_row[e];
+    const double *p = b->view.p + 3 * (size_t)b->view.element_row[e];
+    double step = 1e-6 * (1e-3 + trial_norm(u, n));
+    for (int j = 0; j < n; j++) {
+        double kept = u[j];
+        u[j] = kept + step;
+        check->type->project(b->params, &b->view, e, e + 1);
+        for (int i = 0; i < n; i++) D[i * n + j] = p[i];
+        u[j] = kept - step;
+        check->type->project(b->params, &b->view, e, e + 1);
+        for (int i = 0; i < n; i++) D[i * n + j] = (D[i * n + j] - p[i]) / (2.0 * step);
+        u[j] = kept;
+    }
+}
+
+/* What is wrong with J of n x n numbers by itself; NULL: nothing. */
+static const char *fault_of(const double *J, int n) {
+    double copy[MOST_NUMBERS * MOST_NUMBERS], value[MOST_NUMBERS],
+        vector[MOST_NUMBERS * MOST_NUMBERS];
+    for (int k = 0; k < n * n; k++)
+        if (!isfinite(J[k])) return "tangent gives a J that is not finite";
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            if (fabs(J[i * n + j] - J[j * n + i]) > 1e-9) return "tangent gives an asymmetric J";
+    memcpy(copy, J, (size_t)(n * n) * sizeof *J);
+    eigen_symmetric(copy, n, value, vector);
+    for (int k = 0; k < n; k++)
+        if (value[k] < -1e-9 || value[k] > 1.0 + 1e-9)
+            return "tangent gives a J with an eigenvalue outside of [0, 1]: clamp it";
+    return NULL;
+}
+
+/* How far J is from the symmetric part of D, its eigenvalues brought into [0, 1]. */
+static double error_of(const double *J, double *D, int n) {
+    double value[MOST_NUMBERS], vector[MOST_NUMBERS * MOST_NUMBERS], sum = 0.0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            D[i * n + j] = D[j * n + i] = 0.5 * (D[i * n + j] + D[j * n + i]);
+    eigen_symmetric(D, n, value, vector);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double d = -J[i * n + j];
+            for (int k = 0; k < n; k++)
+                d += fmin(fmax(value[k], 0.0), 1.0) * vector[i * n + k] * vector[j * n + k];
+            sum += d * d;
+        }
+    return sqrt(sum);
+}
+
+/* A projection may have a kink where it is looked at; so may one element in five. */
+void check_tangent(struct check *check, struct trial *t) {
+    struct batch *b = t->rows;
+    double J[MOST_NUMBERS * MOST_NUMBERS], D[MOST_NUMBERS * MOST_NUMBERS];
+    int elements = b->view.elements, looked = 0, wrong = 0;
+    double worst = 0.0;
+    if (!check->type->tangent) return;
+    batch_local(b, t->x, 0.0, t->y);
+    for (int k = 0; k < PROBES && k < elements; k++) {
+        int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
+        int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
+        if (n > MOST_NUMBERS) continue;
+        memset(J, 0, (size_t)(n * n) * sizeof *J);
+        check->type->tangent(b->params, &b->view, e, e + 1, J);
+        const char *why = fault_of(J, n);
+        if (why) {
+            fault(check, "%s (element %d)", why, e);
+            return;
+        }
+        difference(check, b, e, n, D);
+        double error = error_of(J, D, n);
+        looked++, wrong += error > 0.02, worst = fmax(worst, error);
+    }
+    if (5 * wrong > looked)
+        fault(check,
+              "tangent is not that of project: by finite differences, clamped to [0, 1], J "
+              "differs by up to %.3g in %d of %d elements",
+              worst, wrong, looked);
+}
+
+/* ---- energy ---------------------------------------------------------------------------------- */
+
+/* The gradient is that of the energy. Projections that are found by iteration are closest points
+ * only to second order, hence the tolerance. */
+void check_gradient(struct check *check, struct trial *t) {
+    double slope = 0.0, h = 1e-6;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        for (int k = 0; k < t->n; k++) t->w[k] = t->x[k] + sign * h * t->u[k];
+        batch_local(t->batch, t->w, 0.0, t->y);
+        slope += sign * t->batch->energy / (2.0 * h);
+    }
+    memset(t->y, 0, (size_t)t->n * sizeof *t->y);
+    batch_local(t->batch, t->x, 0.0, t->y);
+    double expected = trial_dot(t->y, t->u, t->n);
+    if (!(fabs(slope - expected) <= 0.02 * fabs(expected) + 1e-7 * trial_norm(t->y, t->n)))
+        fault(check,
+              "the gradient w (u - p) is not that of the energy: the energy's slope is %.6g, the "
+              "gradient's %.6g; p is not the closest point, or energy is wrong",
+              slope, expected);
+}
+
+/* Forces of what is not anchored sum to zero. */
+void check_momentum(struct check *check, struct trial *t) {
+    double sum[3] = {0};
+    if (check->type->flags & PDYN_ANCHORED) return;
+    memset(t->y, 0, (size_t)t->n * sizeof *t->y);
+    batch_local(t->batch, t->x, 0.0, t->y);
+    for (int k = 0; k < t->n; k++) sum[k % 3] += t->y[k];
+    if (!(trial_norm(sum, 3) <= 1e-9 * sqrt(t->n) * trial_norm(t->y, t->n)))
+        fault(check, "its forces do not sum to zero, but to %.3g N: say PDYN_ANCHORED",
+              trial_norm(sum, 3));
+}
+
+/* ---- H --------------------------------------------------------------------------------------- */
+
+/* H is symmetric and lies between M/h^2 and the projective A, for every eps. */
+void check_bounds(struct check *check, struct trial *t) {
+    struct system *sys = &t->sim->system;
+    uint64_t seed = 99;
+    double last = 0.0;
+    for (int k = 0; k < t->n; k++) last += system_inertia(sys, k / 3) * t->u[k] * t->u[k];
+    for (int k = 0; k <= 4; k++) {
+        if (system_linearise(sys, 0.25 * k) != PDYN_OK) return;
+        for (int i = 0; i < t->n; i++) t->z[i] = trial_random(&seed);
+        system_apply(sys, t->u, t->y), system_apply(sys, t->z, t->w);
+        double one = trial_dot(t->z, t->y, t->n), other = trial_dot(t->u, t->w, t->n);
+        if (!(fabs(one - other) <= 1e-10 * trial_norm(t->y, t->n) * trial_norm(t->z, t->n))) {
+            fault(check, "H is not symmetric: z.H u = %.10g, u.H z = %.10g", one, other);
+            return;
+        }
+        double quadratic = trial_dot(t->u, t->y, t->n);
+        if (!(quadratic >= last * (1.0 - 1e-12))) {
+            fault(check, "H is not above M/h^2, or falls with the damping: u.H u = %.6g after %.6g",
+                  quadratic, last);
+            return;
+        }
+        last = quadratic;
+    }
+}
+
+/* The block diagonal is that of the product. */
+void check_diagonal(struct check *check, struct trial *t) {
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    if (system_linearise(&t->sim->system, 0.3) != PDYN_OK) return;
+    system_diagonal(&t->sim->system, t->da);
+    for (int i = 0; i < t->n; i++) {
+        memset(t->z, 0, (size_t)t->n * sizeof *t->z);
+        t->z[i] = 1.0;
+        system_apply(&t->sim->system, t->z, t->y);
+        for (int b = 0; b < 6; b++)
+            if (column[b] == i % 3 &&
+                !(fabs(t->y[i / 3 * 3 + row[b]] - t->da[i / 3 * 6 + b]) <= 1e-10 * fabs(t->y[i]))) {
+                fault(check, "the block diagonal is not that of the product, at particle %d",
+                      i / 3);
+                return;
+            }
+    }
+}

@@ -1,0 +1,132 @@
+/* Types with every solver, a solver with every type: the solution of the same system, and the same
+ * bits for any number of threads. */
+#include "conformance.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool fits(const pdyn_global_solver *solver, struct trial *t) {
+    return !solver->fits || solver->fits(&t->sim->model.view);
+}
+
+/* Solves H y = u of a trial whose scene has this solver, and looks at what is left. */
+static void solve(struct check *check, struct trial *t, double eps) {
+    const pdyn_goal goal = {.tolerance = 1e-13, .iterations = 100000};
+    int iterations = -1;
+    const char *solver = t->sim->solver->name;
+    if (system_linearise(&t->sim->system, eps) != PDYN_OK) return;
+    memset(t->y, 0, (size_t)t->n * sizeof *t->y);
+    memcpy(t->z, t->u, (size_t)t->n * sizeof *t->z);
+    if (t->sim->solver->solve(t->sim->solver_state, t->z, t->y, &goal, &iterations) != PDYN_OK) {
+        fault(check, "with %s: %s", solver, pdyn_last_error(t->context));
+        return;
+    }
+    system_apply(&t->sim->system, t->y, t->z);
+    double left = trial_distance(t->z, t->u, t->n) / trial_norm(t->u, t->n);
+    if (!(left <= 1e-8)) fault(check, "with %s: H y = b is left with %.3g of b", solver, left);
+    if (iterations < 1 || iterations > goal.iterations)
+        fault(check, "with %s: %d iterations, expected 1 to %d", solver, iterations,
+              goal.iterations);
+}
+
+/* An H that has its full rank without damping is solved as it is; an operator's damping is the
+ * rows' only where no pair is in the skin. */
+static void solve_both(struct check *check, const pdyn_constraint_type *type, const char *solver) {
+    for (int damped = 0; damped < 2; damped++) {
+        struct trial t;
+        if (!trial_start(&t, check, type, solver)) return;
+        solve(check, &t, damped && !type->op ? 1.0 : 0.0);
+        trial_finish(&t, check);
+    }
+}
+
+static bool solver_fits(struct check *check, const pdyn_constraint_type *type,
+                        const pdyn_global_solver *solver) {
+    struct trial t;
+    if (!trial_start(&t, check, type, "auto")) return false;
+    bool good = fits(solver, &t);
+    trial_finish(&t, check);
+    return good;
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+enum { STEPS = 3 };
+
+/* Otherwise everything would fall freely, and no constraint would have work. */
+static void shake(pdyn_sim *sim) {
+    uint64_t seed = 11;
+    for (int k = 0; k < 3 * sim->system.particles; k++) sim->v[k] += 0.5 * trial_random(&seed);
+}
+
+/* The state's hash after some steps; false with a fault. */
+static bool run(struct check *check, const char *scene, int threads, uint64_t *hash) {
+    pdyn_context *context = trial_context(check->like, threads);
+    pdyn_sim *sim = NULL;
+    if (!context) return false;
+    pdyn_status status = pdyn_load_text(context, scene, "a scene", NULL, 0, &sim);
+    if (status == PDYN_OK) shake(sim);
+    for (int k = 0; k < STEPS && status == PDYN_OK; k++) status = pdyn_step(sim, NULL);
+    if (status == PDYN_OK) *hash = pdyn_state_hash(sim);
+    else fault(check, "%d threads: %s", threads, pdyn_last_error(context));
+    pdyn_free(sim);
+    if (context->bytes)
+        fault(check, "%zu bytes of the services' memory were not given back", context->bytes);
+    pdyn_destroy(context);
+    return status == PDYN_OK;
+}
+
+/* Steps run, and give the same bits for any number of threads. */
+static void step(struct check *check, const pdyn_constraint_type *type, enum trial_size size,
+                 const char *solver, const char *kind) {
+    static const int threads[] = {3, 2, 8}; /* a large scene has work for three */
+    uint64_t one, more;
+    char scene[4096];
+    trial_scene(scene, type, check->kind, size, solver, kind);
+    if (!run(check, scene, 1, &one)) return;
+    for (int n = 0; n < (size == LARGE ? 1 : 3); n++) {
+        if (!run(check, scene, threads[n], &more)) return;
+        if (more == one) continue;
+        fault(check, "not deterministic: %d threads give other bits than 1 (%s, %s step)",
+              threads[n], solver, kind);
+        return;
+    }
+}
+
+static void step_both(struct check *check, const pdyn_constraint_type *type, const char *solver) {
+    int faults = check->faults;
+    step(check, type, SMALL, solver, "newton");
+    if (check->faults == faults) step(check, type, SMALL, solver, "projective");
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+void check_solvers(struct check *check) {
+    const pdyn_global_solver *s;
+    for (int k = 0; (s = registry_solver_at(check->like, k)); k++)
+        if (solver_fits(check, check->type, s)) solve_both(check, check->type, s->name);
+}
+
+void check_steps(struct check *check) {
+    const pdyn_global_solver *s;
+    int faults = check->faults;
+    step(check, check->type, LARGE, "auto", "newton");
+    for (int k = 0; (s = registry_solver_at(check->like, k)) && check->faults == faults; k++)
+        if (solver_fits(check, check->type, s)) step_both(check, check->type, s->name);
+}
+
+/* On the scene of each type of the library; at least one has to fit. */
+void check_solver(struct check *check) {
+    int fitting = 0;
+    for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t && !check->faults;
+         t++) {
+        check->kind = (*t)->flags & PDYN_ON_PARTICLES ? PARTICLES : SURFACE;
+        if (!solver_fits(check, *t, check->solver)) continue;
+        fitting++;
+        solve_both(check, *t, check->solver->name);
+        if (!check->faults) step_both(check, *t, check->solver->name);
+        if (!check->faults && fitting == 1)
+            step(check, *t, LARGE, check->solver->name, "projective");
+    }
+    if (!fitting && !check->faults) fault(check, "it fits no scene of a type of the library");
+}

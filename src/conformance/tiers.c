@@ -1,0 +1,75 @@
+/* Where a type has two ways to the same numbers, these agree. */
+#include "conformance.h"
+
+#include <math.h>
+#include <string.h>
+
+static void clear(struct trial *t) {
+    memset(t->y, 0, (size_t)t->n * sizeof *t->y), memset(t->z, 0, (size_t)t->n * sizeof *t->z);
+    memset(t->da, 0, 2 * (size_t)t->n * sizeof *t->da);
+    memset(t->db, 0, 2 * (size_t)t->n * sizeof *t->db);
+}
+
+static bool differ(const double *a, const double *b, int n, double tolerance) {
+    return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
+}
+
+/* Energy, gradient, undamped product and block diagonal of two batches that stand for the same
+ * (the rows' damping counts pairs in the skin of the lists, too). */
+static void compare(struct check *check, struct trial *t, struct batch *a, struct batch *b,
+                    const char *what) {
+    clear(t);
+    batch_local(a, t->x, 0.0, t->y), batch_local(b, t->x, 0.0, t->z);
+    if (!(fabs(a->energy - b->energy) <= 1e-10 * fabs(b->energy)))
+        fault(check, "%s have different energies, %.10g and %.10g", what, a->energy, b->energy);
+    if (differ(t->y, t->z, t->n, 1e-10)) fault(check, "%s have different gradients", what);
+    clear(t);
+    if (batch_linearise(a, 0.0) != PDYN_OK || batch_linearise(b, 0.0) != PDYN_OK) return;
+    batch_apply(a, t->u, t->y), batch_apply(b, t->u, t->z);
+    if (differ(t->y, t->z, t->n, 1e-9)) fault(check, "%s have different products H u", what);
+    batch_diagonal(a, t->da), batch_diagonal(b, t->db);
+    if (differ(t->da, t->db, 2 * t->n, 1e-9))
+        fault(check, "%s have different block diagonals", what);
+}
+
+void check_tiers(struct check *check, struct trial *t) {
+    if (!check->type->op) return;
+    batch_local(t->batch, t->x, 0.0, t->y);
+    if (!(t->batch->energy > 0.0))
+        fault(check, "the operator has no energy at a state that the scene was disturbed to");
+    compare(check, t, t->batch, t->rows, "the operator and the rows that it stands for");
+}
+
+/* One matrix stands for rows that are linear. */
+void check_stiffness(struct check *check, struct trial *t) {
+    struct batch *rows = NULL;
+    if (!t->batch->stiffness) return;
+    if (batch_create(t->context, check->type, t->batch->params, t->batch->view.body, NULL, NULL,
+                     false, &rows) == PDYN_OK)
+        compare(check, t, t->batch, rows, "the rows that `linear` calls linear and their matrix");
+    batch_free(rows);
+}
+
+/* The model along a direction: its slope is that of the gradient's change, with and without changes
+ * of side; without, the change is the product. */
+void check_model(struct check *check, struct trial *t) {
+    if (!check->type->op) return;
+    for (double scale = 1e-10; scale < 10.0; scale *= 1e10) {
+        double unused;
+        for (int k = 0; k < t->n; k++) t->w[k] = scale * t->u[k];
+        clear(t);
+        batch_local(t->batch, t->x, 0.0, t->y);
+        if (batch_linearise(t->batch, 0.0) != PDYN_OK) return;
+        clear(t);
+        batch_apply(t->batch, t->w, t->z), batch_aim(t->batch, t->w, t->y);
+        double from = batch_slope(t->batch, 0.0, &unused), to = batch_slope(t->batch, 1.0, &unused);
+        int changed = batch_go(t->batch, 1.0, t->y);
+        if (!(fabs(trial_dot(t->w, t->y, t->n) - (to - from)) <= 1e-9 * (fabs(from) + fabs(to))))
+            fault(check, "the operator's rate and force do not belong to one gradient");
+        if (!changed && differ(t->y, t->z, t->n, 1e-6))
+            fault(check, "the operator's force along a direction is not its product");
+        if ((changed == 0) != (scale < 0.5))
+            fault(check, "%d of the operator's constraints change sides on a way of %.0g m",
+                  changed, scale);
+    }
+}

@@ -1,0 +1,166 @@
+#include "conformance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+void fault(struct check *check, const char *format, ...) {
+    static const char *const bodies[] = {"surface", "particles"};
+    char what[768], text[1024];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    const char *name = check->type ? check->type->name : check->solver->name;
+    if (check->type) snprintf(text, sizeof text, "%s (%s): %s", name, bodies[check->kind], what);
+    else snprintf(text, sizeof text, "%s: %s", name, what);
+    check->faults++;
+    if (check->tell) check->tell(check->user, text);
+}
+
+double trial_random(uint64_t *seed) {
+    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(*seed >> 33) / (double)(1u << 30) - 1.0;
+}
+
+double trial_dot(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += a[k] * b[k];
+    return sum;
+}
+
+double trial_norm(const double *a, int n) { return sqrt(trial_dot(a, a, n)); }
+
+double trial_distance(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sqrt(sum);
+}
+
+/* ---- a small scene for any type -------------------------------------------------------------- */
+
+static double value_for(const pdyn_param *p) {
+    return p->required ? fmin(p->max, fmax(p->min, 10.0)) : p->def;
+}
+
+/* By kind: the name, then up to three times the value. */
+static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
+                                        [PDYN_INT] = ", \"%s\": %.0f",
+                                        [PDYN_BOOL] = ", \"%s\": true",
+                                        [PDYN_VECTOR] = ", \"%s\": [%.17g, %.17g, %.17g]",
+                                        [PDYN_VERTICES] = ", \"%s\": {\"vertices\": [0, 4]}",
+                                        [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]"};
+
+/* A default outside of the bounds stands for none: such a parameter is left out. */
+static void write_params(char *text, size_t size, const pdyn_constraint_type *type) {
+    for (const pdyn_param *p = type->params; p->name; p++) {
+        bool given = p->required || (p->kind == PDYN_REAL && p->def >= p->min && p->def <= p->max);
+        size_t length = strlen(text);
+        double value = value_for(p);
+        if (given)
+            snprintf(text + length, size - length, format_of[p->kind], p->name, value, value,
+                     value);
+    }
+}
+
+#define SHEET(vertices)                                                                            \
+    "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": " vertices "},"                  \
+    " \"rotate\": [20, 30, 10], \"area_density\": 0.3}"
+#define WATER(radius)                                                                              \
+    "\"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"        \
+    " \"maximum\": [0.41, 0.31, 0.31]}}]}"
+
+void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_kind kind,
+                 enum trial_size size, const char *solver, const char *step) {
+    static const char *const bodies[BODY_KINDS][SIZES] = {
+        [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
+        [PARTICLES] = {WATER("0.05"), WATER("0.0125")}};
+    static const char *const effort[SIZES] = {
+        "\"linear_tolerance\": 1e-12, \"tolerance\": 1e-6, \"linear_iterations\": 100000",
+        "\"linear_iterations\": 20, \"outer_iterations\": 2"};
+    char params[2048] = "";
+    write_params(params, sizeof params, type);
+    snprintf(text, 4096,
+             "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
+             " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
+             " \"bodies\": [{\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}]}",
+             solver, step, effort[size], bodies[kind][size], type->name, params);
+}
+
+/* ---- trials ---------------------------------------------------------------------------------- */
+
+pdyn_context *trial_context(const pdyn_context *like, int threads) {
+    pdyn_options options = like->options;
+    pdyn_context *context = NULL;
+    options.threads = threads, options.log = NULL;
+    if (pdyn_create(&options, &context) != PDYN_OK) return NULL;
+    context->plugins = like->plugins;
+    memcpy(context->plugin, like->plugin, sizeof like->plugin);
+    return context;
+}
+
+/* Everything is near its rest, but nothing is at it. */
+static pdyn_status disturb(struct trial *t) {
+    struct system *sys = &t->sim->system;
+    uint64_t seed = 7;
+    double energy;
+    for (int k = 0; k < t->n; k++) {
+        t->x[k] = t->sim->x[k] * 0.97 + 0.002 * trial_random(&seed);
+        t->u[k] = trial_random(&seed);
+        sys->s[k] = t->sim->x[k] + 0.01 * trial_random(&seed);
+    }
+    for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
+    sys->h = 0.004;
+    system_begin(sys, t->sim->x, t->sim->v);
+    return system_local(sys, t->x, &energy, t->gradient);
+}
+
+static pdyn_status load(struct trial *t, const char *scene) {
+    pdyn_context *c = t->context;
+    pdyn_status status = pdyn_load_text(c, scene, "a scene for this type", NULL, 0, &t->sim);
+    if (status != PDYN_OK) return status;
+    t->batch = t->rows = t->sim->system.batch[0];
+    t->n = 3 * t->sim->system.particles;
+    double **vectors[] = {&t->x, &t->gradient, &t->u, &t->y, &t->z, &t->w};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        if (!(*vectors[k] = NEW_VECTOR(c, t->n / 3))) return PDYN_NO_MEMORY;
+    t->da = NEW_ARRAY(c, 2 * (size_t)t->n, double), t->db = NEW_ARRAY(c, 2 * (size_t)t->n, double);
+    if (!t->da || !t->db) return PDYN_NO_MEMORY;
+    status = disturb(t);
+    if (status == PDYN_OK && t->batch->op)
+        status = batch_create(c, t->batch->type, t->batch->params, t->batch->view.body, NULL,
+                              neighbours_view(t->sim->neighbours), true, &t->rows);
+    return status;
+}
+
+static void release(struct trial *t) {
+    pdyn_context *c = t->context;
+    if (t->rows != t->batch) batch_free(t->rows);
+    double **vectors[] = {&t->x, &t->gradient, &t->u, &t->y, &t->z, &t->w};
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        FREE_VECTOR(c, *vectors[k], t->n / 3);
+    FREE_ARRAY(c, t->da, 2 * (size_t)t->n);
+    FREE_ARRAY(c, t->db, 2 * (size_t)t->n);
+    pdyn_free(t->sim);
+}
+
+bool trial_start(struct trial *t, struct check *check, const pdyn_constraint_type *type,
+                 const char *solver) {
+    char scene[4096];
+    *t = (struct trial){.context = trial_context(check->like, 1)};
+    if (!t->context) return false;
+    trial_scene(scene, type, check->kind, SMALL, solver, "newton");
+    pdyn_status status = load(t, scene);
+    if (status == PDYN_OK) return true;
+    fault(check, "%s", pdyn_last_error(t->context));
+    release(t);
+    pdyn_destroy(t->context);
+    return false;
+}
+
+void trial_finish(struct trial *t, struct check *check) {
+    release(t);
+    if (t->context->bytes)
+        fault(check, "%zu bytes of the services' memory were not given back", t->context->bytes);
+    pdyn_destroy(t->context);
+}

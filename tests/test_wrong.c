@@ -1,0 +1,423 @@
+/* Constraints and solvers that break their contract, one way each: conformance names the fault. All
+ * begin as the same good one, a spring of rest length along each edge. */
+#include "support.h"
+
+#include "projdyn/conformance.h"
+#include "projdyn/module.h"
+#include "projdyn/vec3.h"
+#include "registry.h"
+
+#include <stdatomic.h>
+#include <string.h>
+
+struct params {
+    double stiffness;
+};
+
+static const pdyn_param params[] = {
+    {"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"}, {0}};
+
+static int elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->edges;
+}
+
+static void select_edges(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        const int *edge = b->body->edge + 2 * e;
+        for (int k = 0; k < 2; k++) {
+            b->column[2 * e + k] = b->body->first + edge[k];
+            b->coefficient[2 * e + k] = k ? 1.0 : -1.0;
+        }
+        ((double *)b->data)[e] =
+            vec3_distance(b->body->rest + 3 * edge[0], b->body->rest + 3 * edge[1]);
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
+}
+
+static double length(const pdyn_batch *b, int e) { return ((double *)b->data)[e]; }
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        vec3_project_length(b->p + 3 * e, b->u + 3 * e, length(b, e));
+}
+
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par;
+    for (int e = first; e < last; e++, J += 9) vec3_tangent_length(J, b->u + 3 * e, length(b, e));
+}
+
+static double damping(const void *par) {
+    (void)par;
+    return 0.01;
+}
+
+static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
+}
+
+static const pdyn_constraint_type good = {.name = "edges",
+                                          .summary = "keeps the lengths of edges",
+                                          .flags = PDYN_ON_SURFACE,
+                                          .params_size = sizeof(struct params),
+                                          .params = params,
+                                          .data_size = sizeof(double),
+                                          .elements = elements,
+                                          .rows = 1,
+                                          .width = 2,
+                                          .select = select_edges,
+                                          .weight = weight,
+                                          .project = project,
+                                          .tangent = tangent,
+                                          .damping = damping,
+                                          .hold = hold};
+
+/* ---- looking for a fault --------------------------------------------------------------------- */
+
+struct told {
+    const char *expected;
+    bool found;
+    char all[4096];
+};
+
+static void listen(void *user, const char *text) {
+    struct told *told = user;
+    size_t length_so_far = strlen(told->all);
+    told->found |= strstr(text, told->expected) != NULL;
+    snprintf(told->all + length_so_far, sizeof told->all - length_so_far, "  %s\n", text);
+}
+
+static void examine(const pdyn_plugin *plugin, const char *expected) {
+    struct told told = {.expected = expected ? expected : ""};
+    int faults = -1;
+    pdyn_context *context = test_context(1);
+    if (pdyn_register(context, plugin) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    assert_int_equal(pdyn_conformance(context, NULL, listen, &told, &faults), PDYN_OK);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    if (!expected && faults) fail_msg("faults of a good one:\n%s", told.all);
+    if (expected && !told.found) fail_msg("expected \"%s\" in:\n%s", expected, told.all);
+}
+
+static void expect(pdyn_constraint_type type, const char *expected) {
+    const pdyn_constraint_type *const types[] = {&type, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
+    examine(&plugin, expected);
+}
+
+static void test_good(void **state) {
+    (void)state;
+    expect(good, NULL);
+}
+
+/* ---- where it writes ------------------------------------------------------------------------- */
+
+static void project_beyond(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    b->p[3 * last] = 0.0;
+}
+
+static void project_before(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    if (first > 0) b->p[3 * first - 1] = 0.0;
+}
+
+static void project_all(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)first, (void)last;
+    project(par, b, 0, b->elements);
+}
+
+static void project_weights(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    for (int e = first; e < last; e++) b->weight[e] *= 1.01;
+}
+
+static void project_u(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++) ((double *)b->u)[3 * e] += 1e-9;
+    project(par, b, first, last);
+}
+
+static void select_beyond(const void *par, const pdyn_batch *b, int first, int last) {
+    select_edges(par, b, first, last);
+    if (last < b->elements) b->coefficient[2 * last] = 1.0;
+}
+
+static void test_writes(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.project = project_beyond, expect(t, "project writes p outside of its elements");
+    t.project = project_before, expect(t, "project writes p outside of its elements");
+    t.project = project_all, expect(t, "project writes p outside of its elements");
+    t.project = project_weights, expect(t, "project writes weight which is not its to write");
+    t.project = project_u, expect(t, "project writes u which is not its to write");
+    t = good, t.select = select_beyond;
+    expect(t, "select writes coefficient outside of its elements");
+}
+
+/* ---- what it writes -------------------------------------------------------------------------- */
+
+static void project_nan(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    if (first <= 3 && last > 3) b->p[10] = NAN;
+}
+
+static void project_part(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        if (e % 5) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length(b, e));
+}
+
+static atomic_int calls;
+
+static void project_counting(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    for (int e = first; e < last; e++) b->p[3 * e] += 1e-7 * atomic_fetch_add(&calls, 1);
+}
+
+/* The mean of a range: what comes out depends on how core cuts the elements. */
+static void project_mean(const void *par, const pdyn_batch *b, int first, int last) {
+    double mean = 0.0;
+    (void)par;
+    for (int e = first; e < last; e++) mean += length(b, e) / (last - first);
+    for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, mean);
+}
+
+static void weight_negative(const void *par, const pdyn_batch *b, int first, int last) {
+    weight(par, b, first, last);
+    for (int e = first; e < last; e++)
+        if (e == 7) b->weight[e] = -1.0;
+}
+
+static void select_beyond_body(const void *par, const pdyn_batch *b, int first, int last) {
+    select_edges(par, b, first, last);
+    for (int e = first; e < last; e++) b->column[2 * e] += 2;
+}
+
+static void select_counting(const void *par, const pdyn_batch *b, int first, int last) {
+    int change = atomic_fetch_add(&calls, 1) % 2;
+    select_edges(par, b, first, last);
+    for (int e = first; e < last && change; e++)
+        b->coefficient[2 * e] = 1.0, b->coefficient[2 * e + 1] = -1.0;
+}
+
+static int elements_counting(const void *par, const pdyn_body *body) {
+    return elements(par, body) - atomic_fetch_add(&calls, 1) % 2;
+}
+
+static int elements_negative(const void *par, const pdyn_body *body) {
+    return -elements(par, body);
+}
+
+static int elements_none(const void *par, const pdyn_body *body) { return 0 * elements(par, body); }
+
+static void test_values(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.project = project_nan, expect(t, "not finite");
+    t.project = project_part, expect(t, "does not write all of it");
+    t.project = project_counting, expect(t, "project gives another p for the same elements");
+    t.project = project_mean, expect(t, "project gives another p for the same elements");
+    t = good, t.weight = weight_negative, expect(t, "has the weight -1");
+    t = good, t.select = select_beyond_body, expect(t, "selects particle 30, expected 0 to 29");
+    t = good, t.select = select_counting, expect(t, "select gives another coefficient");
+    t = good, t.elements = elements_counting, expect(t, "elements gives another number");
+    t = good, t.elements = elements_negative, expect(t, "elements");
+    t = good, t.elements = elements_none, expect(t, "no element on a body");
+}
+
+/* ---- mathematics ----------------------------------------------------------------------------- */
+
+static void project_half_way(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = 0.5 * (b->p[k] + b->u[k]);
+}
+
+/* Onto the sphere, but not to the nearest point of it. */
+static void project_askew(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        double u[3] = {2.0 * b->u[3 * e], b->u[3 * e + 1], b->u[3 * e + 2]};
+        vec3_project_length(u, u, length(b, e));
+        memcpy(b->p + 3 * e, u, sizeof u);
+    }
+}
+
+/* To a point in space: not invariant to translations. */
+static void select_one(const void *par, const pdyn_batch *b, int first, int last) {
+    select_edges(par, b, first, last);
+    for (int e = first; e < last; e++) b->coefficient[2 * e] = 0.0;
+}
+
+static void tangent_transposed(const void *par, const pdyn_batch *b, int first, int last,
+                               double *J) {
+    tangent(par, b, first, last, J);
+    for (int e = first; e < last; e++) J[9 * (e - first) + 1] = 0.0;
+}
+
+static void tangent_none(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par, (void)b;
+    for (int e = first; e < last; e++, J += 9) J[0] = J[4] = J[8] = 1.0;
+}
+
+static void tangent_large(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    tangent(par, b, first, last, J);
+    for (int k = 0; k < 9 * (last - first); k++) J[k] *= 1.5;
+}
+
+static void tangent_nan(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    tangent(par, b, first, last, J);
+    J[0] = NAN;
+}
+
+static bool linear(const void *par, const pdyn_batch *b) {
+    (void)par, (void)b;
+    return true;
+}
+
+static double energy(const void *par, const pdyn_batch *b, int first, int last) {
+    double sum = 0.0;
+    (void)par;
+    for (int e = first; e < last; e++) {
+        double d = vec3_distance(b->u + 3 * e, b->p + 3 * e);
+        sum += b->weight[e] * d * d; /* a half is missing */
+    }
+    return sum;
+}
+
+static void hold_nothing(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par, (void)b, (void)first, (void)last;
+}
+
+static void test_mathematics(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.project = project_half_way, expect(t, "project is no projection");
+    t.project = project_askew, expect(t, "is not that of the energy");
+    t = good, t.energy = energy, expect(t, "is not that of the energy");
+    t = good, t.select = select_one, expect(t, "say PDYN_ANCHORED");
+    t = good, t.tangent = tangent_transposed, expect(t, "an asymmetric J");
+    t = good, t.tangent = tangent_none, expect(t, "tangent is not that of project");
+    t = good, t.tangent = tangent_large, expect(t, "an eigenvalue outside of [0, 1]");
+    t = good, t.tangent = tangent_nan, expect(t, "J that is not finite");
+    t = good, t.linear = linear, expect(t, "`linear` calls linear");
+    t = good, t.hold = hold_nothing, expect(t, "after hold, u is not its own projection");
+}
+
+/* ---- solvers --------------------------------------------------------------------------------- */
+
+struct solver {
+    pdyn_model *model;
+    double *r, *p, *q;
+};
+
+static size_t bytes(const struct solver *s) {
+    return (3 * (size_t)s->model->particles + 1) * sizeof(double);
+}
+
+static void *get(struct solver *s) {
+    return s->model->services->allocate(s->model->services->core, NULL, 0, bytes(s));
+}
+
+static pdyn_status create(void *self, pdyn_model *model) {
+    struct solver *s = self;
+    s->model = model;
+    s->r = get(s), s->p = get(s), s->q = get(s);
+    return s->r && s->p && s->q ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+static void put(struct solver *s, double *vector) {
+    s->model->services->allocate(s->model->services->core, vector, vector ? bytes(s) : 0, 0);
+}
+
+static void release(void *self) {
+    struct solver *s = self;
+    put(s, s->r), put(s, s->p), put(s, s->q);
+}
+
+static void leak(void *self) {
+    struct solver *s = self;
+    put(s, s->r), put(s, s->p);
+}
+
+/* Conjugate gradients, plain. */
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
+    struct solver *s = self;
+    pdyn_model *m = s->model;
+    int n = 3 * m->particles;
+    memcpy(s->r, b, (size_t)n * sizeof *b), memcpy(s->p, b, (size_t)n * sizeof *b);
+    double rr = m->dot(m, s->r, s->r), target = goal->tolerance * goal->tolerance * rr;
+    for (*iterations = 0; *iterations < goal->iterations && rr > target; ++*iterations) {
+        m->product(m, s->p, s->q);
+        double step = rr / m->dot(m, s->p, s->q), before = rr;
+        for (int k = 0; k < n; k++) y[k] += step * s->p[k], s->r[k] -= step * s->q[k];
+        rr = m->dot(m, s->r, s->r);
+        for (int k = 0; k < n; k++) s->p[k] = s->r[k] + rr / before * s->p[k];
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status solve_roughly(void *self, double *b, double *y, const pdyn_goal *goal,
+                                 int *iterations) {
+    pdyn_goal rough = *goal;
+    rough.tolerance = 1e-3;
+    return solve(self, b, y, &rough, iterations);
+}
+
+static pdyn_status solve_by_chance(void *self, double *b, double *y, const pdyn_goal *goal,
+                                   int *iterations) {
+    pdyn_status status = solve(self, b, y, goal, iterations);
+    y[0] *= 1.0 + 1e-10 * (atomic_fetch_add(&calls, 1) % 7);
+    return status;
+}
+
+static pdyn_status solve_uncounted(void *self, double *b, double *y, const pdyn_goal *goal,
+                                   int *iterations) {
+    pdyn_status status = solve(self, b, y, goal, iterations);
+    *iterations = 0;
+    return status;
+}
+
+static pdyn_status solve_never(void *self, double *b, double *y, const pdyn_goal *goal,
+                               int *iterations) {
+    struct solver *s = self;
+    (void)b, (void)y, (void)goal, (void)iterations;
+    return s->model->services->set_error(s->model->services->core, PDYN_SOLVER_FAILED, "too hard");
+}
+
+static void expect_solver(pdyn_global_solver solver, const char *expected) {
+    const pdyn_global_solver *const solvers[] = {&solver, NULL};
+    const pdyn_plugin plugin = {PDYN_ABI, "p", NULL, solvers};
+    examine(&plugin, expected);
+}
+
+static void test_solvers(void **state) {
+    (void)state;
+    const pdyn_global_solver plain = {.name = "plain",
+                                      .summary = "conjugate gradients",
+                                      .state_size = sizeof(struct solver),
+                                      .create = create,
+                                      .solve = solve,
+                                      .free = release};
+    pdyn_global_solver s = plain;
+    expect_solver(s, NULL);
+    s.solve = solve_roughly, expect_solver(s, "H y = b is left with");
+    s.solve = solve_by_chance, expect_solver(s, "not deterministic");
+    s.solve = solve_uncounted, expect_solver(s, "0 iterations, expected 1 to");
+    s.solve = solve_never, expect_solver(s, "too hard");
+    s = plain, s.free = leak, expect_solver(s, "were not given back");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_good),    cmocka_unit_test(test_writes),
+        cmocka_unit_test(test_values),  cmocka_unit_test(test_mathematics),
+        cmocka_unit_test(test_solvers),
+    };
+    return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
+}
