@@ -1,0 +1,47 @@
+#!/bin/sh
+# Installs the library of a build folder (default build) into an empty prefix, and builds and runs all
+# of examples/ from there: what someone without the source tree can do.
+set -eu
+cd "$(dirname "$0")/.."
+build=$(realpath "${1:-build}")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+meson install -C "$build" --no-rebuild --quiet --destdir "$dir"
+pc=$(find "$dir" -name projdyn.pc)
+library=$(dirname "$(dirname "$pc")")
+program=$(find "$dir" -type f -name projdyn -perm -u+x)
+export PKG_CONFIG_SYSROOT_DIR="$dir" PKG_CONFIG_PATH="$(dirname "$pc")" LD_LIBRARY_PATH="$library"
+flags=$(pkg-config --cflags projdyn) libs=$(pkg-config --cflags --libs projdyn)
+
+echo "== symbols"
+others=$(nm -D --defined-only "$library/libprojdyn.so" | awk '$3 !~ /^pdyn_/ { print $3 }')
+[ -z "$others" ] || { echo "not pdyn_*: $others" >&2; exit 1; }
+[ "$(readlink "$library/libprojdyn.so")" = libprojdyn.so.0 ]
+
+cp -r examples "$dir/examples"
+cd "$dir/examples"
+for compiler in "gcc -std=c17" "clang -std=c17" "g++ -x c++ -std=c++20 -Wno-missing-field-initializers"; do
+    command -v "${compiler%% *}" >/dev/null || { echo "skipped: no $compiler"; continue; }
+    echo "== $compiler"
+    ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -o cloth cloth.c $libs
+    ./cloth | tail -n 1
+    for source in plugin/*.c; do
+        name=$(basename "$source" .c)
+        ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -shared -fPIC $flags -o "plugin/$name.so" "$source" -lm
+        echo "$name: $("$program" check --conformance "plugin/$name.so")"
+    done
+done
+
+echo "== scenes"
+for scene in plugin/*.json; do
+    name=$(basename "$scene" .json)
+    "$program" run "$scene" --plugin "plugin/$name.so" --time 0.1 --quiet -o "$dir/out"
+    echo "$name: ran"
+done
+
+echo "== python"
+if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+    /usr/bin/python3 cloth.py | tail -n 1
+else
+    echo "skipped: no numpy"
+fi
