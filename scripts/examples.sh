@@ -28,15 +28,16 @@ for compiler in "gcc -std=c17" "clang -std=c17" "g++ -x c++ -std=c++20 -Wno-miss
     for source in plugin/*.c; do
         name=$(basename "$source" .c)
         ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -shared -fPIC $flags -o "plugin/$name.so" "$source" -lm
-        echo "$name: $("$program" check --conformance "plugin/$name.so")"
+        "$program" list --plugin "plugin/$name.so" >/dev/null
+        echo "$name: built"
     done
 done
 
 echo "== scenes"
 for scene in plugin/*.json; do
     name=$(basename "$scene" .json)
-    "$program" run "$scene" --plugin "plugin/$name.so" --time 0.1 --quiet -o "$dir/out"
-    echo "$name: ran"
+    "$program" run "$scene" --time 0.1 --quiet -o "$dir/out"
+    echo "$name: ran; $("$program" check --conformance "plugin/$name.so")"
 done
 
 echo "== python"

@@ -87,7 +87,8 @@ static void test_tables(void **state) {
     t = good, t.width = 0, refuse_type(t, "needs rows and width");
     t = good, t.damping = damping, refuse_type(t, "need each other");
     t = good, t.flags = PDYN_ON_PARTICLES | PDYN_ON_SURFACE, refuse_type(t, "no body is both");
-    t = good, t.op = &(pdyn_operator){0}, refuse_type(t, "lacks a callback");
+    t = good, t.op = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
+    t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");
     t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
 }
 

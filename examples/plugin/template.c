@@ -2,9 +2,9 @@
  * projection. This one holds points above a floor that is no solid: u is a point, p the nearest
  * point above y = height.
  *
- *     cc -shared -fPIC $(pkg-config --cflags projdyn) -o floor.so template.c -lm
- *     projdyn check --conformance ./floor.so
- *     projdyn run template.json --plugin ./floor.so
+ *     cc -shared -fPIC $(pkg-config --cflags projdyn) -o template.so template.c -lm
+ *     projdyn check --conformance ./template.so
+ *     projdyn run template.json
  */
 #include <projdyn/module.h>
 #include <projdyn/vec3.h>

@@ -426,9 +426,8 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
     for (int e = 0; e < v->elements; e++) {
         int n = t->rows, width = t->width;
         if (t->shape) t->shape(b->params, v, e, &n, &width);
-        if (n < 1 || width < 1)
-            return fault(b, "element %d has %d rows of %d entries, expected at least 1", e, n,
-                         width);
+        if (n < 0 || width < 1)
+            return fault(b, "element %d has %d rows of %d entries", e, n, width);
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)

@@ -74,6 +74,8 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     if ((t->flags & PDYN_ON_SURFACE) && (t->flags & PDYN_ON_PARTICLES))
         return "no body is both a surface and particles";
     if (!t->damping != !t->hold) return "damping and hold need each other";
+    if (t->op && !(t->flags & PDYN_ON_PARTICLES))
+        return "an operator works on neighbour lists: it needs PDYN_ON_PARTICLES";
     return t->op ? operator_fault(t->op) : NULL;
 }
 

@@ -1,0 +1,27 @@
+#!/bin/sh
+# Makes the pictures of docs/gallery.md: runs the scenes of the plug-ins, and takes a picture of the
+# replay page's last frame.
+set -eu
+cd "$(dirname "$0")/.."
+scripts/build.sh >/dev/null
+scripts/install.sh chromium
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+mkdir -p docs/gallery
+cp -r examples/plugin "$dir/plugin"
+cp build/examples/*.so "$dir/plugin"
+
+picture() { # NAME SCENE TIME
+    build/app/projdyn run "$2" -o "$dir/$1" --time "$3" --quiet 2>/dev/null
+    build/app/projdyn replay "$dir/$1" >/dev/null
+    rm -f "$dir/profile/SingletonLock"
+    chromium --headless --no-sandbox --disable-gpu --use-gl=angle --use-angle=swiftshader \
+        --enable-unsafe-swiftshader --hide-scrollbars --user-data-dir="$dir/profile" --window-size=640,400 \
+        --virtual-time-budget=10000 --screenshot="docs/gallery/$1.png" \
+        "file://$dir/$1/replay.html#frame=100000&play=0" >/dev/null 2>&1
+    echo "docs/gallery/$1.png"
+}
+if [ $# = 0 ]; then set -- template rigid balloon grains; fi
+for name in "$@"; do
+    picture "$name" "$dir/plugin/$name.json" "$(grep -o '"duration": [0-9.]*' "$dir/plugin/$name.json" | cut -d ' ' -f 2)"
+done
