@@ -10,6 +10,7 @@ enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 13
 int run_main(int argc, char **argv);
 int sweep_main(int argc, char **argv);
 int compare_main(int argc, char **argv);
+int trade_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 

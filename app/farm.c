@@ -8,7 +8,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -106,7 +105,7 @@ static int claim(const struct farm *farm, struct farm_run *run, int *lock) {
     *lock = -1;
     if (!farm_path(part, farm, run, ".part")) return EXIT_BAD_INPUT;
     if (mkdir(part, 0777) && errno != EEXIST) return fail(part, "cannot make the directory");
-    int descriptor = open(part, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int descriptor = open(part, O_RDONLY | O_DIRECTORY);
     if (descriptor < 0) return errno == ENOENT ? EXIT_GOOD : fail(part, "cannot open");
     if (flock(descriptor, LOCK_EX | LOCK_NB)) {
         close(descriptor);
@@ -125,7 +124,7 @@ static int claim(const struct farm *farm, struct farm_run *run, int *lock) {
 
 /* ---- one run --------------------------------------------------------------------------------- */
 
-/* In a process of its own, which ends with the one that started it. */
+/* In a process of its own, which ends with the one that started it: `projdyn run`. */
 static void be_run(const struct farm *farm, const struct farm_run *run, pid_t parent) {
     char part[FARM_PATH], threads[16];
     const char **argv = calloc(16 + 2 * (size_t)(run->sets + farm->scene.plugins), sizeof *argv);
@@ -133,18 +132,15 @@ static void be_run(const struct farm *farm, const struct farm_run *run, pid_t pa
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent || !argv || !farm_path(part, farm, run, ".part")) _exit(EXIT_FAILED);
     snprintf(threads, sizeof threads, "%d", farm->threads);
-    const char *fixed[] = {"run",       farm->scene.scene, "--output", part, "--quiet",
-                           "--threads", threads,           "--save",   "0"};
+    const char *fixed[] = {"projdyn", "run",       farm->scene.scene, "--output", part,
+                           "--quiet", "--threads", threads,           "--save",   "0"};
     for (size_t k = 0; k < sizeof fixed / sizeof *fixed; k++) argv[argc++] = fixed[k];
     if (!run->frames) argv[argc++] = "--no-frames";
     for (int k = 0; k < farm->scene.plugins; k++)
         argv[argc++] = "--plugin", argv[argc++] = farm->scene.plugin[k];
     for (int k = 0; k < run->sets; k++) argv[argc++] = "--set", argv[argc++] = run->set[k];
-    argv[argc] = NULL;
-    optind = 0;
-    int code = run_main(argc, (char **)argv);
-    fflush(NULL);
-    _exit(code);
+    execv("/proc/self/exe", (char **)argv);
+    _exit(EXIT_FAILED);
 }
 
 static int redirect(const struct farm *farm, const struct farm_run *run) {
@@ -157,14 +153,12 @@ static int redirect(const struct farm *farm, const struct farm_run *run) {
 static int start(const struct farm *farm, struct farm_run *run, struct worker *worker) {
     int code = claim(farm, run, &worker->lock);
     if (code != EXIT_GOOD || worker->lock < 0) return code;
-    struct rlimit limit = {(rlim_t)run->limit_s + 1, (rlim_t)run->limit_s + 1};
     pid_t parent = getpid();
     fflush(NULL);
     worker->run = run;
     worker->pid = fork();
     if (worker->pid < 0) return worker->pid = 0, fail(farm->output, "cannot start a process");
     if (worker->pid > 0) return EXIT_GOOD;
-    if (run->limit_s > 0.0) setrlimit(RLIMIT_CPU, &limit);
     if (redirect(farm, run)) _exit(EXIT_FAILED);
     be_run(farm, run, parent);
     return EXIT_FAILED; /* not reached */
@@ -223,12 +217,28 @@ static void tell(const struct farm *farm, const struct farm_run *run) {
     fflush(stdout);
 }
 
+/* A limit of the system's own would make the clock of the process a coarse one. */
+static void end_late(const struct farm *farm, const struct worker *worker) {
+    for (int k = 0; k < farm->jobs; k++) {
+        clockid_t clock;
+        struct timespec spent;
+        if (!worker[k].pid || worker[k].run->limit_s == 0.0) continue;
+        if (clock_getcpuclockid(worker[k].pid, &clock) || clock_gettime(clock, &spent)) continue;
+        if ((double)spent.tv_sec > worker[k].run->limit_s) kill(worker[k].pid, SIGXCPU);
+    }
+}
+
 static int wait_for_one(const struct farm *farm, struct worker *worker) {
+    const struct timespec moment = {.tv_nsec = 5000000};
     int status;
     struct rusage usage;
-    pid_t pid = wait4(-1, &status, 0, &usage);
+    pid_t pid = wait4(-1, &status, WNOHANG, &usage);
     struct worker *ended = pid > 0 ? find(worker, farm->jobs, pid) : NULL;
-    if (!ended) return EXIT_GOOD;
+    if (!ended) {
+        end_late(farm, worker);
+        nanosleep(&moment, NULL);
+        return EXIT_GOOD;
+    }
     struct farm_run *run = ended->run;
     int code = finish(farm, ended, status, &usage);
     if (code == EXIT_GOOD) tell(farm, run);

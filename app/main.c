@@ -16,6 +16,7 @@ static const struct command {
     {"run", run_main, "simulate a scene and write frames, metrics and a report"},
     {"sweep", sweep_main, "simulate a scene with many settings, in parallel; one table"},
     {"compare", compare_main, "the same steps by several solvers: which is faster, from when on"},
+    {"trade", trade_main, "what a millisecond buys: many settings against a converged reference"},
     {"check", check_main, "read a scene and say what is in it"},
     {"list", list_main, "constraint types and solvers, their parameters and units"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},

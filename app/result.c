@@ -1,6 +1,7 @@
 #include "result.h"
 #include "app.h"
 #include "frames.h"
+#include "metrics.h"
 
 #include <errno.h>
 #include <math.h>
@@ -71,32 +72,25 @@ int result_write(const char *directory, const struct farm_run *run, int status, 
 /* ---- reading --------------------------------------------------------------------------------- */
 
 /* Means and maxima of the columns of metrics.csv. */
-static void add_metrics(json_t *result, char *text) {
-    enum { MOST = 64 };
-    char *name[MOST], *rest = text, *header = strsep(&rest, "\n");
-    double sum[MOST] = {0}, max[MOST];
-    int columns = 0;
-    long rows = 0;
-    while (columns < MOST && (name[columns] = strsep(&header, ","))) max[columns++] = -INFINITY;
-    for (char *row; (row = strsep(&rest, "\n")) && *row; rows++)
-        for (int k = 0; k < columns; k++) {
-            char *cell = strsep(&row, ",");
-            double value = cell && *cell ? strtod(cell, NULL) : NAN;
-            sum[k] += value, max[k] = fmax(max[k], value);
-        }
+static void add_metrics(json_t *result, const struct metrics *m) {
     json_t *means = json_object(), *maxima = json_object();
-    for (int k = 0; k < columns && rows; k++) {
-        double mean = sum[k] / (double)rows;
-        if (isfinite(mean)) json_object_set_new(means, name[k], json_real(mean));
-        if (isfinite(max[k])) json_object_set_new(maxima, name[k], json_real(max[k]));
+    for (int k = 0; k < m->columns && m->rows; k++) {
+        double sum = 0.0, max = -INFINITY;
+        for (long r = 0; r < m->rows; r++) {
+            double value = m->value[r * m->columns + k];
+            sum += value, max = fmax(max, value);
+        }
+        double mean = sum / (double)m->rows;
+        if (isfinite(mean)) json_object_set_new(means, m->name[k], json_real(mean));
+        if (isfinite(max)) json_object_set_new(maxima, m->name[k], json_real(max));
     }
     json_object_set_new(result, "mean", means);
     json_object_set_new(result, "max", maxima);
 }
 
 json_t *result_read(const char *directory) {
-    char path[FARM_PATH], *metrics;
-    size_t size;
+    char path[FARM_PATH];
+    struct metrics metrics;
     json_error_t error;
     if (!path_in(path, directory, "result.json")) return NULL;
     json_t *result = json_load_file(path, 0, &error);
@@ -111,11 +105,20 @@ json_t *result_read(const char *directory) {
     if (path_in(path, directory, "report.json"))
         json_object_set_new(result, "report", json_load_file(path, 0, &error));
     if (path_in(path, directory, "metrics.csv") && !access(path, R_OK) &&
-        file_read(path, &metrics, &size) == EXIT_GOOD) {
-        add_metrics(result, metrics);
-        free(metrics);
+        metrics_read(directory, &metrics) == EXIT_GOOD) {
+        add_metrics(result, &metrics);
+        metrics_free(&metrics);
     }
     return result;
+}
+
+double result_ms_per_second(const json_t *result) {
+    const json_t *report = json_object_get(result, "report"),
+                 *mean = json_object_get(result, "mean");
+    double simulated = json_number_value(json_object_get(report, "simulated_s"));
+    double ms = json_number_value(json_object_get(mean, "ms_cpu")) *
+                json_number_value(json_object_get(report, "steps"));
+    return simulated > 0.0 ? ms / simulated : 0.0;
 }
 
 void result_print(const char *directory, const struct farm_run *run) {

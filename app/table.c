@@ -1,5 +1,6 @@
 #include "table.h"
 #include "app.h"
+#include "csv.h"
 #include "result.h"
 
 #include <errno.h>
@@ -8,20 +9,6 @@
 #include <string.h>
 
 /* ---- cells ----------------------------------------------------------------------------------- */
-
-/* RFC 4180 */
-static void put_text(FILE *file, const char *text) {
-    if (!text || !text[strcspn(text, ",\"\n\r")]) {
-        fputs(text ? text : "", file);
-        return;
-    }
-    fputc('"', file);
-    for (; *text; text++) {
-        if (*text == '"') fputc('"', file);
-        fputc(*text, file);
-    }
-    fputc('"', file);
-}
 
 static void put_number(FILE *file, const json_t *value) {
     fputc(',', file);
@@ -39,7 +26,7 @@ static void put_ratio(FILE *file, double over, double under) {
 static void put_header(FILE *file, const struct choices *choices, json_t *columns) {
     const char *name;
     json_t *unused;
-    for (int a = 0; a < choices->axes; a++) put_text(file, choices->axis[a].path), fputc(',', file);
+    for (int a = 0; a < choices->axes; a++) csv_text(file, choices->axis[a].path), fputc(',', file);
     fputs("status,error,steps,simulated_s,wall_s,cpu_s,wall_s_per_s,cpu_s_per_s", file);
     json_object_foreach(columns, name, unused) fprintf(file, ",mean_%s", name);
     json_object_foreach(columns, name, unused) fprintf(file, ",max_%s", name);
@@ -68,11 +55,11 @@ static void put_row(FILE *file, const struct farm *farm, const struct choices *c
     const char *name;
     json_t *unused, *report = json_object_get(result, "report");
     for (int a = 0; a < choices->axes; a++)
-        put_text(file, choices_value(choices, point, a)), fputc(',', file);
+        csv_text(file, choices_value(choices, point, a)), fputc(',', file);
     const char *status = json_string_value(json_object_get(result, "status"));
-    put_text(file, status ? status : "missing");
+    csv_text(file, status ? status : "missing");
     fputc(',', file);
-    put_text(file, json_string_value(json_object_get(result, "error")));
+    csv_text(file, json_string_value(json_object_get(result, "error")));
     put_times(file, result);
     json_object_foreach(columns, name, unused)
         put_number(file, json_object_get(json_object_get(result, "mean"), name));

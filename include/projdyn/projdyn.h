@@ -96,6 +96,10 @@ PDYN_API pdyn_status pdyn_load(pdyn_context *context, const char *path, const ch
  * current directory. */
 PDYN_API pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
                                     const char *const *set, int count, pdyn_sim **out);
+/* The JSON text of a scene with its overrides done, not checked any further. */
+PDYN_API pdyn_status pdyn_scene_text(pdyn_context *context, const char *path,
+                                     const char *const *set, int count,
+                                     void (*write)(void *user, const char *text), void *user);
 PDYN_API void pdyn_free(pdyn_sim *sim); /* NULL is fine */
 
 /* One step of the simulation; it never passes the time of the next frame. */

@@ -1,0 +1,16 @@
+#include "csv.h"
+
+#include <string.h>
+
+void csv_text(FILE *file, const char *text) {
+    if (!text || !text[strcspn(text, ",\"\n\r")]) {
+        fputs(text ? text : "", file);
+        return;
+    }
+    fputc('"', file);
+    for (; *text; text++) {
+        if (*text == '"') fputc('"', file);
+        fputc(*text, file);
+    }
+    fputc('"', file);
+}

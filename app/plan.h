@@ -1,0 +1,26 @@
+/* The settings that `trade` tries on a scene, and the reference that it measures them by. */
+#ifndef PLAN_H
+#define PLAN_H
+
+#include <jansson.h>
+#include <stdbool.h>
+
+struct setting {
+    char *name; /* for people */
+    char **set; /* sets: overrides of the scene */
+    int sets;
+};
+
+enum { PLAN_REFERENCES = 6 };
+
+struct plan {
+    int count, capacity;
+    struct setting *setting;                   /* count; the first is the scene as it is */
+    struct setting reference[PLAN_REFERENCES]; /* solved steps of 1/4, 1/8, ... of the length */
+};
+
+/* scene: JSON with overrides done; solver: the one it uses. false without memory. */
+bool plan_make(struct plan *plan, const json_t *scene, const char *solver);
+void plan_free(struct plan *plan);
+
+#endif

@@ -1,0 +1,40 @@
+/* projdyn trade: what a millisecond buys. */
+#ifndef TRADE_H
+#define TRADE_H
+
+#include "plan.h"
+#include "track.h"
+
+#include <stdio.h>
+
+enum { TRADE_WORST = TRACK_MEASURES }; /* the largest of the measures */
+
+struct tried {
+    const struct setting *setting;
+    bool good;    /* it ended well; otherwise the rest is empty */
+    bool front;   /* nothing is both as fast and more accurate */
+    bool checked; /* its time was measured twice */
+    double ms;    /* of processor time, for a frame */
+    double error[TRACK_MEASURES + 1];
+    double gained;   /* energy, of what goes from one form to another */
+    double residual; /* mean step residual */
+};
+
+struct trade {
+    int count, by;                     /* by: the measure that decides */
+    struct tried *tried;               /* count */
+    double unsure[TRACK_MEASURES + 1]; /* the reference's own errors */
+    double per_second;                 /* frames */
+};
+
+/* Marks the front. */
+void front_find(struct trade *trade);
+/* The cheapest on the front with an error up to `error` and a time up to `ms`, or, with `accurate`,
+ * the most accurate of them; NULL: none. */
+const struct tried *front_choose(const struct trade *trade, double error, double ms, bool accurate);
+
+void front_print(const struct trade *trade, FILE *file);
+/* DIRECTORY/trade.csv, and trade.svg and trade.png where there is gnuplot. An exit code. */
+int front_write(const struct trade *trade, const char *directory);
+
+#endif

@@ -1,0 +1,42 @@
+#include "window.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <time.h>
+
+enum { LEAST = 6, SOUGHT = 10 }; /* frames of a window */
+
+static double processor_time(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Whole frames of the scene, or, where they are few, ten of its own. */
+void window_set(struct window *window, const pdyn_sim *sim, double length) {
+    double interval = pdyn_frame_interval(sim), frames = floor(length / interval * (1.0 + 1e-9));
+    window->whole = length >= pdyn_duration(sim) * (1.0 - 1e-9);
+    if (frames < LEAST) interval = length / SOUGHT, frames = SOUGHT;
+    window->interval = interval;
+    window->length = window->whole ? fmax(length, frames * interval) : frames * interval;
+    snprintf(window->sets[0], sizeof window->sets[0], "duration=%.12g", window->length);
+    snprintf(window->sets[1], sizeof window->sets[1], "frame_interval=%.12g", interval);
+}
+
+int window_find(const struct scene_options *scene, double seconds, struct window *window) {
+    struct scene_options one = *scene;
+    pdyn_context *context = NULL;
+    pdyn_sim *sim = NULL;
+    one.threads = 1, one.silent = true;
+    int code = scene_load(&one, &context, &sim);
+    double start = processor_time();
+    while (code == EXIT_GOOD && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9) &&
+           processor_time() - start < seconds) {
+        pdyn_status status = pdyn_step(sim, NULL);
+        if (status != PDYN_OK) code = report_status(context, status);
+    }
+    if (code == EXIT_GOOD) window_set(window, sim, pdyn_time(sim));
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return code;
+}

@@ -1,0 +1,151 @@
+"""Lets trade measure a small scene and measures again what it says, from the frames and steps of its runs.
+
+Usage: test_trade.py PROJDYN SCENE.json
+"""
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+try:
+    import numpy as np
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+SMALL = ["--set", "bodies.water.particles.radius=0.05", "--set", "bodies.sheet.surface.grid.vertices=[9, 9]",
+         "--window", "0.12", "--minutes", "0.01"]
+MEASURES = ["density", "cloth", "front", "profile", "energy"]
+
+
+def trade(*options, code=0):
+    command = [PROJDYN, "trade", SCENE, "-o", str(OUT), *SMALL, *options]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == code, (command, done.returncode, done.stdout, done.stderr)
+    return done.stdout + done.stderr
+
+
+def frames(directory, name):
+    """frames x points x 3"""
+    out = []
+    for path in sorted(directory.glob(f"{name}_??????.vtk")):
+        data = path.read_bytes()
+        at = data.index(b"POINTS ")
+        line = data[at:data.index(b"\n", at)].split()
+        start = data.index(b"\n", at) + 1
+        out.append(np.frombuffer(data, ">f4", 3 * int(line[1]), start).reshape(-1, 3).astype(float))
+    return np.array(out)
+
+
+def size(x):
+    return np.linalg.norm(x.max(0) - x.min(0))
+
+
+def levels(x, parts):
+    """The coordinates below which these parts of the points are, for each axis."""
+    return np.sort(x, 0)[[int(p * (len(x) - 1) + 0.5) for p in parts]]
+
+
+def steps(directory):
+    with open(directory / "metrics.csv") as file:
+        rows = list(csv.DictReader(file))
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0]}
+
+
+def energy_at_frames(directory):
+    s, total = steps(directory), []
+    for frame in json.loads((directory / "water.vtk.series").read_text())["files"][1:]:
+        k = np.argmin(abs(s["time_s"] - frame["time"]))
+        total.append(s["kinetic_J"][k] + s["potential_J"][k] + s["constraint_J"][k])
+    return np.array(total)
+
+
+def measure(run, reference):
+    sheet, sheet_ref = frames(run, "sheet")[1:], frames(reference, "sheet")[1:]
+    water, water_ref = frames(run, "water"), frames(reference, "water")
+    ends, even = [0.01, 0.99], [(k + 0.5) / 64 for k in range(64)]
+    front = [abs(levels(a, ends) - levels(b, ends)).max(0) for a, b in zip(water[1:], water_ref[1:])]
+    profile = [abs(levels(a, even) - levels(b, even)).mean(0) for a, b in zip(water[1:], water_ref[1:])]
+    s = steps(reference)
+    scale = max(s["kinetic_J"].max(), np.ptp(s["potential_J"]))
+    return {
+        "density": steps(run)["density_error_mean"].mean(),
+        "cloth": np.sqrt(((sheet - sheet_ref) ** 2).sum(-1).mean()) / size(frames(reference, "sheet")[0]),
+        "front": np.sqrt((np.array(front) ** 2).mean(0)).max() / size(water_ref[0]),
+        "profile": np.sqrt((np.array(profile) ** 2).mean(0)).max() / size(water_ref[0]),
+        "energy": np.sqrt(((energy_at_frames(run) - energy_at_frames(reference)) ** 2).mean()) / scale,
+    }
+
+
+def runs():
+    """The directories of all runs with frames, by their settings."""
+    out = {}
+    for path in OUT.glob("*/result.json"):
+        own = [s for s in json.loads(path.read_text())["set"][4:]]
+        if list(path.parent.glob("sheet_??????.vtk")):
+            out[" ".join(own)] = path.parent
+    return out
+
+
+class Trade(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.said = trade("--error", "90%", "--write", str(OUT / "cheap.json"))
+        with open(OUT / "trade.csv") as file:
+            cls.rows = list(csv.DictReader(file))
+
+    def test_many(self):
+        self.assertGreater(len(self.rows), 30)
+        self.assertGreaterEqual(sum(row["on_front"] == "1" for row in self.rows), 2)
+
+    def test_measures(self):
+        reference = [path for path in runs().items() if "tolerance=0.01 " in path[0]]
+        finest = min(reference, key=lambda item: float(item[0].split("maximum=")[1].split()[0]))[1]
+        where = runs()
+        for row in self.rows[:: len(self.rows) // 6]:
+            expected = measure(where[row["settings"]], finest)
+            for name in MEASURES:
+                self.assertAlmostEqual(float(row[name]), expected[name], delta=1e-6 + 1e-3 * expected[name])
+            self.assertEqual(float(row["error"]), max(float(row[name]) for name in MEASURES))
+
+    def test_front(self):
+        for row in self.rows:
+            ms, error = float(row["ms_per_frame"]), float(row["error"])
+            beaten = any(float(r["ms_per_frame"]) <= ms and float(r["error"]) <= error
+                         and (float(r["ms_per_frame"]) < ms or float(r["error"]) < error) for r in self.rows)
+            if row["on_front"] == "1":
+                self.assertFalse(beaten, row)
+            elif not beaten:  # the same time and error as another one
+                self.assertTrue([r for r in self.rows if r is not row and float(r["error"]) == error], row)
+
+    def test_recommends(self):
+        front = [row for row in self.rows if row["on_front"] == "1" and float(row["error"]) <= 0.9]
+        cheapest = min(front, key=lambda row: float(row["ms_per_frame"]))
+        self.assertIn("Recommended: " + cheapest["name"], self.said)
+        scene = json.loads((OUT / "cheap.json").read_text())
+        self.assertEqual(scene["duration"], 0.2)  # not the window
+        self.assertEqual(scene["bodies"][0]["particles"]["radius"], 0.05)
+        subprocess.run([PROJDYN, "check", str(OUT / "cheap.json")], check=True, capture_output=True)
+
+    def test_kept(self):
+        self.assertNotIn(" good,", trade("--budget", "100s"))
+        said = trade("--budget", "100s", "--by", "cloth")
+        front = [row for row in csv.DictReader((OUT / "trade.csv").read_text().splitlines()) if row["on_front"] == "1"]
+        self.assertIn("Recommended: " + min(front, key=lambda row: float(row["cloth"]))["name"], said)
+
+    def test_refuses(self):
+        self.assertIn("nothing that was tried", trade("--error", "1e-12", code=1))
+        self.assertIn("0.001 or 0.1%", trade("--error", "much", code=2))
+        self.assertIn("33ms", trade("--budget", "33", code=2))
+        self.assertIn("expected density", trade("--by", "colour", code=2))
+        self.assertIn("--error or --budget", trade("--write", "x.json", code=2))
+
+
+if __name__ == "__main__":
+    PROJDYN, SCENE = (str(pathlib.Path(a).resolve()) for a in sys.argv[1:3])
+    with tempfile.TemporaryDirectory() as directory:
+        OUT = pathlib.Path(directory)
+        unittest.main(argv=sys.argv[:1])
