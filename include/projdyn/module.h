@@ -75,6 +75,10 @@ typedef struct pdyn_body {
     const int *edge;          /* edges x 2, ascending */
     const double *edge_share; /* edges: area over the sum of the squared sides, of the one or two
                                  adjacent triangles together */
+    /* the rest is empty for what is not a volume; the triangles are then those of its outside */
+    int tets;
+    const int *tet;           /* tets x 4: (b - a) x (c - a) . (d - a) > 0 */
+    const double *tet_volume; /* tets, m^3 */
 } pdyn_body;
 
 /* ---- rows tier ------------------------------------------------------------------------------ */
@@ -194,6 +198,7 @@ enum {                        /* pdyn_constraint_type.flags */
        PDYN_ON_PARTICLES = 4, /* needs a body of particles */
        PDYN_REACTION = 8,     /* what it carries is reported as pin reaction */
        PDYN_SEVERAL = 32,     /* a body may have several of them */
+       PDYN_ON_VOLUME = 64,   /* needs a body with tetrahedra */
        PDYN_LOSSY = 16,       /* its energy is what it takes in a step, none that it stores */
 };
 
@@ -296,7 +301,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 2u
+#define PDYN_ABI 3u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

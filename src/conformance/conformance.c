@@ -20,8 +20,9 @@ static void check_type_on(struct check *check) {
 }
 
 static void check_type(struct check *check) {
-    static const unsigned excludes[BODY_KINDS] = {
-        [SURFACE] = PDYN_ON_PARTICLES, [PARTICLES] = PDYN_ON_SURFACE};
+    static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME,
+                                                  [PARTICLES] = PDYN_ON_SURFACE | PDYN_ON_VOLUME,
+                                                  [VOLUME] = PDYN_ON_PARTICLES};
     for (int kind = 0; kind < BODY_KINDS && !check->faults; kind++) {
         check->kind = (enum body_kind)kind;
         if (!(check->type->flags & excludes[kind])) check_type_on(check);

@@ -8,7 +8,7 @@
 #include "../core/sim.h"
 #include "projdyn/conformance.h"
 
-enum body_kind { SURFACE, PARTICLES, BODY_KINDS };
+enum body_kind { SURFACE, PARTICLES, VOLUME, BODY_KINDS };
 
 struct check {                /* of one constraint type or one solver */
     const pdyn_context *like; /* whose types and allocator the trials have */

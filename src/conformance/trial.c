@@ -5,7 +5,7 @@
 #include <string.h>
 
 void fault(struct check *check, const char *format, ...) {
-    static const char *const bodies[] = {"surface", "particles"};
+    static const char *const bodies[] = {"surface", "particles", "volume"};
     char what[768], text[1024];
     va_list args;
     va_start(args, format);
@@ -70,11 +70,16 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
     "\"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"        \
     " \"maximum\": [0.41, 0.31, 0.31]}}]}"
 
+#define BLOCK(cells)                                                                               \
+    "\"volume\": {\"grid\": {\"size\": [0.4, 0.2, 0.3], \"cells\": " cells "},"                    \
+    " \"rotate\": [20, 30, 10], \"density\": 300}"
+
 void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_kind kind,
                  enum trial_size size, const char *solver, const char *step) {
     static const char *const bodies[BODY_KINDS][SIZES] = {
         [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
-        [PARTICLES] = {WATER("0.05"), WATER("0.0125")}};
+        [PARTICLES] = {WATER("0.05"), WATER("0.0125")},
+        [VOLUME] = {BLOCK("[2, 1, 2]"), BLOCK("[10, 10, 10]")}};
     static const char *const effort[SIZES] = {
         "\"linear_tolerance\": 1e-12, \"tolerance\": 1e-6, \"linear_iterations\": 100000",
         "\"linear_iterations\": 20, \"outer_iterations\": 2"};

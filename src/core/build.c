@@ -101,6 +101,8 @@ static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
     body->across = t->across, body->triangle_area = t->triangle_area;
     body->vertex_area = t->vertex_area, body->edges = t->edges, body->edge = t->edge;
     body->edge_share = t->edge_share;
+    body->tets = from->tets.count, body->tet = from->tets.corner;
+    body->tet_volume = from->tets.volume;
     return PDYN_OK;
 }
 
@@ -112,9 +114,12 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
         pdyn_status status = from->is_surface ? describe_surface(sim, b) : PDYN_OK;
         if (status != PDYN_OK) return status;
         body->rest = sim->rest + 3 * (size_t)body->first, body->mass = mass;
+        for (int k = 0; k < 4 * body->tets; k++)
+            mass[body->tet[k]] += 0.25 * from->density * body->tet_volume[k / 4];
         for (int i = 0; i < body->count; i++) {
-            mass[i] = from->is_surface ? body->area_density * body->vertex_area[i]
-                                       : body->rest_density * spacing * spacing * spacing;
+            if (!body->tets)
+                mass[i] = from->is_surface ? body->area_density * body->vertex_area[i]
+                                           : body->rest_density * spacing * spacing * spacing;
             if (from->is_surface || i < from->start_v.count)
                 memcpy(sim->v + 3 * (size_t)(body->first + i),
                        from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,

@@ -70,6 +70,7 @@ static void describe_constraint(const struct sink *to, const pdyn_constraint_typ
     heading(to, "constraint", type->name, type->summary);
     table(to, type->params);
     if (type->flags & PDYN_ON_SURFACE) line(to, "\nworks on a body with a surface\n");
+    if (type->flags & PDYN_ON_VOLUME) line(to, "\nworks on a volume of tetrahedra\n");
     if (type->flags & PDYN_ON_PARTICLES) line(to, "\nworks on a body of particles\n");
 }
 

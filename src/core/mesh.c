@@ -185,7 +185,7 @@ static pdyn_status load_open(struct mesh_file *file, int descriptor) {
     return PDYN_OK;
 }
 
-static pdyn_status load(struct mesh_file *file) {
+pdyn_status mesh_file_load(struct mesh_file *file) {
     int descriptor = open(file->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* no wait for a pipe */
     if (descriptor < 0)
         return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s",
@@ -211,8 +211,7 @@ static void release(const struct mesh_file *file, struct mesh_array *array) {
     *array = (struct mesh_array){0};
 }
 
-/* Gives an array away with no room to spare. */
-static void *take(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
+void *mesh_file_take(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
     void *taken = context_resize(file->context, array->data, array->bytes, bytes);
     if (taken || !bytes) *array = (struct mesh_array){0};
     return taken;
@@ -233,11 +232,11 @@ static pdyn_status read_file(struct mesh_file *file, const struct format formats
         return context_fail(file->context, PDYN_BAD_INPUT,
                             "%.1024s: expected a %s ending with %s or %s", file->path, what,
                             formats[0].ending, formats[1].ending);
-    pdyn_status status = load(file);
+    pdyn_status status = mesh_file_load(file);
     return status == PDYN_OK ? parse(file, formats[k].parse) : status;
 }
 
-static void release_file(struct mesh_file *file) {
+void mesh_file_release(struct mesh_file *file) {
     release(file, &file->vertex);
     release(file, &file->triangle);
     release(file, &file->velocity);
@@ -251,8 +250,8 @@ static pdyn_status take_mesh(struct mesh_file *file, struct mesh *out) {
                             file->path);
     size_t vertices = (size_t)file->vertices, triangles = (size_t)file->triangles;
     out->vertices = file->vertices, out->triangles = file->triangles;
-    out->vertex = take(file, &file->vertex, 3 * vertices * sizeof(double));
-    out->triangle = take(file, &file->triangle, 3 * triangles * sizeof(int));
+    out->vertex = mesh_file_take(file, &file->vertex, 3 * vertices * sizeof(double));
+    out->triangle = mesh_file_take(file, &file->triangle, 3 * triangles * sizeof(int));
     if (out->vertex && out->triangle) return PDYN_OK;
     mesh_free(file->context, out);
     return context_no_memory(file->context);
@@ -264,7 +263,7 @@ pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out)
     *out = (struct mesh){0};
     pdyn_status status = read_file(&file, formats, "mesh file");
     if (status == PDYN_OK) status = take_mesh(&file, out);
-    release_file(&file);
+    mesh_file_release(&file);
     return status;
 }
 
@@ -275,8 +274,8 @@ static pdyn_status take_particles(struct mesh_file *file, struct particles *out)
     size_t bytes = 3 * (size_t)file->vertices * sizeof(double);
     bool moving = file->velocities;
     out->count = file->vertices;
-    out->x = take(file, &file->vertex, bytes);
-    if (moving) out->v = take(file, &file->velocity, bytes);
+    out->x = mesh_file_take(file, &file->vertex, bytes);
+    if (moving) out->v = mesh_file_take(file, &file->velocity, bytes);
     if (out->x && (out->v || !moving)) return PDYN_OK;
     particles_free(file->context, out);
     return context_no_memory(file->context);
@@ -288,7 +287,7 @@ pdyn_status particles_read(pdyn_context *context, const char *path, struct parti
     *out = (struct particles){0};
     pdyn_status status = read_file(&file, formats, "file of particles");
     if (status == PDYN_OK) status = take_particles(&file, out);
-    release_file(&file);
+    mesh_file_release(&file);
     return status;
 }
 

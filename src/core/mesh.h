@@ -36,6 +36,9 @@ pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const cha
  * sampled, does without. */
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* The part of it about edges. */
+pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name);
+
 /* How many vertices lie where another one does already. */
 pdyn_status mesh_doubles(pdyn_context *context, const struct mesh *mesh, int *count);
 

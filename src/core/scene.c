@@ -307,6 +307,60 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     return json_wrap(grid.value ? &grid : &mesh, status);
 }
 
+static const pdyn_param volume_params[] = {
+    {"density", PDYN_REAL, offsetof(struct scene_body, density), true, 0, 1e-6, 1e6, "kg/m^3", ""},
+    {0}};
+
+static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
+    static const char *const keys[] = {"size", "cells", NULL};
+    struct json_at size_at = json_member(at, "size"), cells_at = json_member(at, "cells");
+    double size[3], vertices = 1.0;
+    int cells[3];
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = params_reals(&size_at, 3, 1e-6, 1e6, "m", size);
+    if (status == PDYN_OK && json_array_size(cells_at.value) != 3)
+        status = json_expected(&cells_at, "an array of 3 whole numbers");
+    for (size_t k = 0; k < 3 && status == PDYN_OK; k++) {
+        struct json_at element = json_element(&cells_at, k);
+        status = params_int(&element, 1, MOST_PARTICLES, &cells[k]);
+        vertices *= 1.0 + cells[k];
+    }
+    if (status == PDYN_OK) status = fill_count(&cells_at, vertices, &r->particles);
+    if (status == PDYN_OK && vertices > MOST_PARTICLES / 16)
+        status = json_fail(&cells_at, "more than %d vertices", MOST_PARTICLES / 16);
+    if (status != PDYN_OK) return status;
+    return json_wrap(at, tets_grid(r->context, size, cells, &r->body->mesh, &r->body->tets));
+}
+
+static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
+    char *path = NULL;
+    size_t size = 0;
+    pdyn_status status =
+        placed_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
+    if (status != PDYN_OK) return status;
+    status = json_wrap(at, tets_read(r->context, path, &r->body->mesh, &r->body->tets));
+    FREE_ARRAY(r->context, path, size);
+    return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
+}
+
+static pdyn_status read_volume(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+    struct scene_body *body = r->body;
+    struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    struct transform transform;
+    int shape;
+    body->is_surface = true;
+    pdyn_status status = params_check_keys(at, volume_params, others);
+    if (status == PDYN_OK) status = read_one_of(at, others, 2, &shape);
+    if (status == PDYN_OK) status = params_read(at, volume_params, NULL, body);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status == PDYN_OK) status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
+    return json_wrap(grid.value ? &grid : &mesh,
+                     tets_finish(r->context, "as placed", &body->mesh, &body->tets));
+}
+
 /* ---- constraints ----------------------------------------------------------------------------- */
 
 static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_type **out) {
@@ -330,6 +384,9 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
                              body->name);
     if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
         return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
+    if (type->flags & PDYN_ON_VOLUME && !body->tets.count)
+        return json_fail(at, "\"%s\" works on a volume, found %s", type->name,
+                         body->is_surface ? "a surface" : "a body of particles");
     if (type->flags & PDYN_ON_PARTICLES && body->is_surface)
         return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
     if (type->op && r->operator_used)
@@ -369,19 +426,23 @@ static pdyn_status read_constraints(struct reader *r, const struct json_at *arra
     return read_each(r, array, read_constraint);
 }
 
+typedef pdyn_status read_kind_fn(struct reader *r, const struct json_at *at);
+
 static pdyn_status read_body(struct reader *r, const struct json_at *at, int index) {
-    static const char *const others[] = {"name", "particles", "surface", "constraints", NULL};
-    static const char *const kinds[] = {"particles", "surface"};
+    static const char *const others[] = {"name",   "particles",   "surface",
+                                         "volume", "constraints", NULL};
+    static const char *const kinds[] = {"particles", "surface", "volume"};
+    static read_kind_fn *const readers[] = {read_particles, read_surface, read_volume};
     int kind;
     struct scene_body *body = r->body = &r->scene->body[index];
-    struct json_at particles = json_member(at, "particles"), surface = json_member(at, "surface");
     struct json_at constraints = json_member(at, "constraints");
     pdyn_status status = params_check_keys(at, body_params, others);
     if (status == PDYN_OK) status = read_name(r, at, "body", index, &body->name);
-    if (status == PDYN_OK) status = read_one_of(at, kinds, 2, &kind);
+    if (status == PDYN_OK) status = read_one_of(at, kinds, 3, &kind);
     if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
     if (status != PDYN_OK) return status;
-    status = particles.value ? read_particles(r, &particles) : read_surface(r, &surface);
+    struct json_at body_at = json_member(at, kinds[kind]);
+    status = readers[kind](r, &body_at);
     return status == PDYN_OK ? read_constraints(r, &constraints) : status;
 }
 
@@ -652,6 +713,7 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
     points_free(context, &body->start);
     points_free(context, &body->start_v);
     mesh_free(context, &body->mesh);
+    tets_free(context, &body->tets);
     free_text(context, &body->name);
 }
 

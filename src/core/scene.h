@@ -8,6 +8,7 @@
 #include "mesh.h"
 #include "points.h"
 #include "projdyn/module.h"
+#include "tets.h"
 
 struct scene_box {
     double min[3], max[3]; /* m; min < max in every axis */
@@ -40,10 +41,12 @@ struct scene_body {
     /* exactly one of the two: */
     bool is_surface;
     struct mesh mesh; /* surface: rest positions in the world, after scale, rotation, translation */
+    struct tets tets; /* of a surface that is the outside of a volume */
     struct points start, start_v; /* particles: where they begin, and how fast, m/s */
     double radius;                /* m */
     double rest_density;          /* kg/m^3 */
     double area_density;          /* kg/m^2 */
+    double density;               /* kg/m^3, of a volume */
     int inlets;                   /* of particles */
     struct scene_inlet *inlet;
     int budget;         /* particles that the inlets may add to those at the start */

@@ -71,7 +71,7 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     if (!t->elements || !t->select || !t->weight || !t->project)
         return "it lacks one of elements, select, weight, project";
     if (!t->shape && (t->rows < 1 || t->width < 1)) return "without shape, it needs rows and width";
-    if ((t->flags & PDYN_ON_SURFACE) && (t->flags & PDYN_ON_PARTICLES))
+    if ((t->flags & (PDYN_ON_SURFACE | PDYN_ON_VOLUME)) && (t->flags & PDYN_ON_PARTICLES))
         return "no body is both a surface and particles";
     if (!t->damping != !t->hold) return "damping and hold need each other";
     if (t->op && !(t->flags & PDYN_ON_PARTICLES))

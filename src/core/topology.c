@@ -129,10 +129,14 @@ static pdyn_status even(pdyn_context *context, const struct mesh *mesh, const ch
                         name, side->end[0], side->end[1], count, count == 1 ? "" : "s");
 }
 
+pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    return check_edges(context, mesh, name, fits_cloth);
+}
+
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
     pdyn_status status = check_used(context, mesh, name);
     if (status == PDYN_OK) status = check_areas(context, mesh, name);
-    return status == PDYN_OK ? check_edges(context, mesh, name, fits_cloth) : status;
+    return status == PDYN_OK ? mesh_check_edges(context, mesh, name) : status;
 }
 
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name) {

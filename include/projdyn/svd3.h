@@ -1,0 +1,82 @@
+/* Singular values of 3 x 3 matrices, for constraints on deformation gradients. */
+#ifndef PROJDYN_SVD3_H
+#define PROJDYN_SVD3_H
+
+#include "vec3.h"
+
+/* F = sum of s_i left_i right_i', both triples right-handed: s[2] has the sign of det F, and
+ * s[0] >= s[1] >= |s[2]|. Where a value is nothing, its directions are any. */
+typedef struct svd3 {
+    double s[3], left[3][3], right[3][3];
+} svd3;
+
+/* Turns axes i and j of the symmetric A such that A_ij = 0 (Jacobi), and the directions with it. */
+static inline void svd3_rotate(double A[3][3], int i, int j, double right[3][3]) {
+    double angle = 0.5 * atan2(2.0 * A[i][j], A[j][j] - A[i][i]), c = cos(angle), s = sin(angle);
+    for (int k = 0; k < 3; k++) {
+        double a = A[k][i], v = right[i][k];
+        A[k][i] = c * a - s * A[k][j], A[k][j] = s * a + c * A[k][j];
+        right[i][k] = c * v - s * right[j][k], right[j][k] = s * v + c * right[j][k];
+    }
+    for (int k = 0; k < 3; k++) {
+        double a = A[i][k];
+        A[i][k] = c * a - s * A[j][k], A[j][k] = s * a + c * A[j][k];
+    }
+}
+
+/* a -= (a . b) b for a unit b; then a is brought to length 1, along any other way if it is nothing.
+ */
+static inline void svd3_make_normal(double *a, const double *b, double least) {
+    vec3_add(a, -vec3_dot(a, b), b);
+    double length = vec3_length(a);
+    if (!(length > least)) {
+        int axis = fabs(b[0]) < fabs(b[1]) ? 0 : 1;
+        if (fabs(b[2]) < fabs(b[axis])) axis = 2;
+        for (int k = 0; k < 3; k++) a[k] = (k == axis) - b[axis] * b[k];
+        length = vec3_length(a);
+    }
+    for (int k = 0; k < 3; k++) a[k] /= length;
+}
+
+/* F by columns: F[3 * c + k] is entry (k, c). */
+static inline svd3 svd3_of(const double *F) {
+    static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    svd3 d;
+    double A[3][3], right[3][3], along[3][3];
+    int order[3] = {0, 1, 2};
+    for (int k = 0; k < 9; k++) {
+        A[k / 3][k % 3] = vec3_dot(F + 3 * (k / 3), F + 3 * (k % 3));
+        right[k / 3][k % 3] = unit[k / 3][k % 3];
+    }
+    for (int sweep = 0; sweep < 6; sweep++)
+        for (int k = 0; k < 3; k++) svd3_rotate(A, k < 2 ? 0 : 1, k < 1 ? 1 : 2, right);
+    for (int k = 0; k < 3; k++) { /* the largest first: 3 exchanges sort 3 numbers */
+        int i = k == 1 ? 1 : 0, high = order[i + 1];
+        if (A[order[i]][order[i]] < A[high][high]) order[i + 1] = order[i], order[i] = high;
+    }
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++) d.right[i][k] = right[order[i]][k];
+    vec3_cross(d.right[2], d.right[0], d.right[1]);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            along[i][k] =
+                d.right[i][0] * F[k] + d.right[i][1] * F[3 + k] + d.right[i][2] * F[6 + k];
+    d.s[0] = vec3_length(along[0]);
+    for (int k = 0; k < 3; k++)
+        d.left[0][k] = d.s[0] > 0.0 ? along[0][k] / d.s[0] : unit[0][k], d.left[1][k] = along[1][k];
+    svd3_make_normal(d.left[1], d.left[0], 1e-12 * d.s[0]);
+    vec3_cross(d.left[2], d.left[0], d.left[1]);
+    d.s[1] = vec3_dot(d.left[1], along[1]), d.s[2] = vec3_dot(d.left[2], along[2]);
+    return d;
+}
+
+/* F by columns from its parts, with other singular values. */
+static inline void svd3_compose(const svd3 *d, const double s[3], double *F) {
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++) {
+            F[3 * c + k] = 0.0;
+            for (int i = 0; i < 3; i++) F[3 * c + k] += s[i] * d->left[i][k] * d->right[i][c];
+        }
+}
+
+#endif

@@ -1,0 +1,242 @@
+/* Strain and volume of a soft solid (Bouaziz et al. 2014, sections 5.1 and 5.2). u is the
+ * deformation gradient F of a tetrahedron by columns, times the root of its volume V; its
+ * projection has the same directions and other singular values s:
+ *
+ *     strain: each s_i clamped to a range           energy  E/2 V sum (s_i - clamped s_i)^2
+ *     volume: the closest s with s_1 s_2 s_3 = det F clamped to a range       with weight K
+ *
+ * so a rod of Young's modulus E gives way as it should where K is 0 (without Poisson's effect), and
+ * for small strains the volume adds K/6 V (tr strain)^2. A tetrahedron that is turned inside out
+ * has a negative s_3, and both projections lead back. Elements: the strain of all tetrahedra, then
+ * their volumes, if these have a stiffness. */
+#include "projdyn/module.h"
+#include "projdyn/svd3.h"
+
+#include <string.h>
+
+struct params {
+    double stiffness, volume_stiffness, shortest, longest, smallest, largest, damping;
+};
+
+static const pdyn_param params[] = {
+    {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), true, 0, 0, 1e12, "Pa",
+     "Young's modulus: stress per strain"},
+    {"volume_stiffness", PDYN_REAL, offsetof(struct params, volume_stiffness), false, 0, 0, 1e12,
+     "Pa", "how much more a change of volume is resisted; 0: not"},
+    {"shortest", PDYN_REAL, offsetof(struct params, shortest), false, 1, 0, 1, "1",
+     "principal stretch down to which nothing resists"},
+    {"longest", PDYN_REAL, offsetof(struct params, longest), false, 1, 1, 1e3, "1",
+     "principal stretch up to which nothing resists"},
+    {"smallest", PDYN_REAL, offsetof(struct params, smallest), false, 1, 0.01, 1, "1",
+     "part of its volume down to which that resists nothing"},
+    {"largest", PDYN_REAL, offsetof(struct params, largest), false, 1, 1, 100, "1",
+     "multiple of its volume up to which that resists nothing"},
+    {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
+     "stress grows with strain + damping x rate of strain"},
+    {0}};
+
+struct target {             /* what the singular values of u are brought to */
+    double low[3], high[3]; /* strain */
+    double least, most;     /* volume: of their product */
+};
+
+/* Element e is about this tetrahedron; those from `tets` on are about volumes. */
+static int tet_of(const pdyn_batch *b, int e) { return e % b->body->tets; }
+static bool is_volume(const pdyn_batch *b, int e) { return e >= b->body->tets; }
+
+static int elements(const void *par, const pdyn_body *body) {
+    return (((const struct params *)par)->volume_stiffness > 0.0 ? 2 : 1) * body->tets;
+}
+
+/* The gradients of the corners' barycentric coordinates at rest, 1/m. */
+static void gradients_of(const pdyn_body *body, int t, double g[4][3]) {
+    const int *c = body->tet + 4 * (size_t)t;
+    double side[3][3];
+    for (int k = 0; k < 9; k++)
+        side[k / 3][k % 3] =
+            body->rest[3 * (size_t)c[1 + k / 3] + k % 3] - body->rest[3 * (size_t)c[0] + k % 3];
+    for (int k = 0; k < 3; k++) {
+        vec3_cross(g[1 + k], side[(k + 1) % 3], side[(k + 2) % 3]);
+        for (int a = 0; a < 3; a++) g[1 + k][a] /= 6.0 * body->tet_volume[t];
+    }
+    for (int a = 0; a < 3; a++) g[0][a] = -g[1][a] - g[2][a] - g[3][a];
+}
+
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    const struct params *q = par;
+    for (int e = first; e < last; e++) {
+        int t = tet_of(b, e);
+        double g[4][3], root = sqrt(b->body->tet_volume[t]), cube = root * root * root;
+        struct target *target = (struct target *)b->data + e;
+        gradients_of(b->body, t, g);
+        for (int k = 0; k < 12; k++) {
+            b->column[12 * e + k] = b->body->first + b->body->tet[4 * t + k % 4];
+            b->coefficient[12 * e + k] = root * g[k % 4][k / 4];
+        }
+        for (int i = 0; i < 3; i++)
+            target->low[i] = q->shortest * root, target->high[i] = q->longest * root;
+        target->least = q->smallest * cube, target->most = q->largest * cube;
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    const struct params *q = par;
+    for (int e = first; e < last; e++)
+        b->weight[e] = is_volume(b, e) ? q->volume_stiffness : q->stiffness;
+}
+
+static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
+
+static double product(const double s[3]) { return s[0] * s[1] * s[2]; }
+
+/* Derivatives of the product. */
+static void product_gradient(const double s[3], double g[3]) {
+    for (int i = 0; i < 3; i++) g[i] = s[(i + 1) % 3] * s[(i + 2) % 3];
+}
+
+/* The closest p to s whose product is c: p = s - l g(p), by steps to the tangent plane. */
+static void onto_product(const double s[3], double c, double p[3]) {
+    memcpy(p, s, 3 * sizeof *p);
+    for (int k = 0; k < 100; k++) {
+        double g[3], d[3], before[3];
+        product_gradient(p, g);
+        for (int i = 0; i < 3; i++) d[i] = p[i] - s[i], before[i] = p[i];
+        double squares = vec3_dot(g, g);
+        if (!(squares > 0.0)) return;
+        double l = (vec3_dot(g, d) + c - product(p)) / squares;
+        for (int i = 0; i < 3; i++) p[i] = s[i] + l * g[i];
+        if (vec3_distance(p, before) <= 1e-14 * vec3_length(p)) return;
+    }
+}
+
+/* The singular values of p from those of u. */
+static void project_values(const pdyn_batch *b, int e, const double s[3], double p[3]) {
+    const struct target *target = (const struct target *)b->data + e;
+    double now = product(s), c = clamp(now, target->least, target->most);
+    if (!is_volume(b, e))
+        for (int i = 0; i < 3; i++) p[i] = clamp(s[i], target->low[i], target->high[i]);
+    else if (c == now) memcpy(p, s, 3 * sizeof *p);
+    else onto_product(s, c, p);
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        svd3 d = svd3_of(b->u + 9 * (size_t)e);
+        double p[3];
+        project_values(b, e, d.s, p);
+        svd3_compose(&d, p, b->p + 9 * (size_t)e);
+    }
+}
+
+/* ---- tangent --------------------------------------------------------------------------------- */
+
+/* J += factor m m', m = left_a right_c' + sign left_c right_a' brought to length 1; as numbers of
+ * u, by columns */
+static void add_mode(double *J, const svd3 *d, double factor, int a, int c, double sign) {
+    double m[9];
+    factor = clamp(factor, 0.0, 1.0) / (a == c ? 1.0 : 2.0);
+    for (int k = 0; k < 9; k++)
+        m[k] = d->left[a][k % 3] * d->right[c][k / 3] +
+               (a == c ? 0.0 : sign * d->left[c][k % 3] * d->right[a][k / 3]);
+    for (int i = 0; i < 9; i++)
+        for (int j = 0; j < 9; j++) J[9 * i + j] += factor * m[i] * m[j];
+}
+
+/* How p follows s on the surface product = c, s - p = l g(p), H the second derivatives: in the
+ * tangent plane, ds = (I + l H) dp. The two principal directions, and what they take of ds. */
+static void follow_product(const double s[3], const double p[3], double way[2][3], double part[2]) {
+    double g[3], d[3] = {s[0] - p[0], s[1] - p[1], s[2] - p[2]}, bend[2][2];
+    product_gradient(p, g);
+    double length = vec3_length(g), l = length > 0.0 ? vec3_dot(d, g) / (length * length) : 0.0;
+    for (int i = 0; i < 3; i++) g[i] = length > 0.0 ? g[i] / length : i == 0;
+    for (int i = 0; i < 3; i++) way[0][i] = 0.0;
+    svd3_make_normal(way[0], g, 0.5);
+    vec3_cross(way[1], g, way[0]);
+    for (int k = 0; k < 4; k++) {
+        const double *x = way[k / 2], *y = way[k % 2];
+        bend[k / 2][k % 2] = 0.0;
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                if (i != j) bend[k / 2][k % 2] += l * p[3 - i - j] * x[i] * y[j];
+    }
+    double turn = 0.5 * atan2(2.0 * bend[0][1], bend[0][0] - bend[1][1]);
+    double c = cos(turn), n = sin(turn), middle = 0.5 * (bend[0][0] + bend[1][1]);
+    double apart = hypot(0.5 * (bend[0][0] - bend[1][1]), bend[0][1]);
+    for (int i = 0; i < 3; i++) {
+        double x = way[0][i], y = way[1][i];
+        way[0][i] = c * x + n * y, way[1][i] = c * y - n * x;
+    }
+    part[0] = 1.0 / (1.0 + middle + apart), part[1] = 1.0 / (1.0 + middle - apart);
+}
+
+/* J += sum of part_k m_k m_k', m_k = sum of way_i left_i right_i' */
+static void add_ways(double *J, const svd3 *d, double way[2][3], const double part[2]) {
+    for (int w = 0; w < 2; w++) {
+        double m[9], factor = part[w] > 0.0 ? fmin(part[w], 1.0) : 1.0;
+        svd3_compose(d, way[w], m);
+        for (int i = 0; i < 9; i++)
+            for (int j = 0; j < 9; j++) J[9 * i + j] += factor * m[i] * m[j];
+    }
+}
+
+/* As the principal stretches change, and as their directions turn, each clamped to a contraction.
+ */
+static void tangent_of(const pdyn_batch *b, int e, const svd3 *d, double *J) {
+    double p[3], way[2][3], part[2];
+    const double *s = d->s;
+    project_values(b, e, s, p);
+    if (is_volume(b, e) && memcmp(p, s, sizeof p)) {
+        follow_product(s, p, way, part);
+        add_ways(J, d, way, part);
+    } else
+        for (int i = 0; i < 3; i++) add_mode(J, d, p[i] == s[i], i, i, 0.0);
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        double sum = s[i] + s[j], gap = s[i] - s[j], size = fabs(s[i]) + fabs(s[j]);
+        double turn = sum > 1e-9 * size ? (p[i] + p[j]) / sum : 1.0;
+        double shear = fabs(gap) > 1e-9 * size ? (p[i] - p[j]) / gap : p[i] == s[i];
+        add_mode(J, d, turn, i, j, -1.0);
+        add_mode(J, d, shear, i, j, 1.0);
+    }
+}
+
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par;
+    for (int e = first; e < last; e++, J += 81) {
+        svd3 d = svd3_of(b->u + 9 * (size_t)e);
+        tangent_of(b, e, &d, J);
+    }
+}
+
+/* ---- damping --------------------------------------------------------------------------------- */
+
+static double damping(const void *par) { return ((const struct params *)par)->damping; }
+
+static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        svd3 d = svd3_of(b->u + 9 * (size_t)e);
+        struct target *target = (struct target *)b->data + e;
+        for (int i = 0; i < 3; i++) target->low[i] = target->high[i] = d.s[i];
+        target->least = target->most = product(d.s);
+    }
+}
+
+const pdyn_constraint_type pdyn_constraint_tet = {
+    .name = "tet",
+    .summary = "strain and volume of a soft solid",
+    .flags = PDYN_ON_VOLUME,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .data_size = sizeof(struct target),
+    .elements = elements,
+    .rows = 3,
+    .width = 4,
+    .select = select,
+    .weight = weight,
+    .project = project,
+    .tangent = tangent,
+    .damping = damping,
+    .hold = hold,
+};

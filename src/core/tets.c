@@ -1,0 +1,151 @@
+#include "tets.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- a block --------------------------------------------------------------------------------- */
+
+/* The corners of a cell that a tetrahedron passes from its lowest to its highest, one axis after
+ * the other, in all six orders; bit a of a corner: it is the higher one along axis a. */
+static const int kuhn[6][4] = {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7},
+                               {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}};
+
+static void fill_grid(const double size[3], const int cells[3], struct mesh *mesh,
+                      struct tets *tets) {
+    int n[3] = {cells[0] + 1, cells[1] + 1, cells[2] + 1}, *corner = tets->corner;
+    for (int i = 0; i < mesh->vertices; i++) {
+        int at[3] = {i % n[0], i / n[0] % n[1], i / (n[0] * n[1])};
+        for (int a = 0; a < 3; a++)
+            mesh->vertex[3 * i + a] = size[a] * (1.0 * at[a] / cells[a] - 0.5);
+        for (int k = 0; k < 24 && at[0] < cells[0] && at[1] < cells[1] && at[2] < cells[2]; k++) {
+            int c = kuhn[k / 4][k % 4];
+            *corner++ = i + (c & 1) + n[0] * (c >> 1 & 1) + n[0] * n[1] * (c >> 2);
+        }
+    }
+}
+
+pdyn_status tets_grid(pdyn_context *context, const double size[3], const int cells[3],
+                      struct mesh *mesh, struct tets *tets) {
+    *mesh = (struct mesh){.vertices = (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1)};
+    *tets = (struct tets){.count = 6 * cells[0] * cells[1] * cells[2]};
+    mesh->vertex = NEW_ARRAY(context, 3 * (size_t)mesh->vertices, double);
+    tets->corner = NEW_ARRAY(context, 4 * (size_t)tets->count, int);
+    if (!mesh->vertex || !tets->corner) return PDYN_NO_MEMORY;
+    fill_grid(size, cells, mesh, tets);
+    return PDYN_OK;
+}
+
+/* ---- checks and volumes ---------------------------------------------------------------------- */
+
+static pdyn_status measure(pdyn_context *context, const char *name, const struct mesh *mesh,
+                           struct tets *tets) {
+    tets->volume = NEW_ARRAY(context, tets->count, double);
+    if (!tets->volume) return PDYN_NO_MEMORY;
+    for (int t = 0; t < tets->count; t++) {
+        int *c = tets->corner + 4 * (size_t)t;
+        double side[3][3], normal[3], longest = 0.0;
+        for (int k = 0; k < 3; k++) {
+            for (int a = 0; a < 3; a++)
+                side[k][a] = mesh->vertex[3 * c[k + 1] + a] - mesh->vertex[3 * c[0] + a];
+            longest = fmax(longest, vec3_length(side[k]));
+        }
+        vec3_cross(normal, side[0], side[1]);
+        double volume = vec3_dot(normal, side[2]) / 6.0;
+        if (!(fabs(volume) > 1e-9 * longest * longest * longest))
+            return context_fail(context, PDYN_BAD_INPUT,
+                                "%.1024s: tetrahedron %d (vertices %d, %d, %d, %d) has no volume",
+                                name, t, c[0], c[1], c[2], c[3]);
+        if (volume < 0.0) {
+            int last = c[3];
+            c[3] = c[2], c[2] = last;
+        }
+        tets->volume[t] = fabs(volume);
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status check_used(pdyn_context *context, const char *name, const struct mesh *mesh,
+                              const struct tets *tets) {
+    int v = 0;
+    bool *used = NEW_ARRAY(context, mesh->vertices, bool);
+    if (!used) return PDYN_NO_MEMORY;
+    for (int k = 0; k < 4 * tets->count; k++) used[tets->corner[k]] = true;
+    while (v < mesh->vertices && used[v]) v++;
+    FREE_ARRAY(context, used, mesh->vertices);
+    if (v == mesh->vertices) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no tetrahedron",
+                        name, v);
+}
+
+/* ---- the surface ----------------------------------------------------------------------------- */
+
+struct face {
+    int key[3];    /* its vertices, ascending */
+    int corner[3]; /* as seen from outside */
+};
+
+static int compare_faces(const void *a, const void *b) {
+    return memcmp(((const struct face *)a)->key, ((const struct face *)b)->key, sizeof(int[3]));
+}
+
+static int compare_ints(const void *a, const void *b) { return *(const int *)a - *(const int *)b; }
+
+static struct face *sorted_faces(pdyn_context *context, const struct tets *tets) {
+    static const int outward[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    size_t count = 4 * (size_t)tets->count;
+    struct face *face = NEW_ARRAY(context, count, struct face);
+    if (!face) return NULL;
+    for (size_t f = 0; f < count; f++) {
+        for (int k = 0; k < 3; k++)
+            face[f].key[k] = face[f].corner[k] = tets->corner[f / 4 * 4 + outward[f % 4][k]];
+        qsort(face[f].key, 3, sizeof(int), compare_ints);
+    }
+    qsort(face, count, sizeof *face, compare_faces);
+    return face;
+}
+
+/* Moves the faces of only one tetrahedron to the front; -1 with an error. */
+static int keep_outer(pdyn_context *context, const char *name, struct face *face, size_t count) {
+    int kept = 0;
+    for (size_t f = 0, next; f < count; f = next) {
+        for (next = f + 1; next < count && !compare_faces(&face[f], &face[next]);) next++;
+        if (next - f > 2) {
+            context_fail(context, PDYN_BAD_INPUT,
+                         "%.1024s: the face of vertices %d, %d, %d has %zu tetrahedra", name,
+                         face[f].key[0], face[f].key[1], face[f].key[2], next - f);
+            return -1;
+        }
+        if (next - f == 1) face[kept++] = face[f];
+    }
+    return kept;
+}
+
+static pdyn_status find_surface(pdyn_context *context, const char *name, struct mesh *mesh,
+                                const struct tets *tets) {
+    size_t count = 4 * (size_t)tets->count;
+    struct face *face = sorted_faces(context, tets);
+    if (!face) return PDYN_NO_MEMORY;
+    int kept = keep_outer(context, name, face, count);
+    if (kept > 0) mesh->triangle = NEW_ARRAY(context, 3 * (size_t)kept, int);
+    if (mesh->triangle) mesh->triangles = kept;
+    for (int t = 0; t < mesh->triangles; t++)
+        memcpy(mesh->triangle + 3 * t, face[t].corner, sizeof face->corner);
+    FREE_ARRAY(context, face, count);
+    if (kept < 0) return PDYN_BAD_INPUT;
+    return mesh->triangle ? mesh_check_edges(context, mesh, name) : PDYN_NO_MEMORY;
+}
+
+pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *mesh,
+                        struct tets *tets) {
+    pdyn_status status = check_used(context, name, mesh, tets);
+    if (status == PDYN_OK) status = measure(context, name, mesh, tets);
+    return status == PDYN_OK ? find_surface(context, name, mesh, tets) : status;
+}
+
+void tets_free(pdyn_context *context, struct tets *tets) {
+    FREE_ARRAY(context, tets->corner, 4 * (size_t)tets->count);
+    FREE_ARRAY(context, tets->volume, tets->count);
+    *tets = (struct tets){0};
+}
