@@ -236,6 +236,25 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
     return status;
 }
 
+/* Particles at one and the same place: no constraint knows a way to part them. */
+static void warn_coincident(const struct pdyn_sim *sim, const pdyn_body *fluid) {
+    const pdyn_neighbours *view = neighbours_view(sim->neighbours);
+    int count = 0;
+    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
+        for (int k = view->start[i]; k < view->boundary_start[i]; k++) {
+            int j = view->index[k];
+            if (j == i || j >= sim->system.particles) continue;
+            if (vec3_distance(sim->x + 3 * i, sim->x + 3 * j) > 0.0) continue;
+            count++;
+            break;
+        }
+    if (!count) return;
+    context_log(sim->context, PDYN_LOG_WARNING,
+                "body \"%s\": %d particles lie at the place of another one; nothing parts them: do "
+                "volumes of its fill overlap?",
+                fluid->name, count);
+}
+
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     const pdyn_body *fluid = fluid_body(sim);
     if (!fluid) return PDYN_OK;
@@ -248,7 +267,9 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     if (status != PDYN_OK) return status;
     emit_tell(sim);
     sim->system.neighbours = sim->neighbours, sim->system.samples = sim->samples;
-    return system_build_lists(&sim->system, sim->x);
+    status = system_build_lists(&sim->system, sim->x);
+    if (status == PDYN_OK) warn_coincident(sim, fluid);
+    return status;
 }
 
 /* ---- constraints and solver ------------------------------------------------------------------ */

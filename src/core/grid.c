@@ -39,16 +39,20 @@ static bool in_range(const struct grid *grid, const double *x) {
     return fabs(x[0]) < bound && fabs(x[1]) < bound && fabs(x[2]) < bound;
 }
 
+/* Of the box around all points: they must be numbers of 64 bits. */
+static const double most_keys = 0x1p62;
+
 /* Far outside there is no cell, and so no key. */
 static int64_t key_of(const struct grid *grid, const int cell[3]) {
-    return (cell[0] - grid->low[0]) + grid->pitch[0] * (cell[1] - grid->low[1]) +
-           grid->pitch[1] * (cell[2] - grid->low[2]);
+    return ((int64_t)cell[0] - grid->low[0]) + grid->pitch[0] * ((int64_t)cell[1] - grid->low[1]) +
+           grid->pitch[1] * ((int64_t)cell[2] - grid->low[2]);
 }
 
 /* The box of cells in use gives the keys; a margin keeps runs along x from going round its ends. */
 static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int *id,
                             const double *x) {
-    int low[3] = {GRID_RANGE, GRID_RANGE, GRID_RANGE}, high[3] = {-GRID_RANGE, -GRID_RANGE, 0};
+    int low[3] = {GRID_RANGE, GRID_RANGE, GRID_RANGE},
+        high[3] = {-GRID_RANGE, -GRID_RANGE, -GRID_RANGE};
     for (int k = 0; k < grid->points; k++) {
         int cell[3], i = id ? id[k] : k;
         const double *at = x + 3 * (size_t)i;
@@ -64,10 +68,18 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
             if (cell[a] > high[a]) high[a] = cell[a];
         }
     }
-    for (int a = 0; a < 3; a++) grid->low[a] = low[a] - GRID_REACH;
-    grid->pitch[0] = high[0] - low[0] + 1 + 2 * GRID_REACH;
-    grid->pitch[1] = grid->pitch[0] * (high[1] - low[1] + 1 + 2 * GRID_REACH);
-    return PDYN_OK;
+    int64_t span[3];
+    for (int a = 0; a < 3; a++) {
+        grid->low[a] = low[a] - GRID_REACH;
+        span[a] = (int64_t)high[a] - low[a] + 1 + 2 * GRID_REACH;
+    }
+    grid->pitch[0] = span[0], grid->pitch[1] = span[0] * span[1];
+    if ((double)span[0] * (double)span[1] * (double)span[2] < most_keys) return PDYN_OK;
+    return context_fail(context, PDYN_DIVERGED,
+                        "points are %g x %g x %g m apart: the simulation has diverged or something "
+                        "left the scene",
+                        (double)span[0] * grid->cell, (double)span[1] * grid->cell,
+                        (double)span[2] * grid->cell);
 }
 
 /* Sorts `order` by the keys of the points that it names, eleven bits at a time, from the lowest. */

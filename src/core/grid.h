@@ -20,7 +20,7 @@ struct grid {
     int *order, *swapped; /* points: the same */
 };
 
-enum { GRID_RANGE = 1 << 19 }; /* cells from the origin in each direction */
+enum { GRID_RANGE = 1 << 29 }; /* cells from the origin in each direction */
 
 /* reach: m, the largest radius that will be asked for. */
 pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struct grid *grid);

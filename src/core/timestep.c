@@ -79,8 +79,22 @@ struct moment timestep_choose(const struct pdyn_sim *sim, double longest) {
     return (struct moment){rest / fmax(1.0, steps), steps <= 1.0};
 }
 
+/* The CFL condition would have a shorter step than the shortest. */
+static void check_speed(struct pdyn_sim *sim, double h) {
+    const struct scene_settings *set = &sim->scene.settings;
+    double radius, way = fastest(sim, 0.0, &radius) * h;
+    if (sim->warned || radius == 0.0 || way <= 2.0 * set->cfl * radius) return;
+    sim->warned = true;
+    context_log(
+        sim->context, PDYN_LOG_WARNING,
+        "at %g s: a particle travels %.3g radii in the shortest step of %g s (\"minimum\"); "
+        "walls may not hold it",
+        sim->time, way / radius, h);
+}
+
 void timestep_check(struct pdyn_sim *sim, double h, double residual) {
     const struct scene_settings *set = &sim->scene.settings;
+    if (set->h_fixed == 0.0 && h <= set->h_min) check_speed(sim, h);
     bool solved = residual <= set->tolerance;
     double limit = set->h_fixed > 0.0 && !solved && !sim->warned ? swing_limit(sim) : INFINITY;
     if (h <= limit) return;
