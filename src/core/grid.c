@@ -70,6 +70,7 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
     }
     int64_t span[3];
     for (int a = 0; a < 3; a++) {
+        if (!grid->points) low[a] = high[a] = 0; /* some cell: nothing is in any */
         grid->low[a] = low[a] - GRID_REACH;
         span[a] = (int64_t)high[a] - low[a] + 1 + 2 * GRID_REACH;
     }

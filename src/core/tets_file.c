@@ -59,10 +59,10 @@ static pdyn_status read_point(struct mesh_file *file) {
 
 static pdyn_status add_tag(struct reader *r, long tag) {
     size_t count = (size_t)r->file->vertices;
-    const long *last = (const long *)r->tag.data + count - 1;
-    if (count && tag <= *last)
+    long last = count ? ((const long *)r->tag.data)[count - 1] : -1;
+    if (tag <= last)
         return mesh_file_fail(r->file, "expected tags of nodes to ascend, found %ld after %ld", tag,
-                              *last);
+                              last);
     if (!mesh_file_reserve(r->file, &r->tag, (count + 1) * sizeof(long))) return PDYN_NO_MEMORY;
     ((long *)r->tag.data)[count] = tag;
     return PDYN_OK;
