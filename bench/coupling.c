@@ -1,7 +1,9 @@
 /* Fluid and cloth on each other against what is known. Each command writes CSV files into
  * DIRECTORY and prints a table as markdown:
  *
- *     coupling momentum DIRECTORY STEPS SECONDS    free water and cloth: what is conserved */
+ *     coupling momentum DIRECTORY STEPS SECONDS    free water and cloth: what is conserved
+ *     coupling basin DIRECTORY SECONDS MM...       water at rest in a sheet; MM: particle spacing
+ */
 #include "coupling.h"
 
 #include <stdarg.h>
@@ -19,7 +21,7 @@ void die(const char *format, ...) {
 }
 
 pdyn_sim *load(pdyn_context *context, const char *format, ...) {
-    char text[8192];
+    char text[131072];
     pdyn_sim *sim;
     va_list args;
     va_start(args, format);
@@ -49,11 +51,22 @@ FILE *open_csv(const char *directory, const char *name) {
 
 int main(int argc, char **argv) {
     const char *command = argc > 2 ? argv[1] : "";
+    pdyn_options options = pdyn_default_options();
     pdyn_context *context;
-    if (pdyn_create(NULL, &context) != PDYN_OK) die("no context");
+    options.threads = 1;
+    if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
     if (!strcmp(command, "momentum") && argc == 5)
         momentum(context, argv[2], atoi(argv[3]), atof(argv[4]));
-    else die("usage: coupling momentum DIRECTORY STEPS SECONDS");
+    else if (!strcmp(command, "basin") && argc > 4)
+        basin(context, argv[2], atof(argv[3]), argc - 4, argv + 4);
+    else if (!strcmp(command, "lintearia") && argc > 4)
+        lintearia(context, argv[2], atof(argv[3]), argc - 4, argv + 4);
+    else if (!strcmp(command, "gate")) elastic_gate(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "leaks")) leaks(context, argv[2], argc - 3, argv + 3);
+    else
+        die("usage: coupling momentum DIRECTORY STEPS SECONDS | basin DIRECTORY SECONDS MM... | "
+            "lintearia DIRECTORY SECONDS MM... | gate DIRECTORY MMxMPAxMS... | leaks DIRECTORY "
+            "NAME:N:M:MS:S...");
     pdyn_destroy(context);
     return 0;
 }

@@ -21,5 +21,11 @@ FILE *open_csv(const char *directory, const char *name);
 
 /* Each writes CSV files into a directory and prints a table as markdown. */
 void momentum(pdyn_context *context, const char *directory, int steps, double seconds);
+void basin(pdyn_context *context, const char *directory, double seconds, int count,
+           char **spacings);
+void lintearia(pdyn_context *context, const char *directory, double seconds, int count,
+               char **spacings);
+void elastic_gate(pdyn_context *context, const char *directory, int count, char **runs);
+void leaks(pdyn_context *context, const char *directory, int count, char **runs);
 
 #endif

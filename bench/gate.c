@@ -1,0 +1,120 @@
+/* The elastic gate of Antoci, Gallati, Sibilla 2007: a rubber plate that hangs in the wall of a
+ * tank lets the water out and bends. The plate is a sheet with its mass and rigidity, clamped by
+ * two rows of pins whose middle is the clamp, in a slice some particles wide between walls. */
+#include "coupling.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double gate = 0.079, thickness = 0.005, gate_density = 1100; /* m, m, kg/m^3 */
+static const double width = 0.1, depth = 0.14;                            /* m, of the water */
+
+/* Horizontal displacement of the tip in the experiment, s and m. */
+static const double experiment[][2] = {{0.040, 0.0125}, {0.080, 0.0340}, {0.119, 0.0440},
+                                       {0.161, 0.0464}, {0.200, 0.0442}, {0.240, 0.0430},
+                                       {0.281, 0.0412}, {0.321, 0.0400}, {0.360, 0.0374}};
+enum { POINTS = sizeof experiment / sizeof *experiment };
+
+struct mesh {
+    double x, z, low, high; /* m: of the plane; how far it goes beyond the slice; heights */
+    int up, across;         /* segments */
+};
+
+/* Rows from the lowest one. */
+static void write_plane(const char *path, const struct mesh *m, double slice) {
+    FILE *file = fopen(path, "w");
+    if (!file) die("%s: cannot be written", path);
+    int n = m->across + 1;
+    for (int i = 0; i <= m->up; i++)
+        for (int j = 0; j < n; j++)
+            fprintf(file, "v %.17g %.17g %.17g\n", m->x, m->low + (m->high - m->low) * i / m->up,
+                    (slice + 2.0 * m->z) * j / m->across - m->z);
+    for (int i = 0; i < m->up; i++)
+        for (int j = 1; j < n; j++) {
+            int a = i * n + j, b = a + 1, c = a + n, d = c + 1;
+            if ((i + j) % 2) fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, c, b, d, c);
+            else fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, d, a, d, c);
+        }
+    fclose(file);
+}
+
+static const char scene[] =
+    "{'duration': 1000, 'frame_interval': 0.02, 'time_step': {'maximum': %g}, 'solver': "
+    "{'tolerance': 0.1, 'outer_iterations': 40}, 'bodies': [{'name': 'water', 'particles': "
+    "{'radius': %.17g, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [%g, %g, %.17g]}}]}, "
+    "'constraints': [{'type': 'fluid', 'stiffness': %.17g}]}, {'name': 'gate', 'surface': {'mesh': "
+    "'%s', 'area_density': %g}, 'constraints': [{'type': 'triangle', 'stretching_stiffness': %g}, "
+    "{'type': 'bending', 'bending_rigidity': %g}, {'type': 'pin', 'stiffness': 1e7, 'vertices': "
+    "[{'box': {'minimum': [-1, %.17g, -1], 'maximum': [1, 1, 1]}}]}]}], 'solids': [{'box': "
+    "{'minimum': [0, 0, 0], 'maximum': [0.3, 0.2, %.17g]}, 'open': ['+x', '+y']}, {'mesh': '%s'}]}";
+
+/* The sheet lies 0.6 spacings beyond the water, as the samples of a wall do. */
+static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double d, double modulus,
+                           double h, int *across) {
+    char sheet[4096], wall[4096];
+    int up = (int)(gate / d + 0.5);
+    double ds = gate / (up + 0.5), slice = 4.0 * d;
+    struct mesh m = {width + 0.6 * d, d, 0.0, gate + 0.5 * ds, up + 1, 6};
+    snprintf(sheet, sizeof sheet, "%s/gate.obj", directory);
+    snprintf(wall, sizeof wall, "%s/gate_wall.obj", directory);
+    write_plane(sheet, &m, slice);
+    m.low = gate, m.high = 0.2;
+    write_plane(wall, &m, slice);
+    *across = m.across + 1;
+    double pressure = density * g * depth;
+    double share = slice / (slice + 2.0 * d); /* of the plate in a width of the sheet */
+    double rigidity =
+        share * modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
+    return load(context, scene, h, 0.5 * d, width, depth, slice, 0.45 * pressure * d / 1e-3, sheet,
+                share * gate_density * thickness, share * modulus * thickness, rigidity,
+                gate - 0.6 * ds, slice, wall);
+}
+
+/* Mean x of the lowest row. */
+static double tip(const pdyn_sim *sim, int across) {
+    const pdyn_state s = pdyn_get_state(sim);
+    double sum = 0.0;
+    for (int j = 0; j < across; j++) sum += s.x[3 * (pdyn_get_body(sim, 1).first + j)] / across;
+    return sum;
+}
+
+/* The displacements at the times of the experiment, and the largest. */
+static double run(pdyn_context *context, const char *directory, FILE *csv, double d, double modulus,
+                  double h, double *at) {
+    int across, k = 0;
+    pdyn_sim *sim = load_gate(context, directory, d, modulus, h, &across);
+    double start = tip(sim, across), before = 0.0, time = 0.0, most = 0.0;
+    while (k < POINTS) {
+        double now = pdyn_time(sim), x = tip(sim, across) - start;
+        for (; k < POINTS && now >= experiment[k][0]; k++)
+            at[k] = before + (x - before) * (experiment[k][0] - time) / (now - time);
+        fprintf(csv, "%g,%g,%g,%g,%g\n", d, modulus, h, now, x);
+        most = fmax(most, x), before = x, time = now;
+        take_step(context, sim);
+    }
+    pdyn_free(sim);
+    return most;
+}
+
+void elastic_gate(pdyn_context *context, const char *directory, int count, char **runs) {
+    FILE *csv = open_csv(directory, "gate");
+    fprintf(csv, "spacing,modulus,h,time,tip\n");
+    printf("| spacing, mm | E, MPa | h, ms |");
+    for (int k = 0; k < POINTS; k++) printf(" %g s |", experiment[k][0]);
+    printf(" peak |\n|---|---|---|");
+    for (int k = 0; k <= POINTS; k++) printf("---|");
+    printf("\n| experiment | | |");
+    for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * experiment[k][1]);
+    printf(" 46.4 |\n");
+    for (int r = 0; r < count; r++) {
+        double mm, modulus, ms, at[POINTS];
+        if (sscanf(runs[r], "%lfx%lfx%lf", &mm, &modulus, &ms) != 3)
+            die("expected MMxMPAxMS, found %s", runs[r]);
+        double most = run(context, directory, csv, 1e-3 * mm, 1e6 * modulus, 1e-3 * ms, at);
+        printf("| %g | %g | %g |", mm, modulus, ms);
+        for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * at[k]);
+        printf(" %.1f (%+.0f %%) |\n", 1e3 * most, 100.0 * (most / 0.0464 - 1.0));
+        fflush(stdout);
+    }
+    fclose(csv);
+}

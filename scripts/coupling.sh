@@ -1,0 +1,28 @@
+#!/bin/sh
+# Measures fluid and cloth on each other (bench/coupling.c), draws docs/coupling.svg and fills the tables of docs/coupling.md.
+# `quick`: small sizes, for a look; leaves docs/ alone and writes to out/coupling instead.
+set -eu
+cd "$(dirname "$0")/.."
+scripts/install.sh gnuplot-nox
+scripts/build.sh
+out=out/coupling
+mkdir -p "$out"
+case ${1:-} in
+quick)
+    steps=100 seconds=2 basin=20 sheet=20 gate="10x12x2 10x7.8x2" docs=$out
+    leaks="impact:12:25:10:0.03:6x30 bag:12:8:10:0.05:20x300" ;;
+"")
+    steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" gate="10x12x2 5x12x1 5x7.8x1" docs=docs
+    leaks="impact:22:50:10:0.05:6x30 impact:22:50:1:0.03:6x30 impact:22:200:10:0.05:6x30 bag:12:8:10:0.2:20x300" ;;
+*) echo "usage: scripts/coupling.sh [quick]" >&2; exit 2 ;;
+esac
+# shellcheck disable=SC2086
+{
+    build/bench/coupling momentum "$out" "$steps" 0.2 >"$out/momentum.md"
+    build/bench/coupling basin "$out" "$seconds" $basin >"$out/basin.md"
+    build/bench/coupling lintearia "$out" 1 $sheet >"$out/lintearia.md"
+    build/bench/coupling gate "$out" $gate >"$out/gate.md"
+    build/bench/coupling leaks "$out" $leaks >"$out/leaks.md"
+}
+gnuplot -e "target='$docs/coupling.svg'; out='$out'" scripts/coupling.gnuplot
+scripts/fill_tables.sh "$out" docs/coupling.md "$docs/coupling.md"
