@@ -287,12 +287,31 @@ static void test_bad_files(void **state) {
     test_remove_file("bad.msh");
 }
 
+/* Without memory there is an error, and nothing is left; of a block and of files. */
+static void test_memory(void **state) {
+    (void)state;
+    char scene[1024];
+    static const char form[] =
+        "{\"duration\": 1, \"solver\": {\"type\": \"cg\"}, \"bodies\": [{\"volume\": {%s,"
+        " \"density\": 500}, \"constraints\": [{\"type\": \"tet\", \"stiffness\": 2e4,"
+        " \"volume_stiffness\": 1e5, \"damping\": 0.01}]}]}";
+    static const char *const shapes[] = {"\"grid\": {\"size\": [1, 1, 1], \"cells\": [1, 1, 1]}",
+                                         "\"mesh\": \"two.node\"", "\"mesh\": \"two.msh\""};
+    test_write_text("two.node", NODE), test_write_text("two.ele", ELE);
+    test_write_text("two.msh", MSH4);
+    for (int k = 0; k < 3; k++) {
+        snprintf(scene, sizeof scene, form, shapes[k]);
+        test_failing_scene(scene);
+    }
+    test_remove_file("two.node"), test_remove_file("two.ele"), test_remove_file("two.msh");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_svd),       cmocka_unit_test(test_conformance),
         cmocka_unit_test(test_stretch),   cmocka_unit_test(test_rod),
         cmocka_unit_test(test_splash),    cmocka_unit_test(test_files),
-        cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_bad_files), cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests_name("tet", tests, test_enter_directory, test_leave_directory);
 }

@@ -54,7 +54,7 @@ static bool guarded_create(struct guarded *g, const struct batch *b) {
         g->array[k].before = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
         if (!g->array[k].memory || !g->array[k].before) return guarded_free(g), false;
         memset(g->array[k].memory, 0xA5, end + 2 * GUARD);
-        memcpy(inside(g, k), from[k], end);
+        if (end) memcpy(inside(g, k), from[k], end);
     }
     g->view.column = inside(g, COLUMN), g->view.coefficient = inside(g, COEFFICIENT);
     g->view.weight = inside(g, WEIGHT), g->view.data = inside(g, DATA);
@@ -167,6 +167,7 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
             break;
         }
     check_call(check, a, b, &select, rows);
+    if (!a->from->entries) return;
     if (memcmp(a->view.column, a->from->view.column, a->array[COLUMN].bytes) ||
         memcmp(a->view.coefficient, a->from->view.coefficient, a->array[COEFFICIENT].bytes))
         fault(check, "select gives other rows when it is called again");
