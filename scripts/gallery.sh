@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes the pictures of docs/gallery.md: runs the scenes of the plug-ins, and takes a picture of the
-# replay page's last frame.
+# Makes the pictures of docs/gallery.md: runs the scenes of the plug-ins and a soft ball (minutes), and
+# takes a picture of the replay page's last frame. Usage: gallery.sh [NAME...]
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh >/dev/null
@@ -21,7 +21,10 @@ picture() { # NAME SCENE TIME
         "file://$dir/$1/replay.html#frame=100000&play=0" >/dev/null 2>&1
     echo "docs/gallery/$1.png"
 }
-if [ $# = 0 ]; then set -- template rigid balloon grains; fi
+if [ $# = 0 ]; then
+    picture soft_ball scenes/soft_ball.json 0.4
+    set -- template rigid balloon grains
+fi
 for name in "$@"; do
     picture "$name" "$dir/plugin/$name.json" "$(grep -o '"duration": [0-9.]*' "$dir/plugin/$name.json" | cut -d ' ' -f 2)"
 done
