@@ -236,8 +236,8 @@ static void test_failing_allocator(void **state) {
 /* A step that cannot be leaves the solids, too, where they were. */
 static void test_divergence(void **state) {
     (void)state;
-    static const char *const set[] = {"bodies.0.velocity=[1e6, 0, 0]", "time_step.fixed=10",
-                                      "frame_interval=10", "solver.retries=0"};
+    static const char *const set[] = {"bodies.0.velocity=[1e6, 0, 0]", "time_step.fixed=1000",
+                                      "frame_interval=1000", "solver.retries=0"};
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
     assert_int_equal(pdyn_load_text(context, turning, "test", set, 4, &sim), PDYN_OK);

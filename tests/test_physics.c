@@ -320,6 +320,20 @@ static void test_threads(void **state) {
     }
 }
 
+/* Steps of a fixed length have the same bits: nothing is factored again because of rounding. */
+static void test_one_length(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim =
+        test_load(context, "{\"duration\": 10, \"frame_interval\": 0.02, \"time_step\": "
+                           "{\"fixed\": 0.01}, \"bodies\": [" SHEET("3", "") "]}");
+    double h = test_step(context, sim).h;
+    for (int k = 1; k < 200; k++) assert_true(test_step(context, sim).h == h);
+    assert_true(fabs(pdyn_time(sim) - 2.0) < 1e-12);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A state that leaves the numbers fails, and the last good one stays. */
 static void test_divergence(void **state) {
     (void)state;
@@ -371,13 +385,14 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),        cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_stiff_column),
-        cmocka_unit_test(test_cut_short),        cmocka_unit_test(test_deep_water),
-        cmocka_unit_test(test_wall_pressure),    cmocka_unit_test(test_long_step),
-        cmocka_unit_test(test_pin_reaction),     cmocka_unit_test(test_pin_path),
-        cmocka_unit_test(test_threads),          cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_no_allocation),    cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_free_fall),         cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest),  cmocka_unit_test(test_stiff_column),
+        cmocka_unit_test(test_cut_short),         cmocka_unit_test(test_deep_water),
+        cmocka_unit_test(test_wall_pressure),     cmocka_unit_test(test_long_step),
+        cmocka_unit_test(test_pin_reaction),      cmocka_unit_test(test_pin_path),
+        cmocka_unit_test(test_threads),           cmocka_unit_test(test_one_length),
+        cmocka_unit_test(test_divergence),        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

@@ -70,13 +70,19 @@ static double adaptive(const struct pdyn_sim *sim) {
     return fmax(fmin(h, swing_limit(sim)), set->h_min);
 }
 
+/* What differs from the last step by rounding is as long as that: a factor of the matrix then
+ * stays. */
+static double same_length(const struct pdyn_sim *sim, double h) {
+    return fabs(h - sim->last_h) < 1e-9 * h ? sim->last_h : h;
+}
+
 /* The rest of the way to the next frame is cut into equal steps, so that none is tiny. */
 struct moment timestep_choose(const struct pdyn_sim *sim, double longest) {
     const struct scene_settings *set = &sim->scene.settings;
     double h = fmin(longest, set->h_fixed > 0.0 ? set->h_fixed : adaptive(sim));
     double rest = (double)(sim->frame + 1) * set->frame_interval - sim->time;
     double steps = ceil(rest / h * (1.0 - 1e-9));
-    return (struct moment){rest / fmax(1.0, steps), steps <= 1.0};
+    return (struct moment){same_length(sim, rest / fmax(1.0, steps)), steps <= 1.0};
 }
 
 /* The CFL condition would have a shorter step than the shortest. */
