@@ -1,9 +1,12 @@
 /* Fluid and cloth on each other against what is known. Each command writes CSV files into
  * DIRECTORY and prints a table as markdown:
  *
- *     coupling momentum DIRECTORY STEPS SECONDS    free water and cloth: what is conserved
- *     coupling basin DIRECTORY SECONDS MM...       water at rest in a sheet; MM: particle spacing
- */
+ *     coupling momentum DIRECTORY STEPS SECONDS      free water and cloth: what is conserved
+ *     coupling basin DIRECTORY SECONDS MM...         at rest in a sheet; MM: particle spacing
+ *     coupling lintearia DIRECTORY SECONDS MM...     the shape of a sheet that holds water
+ *     coupling gate DIRECTORY MMxMPAxMS...           a rubber gate: spacing, modulus, step
+ *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL...  impact or bag, N particles across, mesh M
+ *     coupling ratios DIRECTORY SECONDS              light and heavy, soft and stiff, all steps */
 #include "coupling.h"
 
 #include <stdarg.h>
@@ -63,10 +66,11 @@ int main(int argc, char **argv) {
         lintearia(context, argv[2], atof(argv[3]), argc - 4, argv + 4);
     else if (!strcmp(command, "gate")) elastic_gate(context, argv[2], argc - 3, argv + 3);
     else if (!strcmp(command, "leaks")) leaks(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "ratios") && argc == 4) ratios(context, argv[2], atof(argv[3]));
     else
         die("usage: coupling momentum DIRECTORY STEPS SECONDS | basin DIRECTORY SECONDS MM... | "
             "lintearia DIRECTORY SECONDS MM... | gate DIRECTORY MMxMPAxMS... | leaks DIRECTORY "
-            "NAME:N:M:MS:S...");
+            "NAME:N:M:MS:S:OxL... | ratios DIRECTORY SECONDS");
     pdyn_destroy(context);
     return 0;
 }

@@ -27,5 +27,6 @@ void lintearia(pdyn_context *context, const char *directory, double seconds, int
                char **spacings);
 void elastic_gate(pdyn_context *context, const char *directory, int count, char **runs);
 void leaks(pdyn_context *context, const char *directory, int count, char **runs);
+void ratios(pdyn_context *context, const char *directory, double seconds);
 
 #endif

@@ -13,7 +13,7 @@ quick)
     leaks="impact:12:25:10:0.03:6x30 bag:12:8:10:0.05:20x300" ;;
 "")
     steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" gate="10x12x2 5x12x1 5x7.8x1" docs=docs
-    leaks="impact:22:50:10:0.05:6x30 impact:22:50:1:0.03:6x30 impact:22:200:10:0.05:6x30 bag:12:8:10:0.2:20x300" ;;
+    leaks="impact:22:50:10:0.05:6x30 impact:22:50:1:0.03:6x30 impact:22:200:10:0.05:6x30 impact:32:50:10:0.025:6x30 bag:12:8:10:0.4:20x300 bag:12:8:1:0.03:20x300" ;;
 *) echo "usage: scripts/coupling.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
@@ -23,6 +23,7 @@ esac
     build/bench/coupling lintearia "$out" 1 $sheet >"$out/lintearia.md"
     build/bench/coupling gate "$out" $gate >"$out/gate.md"
     build/bench/coupling leaks "$out" $leaks >"$out/leaks.md"
+    build/bench/coupling ratios "$out" 0.1 >"$out/ratios.md"
 }
 gnuplot -e "target='$docs/coupling.svg'; out='$out'" scripts/coupling.gnuplot
 scripts/fill_tables.sh "$out" docs/coupling.md "$docs/coupling.md"
