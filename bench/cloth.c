@@ -222,14 +222,27 @@ static void print(const struct row *r, int n, double stiffness, int threads) {
            r->outer, r->linear);
 }
 
+/* Classic Projective Dynamics, after 10, 20 and 40 iterations. */
+enum { WAYS = 3 };
+static const char *const ways[WAYS] = {"projective", "chebyshev", "anderson"};
+static const char *const goals[] = {"newton_10%", "newton_1%", "newton_0.1%"};
+
+static pdyn_sim *load_classic(pdyn_context *context, int n, double stiffness, const char *way) {
+    char settings[256];
+    snprintf(settings, sizeof settings,
+             "\"tolerance\": 0, \"step\": \"projective\", \"outer_iterations\": %d, "
+             "\"acceleration\": \"%s\"",
+             4 * ITERATIONS, way == ways[0] ? "none" : way);
+    return load(context, n, stiffness, settings);
+}
+
 static void one_step(pdyn_context *context, int n, double stiffness, int threads, int repeat) {
     pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-3, \"outer_iterations\": 200");
     pdyn_sim *newton =
         load(context, n, stiffness, "\"tolerance\": 1e-7, \"outer_iterations\": 150");
-    pdyn_sim *classic =
-        load(context, n, stiffness,
-             "\"tolerance\": 0, \"step\": \"projective\", \"outer_iterations\": 10");
-    struct row row[6] = {{0}};
+    pdyn_sim *classic[WAYS];
+    struct row row[2 + 3 + 3 * WAYS] = {{0}};
+    for (int q = 0; q < WAYS; q++) classic[q] = load_classic(context, n, stiffness, ways[q]);
     struct trace t = {.size = 3 * newton->system.particles};
     double *best = allocate((size_t)t.size, sizeof *best);
     for (int k = 0; k < FALL; k++) step(context, state);
@@ -241,23 +254,27 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
     newton->scene.settings.outer_iterations = 30;
     struct plain *plain[2] = {plain_create(newton, CHOLMOD_AUTO),
                               plain_create(newton, CHOLMOD_SIMPLICIAL)};
-    static const char *const name[] = {"plain",      "plain_simplicial", "projective",
-                                       "newton_10%", "newton_1%",        "newton_0.1%"};
     for (int k = 0; k < repeat; k++) {
         for (int q = 0; q < 2; q++) {
             struct point p = {.outer = ITERATIONS, .linear = ITERATIONS};
             p.ms = plain_step(plain[q], best, t.start, &p.error);
-            keep(&row[q], name[q], &p);
+            keep(&row[q], q ? "plain_simplicial" : "plain", &p);
         }
-        trace_step(context, classic, state, &t);
-        if (k) keep(&row[2], name[2], &t.point[t.points - 1]); /* the first one factored */
         trace_step(context, newton, state, &t);
-        for (int q = 0; q < 3; q++) keep(&row[3 + q], name[3 + q], reached(&t, pow(0.1, q + 1)));
+        for (int q = 0; q < 3; q++) keep(&row[2 + q], goals[q], reached(&t, pow(0.1, q + 1)));
+        for (int q = 0; q < WAYS; q++) {
+            trace_step(context, classic[q], state, &t);
+            for (int m = 0; k && m < 3; m++) { /* the first one factored */
+                int at = ITERATIONS << m;
+                keep(&row[5 + 3 * q + m], ways[q], &t.point[at < t.points ? at : t.points - 1]);
+            }
+        }
     }
-    for (int q = 0; q < 6; q++) print(&row[q], n, stiffness, threads);
+    for (size_t q = 0; q < sizeof row / sizeof *row; q++) print(&row[q], n, stiffness, threads);
     plain_free(plain[0]), plain_free(plain[1]);
     free(best);
-    pdyn_free(state), pdyn_free(newton), pdyn_free(classic);
+    pdyn_free(state), pdyn_free(newton);
+    for (int q = 0; q < WAYS; q++) pdyn_free(classic[q]);
 }
 
 /* ---- a run ----------------------------------------------------------------------------------- */

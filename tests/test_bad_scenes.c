@@ -81,6 +81,9 @@ static const struct {
     {TOP("'solver': null"), "scene.json:2:12: solver: expected an object, found null"},
     {TOP("'solver': {'type': 1}"),
      "scene.json:2:21: solver.type: expected the name of a solver, found 1"},
+    {TOP("'solver': {'acceleration': 'anderson'}"),
+     "scene.json:2:29: solver.acceleration: only \"step\": \"projective\" is accelerated, found "
+     "\"newton\""},
     {TOP("'solver': {'step': 'Newton'}"),
      "scene.json:2:21: solver.step: unknown step \"Newton\"; did you mean \"newton\"?; "
      "known: newton, projective"},
@@ -97,7 +100,7 @@ static const struct {
      "scene.json:2:33: solver.linear_tolerance: expected a number from 0 to 1, found 2"},
     {TOP("'solver': {'iterations': 2}"),
      "scene.json:2:13: solver: unknown key \"iterations\"; did you mean "
-     "\"linear_iterations\"?; known: type, step, tolerance, outer_iterations, "
+     "\"linear_iterations\"?; known: type, step, acceleration, tolerance, outer_iterations, "
      "linear_tolerance, linear_iterations, retries"},
     /* bodies of particles */
     {BODY("7"), "scene.json:2:3: bodies[0]: expected an object, found 7"},
@@ -531,7 +534,8 @@ static const struct {
      "array"},
     {"solver.typ=cg",
      "--set solver.typ=cg: solver: unknown key \"typ\"; did you mean \"type\"?; known: "
-     "type, step, tolerance, outer_iterations, linear_tolerance, linear_iterations, retries"},
+     "type, step, acceleration, tolerance, outer_iterations, linear_tolerance, linear_iterations, "
+     "retries"},
     {"solvr.type=cg",
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: "
      "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, "

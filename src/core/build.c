@@ -404,7 +404,8 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = contact_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = choose_solver(sim);
-    return status;
+    if (status != PDYN_OK) return status;
+    return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration, &sim->system);
 }
 
 static pdyn_status load(pdyn_context *context, const char *path, const char *text,
@@ -452,6 +453,7 @@ void pdyn_free(pdyn_sim *sim) {
         sim->solver->free(sim->solver_state);
         context_resize(c, sim->solver_state, sim->solver->state_size, 0);
     }
+    acceleration_free(&sim->acceleration);
     model_free(&sim->model);
     double *vectors[] = {sim->x,         sim->v,        sim->x_next,
                          sim->gradient,  sim->trial,    sim->trial_gradient,

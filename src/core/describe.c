@@ -81,6 +81,8 @@ static void describe_solver(const struct sink *to, const pdyn_global_solver *typ
         "\"auto\": what suits the scene");
     row(to, "step", "", "\"newton\"", "\"newton\" or \"projective\"",
         "with the constraints' tangents, or classic Projective Dynamics");
+    row(to, "acceleration", "", "\"none\"", "\"none\", \"chebyshev\" or \"anderson\"",
+        "of the projective step");
     table(to, settings_solver_params);
 }
 

@@ -43,13 +43,13 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
 
 /* x_next + direction, halved until E falls enough (Armijo) below the bound. step->length: what was
  * taken, 0 for none. */
-static pdyn_status go_down(struct pdyn_sim *sim, double bound, double slope, double *energy,
-                           struct taken *step) {
+static pdyn_status go_down(struct pdyn_sim *sim, double bound, double slope, int tries,
+                           double *energy, struct taken *step) {
     struct system *sys = &sim->system;
     double trial;
     *step = (struct taken){.length = 1.0, .slope = system_dot(sys, sim->gradient, sim->direction)};
     slope *= step->slope < 0.0 ? step->slope : 0.0;
-    for (int k = 0; k < BACKTRACKS; k++, step->length *= 0.5) {
+    for (int k = 0; k < tries; k++, step->length *= 0.5) {
         memcpy(sim->trial, sim->x_next, system_bytes(&sim->system));
         system_axpy(sys, step->length, sim->direction, sim->trial);
         pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
@@ -76,12 +76,28 @@ static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
     double bound = unfinished ? fmax(before, *energy) : *energy, slope = unfinished ? 0.0 : 1e-4;
     pdyn_status status = PDYN_OK;
     if (sys->contact) status = contact_filter(sys->contact, sim->x_next, sim->direction);
-    if (status == PDYN_OK) status = go_down(sim, bound, slope, energy, step);
+    if (status == PDYN_OK) status = go_down(sim, bound, slope, BACKTRACKS, energy, step);
     if (status == PDYN_OK && step->length == 0.0 && sys->contact &&
         contact_common(sys->contact, sys->particles, sim->direction) < 1.0)
-        status = go_down(sim, bound, slope, energy, step);
+        status = go_down(sim, bound, slope, BACKTRACKS, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     return system_local(sys, sim->x_next, energy, sim->gradient);
+}
+
+/* Where an acceleration leads, if E falls on the way; otherwise goes down along the direction. */
+static pdyn_status extrapolate(struct pdyn_sim *sim, double before, double *energy,
+                               struct taken *step) {
+    struct acceleration *a = &sim->acceleration;
+    pdyn_status status = PDYN_OK;
+    if (!acceleration_propose(a, sim->x_next, sim->direction))
+        return descend(sim, before, energy, step);
+    if (sim->system.contact)
+        status = contact_filter(sim->system.contact, sim->x_next, sim->direction);
+    if (status == PDYN_OK) status = go_down(sim, *energy, 0.0, 1, energy, step);
+    if (status != PDYN_OK || step->length > 0.0) return status;
+    acceleration_start(a);
+    memcpy(sim->direction, a->plain, system_bytes(&sim->system));
+    return descend(sim, before, energy, step);
 }
 
 /* Levenberg-Marquardt: more damping where the step went too far, less where it was good. With
@@ -111,7 +127,7 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
     bool first = sim->solver->keeps_multipliers && p->outer == 0;
     pdyn_status status = system_linearise(&sim->system, first ? 0.0 : sim->damping);
     if (status == PDYN_OK) status = solve_model(sim, p);
-    if (status == PDYN_OK) status = descend(sim, p->before, &p->energy, &taken);
+    if (status == PDYN_OK) status = extrapolate(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
     *moved = taken.length > 0.0 || sim->damping < 1.0;
@@ -214,6 +230,7 @@ pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
     pdyn_status status = sim->solver->keeps_multipliers ? start_multipliers(sim, h, &p->energy)
                                                         : start_positions(sim, h, &p->energy);
     p->before = p->energy;
+    acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
         p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
         if (!isfinite(p->energy) || !isfinite(p->residual)) return say_not_finite(sim);

@@ -1,7 +1,7 @@
 #include "scene.h"
 
+#include "accelerate.h"
 #include "archive.h"
-
 #include "fill.h"
 #include "inlet.h"
 #include "near.h"
@@ -171,9 +171,22 @@ static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
                      set->h_min, set->h_max);
 }
 
+static pdyn_status read_acceleration(const struct json_at *solver, struct scene_settings *set) {
+    const char *names[NAMES];
+    struct json_at at = json_member(solver, "acceleration");
+    int chosen = 0;
+    for (int k = 0; k < acceleration_count; k++) names[k] = accelerations[k].name;
+    pdyn_status status = read_choice(&at, "acceleration", names, acceleration_count, &chosen);
+    set->acceleration = &accelerations[chosen];
+    if (status == PDYN_OK && chosen && set->newton)
+        return json_fail(&at, "only \"step\": \"projective\" is accelerated, found \"newton\"");
+    return status;
+}
+
 static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"type", "step", NULL}, *const steps[] = {"newton",
-                                                                                  "projective"};
+    static const char *const others[] = {"type", "step", "acceleration", NULL}, *const steps[] = {
+                                                                                    "newton",
+                                                                                    "projective"};
     const char *types[NAMES] = {"auto"};
     struct json_at type = json_member(at, "type"), step = json_member(at, "step");
     struct scene_settings *set = &r->scene->settings;
@@ -187,7 +200,7 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = read_choice(&step, "step", steps, 2, &chosen_step);
     set->newton = chosen_step == 0;
     snprintf(set->solver_type, sizeof set->solver_type, "%s", types[chosen_type]);
-    return status;
+    return status == PDYN_OK ? read_acceleration(at, set) : status;
 }
 
 /* ---- bodies ---------------------------------------------------------------------------------- */

@@ -83,6 +83,8 @@ struct scene_contact {
 
 extern const pdyn_param scene_contact_params[]; /* ends with a name of NULL */
 
+struct acceleration_type;
+
 struct scene_settings {      /* the scene's own "solver" and "time_step" and general values */
     double gravity[3];       /* m/s^2 */
     double duration;         /* s */
@@ -96,6 +98,7 @@ struct scene_settings {      /* the scene's own "solver" and "time_step" and gen
     double linear_tolerance; /* |r| / |r_0| of the linear solve */
     int linear_iterations;   /* cap */
     bool newton;             /* step: "newton", otherwise "projective" */
+    const struct acceleration_type *acceleration; /* of the projective step */
     char solver_type[32];    /* "auto" or a registered solver */
 };
 

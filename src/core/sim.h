@@ -2,6 +2,7 @@
 #ifndef PDYN_SIM_H
 #define PDYN_SIM_H
 
+#include "accelerate.h"
 #include "batch.h"
 #include "context.h"
 #include "mesh.h"
@@ -51,6 +52,7 @@ struct pdyn_sim {
     const pdyn_global_solver *solver;
     void *solver_state;
     const char *solver_reason;
+    struct acceleration acceleration;
 
     double time; /* s */
     long frame;  /* the last frame reached */
