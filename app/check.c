@@ -48,7 +48,8 @@ static int check_plugins(const struct scene_options *options) {
     if (code == EXIT_GOOD) {
         pdyn_status status = pdyn_conformance(context, NULL, print_fault, NULL, &faults);
         if (status != PDYN_OK) code = report_status(context, status);
-        else printf(faults ? "%d faults\n" : "no faults\n", faults);
+        else if (faults) printf("%d fault%s\n", faults, faults == 1 ? "" : "s");
+        else puts("no faults");
     }
     pdyn_destroy(context);
     return code == EXIT_GOOD && faults ? EXIT_FAILED : code;
