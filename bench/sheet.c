@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* m: what moves less in a step, is at rest. */
+static const double still = 2e-5;
+
 /* m, of the lowest point. */
 static double lowest(pdyn_context *context, const char *directory, int vertices, bool irregular) {
     char constraints[512];
@@ -27,7 +30,7 @@ static double lowest(pdyn_context *context, const char *directory, int vertices,
                           .tolerance = 1e-5,
                           .solver = "auto"};
     pdyn_sim *sim = strip_load(context, directory, &strip);
-    strip_settle(context, sim, &strip, 1e-3);
+    strip_settle(context, sim, &strip, still / strip.segment);
     const pdyn_state state = pdyn_get_state(sim);
     double low = 0.0;
     for (int i = 0; i < state.particles; i++) low = fmin(low, state.x[3 * i + 1]);
