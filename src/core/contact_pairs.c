@@ -230,7 +230,7 @@ static pdyn_status collect(struct contact *c) {
         pdyn_status status = make_room(c, (int)(count + count / 4));
         if (status != PDYN_OK) return status;
     }
-    for (int b = 0; b < c->blocks; b++) {
+    for (int b = 0; count && b < c->blocks; b++) {
         memcpy(c->pair + c->pairs, c->found + (size_t)b * (size_t)c->block_room,
                (size_t)c->found_count[b] * sizeof *c->pair);
         c->pairs += c->found_count[b];
