@@ -20,7 +20,7 @@ esac
 {
     build/bench/coupling momentum "$out" "$steps" 0.2 >"$out/momentum.md"
     build/bench/coupling basin "$out" "$seconds" $basin >"$out/basin.md"
-    build/bench/coupling lintearia "$out" 1 $sheet >"$out/lintearia.md"
+    build/bench/coupling lintearia "$out" 2 $sheet >"$out/lintearia.md"
     build/bench/coupling gate "$out" $gate >"$out/gate.md"
     build/bench/coupling leaks "$out" $leaks >"$out/leaks.md"
     build/bench/coupling ratios "$out" 0.1 >"$out/ratios.md"
