@@ -210,7 +210,8 @@ typedef struct pdyn_constraint_type {
     size_t data_size;         /* bytes of the type's own data per element */
     /* Number of elements on this body. */
     int (*elements)(const void *params, const pdyn_body *body);
-    /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. */
+    /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. A row
+     * without entries acts on nothing. */
     int rows, width;
     void (*shape)(const void *params, const pdyn_batch *batch, int element, int *rows, int *width);
     /* Fill column, coefficient and data. */

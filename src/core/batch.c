@@ -426,7 +426,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
     for (int e = 0; e < v->elements; e++) {
         int n = t->rows, width = t->width;
         if (t->shape) t->shape(b->params, v, e, &n, &width);
-        if (n < 0 || width < 1)
+        if (n < 0 || width < 0)
             return fault(b, "element %d has %d rows of %d entries", e, n, width);
         rows += n;
         entries += (long)n * width;
