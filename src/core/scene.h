@@ -99,7 +99,7 @@ struct scene_settings {      /* the scene's own "solver" and "time_step" and gen
     int linear_iterations;   /* cap */
     bool newton;             /* step: "newton", otherwise "projective" */
     const struct acceleration_type *acceleration; /* of the projective step */
-    char solver_type[32];    /* "auto" or a registered solver */
+    char solver_type[32];                         /* "auto" or a registered solver */
 };
 
 struct scene {
