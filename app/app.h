@@ -45,6 +45,17 @@ int scene_load(const struct scene_options *options, pdyn_context **context, pdyn
 /* out/BEFORE + NAME for a scene .../NAME.json, to be freed; NULL with a message without memory. */
 char *default_output(const char *before, const char *scene);
 
+/* A whole number of an option, from `least` to `most`; false with a message. */
+bool parse_whole(const char *option, const char *text, long least, long most, long *out);
+
+/* Messages; both return EXIT_FAILED. The second says why by errno. */
+int report_no_memory(void);
+int report_unwritten(const char *path);
+
+/* By the wall clock, and of the processor for all threads of the process. */
+double wall_seconds(void);
+double processor_seconds(void);
+
 /* Removes the progress line of a terminal, before something else is said on stderr. */
 void clear_progress(void);
 

@@ -1,12 +1,8 @@
 #include "choices.h"
+#include "app.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static bool no_memory(void) {
-    fprintf(stderr, "projdyn: out of memory\n");
-    return false;
-}
 
 /* Where a value ends: at the first comma outside of brackets, braces and quotes. */
 static const char *value_end(const char *text) {
@@ -24,10 +20,10 @@ static const char *value_end(const char *text) {
 
 static bool add_value(struct axis *axis, const char *text, size_t length) {
     char **value = realloc(axis->value, (size_t)(axis->count + 1) * sizeof *value);
-    if (!value) return no_memory();
+    if (!value) return report_no_memory(), false;
     axis->value = value;
     value[axis->count] = strndup(text, length);
-    return value[axis->count++] ? true : no_memory();
+    return value[axis->count++] || (report_no_memory(), false);
 }
 
 static bool add_values(struct axis *axis, const char *text) {
@@ -51,11 +47,11 @@ bool choices_add(struct choices *choices, const char *text) {
         return false;
     }
     struct axis *axis = realloc(choices->axis, (size_t)(choices->axes + 1) * sizeof *axis);
-    if (!axis) return no_memory();
+    if (!axis) return report_no_memory(), false;
     choices->axis = axis;
     axis += choices->axes;
     *axis = (struct axis){.path = strndup(text, (size_t)(equals - text))};
-    if (!axis->path) return no_memory();
+    if (!axis->path) return report_no_memory(), false;
     choices->axes++;
     for (int a = 0; a + 1 < choices->axes; a++)
         if (!strcmp(choices->axis[a].path, axis->path)) {

@@ -36,13 +36,8 @@ struct compare {
 /* ---- arguments ------------------------------------------------------------------------------- */
 
 static bool parse_count(const char *option, const char *text, int *out) {
-    char *end;
-    long number = strtol(text, &end, 10);
-    if (*end || end == text || number < 1 || number > 1000000) {
-        fprintf(stderr, "projdyn: %s: found \"%s\", expected a whole number from 1 to 1000000\n",
-                option, text);
-        return false;
-    }
+    long number;
+    if (!parse_whole(option, text, 1, 1000000, &number)) return false;
     *out = (int)number;
     return true;
 }

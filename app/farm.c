@@ -270,10 +270,7 @@ static int work(struct farm *farm, struct worker *worker) {
 int farm_work(struct farm *farm) {
     int code = make_directories(farm->output);
     struct worker *worker = calloc((size_t)farm->jobs, sizeof *worker);
-    if (code == EXIT_GOOD && !worker) {
-        fprintf(stderr, "projdyn: out of memory\n");
-        code = EXIT_FAILED;
-    }
+    if (code == EXIT_GOOD && !worker) code = report_no_memory();
     if (code == EXIT_GOOD) code = work(farm, worker);
     free(worker);
     return code;

@@ -3,7 +3,6 @@
 #include "csv.h"
 #include "trade.h"
 
-#include <errno.h>
 #include <math.h>
 #include <spawn.h>
 #include <stdlib.h>
@@ -82,11 +81,6 @@ void front_print(const struct trade *trade, FILE *file) {
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-static int fail(const char *path) {
-    fprintf(stderr, "projdyn: %s: writing failed: %s\n", path, strerror(errno));
-    return EXIT_FAILED;
-}
-
 /* The overrides of a setting, one after the other. */
 static void put_settings(const struct setting *setting, FILE *file) {
     char *text;
@@ -111,14 +105,14 @@ static void put_row(const struct trade *trade, const struct tried *t, FILE *file
 static int write_table(const struct trade *trade, const char *path) {
     const struct tried **sorted = sort(trade);
     FILE *file = fopen(path, "we");
-    if (!file || !sorted) return free(sorted), fail(path);
+    if (!file || !sorted) return free(sorted), report_unwritten(path);
     fprintf(file, "ms_per_frame,s_per_s,error");
     for (int m = 0; m < TRACK_MEASURES; m++) fprintf(file, ",%s", track_names[m]);
     fprintf(file, ",energy_gained,step_residual,on_front,name,settings\n");
     for (int k = 0; sorted[k]; k++) put_row(trade, sorted[k], file);
     free(sorted);
     bool bad = ferror(file);
-    return fclose(file) || bad ? fail(path) : EXIT_GOOD;
+    return fclose(file) || bad ? report_unwritten(path) : EXIT_GOOD;
 }
 
 static const char script[] =
@@ -143,11 +137,11 @@ static const char script[] =
 /* DIRECTORY/trade.gnuplot, which draws again what it stands beside. */
 static int write_script(const struct trade *trade, const char *path, const char *directory) {
     FILE *file = fopen(path, "we");
-    if (!file) return fail(path);
+    if (!file) return report_unwritten(path);
     fprintf(file, "dir = \"%s\"\nby = \"%s\"\nunsure = %.9g\n%s", directory,
             trade->by == TRADE_WORST ? "the largest" : track_names[trade->by],
             fmax(trade->unsure[trade->by], 1e-12), script);
-    return fclose(file) ? fail(path) : EXIT_GOOD;
+    return fclose(file) ? report_unwritten(path) : EXIT_GOOD;
 }
 
 static bool draw(char *path) {

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static const struct command {
@@ -85,25 +86,45 @@ int main(int argc, char **argv) {
 /* ---- shared by the commands ---------------------------------------------------------------------
  */
 
-bool scene_threads(struct scene_options *options, const char *text) {
+bool parse_whole(const char *option, const char *text, long least, long most, long *out) {
     char *end;
     errno = 0;
-    long threads = strtol(text, &end, 10);
-    if (errno || *end || end == text || threads < 1 || threads > 1024) {
-        fprintf(stderr,
-                "projdyn: --threads: found \"%s\", expected a whole number from 1 to 1024\n", text);
-        return false;
-    }
+    *out = strtol(text, &end, 10);
+    if (!errno && !*end && end != text && *out >= least && *out <= most) return true;
+    fprintf(stderr, "projdyn: %s: found \"%s\", expected a whole number from %ld to %ld\n", option,
+            text, least, most);
+    return false;
+}
+
+int report_no_memory(void) {
+    fprintf(stderr, "projdyn: out of memory\n");
+    return EXIT_FAILED;
+}
+
+int report_unwritten(const char *path) {
+    fprintf(stderr, "projdyn: %s: writing failed: %s\n", path, strerror(errno));
+    return EXIT_FAILED;
+}
+
+static double seconds_of(clockid_t clock) {
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double wall_seconds(void) { return seconds_of(CLOCK_MONOTONIC); }
+double processor_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
+
+bool scene_threads(struct scene_options *options, const char *text) {
+    long threads;
+    if (!parse_whole("--threads", text, 1, 1024, &threads)) return false;
     options->threads = (int)threads;
     return true;
 }
 
 static bool add_text(const char ***list, int *count, const char *text) {
     const char **longer = realloc(*list, (size_t)(*count + 1) * sizeof *longer);
-    if (!longer) {
-        fprintf(stderr, "projdyn: out of memory\n");
-        return false;
-    }
+    if (!longer) return report_no_memory(), false;
     *list = longer;
     longer[(*count)++] = text;
     return true;
@@ -115,7 +136,7 @@ char *default_output(const char *before, const char *scene) {
     char *path;
     if (length > 5 && !strcmp(base + length - 5, ".json")) length -= 5;
     if (asprintf(&path, "out/%s%.*s", before, (int)length, base) >= 0) return path;
-    fprintf(stderr, "projdyn: out of memory\n");
+    report_no_memory();
     return NULL;
 }
 

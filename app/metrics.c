@@ -48,8 +48,7 @@ int metrics_read(const char *directory, struct metrics *metrics) {
     free(path);
     if (code != EXIT_GOOD || split(metrics)) return code;
     metrics_free(metrics);
-    fprintf(stderr, "projdyn: out of memory\n");
-    return EXIT_FAILED;
+    return report_no_memory();
 }
 
 void metrics_free(struct metrics *metrics) {

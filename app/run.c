@@ -58,12 +58,6 @@ static void on_signal(int number) {
     interrupts++;
 }
 
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* ---- arguments ----------------------------------------------------------------------------------
  */
 
@@ -187,7 +181,7 @@ static int terminal_columns(void) {
 
 /* At most ten times a second, and cut to the terminal: a line that wraps cannot be redrawn. */
 static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct totals *t) {
-    double time = now(), part = fmin(1.0, info->time / pdyn_duration(sim));
+    double time = wall_seconds(), part = fmin(1.0, info->time / pdyn_duration(sim));
     if (time - t->shown < 0.1) return;
     t->shown = time;
     int filled = (int)(10.0 * part);
@@ -207,12 +201,12 @@ static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struc
     else if (info->frame)
         fprintf(stderr,
                 "%.4f s of %g s, %.1f s of wall time, density error %.4f%%, %d outer, %d linear\n",
-                info->time, pdyn_duration(sim), now() - t->begun, 100.0 * info->density_error_mean,
-                info->outer_iterations, info->linear_iterations);
+                info->time, pdyn_duration(sim), wall_seconds() - t->begun,
+                100.0 * info->density_error_mean, info->outer_iterations, info->linear_iterations);
 }
 
 static void summarise(const pdyn_sim *sim, const char *output, const struct totals *t) {
-    double wall = now() - t->begun;
+    double wall = wall_seconds() - t->begun;
     printf("%ld steps to %g s in %.1f s, %.1f ms per step, solver %s, %s step\n", t->steps,
            pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
            pdyn_solver_type(sim), pdyn_step_type(sim));
@@ -264,7 +258,7 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
 }
 
 static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
-    struct totals totals = {.begun = now()};
+    struct totals totals = {.begun = wall_seconds()};
     pdyn_writer *writer = NULL;
     pdyn_status status = o->resume ? pdyn_writer_resume(sim, o->output, &writer)
                                    : pdyn_writer_open(sim, o->output, o->ply, &writer);

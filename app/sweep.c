@@ -40,15 +40,6 @@ struct sweep {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-static bool parse_number(const char *option, const char *text, long least, long most, long *out) {
-    char *end;
-    *out = strtol(text, &end, 10);
-    if (!*end && end != text && *out >= least && *out <= most) return true;
-    fprintf(stderr, "projdyn: %s: found \"%s\", expected a whole number from %ld to %ld\n", option,
-            text, least, most);
-    return false;
-}
-
 static bool accept_option(struct sweep *s, int option) {
     long number = 0;
     bool good = true;
@@ -60,13 +51,13 @@ static bool accept_option(struct sweep *s, int option) {
     case 'o':
         return s->farm.output = optarg, true;
     case 'j':
-        good = parse_number("--jobs", optarg, 1, 1024, &number);
+        good = parse_whole("--jobs", optarg, 1, 1024, &number);
         return s->farm.jobs = (int)number, good;
     case 't':
-        good = parse_number("--threads", optarg, 1, 1024, &number);
+        good = parse_whole("--threads", optarg, 1, 1024, &number);
         return s->farm.threads = (int)number, good;
     case 'k':
-        return parse_number("--point", optarg, 0, CHOICES_MOST - 1, &s->point);
+        return parse_whole("--point", optarg, 0, CHOICES_MOST - 1, &s->point);
     case 'f':
         return s->frames = true;
     case 'p':
@@ -179,10 +170,7 @@ static bool make_runs(struct sweep *s) {
 }
 
 static int sweep(struct sweep *s) {
-    if (!make_runs(s)) {
-        fprintf(stderr, "projdyn: out of memory\n");
-        return EXIT_FAILED;
-    }
+    if (!make_runs(s)) return report_no_memory();
     int code = farm_survey(&s->farm);
     if (code != EXIT_GOOD || s->print) return code == EXIT_GOOD ? print_commands(s) : code;
     if (!s->collect) code = farm_work(&s->farm);

@@ -3,7 +3,6 @@
 #include "csv.h"
 #include "result.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,23 +101,18 @@ static long count_good(const json_t *all) {
     return good;
 }
 
-static int fail(const char *path) {
-    fprintf(stderr, "projdyn: %s: writing failed: %s\n", path, strerror(errno));
-    return EXIT_FAILED;
-}
-
 static int write_all(const struct farm *farm, const struct choices *choices, json_t *all,
                      const char *path) {
     char aside[FARM_PATH + 32];
     json_t *columns = find_columns(all);
     snprintf(aside, sizeof aside, "%s.tmp", path);
     FILE *file = fopen(aside, "we");
-    if (!file) return fail(path);
+    if (!file) return report_unwritten(path);
     put_header(file, choices, columns);
     for (long k = 0; k < farm->count; k++)
         put_row(file, farm, choices, k, json_array_get(all, (size_t)k), columns);
     bool bad = ferror(file);
-    if (fclose(file) || bad || rename(aside, path)) return fail(path);
+    if (fclose(file) || bad || rename(aside, path)) return report_unwritten(path);
     return EXIT_GOOD;
 }
 

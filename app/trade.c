@@ -57,11 +57,6 @@ struct work {
     struct farm_run *run; /* of the plan */
 };
 
-static int no_memory(void) {
-    fprintf(stderr, "projdyn: out of memory\n");
-    return EXIT_FAILED;
-}
-
 /* ---- arguments ------------------------------------------------------------------------------- */
 
 struct unit {
@@ -232,7 +227,7 @@ static int run_some(struct options *o, struct farm_run *run, long count) {
 /* Half the length of the steps, and again, as long as the next is not too dear. */
 static int run_references(struct options *o, struct work *w) {
     for (int k = 0; k < PLAN_REFERENCES; k++)
-        if (!make_run(o, w, &w->plan.reference[k], &w->reference[k])) return no_memory();
+        if (!make_run(o, w, &w->plan.reference[k], &w->reference[k])) return report_no_memory();
     int code = run_some(o, w->reference, w->references = 2);
     while (code == EXIT_GOOD && w->references < PLAN_REFERENCES) {
         char path[FARM_PATH];
@@ -248,9 +243,9 @@ static int run_references(struct options *o, struct work *w) {
 
 static int run_all(struct options *o, struct work *w) {
     w->run = calloc((size_t)w->plan.count, sizeof *w->run);
-    if (!w->run) return no_memory();
+    if (!w->run) return report_no_memory();
     for (int k = 0; k < w->plan.count; k++) {
-        if (!make_run(o, w, &w->plan.setting[k], &w->run[k])) return no_memory();
+        if (!make_run(o, w, &w->plan.setting[k], &w->run[k])) return report_no_memory();
         w->run[k].limit_s = fmax(5.0, 5.0 * share(o));
     }
     return run_some(o, w->run, w->plan.count);
@@ -261,7 +256,7 @@ static int run_again(struct options *o, struct work *w) {
     struct farm again = o->farm;
     again.jobs = 1, again.count = 0;
     again.run = calloc((size_t)w->trade.count, sizeof *again.run);
-    if (!again.run) return no_memory();
+    if (!again.run) return report_no_memory();
     for (int k = 0; k < w->trade.count; k++) {
         if (!w->trade.tried[k].front || w->trade.tried[k].checked) continue;
         again.run[again.count] = w->run[k];
@@ -332,7 +327,7 @@ static int judge_all(struct options *o, struct work *w) {
     struct track reference = {0}, coarse = {0};
     w->trade.count = w->plan.count, w->trade.by = o->by;
     w->trade.tried = calloc((size_t)w->plan.count, sizeof *w->trade.tried);
-    if (!w->trade.tried) return no_memory();
+    if (!w->trade.tried) return report_no_memory();
     int code = read_run(&o->farm, &w->reference[w->references - 1], &reference);
     if (code == EXIT_GOOD) code = read_run(&o->farm, &w->reference[w->references - 2], &coarse);
     if (code == EXIT_GOOD) {
@@ -419,7 +414,7 @@ static int trade(struct options *o, struct work *w) {
     char solver[64];
     int code = read_scene(o, solver, w);
     if (code == EXIT_GOOD) code = choose_window(o, w);
-    if (code == EXIT_GOOD && !plan_make(&w->plan, w->scene, solver)) code = no_memory();
+    if (code == EXIT_GOOD && !plan_make(&w->plan, w->scene, solver)) code = report_no_memory();
     if (code == EXIT_GOOD) code = run_references(o, w);
     if (code == EXIT_GOOD) code = run_all(o, w);
     if (code == EXIT_GOOD) code = judge_all(o, w);

@@ -2,15 +2,8 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <time.h>
 
 enum { LEAST = 6, SOUGHT = 10 }; /* frames of a window */
-
-static double processor_time(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Whole frames of the scene, or, where they are few, ten of its own. */
 void window_set(struct window *window, const pdyn_sim *sim, double length) {
@@ -29,9 +22,9 @@ int window_find(const struct scene_options *scene, double seconds, struct window
     pdyn_sim *sim = NULL;
     one.threads = 1, one.silent = true;
     int code = scene_load(&one, &context, &sim);
-    double start = processor_time();
+    double start = processor_seconds();
     while (code == EXIT_GOOD && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9) &&
-           processor_time() - start < seconds) {
+           processor_seconds() - start < seconds) {
         pdyn_status status = pdyn_step(sim, NULL);
         if (status != PDYN_OK) code = report_status(context, status);
     }

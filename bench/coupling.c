@@ -13,16 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void die(const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    fputs("coupling: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
-    va_end(args);
-    exit(1);
-}
-
 pdyn_sim *load(pdyn_context *context, const char *format, ...) {
     char text[131072];
     pdyn_sim *sim;
@@ -36,20 +26,6 @@ pdyn_sim *load(pdyn_context *context, const char *format, ...) {
     if (pdyn_load_text(context, text, "coupling", NULL, 0, &sim) != PDYN_OK)
         die("%s", pdyn_last_error(context));
     return sim;
-}
-
-pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim) {
-    pdyn_step_info info;
-    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
-    return info;
-}
-
-FILE *open_csv(const char *directory, const char *name) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s.csv", directory, name);
-    FILE *file = fopen(path, "w");
-    if (!file) die("%s: cannot be written", path);
-    return file;
 }
 
 int main(int argc, char **argv) {

@@ -2,22 +2,12 @@
 #ifndef COUPLING_H
 #define COUPLING_H
 
-#include "projdyn/projdyn.h"
+#include "bench.h"
 
-#include <stdio.h>
-
-static const double g = 9.81;         /* m/s^2 */
 static const double density = 1000.0; /* kg/m^3 */
-
-/* Ends the program with a message. */
-void die(const char *format, ...) PDYN_PRINTF(1, 2);
 
 /* A scene from a text with ' for ", as printf has it. */
 pdyn_sim *load(pdyn_context *context, const char *format, ...) PDYN_PRINTF(2, 3);
-pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
-
-/* DIRECTORY/NAME.csv, to be written. */
-FILE *open_csv(const char *directory, const char *name);
 
 /* Each writes CSV files into a directory and prints a table as markdown. */
 void momentum(pdyn_context *context, const char *directory, int steps, double seconds);

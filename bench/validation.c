@@ -10,19 +10,8 @@
  * particles. */
 #include "validation.h"
 
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-void die(const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    fputs("validation: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
-    va_end(args);
-    exit(1);
-}
 
 void *allocate(size_t count, size_t size) {
     void *block = calloc(count, size);
@@ -68,12 +57,6 @@ pdyn_sim *water_load(pdyn_context *context, const struct water *water) {
     return sim;
 }
 
-pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim) {
-    pdyn_step_info info;
-    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
-    return info;
-}
-
 static int ascending(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
@@ -87,14 +70,6 @@ void fit_add(struct fit *fit, double x, double y) {
 
 double fit_slope(const struct fit *fit) {
     return (fit->n * fit->xy - fit->x * fit->y) / (fit->n * fit->xx - fit->x * fit->x);
-}
-
-FILE *open_csv(const char *directory, const char *name) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s.csv", directory, name);
-    FILE *file = fopen(path, "w");
-    if (!file) die("%s: cannot be written", path);
-    return file;
 }
 
 int main(int argc, char **argv) {

@@ -3,12 +3,9 @@
 #ifndef VALIDATION_H
 #define VALIDATION_H
 
-#include "projdyn/projdyn.h"
+#include "bench.h"
 
-#include <stdio.h>
-
-enum { DENSITY = 1000 };      /* kg/m^3 */
-static const double g = 9.81; /* m/s^2 */
+enum { DENSITY = 1000 }; /* kg/m^3 */
 
 /* A lattice of particles that touches the floor and the walls at the origin, and the walls across
  * from these where the tank is as wide as the water. */
@@ -25,13 +22,10 @@ struct water {
     double duration;    /* s */
 };
 
-/* Ends the program with a message. */
-void die(const char *format, ...) PDYN_PRINTF(1, 2);
 void *allocate(size_t count, size_t size); /* zeros */
 
 /* The density constraint is so stiff that the floor is 0.1 % too dense. */
 pdyn_sim *water_load(pdyn_context *context, const struct water *water);
-pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
 
 void sort(double *values, int count); /* ascending */
 
@@ -41,9 +35,6 @@ struct fit {
 };
 void fit_add(struct fit *fit, double x, double y);
 double fit_slope(const struct fit *fit);
-
-/* DIRECTORY/NAME.csv, to be written. */
-FILE *open_csv(const char *directory, const char *name);
 
 /* Each writes CSV files into a directory and prints a table as markdown. */
 void martin_moyce(pdyn_context *context, const char *directory, int count, char **cells);

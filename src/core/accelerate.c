@@ -86,11 +86,9 @@ static bool propose_anderson(struct acceleration *a, const double *x, double *di
 /* ---- all of them ----------------------------------------------------------------------------- */
 
 const struct acceleration_type accelerations[] = {
-    {"none", "the global step as it is", 0, NULL},
-    {"chebyshev", "semi-iterative, for a spectral radius of 0.99 (Wang 2015)", CHEBYSHEV_VECTORS,
-     propose_chebyshev},
-    {"anderson", "least squares over the last five iterations (Peng et al. 2018)", ANDERSON_VECTORS,
-     propose_anderson},
+    {"none", 0, NULL},
+    {"chebyshev", CHEBYSHEV_VECTORS, propose_chebyshev},
+    {"anderson", ANDERSON_VECTORS, propose_anderson},
 };
 const int acceleration_count = sizeof accelerations / sizeof *accelerations;
 

@@ -9,7 +9,7 @@
 struct acceleration;
 
 struct acceleration_type {
-    const char *name, *summary;
+    const char *name;
     /* Vectors (particles x 3) to keep; 0: nothing is accelerated. */
     int vectors;
     /* Changes the direction of the global step from x; false: it cannot say anything yet. */

@@ -383,8 +383,6 @@ void batch_diagonal(struct batch *b, double *blocks) {
                   blocks, 0.0);
 }
 
-/* ---- setting up ------------------------------------------------------------------------------ */
-
 /* ---- what a type must not do, as far as it is cheap to see ----------------------------------- */
 
 static pdyn_status fault(const struct batch *b, const char *format, ...) PDYN_PRINTF(2, 3);
@@ -417,6 +415,8 @@ static pdyn_status check_rows(const struct batch *b) {
                          v->weight[e]);
     return PDYN_OK;
 }
+
+/* ---- setting up ------------------------------------------------------------------------------ */
 
 /* Counts rows and entries of every element. */
 static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width) {

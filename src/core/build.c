@@ -117,9 +117,8 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
         for (int k = 0; k < 4 * body->tets; k++)
             mass[body->tet[k]] += 0.25 * from->density * body->tet_volume[k / 4];
         for (int i = 0; i < body->count; i++) {
-            if (!body->tets)
-                mass[i] = from->is_surface ? body->area_density * body->vertex_area[i]
-                                           : body->rest_density * spacing * spacing * spacing;
+            mass[i] += from->is_surface ? body->area_density * body->vertex_area[i]
+                                        : body->rest_density * spacing * spacing * spacing;
             if (from->is_surface || i < from->start_v.count)
                 memcpy(sim->v + 3 * (size_t)(body->first + i),
                        from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,

@@ -57,8 +57,8 @@ static pdyn_status read_point(struct mesh_file *file) {
 
 /* ---- vertices by name ------------------------------------------------------------------------ */
 
-static pdyn_status add_tag(struct reader *r, long tag) {
-    size_t count = (size_t)r->file->vertices;
+/* That of the vertex after `count` others. */
+static pdyn_status add_tag(struct reader *r, size_t count, long tag) {
     long last = count ? ((const long *)r->tag.data)[count - 1] : -1;
     if (tag <= last)
         return mesh_file_fail(r->file, "expected tags of nodes to ascend, found %ld after %ld", tag,
@@ -154,7 +154,7 @@ static pdyn_status read_node_2(struct reader *r) {
     long tag = 0;
     skip(r->file);
     pdyn_status status = read_whole(r->file, "the tag of a node", 0, 9e15, &tag);
-    if (status == PDYN_OK) status = add_tag(r, tag);
+    if (status == PDYN_OK) status = add_tag(r, (size_t)r->file->vertices, tag);
     return status == PDYN_OK ? read_point(r->file) : status;
 }
 
@@ -200,15 +200,10 @@ static pdyn_status read_nodes_4(struct reader *r) {
     int first = file->vertices;
     pdyn_status status = read_block(file, &parametric, &count);
     if (status != PDYN_OK) return status;
-    if (!mesh_file_reserve(file, &r->tag, (size_t)(first + count) * sizeof(long)))
-        return PDYN_NO_MEMORY;
     for (long k = 0; k < count && status == PDYN_OK; k++) {
         skip(file);
         status = read_whole(file, "the tag of a node", 0, 9e15, &tag);
-        long *at = (long *)r->tag.data + first + k;
-        if (status == PDYN_OK && first + k > 0 && tag <= at[-1])
-            status = mesh_file_fail(file, "expected tags of nodes to ascend, found %ld", tag);
-        if (status == PDYN_OK) *at = tag;
+        if (status == PDYN_OK) status = add_tag(r, (size_t)(first + k), tag);
     }
     for (long k = 0; k < count && status == PDYN_OK; k++) {
         skip(file);

@@ -1,6 +1,6 @@
-/* Triangle meshes, .ply. */
-#include "fuzz.h"
+/* Triangle meshes; the build says which: ENDING is ".obj" or ".ply". */
 #include "mesh.h"
+#include "fuzz.h"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct mesh mesh;
     struct topology topology;
     pdyn_context *context = fuzz_context();
-    const char *path = fuzz_file(data, size, ".ply");
+    const char *path = fuzz_file(data, size, ENDING);
     if (mesh_read(context, path, &mesh) == PDYN_OK &&
         mesh_check_cloth(context, &mesh, path) == PDYN_OK &&
         topology_build(context, &mesh, &topology) == PDYN_OK)

@@ -1,0 +1,29 @@
+#include "bench.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+void die(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fprintf(stderr, "%s: ", program_invocation_short_name);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+    exit(1);
+}
+
+pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim) {
+    pdyn_step_info info;
+    if (pdyn_step(sim, &info) != PDYN_OK) die("%s", pdyn_last_error(context));
+    return info;
+}
+
+FILE *open_csv(const char *directory, const char *name) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.csv", directory, name);
+    FILE *file = fopen(path, "w");
+    if (!file) die("%s: cannot be written", path);
+    return file;
+}
