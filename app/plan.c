@@ -1,129 +1,17 @@
 /* A grid of the length of the steps and of how far each is solved, then what differs in kind. */
 #include "plan.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct draft { /* a setting that is being made */
-    struct setting setting;
-    bool failed;
-};
-
 /* ---- making a setting ------------------------------------------------------------------------ */
-
-static void add(struct draft *d, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void add(struct draft *d, const char *format, ...) {
-    struct setting *s = &d->setting;
-    char **set = realloc(s->set, (size_t)(s->sets + 1) * sizeof *set), *text = NULL;
-    va_list args;
-    va_start(args, format);
-    if (set) s->set = set;
-    if (!set || vasprintf(&text, format, args) < 0) d->failed = true;
-    else set[s->sets++] = text;
-    va_end(args);
-}
 
 static double number(const json_t *scene, const char *group, const char *key, double otherwise) {
     json_t *value = json_object_get(json_object_get(scene, group), key);
     return json_is_number(value) ? json_number_value(value) : otherwise;
-}
-
-/* Steps of `factor` times the length. What the scene does not say is as in docs/scene.md. */
-static void scale_step(struct draft *d, const json_t *scene, double factor) {
-    double fixed = number(scene, "time_step", "fixed", 0.0);
-    if (factor == 1.0) return;
-    if (fixed > 0.0) {
-        add(d, "time_step.fixed=%.9g", factor * fixed);
-        return;
-    }
-    add(d, "time_step.maximum=%.9g", factor * number(scene, "time_step", "maximum", 0.005));
-    add(d, "time_step.cfl=%.9g", factor * number(scene, "time_step", "cfl", 1.0));
-}
-
-/* Steps solved to a residual. */
-static void solve_to(struct draft *d, double tolerance) {
-    add(d, "solver.tolerance=%g", tolerance);
-    add(d, "solver.linear_tolerance=0.1");
-    add(d, "solver.outer_iterations=100");
-    add(d, "solver.linear_iterations=500");
-}
-
-/* Steps cut short. */
-static void cut_short(struct draft *d, int outer, int linear) {
-    add(d, "solver.tolerance=0.001");
-    add(d, "solver.linear_tolerance=0");
-    add(d, "solver.outer_iterations=%d", outer);
-    add(d, "solver.linear_iterations=%d", linear);
-}
-
-/* Takes the draft, also one that failed. */
-static bool keep(struct plan *plan, struct draft *d, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-static bool keep(struct plan *plan, struct draft *d, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    if (vasprintf(&d->setting.name, format, args) < 0) d->setting.name = NULL;
-    va_end(args);
-    if (plan->count == plan->capacity) {
-        int capacity = 2 * plan->capacity + 16;
-        struct setting *grown = realloc(plan->setting, (size_t)capacity * sizeof *grown);
-        if (!grown) return false; /* and lost: the end is near */
-        plan->setting = grown, plan->capacity = capacity;
-    }
-    plan->setting[plan->count++] = d->setting;
-    return d->setting.name && !d->failed;
-}
-
-/* ---- the plan -------------------------------------------------------------------------------- */
-
-static bool grid_solved(struct plan *plan, const json_t *scene) {
-    static const struct {
-        double factor, tolerance;
-    } points[] = {{4, 10},     {4, 1},     {2, 10},   {2, 1},      {2, 0.1},   {1, 10},
-                  {1, 1},      {1, 0.1},   {1, 1e-3}, {0.5, 10},   {0.5, 1},   {0.5, 0.1},
-                  {0.5, 1e-3}, {0.25, 10}, {0.25, 1}, {0.25, 0.1}, {0.125, 1}, {0.125, 0.1}};
-    bool good = true;
-    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
-        struct draft d = {0};
-        scale_step(&d, scene, points[k].factor);
-        solve_to(&d, points[k].tolerance);
-        good = keep(plan, &d, "h x %g, to residual %g", points[k].factor, points[k].tolerance);
-    }
-    return good;
-}
-
-static bool grid_short(struct plan *plan, const json_t *scene) {
-    static const double factors[] = {4, 2, 1, 0.5};
-    static const int iterations[][2] = {{1, 8}, {2, 8}, {2, 24}, {4, 24}};
-    bool good = true;
-    for (size_t k = 0; k < 16 && good; k++) {
-        double factor = factors[k / 4];
-        const int *n = iterations[k % 4];
-        struct draft d = {0};
-        scale_step(&d, scene, factor);
-        cut_short(&d, n[0], n[1]);
-        good = keep(plan, &d, "h x %g, %d x %d iterations", factor, n[0], n[1]);
-    }
-    return good;
-}
-
-/* Steps that nothing else shortens. */
-static bool try_fixed(struct plan *plan, const json_t *scene) {
-    static const double factors[] = {1, 2, 4};
-    double longest = number(scene, "time_step", "maximum", 0.005);
-    bool good = true;
-    if (number(scene, "time_step", "fixed", 0.0) > 0.0) return true;
-    for (int k = 0; k < 6 && good; k++) {
-        struct draft d = {0};
-        add(&d, "time_step={\"fixed\": %.9g}", factors[k / 2] * longest);
-        if (k % 2) solve_to(&d, 1.0);
-        else cut_short(&d, 2, 24);
-        good = keep(plan, &d, "all steps %g ms, %s", 1e3 * factors[k / 2] * longest,
-                    k % 2 ? "to residual 1" : "2 x 24 iterations");
-    }
-    return good;
 }
 
 /* The place of the fluid's constraint, or -1. */
@@ -141,14 +29,131 @@ static int find_fluid(const json_t *scene, size_t *body) {
     return -1;
 }
 
+/* The kinematic viscosity of a fluid goes with its viscosity over the length of the step. */
+static void keep_viscous(struct setting *d, const json_t *scene, double factor) {
+    size_t body;
+    int fluid = find_fluid(scene, &body);
+    if (fluid < 0 || factor == 1.0) return;
+    const json_t *constraint = json_array_get(
+        json_object_get(json_array_get(json_object_get(scene, "bodies"), body), "constraints"),
+        (size_t)fluid);
+    const json_t *value = json_object_get(constraint, "viscosity");
+    double viscosity = json_is_number(value) ? json_number_value(value) : 0.02;
+    setting_add(d, "bodies.%zu.constraints.%d.viscosity=%.9g", body, fluid,
+                fmin(1.0, factor * viscosity));
+}
+
+/* Steps of `factor` times the length. What the scene does not say is as in docs/scene.md. */
+static void scale_step(struct setting *d, const json_t *scene, double factor) {
+    double fixed = number(scene, "time_step", "fixed", 0.0);
+    if (factor == 1.0) return;
+    keep_viscous(d, scene, factor);
+    if (fixed > 0.0) {
+        setting_add(d, "time_step.fixed=%.9g", factor * fixed);
+        return;
+    }
+    setting_add(d, "time_step.maximum=%.9g", factor * number(scene, "time_step", "maximum", 0.005));
+    setting_add(d, "time_step.cfl=%.9g", factor * number(scene, "time_step", "cfl", 1.0));
+}
+
+/* Steps solved to a residual. */
+static void solve_to(struct setting *d, double tolerance) {
+    setting_add(d, "solver.tolerance=%g", tolerance);
+    setting_add(d, "solver.linear_tolerance=0.1");
+    setting_add(d, "solver.outer_iterations=100");
+    setting_add(d, "solver.linear_iterations=500");
+}
+
+/* Steps cut short. */
+static void cut_short(struct setting *d, int outer, int linear) {
+    setting_add(d, "solver.tolerance=0.001");
+    setting_add(d, "solver.linear_tolerance=0");
+    setting_add(d, "solver.outer_iterations=%d", outer);
+    setting_add(d, "solver.linear_iterations=%d", linear);
+}
+
+/* Takes the draft, also one that failed. */
+static bool keep(struct plan *plan, struct setting *d, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static bool keep(struct plan *plan, struct setting *d, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    if (vasprintf(&d->name, format, args) < 0) d->name = NULL;
+    va_end(args);
+    if (plan->count == plan->capacity) {
+        int capacity = 2 * plan->capacity + 16;
+        struct setting *grown = realloc(plan->setting, (size_t)capacity * sizeof *grown);
+        if (!grown) return false; /* and lost: the end is near */
+        plan->setting = grown, plan->capacity = capacity;
+    }
+    plan->setting[plan->count++] = *d;
+    return d->name && !d->failed;
+}
+
+/* ---- the plan -------------------------------------------------------------------------------- */
+
+static bool grid_solved(struct plan *plan, const json_t *scene) {
+    static const struct {
+        double factor, tolerance;
+    } points[] = {{8, 1},    {8, 0.1},    {4, 10},    {4, 1},       {4, 0.1},
+                  {2, 10},   {2, 1},      {2, 0.1},   {1, 10},      {1, 1},
+                  {1, 0.1},  {0.5, 10},   {0.5, 1},   {0.5, 0.1},   {0.25, 10},
+                  {0.25, 1}, {0.25, 0.1}, {0.125, 1}, {0.125, 0.1}, {0.0625, 1}};
+    bool good = true;
+    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
+        struct setting d = {0};
+        scale_step(&d, scene, points[k].factor);
+        solve_to(&d, points[k].tolerance);
+        good = keep(plan, &d, "h x %g, to residual %g", points[k].factor, points[k].tolerance);
+    }
+    return good;
+}
+
+/* A push travels one spacing with a linear iteration. */
+static bool grid_short(struct plan *plan, const json_t *scene, double finer) {
+    static const double factors[] = {4, 2, 1, 0.5};
+    static const int iterations[][2] = {{1, 8}, {2, 8}, {2, 24}, {4, 24}};
+    bool good = true;
+    for (size_t k = 0; k < 16 && good; k++) {
+        double factor = factors[k / 4];
+        int outer = iterations[k % 4][0], linear = (int)round(finer * iterations[k % 4][1]);
+        struct setting d = {0};
+        scale_step(&d, scene, factor);
+        cut_short(&d, outer, linear);
+        good = keep(plan, &d, "h x %g, %d x %d iterations", factor, outer, linear);
+    }
+    return good;
+}
+
+/* Steps that nothing else shortens. */
+static bool try_fixed(struct plan *plan, const json_t *scene, double finer) {
+    static const double factors[] = {1, 2, 4};
+    int linear = (int)round(24.0 * finer);
+    double longest = number(scene, "time_step", "maximum", 0.005);
+    bool good = true;
+    if (number(scene, "time_step", "fixed", 0.0) > 0.0) return true;
+    for (int k = 0; k < 6 && good; k++) {
+        double ms = 1e3 * factors[k / 2] * longest;
+        struct setting d = {0};
+        setting_add(&d, "time_step={\"fixed\": %.9g}", 1e-3 * ms);
+        keep_viscous(&d, scene, factors[k / 2]);
+        if (k % 2) solve_to(&d, 1.0);
+        else cut_short(&d, 2, linear);
+        good = k % 2 ? keep(plan, &d, "all steps %g ms, to residual 1", ms)
+                     : keep(plan, &d, "all steps %g ms, 2 x %d iterations", ms, linear);
+    }
+    return good;
+}
+
 static bool try_projections(struct plan *plan, const json_t *scene) {
     static const double tolerances[] = {1e-2, 1e-4, 1e-8};
     size_t body;
     int fluid = find_fluid(scene, &body);
     bool good = true;
     for (int k = 0; k < 3 && good && fluid >= 0; k++) {
-        struct draft d = {0};
-        add(&d, "bodies.%zu.constraints.%d.projection_tolerance=%g", body, fluid, tolerances[k]);
+        struct setting d = {0};
+        setting_add(&d, "bodies.%zu.constraints.%d.projection_tolerance=%g", body, fluid,
+                    tolerances[k]);
         good = keep(plan, &d, "projection to %g", tolerances[k]);
     }
     return good;
@@ -158,9 +163,9 @@ static bool try_solvers(struct plan *plan, const char *solver) {
     static const char *const others[] = {"cg", "hybrid", "dual"};
     bool good = true;
     for (int k = 0; k < 3 && good; k++) {
-        struct draft d = {0};
+        struct setting d = {0};
         if (!strcmp(others[k], solver)) continue;
-        add(&d, "solver.type=%s", others[k]);
+        setting_add(&d, "solver.type=%s", others[k]);
         good = keep(plan, &d, "solver %s", others[k]);
     }
     return good;
@@ -171,15 +176,15 @@ static bool try_steps(struct plan *plan) {
     static const double linear[] = {0.3, 0.01};
     bool good = true;
     for (int k = 0; k < 2 && good; k++) {
-        struct draft d = {0};
-        add(&d, "solver.type=auto");
-        add(&d, "solver.step=projective");
-        add(&d, "solver.outer_iterations=%d", outer[k]);
+        struct setting d = {0};
+        setting_add(&d, "solver.type=auto");
+        setting_add(&d, "solver.step=projective");
+        setting_add(&d, "solver.outer_iterations=%d", outer[k]);
         good = keep(plan, &d, "projective step, %d iterations", outer[k]);
     }
     for (int k = 0; k < 2 && good; k++) {
-        struct draft d = {0};
-        add(&d, "solver.linear_tolerance=%g", linear[k]);
+        struct setting d = {0};
+        setting_add(&d, "solver.linear_tolerance=%g", linear[k]);
         good = keep(plan, &d, "linear solves to %g", linear[k]);
     }
     return good;
@@ -189,7 +194,7 @@ static bool as_it_is(struct plan *plan, const json_t *scene) {
     static const double factors[] = {1, 2, 0.5};
     bool good = true;
     for (int k = 0; k < 3 && good; k++) {
-        struct draft d = {0};
+        struct setting d = {0};
         scale_step(&d, scene, factors[k]);
         good = k ? keep(plan, &d, "h x %g", factors[k]) : keep(plan, &d, "the scene as it is");
     }
@@ -199,30 +204,24 @@ static bool as_it_is(struct plan *plan, const json_t *scene) {
 static bool make_references(struct plan *plan, const json_t *scene) {
     bool good = true;
     for (int k = 0; k < PLAN_REFERENCES; k++) {
-        struct draft d = {0};
+        struct setting d = {0};
         scale_step(&d, scene, 0.25 / (double)(1 << k));
         solve_to(&d, 0.01);
-        plan->reference[k] = d.setting;
+        plan->reference[k] = d;
         good &= !d.failed;
     }
     return good;
 }
 
-bool plan_make(struct plan *plan, const json_t *scene, const char *solver) {
+bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double finer) {
     *plan = (struct plan){0};
-    return as_it_is(plan, scene) && grid_short(plan, scene) && grid_solved(plan, scene) &&
-           try_fixed(plan, scene) && try_projections(plan, scene) && try_solvers(plan, solver) &&
-           try_steps(plan) && make_references(plan, scene);
-}
-
-static void free_setting(struct setting *s) {
-    for (int k = 0; k < s->sets; k++) free(s->set[k]);
-    free(s->set);
-    free(s->name);
+    return as_it_is(plan, scene) && grid_short(plan, scene, finer) && grid_solved(plan, scene) &&
+           try_fixed(plan, scene, finer) && try_projections(plan, scene) &&
+           try_solvers(plan, solver) && try_steps(plan) && make_references(plan, scene);
 }
 
 void plan_free(struct plan *plan) {
-    for (int k = 0; k < plan->count; k++) free_setting(&plan->setting[k]);
-    for (int k = 0; k < PLAN_REFERENCES; k++) free_setting(&plan->reference[k]);
+    for (int k = 0; k < plan->count; k++) setting_free(&plan->setting[k]);
+    for (int k = 0; k < PLAN_REFERENCES; k++) setting_free(&plan->reference[k]);
     free(plan->setting);
 }

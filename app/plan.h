@@ -2,14 +2,9 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include <jansson.h>
-#include <stdbool.h>
+#include "setting.h"
 
-struct setting {
-    char *name; /* for people */
-    char **set; /* sets: overrides of the scene */
-    int sets;
-};
+#include <jansson.h>
 
 enum { PLAN_REFERENCES = 6 };
 
@@ -19,8 +14,9 @@ struct plan {
     struct setting reference[PLAN_REFERENCES]; /* solved steps of 1/4, 1/8, ... of the length */
 };
 
-/* scene: JSON with overrides done; solver: the one it uses. false without memory. */
-bool plan_make(struct plan *plan, const json_t *scene, const char *solver);
+/* scene: JSON with overrides done; solver: the one it uses; finer: how many times, than the scene
+ * for which iterations are counted. false without memory. */
+bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double finer);
 void plan_free(struct plan *plan);
 
 #endif

@@ -6,29 +6,34 @@
 enum { LEAST = 6, SOUGHT = 10 }; /* frames of a window */
 
 /* Whole frames of the scene, or, where they are few, ten of its own. */
-void window_set(struct window *window, const pdyn_sim *sim, double length) {
+static void set_window(struct window *window, const pdyn_sim *sim, double length) {
     double interval = pdyn_frame_interval(sim), frames = floor(length / interval * (1.0 + 1e-9));
-    window->whole = length >= pdyn_duration(sim) * (1.0 - 1e-9);
+    window->duration = pdyn_duration(sim), window->own_interval = interval;
+    window->whole = length >= window->duration * (1.0 - 1e-9);
     if (frames < LEAST) interval = length / SOUGHT, frames = SOUGHT;
     window->interval = interval;
     window->length = window->whole ? fmax(length, frames * interval) : frames * interval;
     snprintf(window->sets[0], sizeof window->sets[0], "duration=%.12g", window->length);
     snprintf(window->sets[1], sizeof window->sets[1], "frame_interval=%.12g", interval);
+    snprintf(window->solver, sizeof window->solver, "%s", pdyn_solver_type(sim));
 }
 
-int window_find(const struct scene_options *scene, double seconds, struct window *window) {
+int window_find(const struct scene_options *scene, double length, double share,
+                struct window *window) {
     struct scene_options one = *scene;
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     one.threads = 1, one.silent = true;
     int code = scene_load(&one, &context, &sim);
     double start = processor_seconds();
-    while (code == EXIT_GOOD && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9) &&
-           processor_seconds() - start < seconds) {
+    while (code == EXIT_GOOD && length == 0.0 &&
+           pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9) &&
+           processor_seconds() - start < share) {
         pdyn_status status = pdyn_step(sim, NULL);
         if (status != PDYN_OK) code = report_status(context, status);
     }
-    if (code == EXIT_GOOD) window_set(window, sim, pdyn_time(sim));
+    if (code == EXIT_GOOD)
+        set_window(window, sim, length > 0.0 ? fmin(length, pdyn_duration(sim)) : pdyn_time(sim));
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;

@@ -5,15 +5,16 @@
 #include "app.h"
 
 struct window {
-    double length, interval; /* s: simulated time, and between two frames */
-    bool whole;              /* all of the scene */
-    char sets[2][64];        /* overrides that make it */
+    double length, interval;       /* s: simulated time, and between two frames */
+    bool whole;                    /* all of the scene */
+    char sets[2][64];              /* overrides that make it */
+    double duration, own_interval; /* s, of the scene itself */
+    char solver[64];               /* that it uses */
 };
 
-/* Simulates the scene as it is, until its end or until so many seconds of processor time are spent.
- * An exit code. */
-int window_find(const struct scene_options *scene, double seconds, struct window *window);
-/* Of so many seconds of a scene that was loaded. */
-void window_set(struct window *window, const pdyn_sim *sim, double length);
+/* Of so many seconds of the scene; where that is 0, simulates it as it is until its end, or until
+ * `share` seconds of processor time are spent. An exit code. */
+int window_find(const struct scene_options *scene, double length, double share,
+                struct window *window);
 
 #endif

@@ -144,6 +144,45 @@ class Trade(unittest.TestCase):
         self.assertIn("--error or --budget", trade("--write", "x.json", code=2))
 
 
+class Twin(unittest.TestCase):
+    """Settings tried on a coarser twin, recommended for the scene."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.said = trade("--twin", "1.25", "--error", "90%", "--by", "energy", "--write", str(OUT / "whole.json"))
+        with open(OUT / "trade.csv") as file:
+            cls.rows = list(csv.DictReader(file))
+        cls.coarse = [json.loads(path.read_text())["set"] for path in OUT.glob("*/result.json")]
+        cls.coarse = [s for s in cls.coarse if "bodies.0.particles.radius=0.0625" in s]
+
+    def test_is_coarser(self):
+        self.assertIn("a coarser twin of the scene", self.said)
+        for override in ["bodies.1.surface.grid.vertices=[7, 7]", "time_step.cfl=0.8"]:
+            self.assertIn("--set " + override, self.said)
+            self.assertTrue(all(override in s for s in self.coarse))
+        scene = json.loads(pathlib.Path(SCENE).read_text())
+        fluid = next(c for c in scene["bodies"][0]["constraints"] if c["type"] == "fluid")
+        self.assertIn("constraints.0.stiffness=%.9g" % (1.25 * fluid.get("stiffness", 1e6)), self.said)
+        self.assertIn("constraints.0.viscosity=%.9g" % (fluid.get("viscosity", 0.02) / 1.25**2), self.said)
+
+    def test_same_iterations(self):
+        names = {row["name"] for row in self.rows}
+        self.assertIn("h x 1, 2 x 10 iterations", names)  # 8 of the twin
+        self.assertTrue(any("solver.linear_iterations=8" in s for s in self.coarse))
+
+    def test_recommends(self):
+        self.assertIn("s of the scene itself", self.said)
+        scene = json.loads((OUT / "whole.json").read_text())
+        self.assertEqual(scene["bodies"][0]["particles"]["radius"], 0.05)
+        self.assertEqual(scene["bodies"][1]["surface"]["grid"]["vertices"], [9, 9])
+
+    def test_refuses(self):
+        said = trade("--twin", "2", "--set", 'bodies.1.constraints.pin.vertices={"vertices": [0]}',
+                     "--set", 'bodies.water.particles.fill=[{"file": "x.ply"}]', code=2)
+        self.assertIn("nothing in the scene can be made coarser", said)
+        self.assertIn("a factor above 0", trade("--twin", "much", code=2))
+
+
 if __name__ == "__main__":
     PROJDYN, SCENE = (str(pathlib.Path(a).resolve()) for a in sys.argv[1:3])
     with tempfile.TemporaryDirectory() as directory:

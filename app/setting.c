@@ -1,0 +1,22 @@
+#include "setting.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+void setting_add(struct setting *s, const char *format, ...) {
+    char **set = realloc(s->set, (size_t)(s->sets + 1) * sizeof *set), *text = NULL;
+    va_list args;
+    va_start(args, format);
+    if (set) s->set = set;
+    if (!set || vasprintf(&text, format, args) < 0) s->failed = true;
+    else set[s->sets++] = text;
+    va_end(args);
+}
+
+void setting_free(struct setting *s) {
+    for (int k = 0; k < s->sets; k++) free(s->set[k]);
+    free(s->set);
+    free(s->name);
+    *s = (struct setting){0};
+}

@@ -1,0 +1,208 @@
+#include "study.h"
+#include "result.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The same settings for the scene and for what is run. */
+static int make_plans(struct study *s) {
+    json_t *scene = NULL, *runs = NULL;
+    int code = scene_text(s->extent.user, &scene);
+    if (code == EXIT_GOOD) code = scene_text(&s->extent.runs, &runs);
+    const char *solver = s->extent.window.solver;
+    if (code == EXIT_GOOD && (!plan_make(&s->plan, scene, solver, s->extent.coarser) ||
+                              !plan_make(&s->tried, runs, solver, 1.0)))
+        code = report_no_memory();
+    json_decref(scene);
+    json_decref(runs);
+    return code;
+}
+
+/* ---- runs ------------------------------------------------------------------------------------ */
+
+/* Overrides of the user, the twin, the window and of a setting; all texts belong to others. */
+static bool make_run(const struct study *s, const struct setting *setting, struct farm_run *run) {
+    int n = s->extent.runs.sets;
+    run->sets = n + 2 + setting->sets;
+    run->set = calloc((size_t)run->sets, sizeof *run->set);
+    if (!run->set) return false;
+    for (int k = 0; k < n; k++) run->set[k] = (char *)s->extent.runs.set[k];
+    for (int k = 0; k < 2; k++) run->set[n + k] = (char *)s->extent.window.sets[k];
+    for (int k = 0; k < setting->sets; k++) run->set[n + 2 + k] = setting->set[k];
+    run->frames = true;
+    return true;
+}
+
+static int run_some(struct study *s, struct farm_run *run, long count) {
+    s->farm.run = run, s->farm.count = count;
+    int code = farm_survey(&s->farm);
+    return code == EXIT_GOOD ? farm_work(&s->farm) : code;
+}
+
+/* Half the length of the steps, and again, as long as the next is not too dear. */
+static int run_references(struct study *s) {
+    for (int k = 0; k < PLAN_REFERENCES; k++)
+        if (!make_run(s, &s->tried.reference[k], &s->reference[k])) return report_no_memory();
+    int code = run_some(s, s->reference, s->references = 2);
+    while (code == EXIT_GOOD && s->references < PLAN_REFERENCES) {
+        char path[FARM_PATH];
+        if (!farm_path(path, &s->farm, &s->reference[s->references - 1], "")) return EXIT_FAILED;
+        json_t *result = result_read(path);
+        double last = json_number_value(json_object_get(result, "cpu_s"));
+        json_decref(result);
+        if (!result || 2.0 * last > 10.0 * s->share) break;
+        code = run_some(s, s->reference, ++s->references);
+    }
+    return code;
+}
+
+static int run_all(struct study *s) {
+    s->run = calloc((size_t)s->plan.count, sizeof *s->run);
+    if (!s->run) return report_no_memory();
+    for (int k = 0; k < s->plan.count; k++) {
+        if (!make_run(s, &s->tried.setting[k], &s->run[k])) return report_no_memory();
+        s->run[k].limit_s = fmax(5.0, 10.0 * s->share);
+    }
+    return run_some(s, s->run, s->plan.count);
+}
+
+/* Those of the front once more, without frames and one at a time: the shorter time counts. */
+static int run_again(struct study *s) {
+    struct farm again = s->farm;
+    again.jobs = 1, again.count = 0;
+    again.run = calloc((size_t)s->trade.count, sizeof *again.run);
+    if (!again.run) return report_no_memory();
+    for (int k = 0; k < s->trade.count; k++) {
+        if (!s->trade.tried[k].front || s->trade.tried[k].checked) continue;
+        again.run[again.count] = s->run[k];
+        again.run[again.count++].frames = false;
+    }
+    int code = farm_survey(&again);
+    if (code == EXIT_GOOD && again.count) code = farm_work(&again);
+    for (long k = 0, r = 0; k < s->trade.count && code == EXIT_GOOD; k++) {
+        struct tried *t = &s->trade.tried[k];
+        char path[FARM_PATH];
+        if (!t->front || t->checked) continue;
+        if (!farm_path(path, &again, &again.run[r++], "")) return EXIT_FAILED;
+        json_t *result = result_read(path);
+        double ms = result_ms_per_second(result);
+        if (ms > 0.0) t->ms = fmin(t->ms, ms / s->trade.per_second);
+        t->checked = true;
+        json_decref(result);
+    }
+    free(again.run);
+    return code;
+}
+
+/* ---- errors ---------------------------------------------------------------------------------- */
+
+static void set_worst(double error[TRACK_MEASURES + 1]) {
+    error[TRADE_WORST] = 0.0;
+    for (int m = 0; m < TRACK_MEASURES; m++)
+        error[TRADE_WORST] = fmax(error[TRADE_WORST], error[m]);
+}
+
+static bool ended_well(const struct farm *farm, const struct farm_run *run, char path[FARM_PATH]) {
+    if (!farm_path(path, farm, run, "")) return false;
+    json_t *result = result_read(path);
+    const char *status = json_string_value(json_object_get(result, "status"));
+    bool good = status && !strcmp(status, "good");
+    json_decref(result);
+    return good;
+}
+
+static int read_run(const struct farm *farm, const struct farm_run *run, struct track *track) {
+    char path[FARM_PATH];
+    if (ended_well(farm, run, path)) return track_read(path, track);
+    fprintf(stderr, "projdyn: trade: the reference did not end well: %s/result.json\n", path);
+    return EXIT_FAILED;
+}
+
+static int judge(struct study *s, const struct track *reference) {
+    struct trade *trade = &s->trade;
+    for (int k = 0; k < trade->count; k++) {
+        struct tried *t = &trade->tried[k];
+        struct track track;
+        char path[FARM_PATH];
+        t->setting = &s->plan.setting[k];
+        if (!ended_well(&s->farm, &s->run[k], path)) continue;
+        int code = track_read(path, &track);
+        if (code != EXIT_GOOD) return code;
+        track_compare(&track, reference, t->error);
+        set_worst(t->error);
+        t->good = isfinite(t->error[TRADE_WORST]) && track.frames == reference->frames;
+        t->ms = track.ms_per_second / trade->per_second;
+        t->gained = track.gained / fmax(reference->scale, 1e-300), t->residual = track.residual;
+        track_free(&track);
+    }
+    return EXIT_GOOD;
+}
+
+static int judge_all(struct study *s) {
+    struct track reference = {0}, coarse = {0};
+    s->trade.count = s->plan.count;
+    s->trade.tried = calloc((size_t)s->plan.count, sizeof *s->trade.tried);
+    if (!s->trade.tried) return report_no_memory();
+    int code = read_run(&s->farm, &s->reference[s->references - 1], &reference);
+    if (code == EXIT_GOOD) code = read_run(&s->farm, &s->reference[s->references - 2], &coarse);
+    if (code == EXIT_GOOD) {
+        track_compare(&coarse, &reference, s->trade.unsure);
+        s->trade.unsure[TRACK_DENSITY] = reference.density;
+        set_worst(s->trade.unsure);
+        code = judge(s, &reference);
+    }
+    track_free(&reference);
+    track_free(&coarse);
+    return code;
+}
+
+static bool is_same(const struct tried *a, const struct tried *b) {
+    return a->good && b->good && a->residual == b->residual &&
+           !memcmp(a->error, b->error, sizeof a->error);
+}
+
+/* Settings that make no difference make one run: the shorter time counts for both. */
+static void join_times(struct trade *trade) {
+    for (int k = 0; k < trade->count; k++)
+        for (int j = 0; j < trade->count; j++)
+            if (is_same(&trade->tried[k], &trade->tried[j]))
+                trade->tried[k].ms = fmin(trade->tried[k].ms, trade->tried[j].ms);
+}
+
+/* A time that is measured again may change the front: until it does not. */
+static int find_front(struct study *s) {
+    int code = EXIT_GOOD;
+    for (bool open = true; open && code == EXIT_GOOD;) {
+        join_times(&s->trade);
+        front_find(&s->trade);
+        open = false;
+        for (int k = 0; k < s->trade.count; k++)
+            open |= s->trade.tried[k].front && !s->trade.tried[k].checked;
+        if (open) code = run_again(s);
+    }
+    return code;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------- */
+
+int study_do(struct study *s) {
+    int code = extent_find(&s->extent, s->length, s->share);
+    if (code == EXIT_GOOD && !s->farm.quiet) extent_tell(&s->extent);
+    if (code == EXIT_GOOD) code = make_plans(s);
+    s->trade.per_second = 1.0 / s->extent.window.own_interval;
+    if (code == EXIT_GOOD) code = run_references(s);
+    if (code == EXIT_GOOD) code = run_all(s);
+    if (code == EXIT_GOOD) code = judge_all(s);
+    return code == EXIT_GOOD ? find_front(s) : code;
+}
+
+void study_free(struct study *s) {
+    for (int k = 0; s->run && k < s->plan.count; k++) free(s->run[k].set);
+    for (int k = 0; k < PLAN_REFERENCES; k++) free(s->reference[k].set);
+    free(s->run);
+    free(s->trade.tried);
+    plan_free(&s->plan);
+    plan_free(&s->tried);
+    extent_free(&s->extent);
+}

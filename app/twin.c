@@ -1,0 +1,91 @@
+#include "twin.h"
+
+#include <math.h>
+#include <string.h>
+
+static double number(const json_t *object, const char *key, double otherwise) {
+    json_t *value = json_object_get(object, key);
+    return json_is_number(value) ? json_number_value(value) : otherwise;
+}
+
+/* ---- what cannot be coarser ------------------------------------------------------------------ */
+
+/* Particles from a file are as large as they are. */
+static bool has_files(const json_t *particles) {
+    size_t k;
+    json_t *entry;
+    json_array_foreach(json_object_get(particles, "fill"), k, entry) {
+        if (json_object_get(entry, "file")) return true;
+    }
+    return false;
+}
+
+/* Is one of the pins for vertices by their number? `vertices`: what a pin holds, or a part of it.
+ */
+static bool has_numbers(const json_t *vertices) {
+    size_t k;
+    json_t *part;
+    if (json_is_array(json_object_get(vertices, "vertices"))) return true;
+    json_array_foreach(vertices, k, part) {
+        if (json_is_integer(part) || has_numbers(part)) return true;
+    }
+    return false;
+}
+
+static bool pins_numbers(const json_t *body) {
+    size_t k;
+    json_t *constraint;
+    json_array_foreach(json_object_get(body, "constraints"), k, constraint) {
+        if (has_numbers(json_object_get(constraint, "vertices"))) return true;
+    }
+    return false;
+}
+
+/* ---- what can -------------------------------------------------------------------------------- */
+
+/* w / d and viscosity d^2 / h stay what they are (docs/scene.md, fluid). */
+static void coarsen_fluid(const json_t *body, size_t b, double factor, struct setting *twin) {
+    size_t k;
+    json_t *c;
+    json_array_foreach(json_object_get(body, "constraints"), k, c) {
+        const char *type = json_string_value(json_object_get(c, "type"));
+        if (!type || strcmp(type, "fluid") != 0) continue;
+        setting_add(twin, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
+                    factor * number(c, "stiffness", 1e6));
+        setting_add(twin, "bodies.%zu.constraints.%zu.viscosity=%.9g", b, k,
+                    number(c, "viscosity", 0.02) / (factor * factor));
+    }
+}
+
+static void coarsen_particles(const json_t *body, size_t b, double factor, struct setting *twin) {
+    const json_t *particles = json_object_get(body, "particles");
+    if (!particles || has_files(particles)) return;
+    setting_add(twin, "bodies.%zu.particles.radius=%.9g", b,
+                factor * number(particles, "radius", 0.0));
+    coarsen_fluid(body, b, factor, twin);
+}
+
+static int fewer(const json_t *vertices, size_t side, double factor) {
+    double edges = json_number_value(json_array_get(vertices, side)) - 1.0;
+    return 1 + (int)fmax(1.0, round(edges / factor));
+}
+
+static void coarsen_grid(const json_t *body, size_t b, double factor, struct setting *twin) {
+    const json_t *grid = json_object_get(json_object_get(body, "surface"), "grid");
+    const json_t *vertices = json_object_get(grid, "vertices");
+    if (!vertices || pins_numbers(body)) return;
+    setting_add(twin, "bodies.%zu.surface.grid.vertices=[%d, %d]", b, fewer(vertices, 0, factor),
+                fewer(vertices, 1, factor));
+}
+
+void twin_make(const json_t *scene, double factor, struct setting *twin) {
+    const json_t *step = json_object_get(scene, "time_step");
+    size_t b;
+    json_t *body;
+    json_array_foreach(json_object_get(scene, "bodies"), b, body) {
+        coarsen_particles(body, b, factor, twin);
+        coarsen_grid(body, b, factor, twin);
+    }
+    if (twin->sets && !json_object_get(step, "fixed"))
+        setting_add(twin, "time_step.cfl=%.9g", number(step, "cfl", 1.0) / factor);
+}
