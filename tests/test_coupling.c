@@ -341,6 +341,122 @@ static void test_hidden(void **state) {
     pdyn_destroy(context);
 }
 
+/* ---- friction -------------------------------------------------------------------------------- */
+
+/* Layers of water that touch a light sheet and reach beyond it, and move along it. */
+#define UPPER "{\"box\": {\"minimum\": [-0.2, 0.012, -0.2], \"maximum\": [0.2, 0.032, 0.2]}}"
+#define LOWER "{\"box\": {\"minimum\": [-0.2, -0.032, -0.2], \"maximum\": [0.2, -0.012, 0.2]}}"
+#define STREAM(fill)                                                                               \
+    "{\"duration\": 1, \"frame_interval\": 0.005, \"gravity\": [0, 0, 0], \"time_step\": "         \
+    "{\"fixed\": "                                                                                 \
+    "0.005}, \"solver\": "                                                                         \
+    "{\"tolerance\": 1e-6, \"linear_tolerance\": 1e-4}, \"bodies\": [{\"name\": \"water\", "       \
+    "\"velocity\": [0.4, 0, 0.3], \"particles\": {\"radius\": 0.01, \"fill\": [" fill              \
+    "]}, \"constraints\": [{\"type\": \"fluid\", \"viscosity\": 0}]}, {\"name\": \"sheet\", "      \
+    "\"surface\": "                                                                                \
+    "{\"grid\": {\"size\": [0.2, 0.2], \"vertices\": [6, 6]}, \"area_density\": 0.2, "             \
+    "\"fluid_friction\": 2}, \"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": "  \
+    "100}]}]}"
+
+/* Runs it and returns the sheet's mean velocity along the stream after `steps`. */
+static double carried(const char *text, int threads, int steps, double *x) {
+    pdyn_context *context = test_context(threads);
+    pdyn_sim *sim = test_load(context, text);
+    const pdyn_body *sheet = &sim->body[1];
+    double along = 0.0, across = 0.0, mass = 0.0;
+    for (int step = 0; step < steps; step++) test_step(context, sim);
+    for (int i = sheet->first; i < sheet->first + sheet->count; i++) {
+        const double *v = sim->v + 3 * i;
+        along += sim->system.mass[i] * (0.8 * v[0] + 0.6 * v[2]);
+        across += sim->system.mass[i] * (0.6 * v[0] - 0.8 * v[2]);
+        mass += sim->system.mass[i];
+    }
+    assert_true(fabs(across / mass) < 1e-3);
+    if (x) memcpy(x, sim->x, 3 * (size_t)sim->system.particles * sizeof *x);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return along / mass;
+}
+
+/* A sheet of the mass s per area and the friction b goes along with a stream of velocity v on one
+ * of its sides as v (1 - (1 + h b / s)^-n), on two as v (1 - (1 + 2 h b / s)^-n), but for what the
+ * stream loses, 0.3 %. */
+static void test_carried(void **state) {
+    (void)state;
+    double one = 0.5 * (1.0 - pow(1.0 + 0.005 * 10.0, -20)), two = 0.5 * (1.0 - pow(1.1, -20));
+    assert_true(fabs(carried(STREAM(UPPER), 2, 20, NULL) / one - 1.0) < 0.005);
+    assert_true(fabs(carried(STREAM(LOWER), 2, 20, NULL) / one - 1.0) < 0.005);
+    assert_true(fabs(carried(STREAM(UPPER ", " LOWER), 2, 20, NULL) / two - 1.0) < 0.005);
+}
+
+/* Friction gives the sheet what it takes from the water, only along the sheet, and only energy is
+ * lost: its gradient is that of its energy. */
+static void test_friction(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(3);
+    pdyn_sim *sim = test_load(context, STREAM(UPPER ", " LOWER));
+    for (int step = 0; step < 5; step++) test_step(context, sim);
+    struct batch *drag = sim->system.drag->batch;
+    int n = 3 * sim->system.particles;
+    double *x = array(n), *g = array(n), *other = array(n), *u = array(n), sum[3] = {0}, size = 0.0;
+    uint64_t seed = 3;
+    for (int k = 0; k < n; k++) x[k] = sim->x[k] + 1e-3 * test_random(&seed);
+    assert_int_equal(batch_local(drag, x, 0.0, g), PDYN_OK);
+    for (int i = 0; i < n / 3; i++) {
+        vec3_add(sum, 1.0, g + 3 * i);
+        size += vec3_length(g + 3 * i);
+    }
+    assert_true(size > 0.1 && vec3_length(sum) < 1e-13 * size);
+    double energy = drag->energy, change = 0.0; /* E is quadratic: the mean gradient is exact */
+    for (int k = 0; k < n; k++) u[k] = 1e-3 * test_random(&seed), x[k] += u[k];
+    assert_int_equal(batch_local(drag, x, 0.0, other), PDYN_OK);
+    for (int k = 0; k < n; k++) change += 0.5 * u[k] * (g[k] + other[k]);
+    assert_true(fabs(drag->energy - energy - change) < 1e-12 * energy);
+    for (int k = 1; k < n; k += 3) x[k] += 1e-3 * test_random(&seed); /* across the sheet */
+    energy = drag->energy;
+    assert_int_equal(batch_local(drag, x, 0.0, other), PDYN_OK);
+    assert_true(fabs(drag->energy / energy - 1.0) < 1e-9);
+    free(x), free(g), free(other), free(u);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Every solver finds the same, and memory that fails at any moment is an error. */
+static void test_friction_solvers(void **state) {
+    (void)state;
+    static const char *const solver[4] = {"solver.type=cg", "solver.type=hybrid",
+                                          "solver.type=cholesky", "solver.step=projective"};
+    double along[4];
+    for (int k = 0; k < 4; k++) {
+        pdyn_context *context = test_context(2);
+        pdyn_sim *sim = NULL;
+        const char *const set[] = {solver[k], "solver.outer_iterations=200",
+                                   "bodies.water.constraints.fluid.stiffness=0.01"};
+        assert_int_equal(pdyn_load_text(context, STREAM(UPPER), "stream", set, 3, &sim), PDYN_OK);
+        for (int step = 0; step < 3; step++) test_step(context, sim);
+        along[k] = sim->v[3 * sim->body[1].first];
+        assert_true(fabs(along[k] / along[0] - 1.0) < 1e-4);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    test_failing_scene(STREAM(UPPER));
+}
+
+/* Same bits for any number of threads; without friction, nothing is there. */
+static void test_friction_threads(void **state) {
+    (void)state;
+    double *one = array(6000), *three = array(6000);
+    carried(STREAM(UPPER ", " LOWER), 1, 10, one);
+    carried(STREAM(UPPER ", " LOWER), 3, 10, three);
+    assert_memory_equal(one, three, 6000 * sizeof *one);
+    free(one), free(three);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    assert_null(sim->system.drag);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 static const char impact[] =
     "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"contact\": {\"thickness\": 0.005},"
     " \"solver\": {\"tolerance\": 1, \"outer_iterations\": 6, \"linear_iterations\": 50},"
@@ -390,11 +506,13 @@ static void test_impact(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places),    cmocka_unit_test(test_gather),
-        cmocka_unit_test(test_stretch),   cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_solvers),   cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_viscosity), cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_hidden),    cmocka_unit_test(test_impact),
+        cmocka_unit_test(test_places),           cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_stretch),          cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_solvers),          cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_viscosity),        cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_hidden),           cmocka_unit_test(test_impact),
+        cmocka_unit_test(test_carried),          cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_friction_threads), cmocka_unit_test(test_friction_solvers),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
 }

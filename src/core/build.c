@@ -321,6 +321,7 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     if (sim->scene.has_contact) count += 2; /* contact, friction */
+    if (sim->samples) count++;              /* drag */
     sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !sys->batch) return PDYN_NO_MEMORY;
     sys->capacity = count;
@@ -400,6 +401,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
+    if (status == PDYN_OK) status = drag_create(sim);
     if (status == PDYN_OK) status = contact_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = choose_solver(sim);
@@ -439,6 +441,7 @@ static void free_system(struct pdyn_sim *sim) {
     struct system *sys = &sim->system;
     for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
     contact_free(sys->contact);
+    drag_free(sys->drag);
     FREE_ARRAY(c, sys->batch, sys->capacity);
     FREE_VECTOR(c, sys->s, sys->particles);
     FREE_ARRAY(c, sys->mass, sys->particles);

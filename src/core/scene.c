@@ -217,10 +217,12 @@ static const pdyn_param particles_params[] = {
     {"budget", PDYN_INT, offsetof(struct scene_body, budget), false, 0, 1, MOST_PARTICLES, "", ""},
     {0}};
 
-static const pdyn_param surface_params[] = {{"area_density", PDYN_REAL,
-                                             offsetof(struct scene_body, area_density), true, 0,
-                                             1e-6, 1e6, "kg/m^2", ""},
-                                            {0}};
+static const pdyn_param surface_params[] = {
+    {"area_density", PDYN_REAL, offsetof(struct scene_body, area_density), true, 0, 1e-6, 1e6,
+     "kg/m^2", ""},
+    {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
+     "Pa s/m", ""},
+    {0}};
 
 static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
     (void)index;
@@ -322,6 +324,8 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
 
 static const pdyn_param volume_params[] = {
     {"density", PDYN_REAL, offsetof(struct scene_body, density), true, 0, 1e-6, 1e6, "kg/m^3", ""},
+    {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
+     "Pa s/m", ""},
     {0}};
 
 static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {

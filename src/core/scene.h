@@ -46,6 +46,7 @@ struct scene_body {
     double radius;                /* m */
     double rest_density;          /* kg/m^3 */
     double area_density;          /* kg/m^2 */
+    double fluid_friction;        /* Pa s/m, of a surface or a volume */
     double density;               /* kg/m^3, of a volume */
     int inlets;                   /* of particles */
     struct scene_inlet *inlet;

@@ -24,11 +24,16 @@ static void predict(struct pdyn_sim *sim, double h) {
     system_begin(&sim->system, sim->x, sim->v);
 }
 
-/* Surfaces act on the fluid with the volumes that they have where the step begins. */
-static void stretch_samples(struct pdyn_sim *sim) {
-    if (!sim->samples) return;
+/* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
+ * friction between what is close to each other there. */
+static pdyn_status prepare_samples(struct pdyn_sim *sim) {
+    const double *all;
+    if (!sim->samples) return PDYN_OK;
     samples_stretch(sim->samples, sim->x);
     neighbours_stretch(sim->neighbours, sim->samples);
+    if (!sim->system.drag) return PDYN_OK;
+    pdyn_status status = system_cover(&sim->system, sim->x, &all);
+    return status == PDYN_OK ? drag_begin(sim->system.drag, all) : status;
 }
 
 /* Where nothing can take momentum away, the step must not either, however far it was solved: the
@@ -81,11 +86,12 @@ static void accept(struct pdyn_sim *sim, double h) {
 /* Where a step of length h would end, in x_next; the state is as it was. */
 static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
     *progress = (struct progress){0};
+    pdyn_status status = prepare_samples(sim);
+    if (status != PDYN_OK) return status;
     predict(sim, h);
     motion_carry(sim, sim->system.time);
-    stretch_samples(sim);
     struct contact *contact = sim->system.contact;
-    pdyn_status status = contact ? contact_begin(contact, sim->system.time) : PDYN_OK;
+    if (contact) status = contact_begin(contact, sim->system.time);
     if (status == PDYN_OK) status = minimise(sim, h, progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     return status == PDYN_OK ? measure_finite(sim) : status;

@@ -74,9 +74,14 @@ static bool lists_hold(const struct system *sys, const double *x) {
     return !sys->neighbours || neighbours_hold(sys->neighbours, x);
 }
 
+pdyn_status system_cover(struct system *sys, const double *x, const double **all) {
+    *all = extend(sys, x);
+    return lists_hold(sys, *all) ? PDYN_OK : build_lists(sys, *all);
+}
+
 pdyn_status system_local(struct system *sys, const double *x, double *energy, double *gradient) {
-    const double *all = extend(sys, x);
-    pdyn_status status = lists_hold(sys, all) ? PDYN_OK : build_lists(sys, all);
+    const double *all;
+    pdyn_status status = system_cover(sys, x, &all);
     if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();

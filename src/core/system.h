@@ -9,6 +9,7 @@
 
 #include "batch.h"
 #include "contact.h"
+#include "drag.h"
 #include "neighbours.h"
 
 enum { SYSTEM_GRAIN = 2048 }; /* particles: vector operations worth waking a thread for */
@@ -26,6 +27,7 @@ struct system {
     int batches, capacity;
     struct batch **batch;          /* capacity */
     struct contact *contact;       /* NULL in a scene without contact */
+    struct drag *drag;             /* NULL where no surface has friction with a fluid */
     struct neighbours *neighbours; /* NULL where no constraint needs them */
     struct samples *samples;       /* of surfaces in these; NULL: none */
     unsigned lists;                /* revision of the lists */
@@ -36,6 +38,9 @@ struct system {
 
 /* A step of length h begins at x and v. */
 void system_begin(struct system *system, const double *x, const double *v);
+
+/* x with the samples, *all, and lists that are complete there. */
+pdyn_status system_cover(struct system *system, const double *x, const double **all);
 
 /* Builds the neighbour lists at x. */
 pdyn_status system_build_lists(struct system *system, const double *x);
