@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static void describe(const pdyn_sim *sim) {
+static void describe(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
     for (int b = 0; b < state.bodies; b++) {
         pdyn_body_info body = pdyn_get_body(sim, b);
@@ -32,6 +32,7 @@ static void describe(const pdyn_sim *sim) {
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));
+    printf("memory %.0f MB\n", 1e-6 * (double)pdyn_peak_bytes(context));
 }
 
 /* ---- plug-ins -------------------------------------------------------------------------------- */
@@ -95,7 +96,7 @@ static int check_scene(const struct scene_options *options) {
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     int code = scene_load(options, &context, &sim);
-    if (code == EXIT_GOOD) describe(sim);
+    if (code == EXIT_GOOD) describe(context, sim);
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;

@@ -108,6 +108,7 @@ else
 fi
 expect "check" 0 "solver cg" "$program" check "$scene"
 expect "check names the bodies" 0 "body sheet: 625 vertices, 1152 triangles" "$program" check "$scene"
+expect "check says the memory" 0 " MB" "$program" check "$scene"
 expect "check counts the constraints" 0 "constraint pin on sheet: 96 elements" "$program" check "$scene"
 expect "list" 0 "bending" "$program" list
 expect "list one" 0 "N/m" "$program" list spring
