@@ -276,6 +276,8 @@ typedef struct pdyn_goal { /* when a solve may end: at the first of these */
     double gain;           /* an iteration lowers the model by less than this part of the mean of
                               all; 0: never; solvers that cannot tell ignore it */
     int iterations;        /* so many are done */
+    bool first;            /* solve of a step, or of an attempt at one: the models of the solves
+                              after it differ little from its own */
 } pdyn_goal;
 
 typedef struct pdyn_global_solver {

@@ -31,7 +31,8 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
     const pdyn_goal goal = {.tolerance = fmax(set->linear_tolerance, enough),
                             .gain = worth,
-                            .iterations = set->linear_iterations};
+                            .iterations = set->linear_iterations,
+                            .first = p->outer == 0};
     int iterations = 0;
     memset(sim->direction, 0, system_bytes(&sim->system));
     for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];

@@ -37,12 +37,13 @@ void krylov_free(struct krylov *k) {
 
 /* ---- conjugate gradients --------------------------------------------------------------------- */
 
-/* p = z + scale p */
+/* p = z + scale p; partial: r.p */
 WIDE static void next_direction(void *arg, int first, int last, int block) {
-    (void)block;
     const struct call *c = arg;
+    const double *z = c->k->z, *r = c->k->r + 3 * first;
     double *p = c->k->p;
-    for (int k = 3 * first; k < 3 * last; k++) p[k] = c->k->z[k] + c->scale * p[k];
+    for (int k = 3 * first; k < 3 * last; k++) p[k] = z[k] + c->scale * p[k];
+    c->k->system->partial[block] = simd_dot(r, p + 3 * first, 3 * (last - first));
 }
 
 /* d += scale p, r -= scale q; partial: r.r */
@@ -63,27 +64,37 @@ static void for_particles(struct krylov *k, pdyn_range_fn *fn, double scale) {
     pool_for(k->context->pool, k->system->particles, SYSTEM_GRAIN, fn, &call);
 }
 
+/* The direction that goes on from the last one, in the metric of H as it was along that: also from
+ * the last one of the solve before, whose model differed little. Returns r.p. */
+static double choose_direction(struct krylov *k) {
+    k->restart = false;
+    double rz = k->precondition(k->self);
+    if (k->curvature > 0.0 && !k->restart) {
+        for_particles(k, next_direction, -system_dot(k->system, k->z, k->q) / k->curvature);
+        double rp = system_partial_sum(k->system);
+        if (rp > 0.0) return rp;
+    }
+    memcpy(k->p, k->z, system_bytes(k->system));
+    return rz;
+}
+
 /* d = H^-1 r with all constraints on the sides where they are, until |r| is at most `target` or
- * an iteration gains too little: the model falls by rz / 2 times the length of each. */
+ * an iteration gains too little: the model falls by r.p / 2 times the length of each. */
 static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal, int *iterations) {
     struct system *sys = k->system;
-    double rr = INFINITY, rz = 0.0, gained = 0.0, gain = INFINITY;
-    memset(k->p, 0, system_bytes(sys));
+    double rr = INFINITY, gained = 0.0, gain = INFINITY;
     memset(k->d, 0, system_bytes(sys));
     k->prepare(k->self);
     for (int done = 0; rr > target * target && *iterations < goal->iterations &&
                        !(gain * done < goal->gain * gained);
          done++) {
-        double before = rz;
-        k->restart = false;
-        rz = k->precondition(k->self);
-        for_particles(k, next_direction, before > 0.0 && !k->restart ? rz / before : 0.0);
+        double rp = choose_direction(k);
         system_apply(sys, k->p, k->q);
-        double curvature = system_dot(sys, k->p, k->q);
-        if (!(curvature > 0.0)) return; /* the residual is exhausted, or not a number */
-        for_particles(k, advance, rz / curvature);
+        k->curvature = system_dot(sys, k->p, k->q);
+        if (!(k->curvature > 0.0)) return; /* the residual is exhausted, or not a number */
+        for_particles(k, advance, rp / k->curvature);
         rr = system_partial_sum(sys);
-        gain = rz * rz / curvature, gained += gain;
+        gain = rp * rp / k->curvature, gained += gain;
         ++*iterations;
     }
 }
@@ -94,12 +105,12 @@ static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal,
  * constraints changed sides. */
 static int go_along(struct krylov *k, double *b, double *y) {
     struct system *sys = k->system;
-    system_aim(sys, k->d, k->q);
-    double descent = system_dot(sys, b, k->d), curvature = system_dot(sys, k->d, k->q);
+    system_aim(sys, k->d, k->z);
+    double descent = system_dot(sys, b, k->d), curvature = system_dot(sys, k->d, k->z);
     double t = descent > 0.0 ? system_line_minimum(sys, descent, curvature) : 0.0;
-    int changed = system_go(sys, t, k->q);
+    int changed = system_go(sys, t, k->z);
     system_axpy(sys, t, k->d, y);
-    system_axpy(sys, -1.0, k->q, b);
+    system_axpy(sys, -1.0, k->z, b);
     return changed;
 }
 
@@ -108,6 +119,7 @@ void krylov_solve(struct krylov *k, double *b, double *y, const pdyn_goal *goal,
     double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
     bool solved = false;
     *iterations = 0;
+    if (goal->first) k->curvature = 0.0;
     for (int n = 0; n < ROUNDS && size > target && !solved && *iterations < goal->iterations; n++) {
         double aim_at = sys->changing ? fmax(target, inner * size) : target;
         memcpy(k->r, b, system_bytes(sys));
