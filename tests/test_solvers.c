@@ -139,6 +139,51 @@ static void test_hybrid(void **state) {
     pdyn_destroy(context);
 }
 
+/* Twelve linear iterations of a simulation with this solver, in parts of so many; adds up y. */
+static void solve_in_parts(pdyn_sim *sim, int part, const double *b, double *y) {
+    size_t bytes = system_bytes(&sim->system), n = bytes / sizeof *y;
+    double *rest = malloc(bytes), *more = malloc(bytes);
+    assert_non_null(rest), assert_non_null(more);
+    memcpy(rest, b, bytes);
+    memset(y, 0, bytes);
+    for (int done = 0; done < 12; done += part) {
+        const pdyn_goal goal = {.tolerance = 1e-12, .iterations = part, .first = done == 0};
+        int iterations;
+        memset(more, 0, bytes);
+        assert_int_equal(sim->solver->solve(sim->solver_state, rest, more, &goal, &iterations),
+                         PDYN_OK);
+        assert_int_equal(iterations, part);
+        for (size_t k = 0; k < n; k++) y[k] += more[k];
+    }
+    free(rest), free(more);
+}
+
+/* A solve goes on where the one before ended: several short ones are one long one. */
+static void test_goes_on(void **state) {
+    (void)state;
+    static const char *const solver[] = {"cg", "hybrid"};
+    enum { N = 3 * 17 * 17 };
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        char text[256];
+        double b[N], whole[N], parts[N];
+        uint64_t seed = 1;
+        snprintf(text, sizeof text,
+                 "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"%s\"}", solver[k]);
+        pdyn_sim *sim = hang(context, 17, text);
+        for (int step = 0; step < 3; step++) test_step(context, sim);
+        for (int i = 0; i < N; i++) b[i] = test_random(&seed);
+        assert_int_equal(system_linearise(&sim->system, 0.0), PDYN_OK);
+        solve_in_parts(sim, 12, b, whole);
+        solve_in_parts(sim, 3, b, parts);
+        double size = test_distance(whole, (double[N]){0}, N);
+        if (!(test_distance(whole, parts, N) < 1e-9 * size))
+            fail_msg("%s: %g apart", solver[k], test_distance(whole, parts, N) / size);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 /* Steps of two lengths in turn, as before frames: an old factor still serves, and nothing is
  * allocated but for a new one. */
 static void test_changing_step(void **state) {
@@ -221,9 +266,13 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_factor),        cmocka_unit_test(test_factor_threads),
-        cmocka_unit_test(test_accelerations), cmocka_unit_test(test_hybrid),
-        cmocka_unit_test(test_changing_step), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_factor),
+        cmocka_unit_test(test_factor_threads),
+        cmocka_unit_test(test_accelerations),
+        cmocka_unit_test(test_hybrid),
+        cmocka_unit_test(test_goes_on),
+        cmocka_unit_test(test_changing_step),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }
