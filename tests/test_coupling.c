@@ -504,15 +504,51 @@ static void test_impact(void **state) {
     pdyn_destroy(context);
 }
 
+struct start {
+    const pdyn_sim *sim;
+    double standing, energy; /* J: E where the step begins, and where its minimisation does */
+};
+
+static void note_start(void *user, const pdyn_iteration *iteration) {
+    struct start *start = user;
+    const struct system *sys = &start->sim->system;
+    if (iteration->iteration > 0) return;
+    start->energy = iteration->energy;
+    for (int k = 0; k < 3 * sys->particles; k++)
+        start->standing +=
+            0.5 * system_inertia(sys, k / 3) * pow(sys->s[k] - start->sim->x[k], 2.0);
+}
+
+/* Water that a sheet stops on its way is not crushed against it by what comes behind. */
+static void test_start(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, impact); /* at first no constraint has any energy */
+    struct start start = {.sim = sim};
+    pdyn_observe(sim, note_start, &start);
+    test_step(context, sim);
+    assert_true(start.energy < start.standing);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places),           cmocka_unit_test(test_gather),
-        cmocka_unit_test(test_stretch),          cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_solvers),          cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_viscosity),        cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_hidden),           cmocka_unit_test(test_impact),
-        cmocka_unit_test(test_carried),          cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_friction_threads), cmocka_unit_test(test_friction_solvers),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_stretch),
+        cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_viscosity),
+        cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_hidden),
+        cmocka_unit_test(test_impact),
+        cmocka_unit_test(test_carried),
+        cmocka_unit_test(test_friction),
+        cmocka_unit_test(test_friction_threads),
+        cmocka_unit_test(test_friction_solvers),
+        cmocka_unit_test(test_start),
     };
     return cmocka_run_group_tests_name("coupling", tests, NULL, NULL);
 }

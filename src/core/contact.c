@@ -137,12 +137,9 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
     return status;
 }
 
-double contact_common(const struct contact *c, int particles, double *direction) {
+double contact_least(const struct contact *c) {
     double least = 1.0;
     for (int i = 0; i < c->free; i++) least = fmin(least, c->taken[i]);
-    for (int k = 0; least < 1.0 && k < 3 * particles; k++) direction[k] *= least;
-    for (int i = 0; least > 0.0 && least < 1.0 && i < c->free; i++)
-        for (int a = 0; a < 3; a++) direction[3 * c->column[i] + a] /= c->taken[i];
     return least;
 }
 

@@ -139,12 +139,11 @@ void contact_persist(struct contact *contact, const double *x, struct archive *a
  * along from where they were. */
 pdyn_status contact_start(struct contact *contact, const double *x, double *target);
 
+/* The least part that the last paths left of a displacement. */
+double contact_least(const struct contact *contact);
+
 /* Shortens the parts of a direction from x to free paths. */
 pdyn_status contact_filter(struct contact *contact, const double *x, double *direction);
-
-/* Shortens the whole direction that contact_filter left as much as its shortest part, and returns
- * that. */
-double contact_common(const struct contact *contact, int particles, double *direction);
 
 /* Solids that wait go on as far as they can, the surfaces at x. */
 pdyn_status contact_advance(struct contact *contact, const double *x);

@@ -9,8 +9,8 @@
 enum { QUERIES = 256, FIRST_ROOM = 4096 }; /* queries of a block; pairs it may find, at first */
 
 /* How far a region reaches around where a point is and goes to: a part of the thickness and of the
- * way. */
-static const double still = 0.5, ahead = 0.25;
+ * way, but no more thicknesses than that. */
+static const double still = 0.5, ahead = 0.25, most_ahead = 1.0;
 
 /* ---- regions --------------------------------------------------------------------------------- */
 
@@ -30,11 +30,13 @@ static bool all_hold(const struct contact *c, const double *x, const double *ste
 }
 
 static void set_regions(struct contact *c, const double *x, const double *step) {
+    const double T = c->set->thickness;
     for (int i = 0; i < c->points; i++) {
         double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
         if (step) vec3_add(end, 1.0, step + 3 * i);
         double way = vec3_distance(end, x + 3 * i);
-        double margin = i < c->free || way > 0.0 ? still * c->set->thickness + ahead * way : 0.0;
+        double margin =
+            i < c->free || way > 0.0 ? still * T + fmin(ahead * way, most_ahead * T) : 0.0;
         c->region[i] = box_empty;
         box_add(&c->region[i], x + 3 * i);
         box_add(&c->region[i], end);

@@ -42,20 +42,39 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     return status;
 }
 
+/* sim->trial: x_next and a part of the direction, of which every point goes as far as its way is
+ * free. *slope, of E along the direction, becomes that along the way. */
+static pdyn_status go_part(struct pdyn_sim *sim, double part, double *least, double *slope) {
+    struct system *sys = &sim->system;
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < 3 * sys->particles; k++) sim->trial[k] = part * sim->direction[k];
+    bool blocked = part > *least;
+    if (blocked) status = contact_filter(sys->contact, sim->x_next, sim->trial);
+    if (blocked) *least = part * contact_least(sys->contact);
+    *slope = part > *least ? system_dot(sys, sim->gradient, sim->trial) : part * *slope;
+    system_axpy(sys, 1.0, sim->x_next, sim->trial);
+    return status;
+}
+
+/* Half of it, but not past the first touch, where contact becomes part of the model. */
+static double next_part(double part, double least) {
+    return part > least && 0.5 * part < least ? least : 0.5 * part;
+}
+
 /* x_next + direction, halved until E falls enough (Armijo) below the bound. step->length: what was
- * taken, 0 for none. */
-static pdyn_status go_down(struct pdyn_sim *sim, double bound, double slope, int tries,
+ * taken, 0 for none. In contact every point goes as far as its way is free, and fewer of them are
+ * stopped where all go less far. */
+static pdyn_status go_down(struct pdyn_sim *sim, double bound, double armijo, int tries,
                            double *energy, struct taken *step) {
     struct system *sys = &sim->system;
-    double trial;
+    double trial, least = sys->contact ? 0.0 : 1.0;
     *step = (struct taken){.length = 1.0, .slope = system_dot(sys, sim->gradient, sim->direction)};
-    slope *= step->slope < 0.0 ? step->slope : 0.0;
-    for (int k = 0; k < tries; k++, step->length *= 0.5) {
-        memcpy(sim->trial, sim->x_next, system_bytes(&sim->system));
-        system_axpy(sys, step->length, sim->direction, sim->trial);
-        pdyn_status status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
+    for (int k = 0; k < tries; k++, step->length = next_part(step->length, least)) {
+        double slope = step->slope;
+        pdyn_status status = go_part(sim, step->length, &least, &slope);
+        if (status == PDYN_OK) status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        if (trial <= bound + step->length * slope + 1e-13 * fabs(bound)) {
+        if (trial <= bound + armijo * fmin(slope, 0.0) + 1e-13 * fabs(bound)) {
             take_trial(sim);
             *energy = trial;
             step->slope_after = system_dot(sys, sim->gradient, sim->direction);
@@ -67,22 +86,14 @@ static pdyn_status go_down(struct pdyn_sim *sim, double bound, double slope, int
 }
 
 /* Goes down along the direction; where it does not, the iterate and its local step are as before.
- * Unfinished multipliers may raise E once; then it has to fall below what it was before that. In
- * contact, every point goes as far as its way is free; where that is not downhill, all of them go
- * as far as the one that goes least. */
+ * Unfinished multipliers may raise E once; then it has to fall below what it was before that. */
 static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
                            struct taken *step) {
-    struct system *sys = &sim->system;
     bool unfinished = sim->solver->keeps_multipliers;
-    double bound = unfinished ? fmax(before, *energy) : *energy, slope = unfinished ? 0.0 : 1e-4;
-    pdyn_status status = PDYN_OK;
-    if (sys->contact) status = contact_filter(sys->contact, sim->x_next, sim->direction);
-    if (status == PDYN_OK) status = go_down(sim, bound, slope, BACKTRACKS, energy, step);
-    if (status == PDYN_OK && step->length == 0.0 && sys->contact &&
-        contact_common(sys->contact, sys->particles, sim->direction) < 1.0)
-        status = go_down(sim, bound, slope, BACKTRACKS, energy, step);
+    double bound = unfinished ? fmax(before, *energy) : *energy, armijo = unfinished ? 0.0 : 1e-4;
+    pdyn_status status = go_down(sim, bound, armijo, BACKTRACKS, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
-    return system_local(sys, sim->x_next, energy, sim->gradient);
+    return system_local(&sim->system, sim->x_next, energy, sim->gradient);
 }
 
 /* Where an acceleration leads, if E falls on the way; otherwise goes down along the direction. */
@@ -92,9 +103,7 @@ static pdyn_status extrapolate(struct pdyn_sim *sim, double before, double *ener
     pdyn_status status = PDYN_OK;
     if (!acceleration_propose(a, sim->x_next, sim->direction))
         return descend(sim, before, energy, step);
-    if (sim->system.contact)
-        status = contact_filter(sim->system.contact, sim->x_next, sim->direction);
-    if (status == PDYN_OK) status = go_down(sim, *energy, 0.0, 1, energy, step);
+    status = go_down(sim, *energy, 0.0, 1, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     acceleration_start(a);
     memcpy(sim->direction, a->plain, system_bytes(&sim->system));
@@ -156,11 +165,33 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, dou
     return status == PDYN_OK ? system_local(&sim->system, x, energy, gradient) : status;
 }
 
+/* The local step a part of the way from the state to s. */
+static pdyn_status start_after(struct pdyn_sim *sim, double part, double *energy) {
+    for (int k = 0; k < 3 * sim->system.particles; k++)
+        sim->x_next[k] = sim->x[k] + part * (sim->system.s[k] - sim->x[k]);
+    return start_at(sim, sim->x_next, energy, sim->gradient);
+}
+
+/* Starts at s, or, where surfaces are in the way, so far before it that E is not above that of
+ * standing still: what a surface stops is not to be crushed by what comes behind it. */
+static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
+    pdyn_status status = start_at(sim, sim->x_next, energy, sim->gradient);
+    double least = sim->system.contact ? contact_least(sim->system.contact) : 1.0, bound;
+    if (status != PDYN_OK || least == 1.0) return status;
+    status = start_after(sim, 0.0, &bound);
+    double part = *energy > bound ? next_part(1.0, least) : 1.0;
+    for (int k = 0; status == PDYN_OK && k < BACKTRACKS; k++, part = next_part(part, least)) {
+        status = start_after(sim, part, energy);
+        if (!(*energy > bound)) return status;
+    }
+    return status == PDYN_OK ? start_after(sim, 0.0, energy) : status;
+}
+
 /* With positions, the correction is taken where it lowers E. That of a step that was cut short
  * would hand on its error, even so. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double h, double *energy) {
     double warm;
-    pdyn_status status = start_at(sim, sim->x_next, energy, sim->gradient);
+    pdyn_status status = start_inertia(sim, energy);
     if (status != PDYN_OK || sim->last_h == 0.0 || sim->unfinished) return status;
     repeat_correction(sim, h, sim->trial);
     status = start_at(sim, sim->trial, &warm, sim->trial_gradient);
