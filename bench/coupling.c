@@ -5,7 +5,8 @@
  *     coupling basin DIRECTORY SECONDS MM...         at rest in a sheet; MM: particle spacing
  *     coupling lintearia DIRECTORY SECONDS MM...     the shape of a sheet that holds water
  *     coupling gate DIRECTORY MMxMPAxMS...           a rubber gate: spacing, modulus, step
- *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL...  impact or bag, N particles across, mesh M
+ *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL:V...  impact or bag, N particles across, mesh M,
+ *                                                    at V m/s
  *     coupling ratios DIRECTORY SECONDS              light and heavy, soft and stiff, all steps */
 #include "coupling.h"
 
@@ -46,7 +47,7 @@ int main(int argc, char **argv) {
     else
         die("usage: coupling momentum DIRECTORY STEPS SECONDS | basin DIRECTORY SECONDS MM... | "
             "lintearia DIRECTORY SECONDS MM... | gate DIRECTORY MMxMPAxMS... | leaks DIRECTORY "
-            "NAME:N:M:MS:S:OxL... | ratios DIRECTORY SECONDS");
+            "NAME:N:M:MS:S:OxL:V... | ratios DIRECTORY SECONDS");
     pdyn_destroy(context);
     return 0;
 }

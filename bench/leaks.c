@@ -1,4 +1,4 @@
-/* Does anything pass through a sheet? Water hits one at 20 m/s, and a full bag is shaken. After
+/* Does anything pass through a sheet? Water hits one, and a full bag is shaken. After
  * every step the triangles above each particle are counted, one by one and by nothing that the
  * library does: an even number of them means above the sheet, an odd one inside the bag. */
 #include "coupling.h"
@@ -87,6 +87,7 @@ struct run {
     int across, mesh; /* particles; vertices or cells of the sheet */
     double h, seconds;
     int outer, linear; /* iterations at most */
+    double speed;      /* m/s, of the water, or of what shakes the bag */
 };
 
 struct watch {
@@ -140,11 +141,11 @@ static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct r
     }
     double spent = 1e3 * (double)(clock() - start) / CLOCKS_PER_SEC / (double)steps;
     for (int i = 0; i < water.count; i++) over += watch.spilled[i];
-    printf("| %s | %d | %d | %g | %d x %d | %ld | %ld | %ld | %.2g | %.0f |\n", run->name,
-           water.count, sheet.count, 1e3 * run->h, run->outer, run->linear, steps, wrong, over,
-           worst, spent);
-    fprintf(csv, "%s,%d,%d,%g,%d,%d,%ld,%ld,%ld,%g,%g,%g\n", run->name, water.count, sheet.count,
-            run->h, run->outer, run->linear, steps, wrong, over, worst, spent,
+    printf("| %s | %g | %d | %d | %g | %d x %d | %ld | %ld | %ld | %.2g | %.0f |\n", run->name,
+           run->speed, water.count, sheet.count, 1e3 * run->h, run->outer, run->linear, steps,
+           wrong, over, worst, spent);
+    fprintf(csv, "%s,%g,%d,%d,%g,%d,%d,%ld,%ld,%ld,%g,%g,%g\n", run->name, run->speed, water.count,
+            sheet.count, run->h, run->outer, run->linear, steps, wrong, over, worst, spent,
             contact / (double)steps);
     fflush(stdout), fflush(csv);
     free(watch.spilled);
@@ -161,14 +162,14 @@ static void impact(pdyn_context *context, FILE *csv, const struct run *run) {
     double half = 0.15, d = 2.0 * half / n;
     look(context,
          load(context,
-              "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'velocity': [0, -20, "
+              "{'duration': 1000, " SOLVER ", 'bodies': [{'name': 'water', 'velocity': [0, %g, "
               "0], 'particles': {'radius': %.17g, 'fill': [{'box': {'minimum': [%g, 0.02, %g], "
               "'maximum': [%.17g, %.17g, %.17g]}}]}, 'constraints': [{'type': 'fluid', "
               "'stiffness': 1e5}]}, {'name': 'sheet', 'surface': {'grid': {'size': [%g, %g], "
               "'vertices': [%d, %d]}, 'area_density': 0.3}, 'constraints': [{'type': 'triangle', "
               "'stretching_stiffness': 2e4}, {'type': 'bending', 'bending_rigidity': 1e-4}, "
               "{'type': 'pin', 'vertices': {'border': true}}]}]}",
-              run->h, run->outer, run->linear, 0.5 * d, -half, -half, half + 1e-9,
+              run->h, run->outer, run->linear, -run->speed, 0.5 * d, -half, -half, half + 1e-9,
               0.02 + n * d + 1e-9, half + 1e-9, side, side, run->mesh, run->mesh),
          csv, run, false);
 }
@@ -212,8 +213,8 @@ static void write_ball(const char *path, double radius, int cells) {
     fclose(file);
 }
 
-/* A ball of 0.2 m, n particles across, held at its top and shaken by 0.05 m to each side, five
- * times in 2 s. */
+/* A ball of 0.2 m, n particles across, held at its top and shaken by 0.1 m to each side, and up and
+ * down by half of that, 40 ways. */
 static void bag(pdyn_context *context, const char *directory, FILE *csv, const struct run *run) {
     char path[4096], way[4096] = "";
     double radius = 0.1, d = 2.0 * radius / run->across;
@@ -221,7 +222,7 @@ static void bag(pdyn_context *context, const char *directory, FILE *csv, const s
     write_ball(path, radius, run->mesh);
     for (int k = 0, used = 0; k <= 40; k++)
         used += snprintf(way + used, sizeof way - (size_t)used, "%s[%g, %g, %g, 0]", k ? ", " : "",
-                         0.05 * k,
+                         0.1 / run->speed * k,
                          k % 4 == 1   ? 0.1
                          : k % 4 == 3 ? -0.1
                                       : 0.0,
@@ -242,17 +243,18 @@ static void bag(pdyn_context *context, const char *directory, FILE *csv, const s
 
 void leaks(pdyn_context *context, const char *directory, int count, char **runs) {
     FILE *csv = open_csv(directory, "leaks");
-    fprintf(csv, "run,particles,vertices,h,outer,linear,steps,wrong,spilled,worst_residual,ms,"
-                 "ms_contact\n");
-    printf(
-        "| run | particles | vertices | h, ms | iterations | steps | on the wrong side, all steps "
-        "| around the border | largest residual | ms a step "
-        "|\n|---|---|---|---|---|---|---|---|---|---|\n");
+    fprintf(csv,
+            "run,speed,particles,vertices,h,outer,linear,steps,wrong,spilled,worst_residual,ms,"
+            "ms_contact\n");
+    printf("| run | m/s | particles | vertices | h, ms | iterations | steps | on the wrong side, "
+           "all steps "
+           "| around the border | largest residual | ms a step "
+           "|\n|---|---|---|---|---|---|---|---|---|---|---|\n");
     for (int r = 0; r < count; r++) {
         struct run run;
-        if (sscanf(runs[r], "%15[a-z]:%d:%d:%lf:%lf:%dx%d", run.name, &run.across, &run.mesh,
-                   &run.h, &run.seconds, &run.outer, &run.linear) != 7)
-            die("expected impact|bag:ACROSS:MESH:MS:SECONDS:OUTERxLINEAR, found %s", runs[r]);
+        if (sscanf(runs[r], "%15[a-z]:%d:%d:%lf:%lf:%dx%d:%lf", run.name, &run.across, &run.mesh,
+                   &run.h, &run.seconds, &run.outer, &run.linear, &run.speed) != 8)
+            die("expected impact|bag:ACROSS:MESH:MS:SECONDS:OUTERxLINEAR:SPEED, found %s", runs[r]);
         run.h *= 1e-3;
         if (!strcmp(run.name, "bag")) bag(context, directory, csv, &run);
         else impact(context, csv, &run);

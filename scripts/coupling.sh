@@ -10,10 +10,10 @@ mkdir -p "$out"
 case ${1:-} in
 quick)
     steps=100 seconds=2 basin=20 sheet=20 gate="10x12x2 10x7.8x2" docs=$out
-    leaks="impact:12:25:10:0.03:6x30 bag:12:8:10:0.05:20x300" ;;
+    leaks="impact:12:25:10:0.03:6x30:20 bag:12:8:10:0.05:20x300:2" ;;
 "")
     steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" gate="10x12x2 5x12x1 5x7.8x1" docs=docs
-    leaks="impact:22:50:10:0.05:6x30 impact:22:50:1:0.03:6x30 impact:22:200:10:0.05:6x30 impact:32:50:10:0.025:6x30 bag:12:8:10:0.4:20x300 bag:12:8:1:0.03:20x300" ;;
+    leaks="impact:22:50:10:0.05:6x30:20 impact:22:50:1:0.03:6x30:20 impact:46:50:10:0.05:20x100:20 impact:46:50:1:0.03:6x30:20 impact:46:200:10:0.05:6x30:20 impact:46:200:1:0.03:6x30:20 impact:46:50:10:0.05:6x30:5 bag:12:8:10:0.4:20x300:2 bag:12:8:1:0.03:20x300:2" ;;
 *) echo "usage: scripts/coupling.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086

@@ -20,6 +20,6 @@ grep '^| 20 ' "$directory/basin" | awk -F'|' '{ print $8 + 0 }' | expect "uneven
 grep '^| 0' "$directory/lintearia" | awk -F'|' '{ print $9 + 0 }' | expect "lintearia, RMS" 0 2
 "$coupling" gate "$directory" 10x12x2 >"$directory/gate"
 grep '^| 10 ' "$directory/gate" | grep -o '[-+][0-9]* %' | tr -d '%' | expect "peak of the gate" -15 15
-"$coupling" leaks "$directory" impact:10:17:10:0.03:6x30 bag:10:6:10:0.05:20x300 >"$directory/leaks"
-grep -E '^\| (impact|bag)' "$directory/leaks" | awk -F'|' '{ print $8 + 0 }' | expect "on the wrong side" 0 0
+"$coupling" leaks "$directory" impact:10:17:10:0.03:6x30:20 bag:10:6:10:0.05:20x300:2 >"$directory/leaks"
+grep -E '^\| (impact|bag)' "$directory/leaks" | awk -F'|' '{ print $9 + 0 }' | expect "on the wrong side" 0 0
 exit $failed
