@@ -7,7 +7,8 @@
  *     coupling gate DIRECTORY MMxMPAxMS...           a rubber gate: spacing, modulus, step
  *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL:V...  impact or bag, N particles across, mesh M,
  *                                                    at V m/s
- *     coupling ratios DIRECTORY SECONDS              light and heavy, soft and stiff, all steps */
+ *     coupling ratios DIRECTORY SECONDS              light and heavy, soft and stiff, all steps
+ *     coupling solvers DIRECTORY NxKxSTEPSxSOLVERS...   N x N vertices; cg, hybrid, cholesky */
 #include "coupling.h"
 
 #include <stdarg.h>
@@ -44,10 +45,12 @@ int main(int argc, char **argv) {
     else if (!strcmp(command, "gate")) elastic_gate(context, argv[2], argc - 3, argv + 3);
     else if (!strcmp(command, "leaks")) leaks(context, argv[2], argc - 3, argv + 3);
     else if (!strcmp(command, "ratios") && argc == 4) ratios(context, argv[2], atof(argv[3]));
+    else if (!strcmp(command, "solvers")) solvers(context, argv[2], argc - 3, argv + 3);
     else
         die("usage: coupling momentum DIRECTORY STEPS SECONDS | basin DIRECTORY SECONDS MM... | "
             "lintearia DIRECTORY SECONDS MM... | gate DIRECTORY MMxMPAxMS... | leaks DIRECTORY "
-            "NAME:N:M:MS:S:OxL:V... | ratios DIRECTORY SECONDS");
+            "NAME:N:M:MS:S:OxL:V... | ratios DIRECTORY SECONDS | solvers DIRECTORY "
+            "NxKxSTEPSxSOLVERS...");
     pdyn_destroy(context);
     return 0;
 }

@@ -18,5 +18,6 @@ void lintearia(pdyn_context *context, const char *directory, double seconds, int
 void elastic_gate(pdyn_context *context, const char *directory, int count, char **runs);
 void leaks(pdyn_context *context, const char *directory, int count, char **runs);
 void ratios(pdyn_context *context, const char *directory, double seconds);
+void solvers(pdyn_context *context, const char *directory, int count, char **runs);
 
 #endif
