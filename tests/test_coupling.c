@@ -274,13 +274,13 @@ static void test_viscosity(void **state) {
 
 /* Densities of water half a radius above a sheet that is not even, or below it, or on both sides;
  * returns how many particles there are. */
-static int densities(const char *text, int vertices, double *density) {
+static int densities(const char *text, int vertices, const char *solids, double *density) {
     char grid[64];
-    const char *const set[] = {grid};
+    const char *const set[] = {grid, solids};
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = NULL;
     snprintf(grid, sizeof grid, "bodies.sheet.surface.grid.vertices=[%d, %d]", vertices, vertices);
-    assert_int_equal(pdyn_load_text(context, text, "layers", set, 1, &sim), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, text, "layers", set, 2, &sim), PDYN_OK);
     int n = sim->body[0].count;
     for (int i = n; i < sim->system.particles; i++)
         sim->x[3 * i + 1] = 0.002 * sin(60.0 * sim->x[3 * i] + 40.0 * sim->x[3 * i + 2]);
@@ -300,9 +300,10 @@ static void test_layers(void **state) {
                                    50}; /* triangles much wider than particles, and narrower */
     double *both = array(2000), *above = array(2000), *below = array(2000);
     for (int k = 0; k < 3; k++) {
-        int n = densities(LAYERS(ABOVE), vertices[k], above);
-        int m = densities(LAYERS(BELOW), vertices[k], below), pressed = 0;
-        assert_int_equal(densities(LAYERS(ABOVE ", " BELOW), vertices[k], both), n + m);
+        int n = densities(LAYERS(ABOVE), vertices[k], "solids=[]", above);
+        int m = densities(LAYERS(BELOW), vertices[k], "solids=[]", below), pressed = 0;
+        assert_int_equal(densities(LAYERS(ABOVE ", " BELOW), vertices[k], "solids=[]", both),
+                         n + m);
         for (int i = 0; i < n + m; i++) {
             assert_true(fabs(both[i] - (i < n ? above[i] : below[i - n])) < 1e-9);
             pressed += both[i] > 1100.0;
@@ -310,6 +311,23 @@ static void test_layers(void **state) {
         assert_true(pressed > 50);
     }
     free(both), free(above), free(below);
+}
+
+/* Nor does it feel a floor on the other side, but one on its own. */
+static void test_floor(void **state) {
+    (void)state;
+    static const char floor[] =
+        "solids=[{\"plane\": {\"center\": [0, -0.01, 0], \"normal\": [0, 1, 0], "
+        "\"size\": 0.4}}]";
+    double *with = array(2000), *without = array(2000), most = 0.0;
+    int n = densities(LAYERS(ABOVE), 6, "solids=[]", without);
+    assert_int_equal(densities(LAYERS(ABOVE), 6, floor, with), n);
+    for (int i = 0; i < n; i++) assert_true(fabs(with[i] - without[i]) < 1e-9);
+    n = densities(LAYERS(BELOW), 6, "solids=[]", without);
+    assert_int_equal(densities(LAYERS(BELOW), 6, floor, with), n);
+    for (int i = 0; i < n; i++) most = fmax(most, with[i] - without[i]);
+    assert_true(most > 100.0);
+    free(with), free(without);
 }
 
 /* Around the border of a sheet fluid feels fluid; and who is hidden from whom is mutual. */
@@ -542,6 +560,7 @@ int main(void) {
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_viscosity),
         cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_floor),
         cmocka_unit_test(test_hidden),
         cmocka_unit_test(test_impact),
         cmocka_unit_test(test_carried),

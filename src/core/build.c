@@ -217,8 +217,8 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
     pdyn_status status =
         volume && centre ? fill_volumes(sim, fluid, n, volume, centre) : PDYN_NO_MEMORY;
     if (status == PDYN_OK)
-        status = sides_create(sim->context, sim->bodies, sim->body, n, (1.0 + skin) * support,
-                              &sim->sides);
+        status = sides_create(sim->context, sim->bodies, sim->body, n + sim->boundary.count,
+                              (1.0 + skin) * support, &sim->sides);
     motion_carry(sim, 0.0);
     struct neighbours_points points = {.particles = n,
                                        .centre = centre,

@@ -262,36 +262,53 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
     return status;
 }
 
+static const double *position(const struct neighbours *n, const double *x, int i) {
+    int particles = n->view.particles;
+    return i < particles ? x + 3 * (size_t)i : n->boundary_x + 3 * (size_t)(i - particles);
+}
+
+/* Samples are what a surface is felt by. */
+static bool hides(const struct neighbours *n, int i) {
+    return i >= n->view.particles || n->centre[i];
+}
+
 static void find_clearances(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    for (int k = first; k < last; k++)
-        if (c->n->centre[c->n->id[k]]) sides_approach(c->n->sides, c->x, c->n->id[k]);
+    const struct neighbours *n = c->n;
+    for (int k = first; k < last; k++) {
+        int i = k < n->active ? n->id[k] : n->view.particles + k - n->active;
+        if (hides(n, i)) sides_approach(n->sides, i, position(n, c->x, i));
+    }
 }
 
-/* Takes other centres that a surface hides from the lists of centres, and closes the gaps. */
+/* Takes other centres and boundary points that a surface hides from the lists of centres, and
+ * closes the gaps. */
 static void hide(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     struct neighbours *n = c->n;
     for (int k = first; k < last; k++) {
-        int i = n->id[k], to = n->start[i];
+        int i = n->id[k], to = n->start[i], boundary = n->boundary_start[i];
         if (!n->centre[i]) continue;
-        for (int s = n->start[i]; s < n->boundary_start[i]; s++) {
+        for (int s = n->start[i]; s < n->end[i]; s++) {
             int j = n->index[s];
-            if (!n->centre[j] || !sides_between(n->sides, c->x, i, j)) n->index[to++] = j;
+            if (s == boundary) n->boundary_start[i] = to;
+            if (hides(n, j) &&
+                sides_between(n->sides, i, position(n, c->x, i), j, position(n, c->x, j)))
+                continue;
+            n->index[to++] = j;
         }
-        int boundary = n->end[i] - n->boundary_start[i];
-        memmove(n->index + to, n->index + n->boundary_start[i],
-                (size_t)boundary * sizeof *n->index);
-        n->boundary_start[i] = to, n->end[i] = to + boundary;
+        if (boundary == n->end[i]) n->boundary_start[i] = to;
+        n->end[i] = to;
     }
 }
 
 static void separate(struct neighbours *n, const double *x) {
     struct call call = {n, x};
+    int boundary = n->view.points - n->view.particles;
     sides_plant(n->sides, x);
-    pool_for(n->context->pool, n->active, PARTICLES, find_clearances, &call);
+    pool_for(n->context->pool, n->active + boundary, PARTICLES, find_clearances, &call);
     pool_for(n->context->pool, n->active, PARTICLES, hide, &call);
 }
 

@@ -1,9 +1,9 @@
 /* Neighbour lists for SPH sums. Lists hold every pair closer than the support plus a skin at the
  * time they were built, so they stay complete until some particle has moved by half the skin, or by
  * what moving boundary points have left of it. Pairs are those of a centre (a particle that needs
- * sums) with any other taking part, both ways, but for two centres between which there was a
- * surface when the lists were built: as long as nothing passes through it, it stays between them.
- */
+ * sums) with any other taking part, both ways, but for two centres, or a centre and a boundary
+ * point, between which there was a surface when the lists were built: as long as nothing passes
+ * through it, it stays between them. */
 #ifndef PDYN_NEIGHBOURS_H
 #define PDYN_NEIGHBOURS_H
 

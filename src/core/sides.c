@@ -48,6 +48,7 @@ void sides_free(struct sides *s) {
 /* ---- how far from the surfaces --------------------------------------------------------------- */
 
 void sides_plant(struct sides *s, const double *x) {
+    s->x = x;
     for (int t = 0; t < s->triangles; t++) {
         s->box[t] = box_empty;
         for (int k = 0; k < 3; k++) box_add(&s->box[t], x + 3 * (size_t)s->corner[3 * t + k]);
@@ -57,7 +58,7 @@ void sides_plant(struct sides *s, const double *x) {
 
 struct question {
     const struct sides *sides;
-    const double *x, *from, *to;
+    const double *from, *to;
     double nearest; /* m^2 */
     bool between;
 };
@@ -67,13 +68,12 @@ static void see_nearest(void *user, int triangle) {
     const int *corner = q->sides->corner + 3 * triangle;
     const double *points[4] = {q->from};
     double unused[4];
-    for (int k = 0; k < 3; k++) points[k + 1] = q->x + 3 * (size_t)corner[k];
+    for (int k = 0; k < 3; k++) points[k + 1] = q->sides->x + 3 * (size_t)corner[k];
     q->nearest = fmin(q->nearest, closest_vertex_face(points, unused));
 }
 
-void sides_approach(struct sides *s, const double *x, int i) {
-    const double *at = x + 3 * (size_t)i;
-    struct question q = {.sides = s, .x = x, .from = at, .nearest = s->far * s->far};
+void sides_approach(struct sides *s, int i, const double *at) {
+    struct question q = {.sides = s, .from = at, .nearest = s->far * s->far};
     struct box box;
     for (int a = 0; a < 3; a++) box.min[a] = at[a] - s->far, box.max[a] = at[a] + s->far;
     boxes_visit(&s->tree, &box, 0, see_nearest, &q);
@@ -109,16 +109,15 @@ static void see_between(void *user, int triangle) {
     double d[3], c[3][3];
     for (int a = 0; a < 3; a++) {
         d[a] = q->to[a] - q->from[a];
-        for (int k = 0; k < 3; k++) c[k][a] = q->x[3 * (size_t)corner[k] + (size_t)a] - q->from[a];
+        for (int k = 0; k < 3; k++)
+            c[k][a] = q->sides->x[3 * (size_t)corner[k] + (size_t)a] - q->from[a];
     }
     q->between |= meets(d, c);
 }
 
 /* Around each point there is a ball without a triangle; often the two cover the segment. */
-bool sides_between(const struct sides *s, const double *x, int i, int j) {
-    int from = i < j ? i : j, to = i < j ? j : i;
-    struct question q = {
-        .sides = s, .x = x, .from = x + 3 * (size_t)from, .to = x + 3 * (size_t)to};
+bool sides_between(const struct sides *s, int i, const double *a, int j, const double *b) {
+    struct question q = {.sides = s, .from = i < j ? a : b, .to = i < j ? b : a};
     double room = s->clearance[i] + s->clearance[j];
     if (room >= vec3_distance(q.from, q.to)) return false;
     struct box box = box_empty;

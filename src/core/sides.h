@@ -1,6 +1,6 @@
-/* Whether a surface lies between two points: fluid on one side of a sheet does not feel fluid on
- * the other. Two particles see each other where the segment between them meets no triangle (the
- * visibility criterion of meshless methods, Belytschko, Lu, Gu 1994). */
+/* Whether a surface lies between two points: fluid on one side of a sheet feels neither fluid nor
+ * walls on the other. Two points see each other where the segment between them meets no triangle
+ * (the visibility criterion of meshless methods, Belytschko, Lu, Gu 1994). */
 #ifndef PDYN_SIDES_H
 #define PDYN_SIDES_H
 
@@ -9,11 +9,12 @@
 
 struct sides {
     pdyn_context *context;
-    int points;        /* of the system, and samples */
+    int points;        /* of the system, samples, boundary points */
     int triangles;     /* of all surfaces */
     int *corner;       /* triangles x 3: particles of the system */
     struct box *box;   /* triangles */
     struct boxes tree; /* of these */
+    const double *x;   /* where they are */
     double far;        /* m: as far as clearances are looked at */
     double *clearance; /* points, m: to the next triangle, at most `far` */
 };
@@ -23,13 +24,13 @@ pdyn_status sides_create(pdyn_context *context, int bodies, const pdyn_body *bod
                          double reach, struct sides **out);
 void sides_free(struct sides *sides);
 
-/* The surfaces are at x (points x 3) from now on. */
+/* The surfaces are at x (of the system) from now on. */
 void sides_plant(struct sides *sides, const double *x);
 
-/* Notes how far point i is from them; needed of both points of a pair. */
-void sides_approach(struct sides *sides, const double *x, int i);
+/* Notes how far point i, there, is from them; needed of both points of a pair. */
+void sides_approach(struct sides *sides, int i, const double *there);
 
-/* Is a triangle between i and j? The same for (j, i). */
-bool sides_between(const struct sides *sides, const double *x, int i, int j);
+/* Is a triangle between i and j, which are at a and b? The same for (j, i). */
+bool sides_between(const struct sides *sides, int i, const double *a, int j, const double *b);
 
 #endif
