@@ -103,7 +103,7 @@ static int choose(const struct study *s, const struct wish *wish, const struct t
     for (int code = EXIT_GOOD;;) {
         *best = front_choose(trade, wish->error, wish->ms / ratio, !isfinite(wish->error));
         if (!*best || !s->extent.twin.sets) return code;
-        code = find_cost(s, (int)(*best - trade->tried), 10.0 * s->share, cost);
+        code = find_cost(s, (int)(*best - trade->tried), 5.0 * s->share, cost);
         if (code != EXIT_GOOD || cost->ms <= wish->ms) return code;
         ratio = fmax(cost->ratio, 1.01 * wish->ms / (*best)->ms);
     }

@@ -172,7 +172,7 @@ static bool try_solvers(struct plan *plan, const char *solver) {
 }
 
 static bool try_steps(struct plan *plan) {
-    static const int outer[] = {10, 40};
+    static const int outer[] = {5, 20};
     static const double linear[] = {0.3, 0.01};
     bool good = true;
     for (int k = 0; k < 2 && good; k++) {

@@ -40,31 +40,36 @@ static int run_some(struct study *s, struct farm_run *run, long count) {
     return code == EXIT_GOOD ? farm_work(&s->farm) : code;
 }
 
-/* Half the length of the steps, and again, as long as the next is not too dear. */
-static int run_references(struct study *s) {
-    for (int k = 0; k < PLAN_REFERENCES; k++)
-        if (!make_run(s, &s->tried.reference[k], &s->reference[k])) return report_no_memory();
-    int code = run_some(s, s->reference, s->references = 2);
-    while (code == EXIT_GOOD && s->references < PLAN_REFERENCES) {
-        char path[FARM_PATH];
-        if (!farm_path(path, &s->farm, &s->reference[s->references - 1], "")) return EXIT_FAILED;
-        json_t *result = result_read(path);
-        double last = json_number_value(json_object_get(result, "cpu_s"));
-        json_decref(result);
-        if (!result || 2.0 * last > 10.0 * s->share) break;
-        code = run_some(s, s->reference, ++s->references);
-    }
-    return code;
+/* Half the length of the steps, and again, as long as the next is not too dear: twice as dear as
+ * the one before. */
+static int count_references(struct study *s) {
+    char path[FARM_PATH];
+    int count = 2;
+    if (!farm_path(path, &s->farm, &s->reference[1], "")) return count;
+    json_t *result = result_read(path);
+    double next = 2.0 * json_number_value(json_object_get(result, "cpu_s"));
+    for (; result && count < PLAN_REFERENCES && next <= 10.0 * s->share; next *= 2.0) count++;
+    json_decref(result);
+    return count;
 }
 
+/* The two coarsest references, which tell how many there can be, then all the rest. */
 static int run_all(struct study *s) {
-    s->run = calloc((size_t)s->plan.count, sizeof *s->run);
-    if (!s->run) return report_no_memory();
-    for (int k = 0; k < s->plan.count; k++) {
+    int count = s->plan.count;
+    s->reference = calloc((size_t)(PLAN_REFERENCES + count), sizeof *s->reference);
+    if (!s->reference) return report_no_memory();
+    for (int k = 0; k < PLAN_REFERENCES; k++)
+        if (!make_run(s, &s->tried.reference[k], &s->reference[k])) return report_no_memory();
+    int code = run_some(s, s->reference, 2);
+    if (code != EXIT_GOOD) return code;
+    s->references = count_references(s);
+    for (int k = s->references; k < PLAN_REFERENCES; k++) free(s->reference[k].set);
+    s->run = s->reference + s->references;
+    for (int k = 0; k < count; k++) {
         if (!make_run(s, &s->tried.setting[k], &s->run[k])) return report_no_memory();
         s->run[k].limit_s = fmax(5.0, 10.0 * s->share);
     }
-    return run_some(s, s->run, s->plan.count);
+    return run_some(s, s->reference + 2, s->references - 2 + count);
 }
 
 /* Those of the front once more, without frames and one at a time: the shorter time counts. */
@@ -191,16 +196,15 @@ int study_do(struct study *s) {
     if (code == EXIT_GOOD && !s->farm.quiet) extent_tell(&s->extent);
     if (code == EXIT_GOOD) code = make_plans(s);
     s->trade.per_second = 1.0 / s->extent.window.own_interval;
-    if (code == EXIT_GOOD) code = run_references(s);
     if (code == EXIT_GOOD) code = run_all(s);
     if (code == EXIT_GOOD) code = judge_all(s);
     return code == EXIT_GOOD ? find_front(s) : code;
 }
 
 void study_free(struct study *s) {
-    for (int k = 0; s->run && k < s->plan.count; k++) free(s->run[k].set);
-    for (int k = 0; k < PLAN_REFERENCES; k++) free(s->reference[k].set);
-    free(s->run);
+    int runs = s->run ? s->references + s->plan.count : PLAN_REFERENCES;
+    for (int k = 0; s->reference && k < runs; k++) free(s->reference[k].set);
+    free(s->reference);
     free(s->trade.tried);
     plan_free(&s->plan);
     plan_free(&s->tried);

@@ -11,11 +11,11 @@ struct study {
     struct farm farm;     /* its runs; its scene has no overrides */
     double length, share; /* as extent_find() takes them */
     struct extent extent;
-    struct plan plan;  /* for the scene: the same settings as */
-    struct plan tried; /* those for what is run */
-    struct farm_run reference[PLAN_REFERENCES];
-    int references;       /* that were run: the last is the reference, the others coarser */
-    struct farm_run *run; /* of the settings */
+    struct plan plan;           /* for the scene: the same settings as */
+    struct plan tried;          /* those for what is run */
+    struct farm_run *reference; /* references: the last is the reference, the others coarser */
+    int references;
+    struct farm_run *run; /* of the settings, after those */
     struct trade trade;
 };
 

@@ -160,8 +160,8 @@ int trade_main(int argc, char **argv) {
                         .study = {.trade.by = TRADE_WORST,
                                   .farm = {.threads = 1, .jobs = cores > 1 ? (int)cores : 1}}};
     int code = parse(&o, argc, argv);
-    /* About as much as eighty runs take all settings and references, ten each those of the scene
-     * itself, one after the other. */
+    /* All settings and references take about as long as eighty runs; one run after the other, those
+     * of the front and of the scene itself as ten each. */
     o.study.share = 60.0 * o.minutes * o.study.farm.jobs / 100.0;
     o.study.extent.user = &o.scene;
     if (code < 0) code = trade(&o.study, &o.wish);

@@ -23,8 +23,8 @@ for document in docs/*.md; do
 done
 
 # Every other command of the documents, in their order, each on a small part of its scene: a run for a
-# few milliseconds, a comparison of one step. What stands for something else (SCENE, ...), and a scene of
-# two million particles, are left out.
+# few milliseconds, a comparison of one step. What stands for something else (SCENE, ...), and scenes of
+# millions of particles are left out.
 sed -e ':joined' -e '/\\$/{N;s/\\\n *//;bjoined' -e '}' README.md docs/*.md |
     grep -E '^    projdyn ' | grep -vE 'million|SCENE' | sed 's/ *#.*//' >commands
 while read -r command; do

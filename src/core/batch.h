@@ -10,6 +10,8 @@
 #include "scalars.h"
 #include "stiffness.h"
 
+enum { BATCH_GRAIN = 2048 }; /* elements: worth waking a thread for */
+
 struct touch { /* an entry, from its particle */
     double coefficient;
     int row, entry;
@@ -97,6 +99,8 @@ int batch_go(struct batch *batch, double t, double *y);
 /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);
 
+/* Rows tier: numbers in batch->block, with room to load the last column as four. */
+size_t batch_block_numbers(const struct batch *batch);
 /* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */
 void batch_block(const struct batch *batch, int k, int m, double B[9]);
 

@@ -1,6 +1,12 @@
-/* The parameters of a scene as a whole. A default outside the bounds means: absent. */
+/* How a scene is solved: its parameters and their reading. A default outside the bounds means:
+ * absent. */
+#include "accelerate.h"
+#include "params.h"
+#include "reader.h"
 #include "registry.h"
-#include "scene.h"
+
+#include <stdio.h>
+#include <string.h>
 
 #define SETTING(field) offsetof(struct scene_settings, field)
 
@@ -33,3 +39,76 @@ const pdyn_param settings_solver_params[] = {
     {"retries", PDYN_INT, SETTING(retries), false, 4, 0, 30, "",
      "attempts with shorter steps after one that diverged"},
     {0}};
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+static pdyn_status read_general(struct reader *r, const struct json_at *root) {
+    struct scene_settings *set = &r->scene->settings;
+    struct json_at name = json_member(root, "name"), gravity = json_member(root, "gravity");
+    struct json_at schema = json_member(root, "$schema");
+    if (name.value && !json_is_string(name.value)) return json_expected(&name, "a text");
+    if (schema.value && !json_is_string(schema.value)) return json_expected(&schema, "a text");
+    pdyn_status status = reader_copy_text(
+        r->context, name.value ? json_string_value(name.value) : "", &r->scene->name);
+    if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, set);
+    set->gravity[1] = -9.81;
+    if (status == PDYN_OK && gravity.value)
+        status = params_reals(&gravity, 3, -1e6, 1e6, "m/s^2", set->gravity);
+    return status;
+}
+
+static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
+    static const char *const none[] = {NULL}, *const excluded[] = {"maximum", "minimum", "cfl"};
+    struct scene_settings *set = &r->scene->settings;
+    pdyn_status status =
+        at->value ? params_check_keys(at, settings_time_step_params, none) : PDYN_OK;
+    if (status == PDYN_OK) status = params_read(at, settings_time_step_params, NULL, set);
+    if (status != PDYN_OK) return status;
+    for (int k = 0; set->h_fixed > 0.0 && k < 3; k++) {
+        struct json_at other = json_member(at, excluded[k]);
+        if (other.value)
+            return json_fail_at_key(&other, "\"%s\" has no meaning beside \"fixed\"", excluded[k]);
+    }
+    if (set->h_fixed > 0.0 || set->h_min <= set->h_max) return PDYN_OK;
+    return json_fail(at, "expected a minimum of at most the maximum, found %.10g and %.10g s",
+                     set->h_min, set->h_max);
+}
+
+static pdyn_status read_acceleration(const struct json_at *solver, struct scene_settings *set) {
+    const char *names[READER_NAMES];
+    struct json_at at = json_member(solver, "acceleration");
+    int chosen = 0;
+    for (int k = 0; k < acceleration_count; k++) names[k] = accelerations[k].name;
+    pdyn_status status = reader_choice(&at, "acceleration", names, acceleration_count, &chosen);
+    set->acceleration = &accelerations[chosen];
+    if (status == PDYN_OK && chosen && set->newton)
+        return json_fail(&at, "only \"step\": \"projective\" is accelerated, found \"newton\"");
+    return status;
+}
+
+static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"type", "step", "acceleration", NULL}, *const steps[] = {
+                                                                                    "newton",
+                                                                                    "projective"};
+    const char *types[READER_NAMES] = {"auto"};
+    struct json_at type = json_member(at, "type"), step = json_member(at, "step");
+    struct scene_settings *set = &r->scene->settings;
+    int count = 1, chosen_type = 0, chosen_step = 0;
+    for (int k = 0; registry_solver_at(r->context, k) && count < READER_NAMES; k++)
+        types[count++] = registry_solver_at(r->context, k)->name;
+    pdyn_status status =
+        at->value ? params_check_keys(at, settings_solver_params, others) : PDYN_OK;
+    if (status == PDYN_OK) status = params_read(at, settings_solver_params, NULL, set);
+    if (status == PDYN_OK) status = reader_choice(&type, "solver", types, count, &chosen_type);
+    if (status == PDYN_OK) status = reader_choice(&step, "step", steps, 2, &chosen_step);
+    set->newton = chosen_step == 0;
+    snprintf(set->solver_type, sizeof set->solver_type, "%s", types[chosen_type]);
+    return status == PDYN_OK ? read_acceleration(at, set) : status;
+}
+
+pdyn_status settings_read(struct reader *r, const struct json_at *root) {
+    struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
+    pdyn_status status = read_general(r, root);
+    if (status == PDYN_OK) status = read_time_step(r, &time_step);
+    return status == PDYN_OK ? read_solver(r, &solver) : status;
+}

@@ -1,0 +1,131 @@
+#include "params.h"
+#include "placed.h"
+#include "reader.h"
+#include "shape.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- shape ----------------------------------------------------------------------------------- */
+
+static pdyn_status read_open_side(struct reader *r, const struct json_at *at, int index) {
+    static const char *const sides[] = {"-x", "+x", "-y", "+y", "-z", "+z"};
+    struct scene_solid *solid = r->solid;
+    int side;
+    (void)index;
+    pdyn_status status = reader_choice(at, "side", sides, 6, &side);
+    if (status == PDYN_OK && solid->open >> side & 1u)
+        status = json_fail(at, "the side \"%s\" stands here twice", sides[side]);
+    if (status == PDYN_OK) solid->open |= 1u << side;
+    return status;
+}
+
+static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
+                              const struct json_at *box) {
+    struct json_at open = json_member(owner, "open");
+    int sides;
+    struct scene_box *walls = &r->solid->box;
+    r->solid->is_box = true;
+    pdyn_status status = params_box(box, walls);
+    for (int a = 0; a < 3; a++) r->solid->pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
+    if (status == PDYN_OK) status = reader_count(&open, "an array of sides like \"+y\"", &sides);
+    if (status == PDYN_OK) status = reader_each(r, &open, read_open_side);
+    if (status == PDYN_OK && r->solid->open == 0x3F)
+        status = json_fail(&open, "all six sides are open: no wall is left");
+    if (status != PDYN_OK) return status;
+    return shape_box(r->context, walls, r->solid->open, &r->solid->mesh);
+}
+
+static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
+                               const struct json_at *mesh) {
+    struct transform transform;
+    pdyn_status status = transform_read(owner, -1e6, &transform);
+    if (status == PDYN_OK) status = placed_mesh(mesh, &r->solid->mesh);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
+    memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
+    return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
+}
+
+static pdyn_status read_sphere(struct reader *r, const struct json_at *owner,
+                               const struct json_at *sphere) {
+    (void)owner;
+    return shape_read_sphere(sphere, &r->solid->mesh, r->solid->pivot);
+}
+
+static pdyn_status read_capsule(struct reader *r, const struct json_at *owner,
+                                const struct json_at *capsule) {
+    (void)owner;
+    return shape_read_capsule(capsule, &r->solid->mesh, r->solid->pivot);
+}
+
+static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
+                              const struct json_at *plane) {
+    (void)owner;
+    return shape_read_plane(plane, &r->solid->mesh, r->solid->pivot);
+}
+
+enum { SHAPES = 5, BOX = 0, MESH = 1 };
+static const char *const shape_names[SHAPES] = {"box", "mesh", "sphere", "capsule", "plane"};
+static pdyn_status (*const shape_readers[SHAPES])(struct reader *r, const struct json_at *owner,
+                                                  const struct json_at *shape) = {
+    read_walls, read_placed, read_sphere, read_capsule, read_plane};
+
+static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
+    struct json_at open = json_member(owner, "open");
+    int kind;
+    pdyn_status status = reader_one_of(owner, shape_names, SHAPES, &kind);
+    if (status == PDYN_OK && kind != BOX && open.value)
+        status = json_fail_at_key(&open, "\"open\" needs a \"box\"");
+    if (status == PDYN_OK && kind != MESH) status = transform_refuse(owner, "a \"mesh\"");
+    if (status != PDYN_OK) return status;
+    struct json_at shape = json_member(owner, shape_names[kind]);
+    return shape_readers[kind](r, owner, &shape);
+}
+
+const pdyn_param scene_key_params[] = {
+    {"time", PDYN_REAL, offsetof(struct scene_key, time), true, 0, -1e6, 1e6, "s", ""},
+    {"translate", PDYN_VECTOR, offsetof(struct scene_key, translate), false, 0, -1e6, 1e6, "m", ""},
+    {"rotate", PDYN_VECTOR, offsetof(struct scene_key, rotate), false, 0, -1e6, 1e6, "degrees", ""},
+    {0}};
+
+static pdyn_status read_key(struct reader *r, const struct json_at *at, int index) {
+    static const char *const none[] = {NULL};
+    struct scene_key *key = &r->solid->key[index];
+    struct json_at time = json_member(at, "time");
+    pdyn_status status = params_check_keys(at, scene_key_params, none);
+    if (status == PDYN_OK) status = params_read(at, scene_key_params, NULL, key);
+    if (status != PDYN_OK || !index || key->time > key[-1].time) return status;
+    return json_fail(&time, "expected a time after %.10g s, found %.10g s", key[-1].time,
+                     key->time);
+}
+
+static pdyn_status read_motion(struct reader *r, const struct json_at *owner) {
+    struct scene_solid *solid = r->solid;
+    struct json_at motion = json_member(owner, "motion"), pivot = json_member(owner, "pivot");
+    int count;
+    if (!motion.value && pivot.value)
+        return json_fail_at_key(&pivot, "\"pivot\" needs a \"motion\"");
+    pdyn_status status = reader_count(&motion, "an array of keys", &count);
+    if (status != PDYN_OK || !motion.value) return status;
+    if (!count) return json_expected(&motion, "at least one key");
+    if (pivot.value) status = params_reals(&pivot, 3, -1e6, 1e6, "m", solid->pivot);
+    if (status != PDYN_OK) return status;
+    solid->key = NEW_ARRAY(r->context, count, struct scene_key);
+    if (!solid->key) return PDYN_NO_MEMORY;
+    solid->keys = count;
+    return reader_each(r, &motion, read_key);
+}
+
+pdyn_status scene_read_solid(struct reader *r, const struct json_at *at, int index) {
+    static const char *const keys[] = {"name",   "box",   "mesh",  "sphere", "capsule",
+                                       "plane",  "open",  "scale", "rotate", "translate",
+                                       "motion", "pivot", NULL};
+    r->solid = &r->scene->solid[index];
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = reader_name(r, at, "solid", index, &r->solid->name);
+    if (status == PDYN_OK) status = read_shape(r, at);
+    return status == PDYN_OK ? read_motion(r, at) : status;
+}
