@@ -34,8 +34,8 @@ static double spent_until(const struct study *s, int k, double length) {
     return all > 0.0 ? sum / all : 0.0;
 }
 
-/* The first `length` seconds of the scene with setting k; *ms: their processor time, 0 where it did
- * not end well. An exit code. */
+/* The first `length` seconds of the scene with setting k; *ms: their processor time, 0 where they
+ * did not end well. An exit code. */
 static int run_beginning(const struct study *s, int k, double length, double *ms) {
     const struct scene_options *user = s->extent.user;
     const struct setting *setting = &s->plan.setting[k];
@@ -62,12 +62,16 @@ static int run_beginning(const struct study *s, int k, double length, double *ms
 /* Twice as much of the scene, and again, as long as that takes no more than `seconds`. */
 static int find_cost(const struct study *s, int k, double seconds, struct cost *cost) {
     double most = s->extent.window.length, ms = 0.0;
-    *cost = (struct cost){.ms = INFINITY};
+    *cost = (struct cost){0};
     for (double length = most / 256.0; length <= most && 3e-3 * ms <= seconds; length *= 2.0) {
         int code = run_beginning(s, k, length, &ms);
         double part = spent_until(s, k, length);
         if (code != EXIT_GOOD) return code;
-        if (ms == 0.0) return *cost = (struct cost){.ms = INFINITY}, EXIT_GOOD;
+        if (ms == 0.0) {
+            fprintf(stderr, "projdyn: trade: %s: did not end well on the scene itself\n",
+                    s->plan.setting[k].name);
+            return EXIT_FAILED;
+        }
         if (part == 0.0) continue; /* not a single step of the twin */
         cost->ms = ms / part / (most * s->trade.per_second);
         cost->length = length, cost->ratio = cost->ms / s->trade.tried[k].ms;
@@ -119,6 +123,7 @@ static void tell(const struct study *s, const struct tried *best, const struct c
         printf("  (the time from the first %.4g s of the scene itself, %.3g times that of its "
                "twin; the error is that of the twin)\n",
                cost->length, cost->ratio);
+    else if (s->extent.twin.sets) puts("  (both of the twin: the scene itself was too slow)");
 }
 
 int advise(const struct study *s, const struct wish *wish) {
