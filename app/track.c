@@ -36,20 +36,12 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static double mean(const float *x, int count) {
-    double sum = 0.0;
-    for (int k = 0; k < count; k++) sum += (double)x[k];
-    return sum / count;
-}
-
-/* sorted: count coordinates, ascending; value: AXIS, zeroed */
+/* sorted: count coordinates, ascending; value: AXIS */
 static void take_levels(const float *sorted, int count, double *value) {
-    int ahead = (int)fmax(1.0, round(0.02 * count));
-    if (!count) return;
-    for (int k = 0; k < TRACK_LEVELS; k++)
-        value[k] = (double)sorted[(int)((k + 0.5) / TRACK_LEVELS * (count - 1) + 0.5)];
-    value[TRACK_LEVELS] = mean(sorted, ahead);
-    value[TRACK_LEVELS + 1] = mean(sorted + count - ahead, ahead);
+    for (int k = 0; k < AXIS; k++) {
+        double part = k < TRACK_LEVELS ? (k + 0.5) / TRACK_LEVELS : k == TRACK_LEVELS ? 0.05 : 0.95;
+        value[k] = count ? (double)sorted[(int)(part * (count - 1) + 0.5)] : 0.0;
+    }
 }
 
 static bool take_frame(struct track_body *body, const struct frame *frame, int f) {

@@ -25,8 +25,7 @@ struct track_body {
     double size;   /* m, diagonal of its box at the start */
     double *value; /* frames x stride */
     int stride;    /* 3 count: positions, m; or 3 (TRACK_LEVELS + 2): for each axis the coordinates
-                      below which an even share of the particles is, then the means of the 2 % of
-                      them that are foremost on both sides, m */
+                      below which an even share of the particles is, then 5 % and 95 %, m */
 };
 
 struct track {
@@ -47,10 +46,10 @@ void track_free(struct track *track);
 
 /* How far a run is from another with the same frames; 0 where the scene has no such thing. Density:
  * that of the run itself. Cloth: root mean square distance of the vertices over the size of the
- * surface. Front: of the mean of the foremost 2 % of the fluid, the worst axis and side, root mean
- * square over the frames, over the size of the body. Profile: how far the fluid would have to be
- * carried along an axis to be spread in the same way. Energy: over what goes from one form to
- * another. */
+ * surface. Front: of the planes that 5 % of the fluid is beyond, the worst axis and side, root mean
+ * square over the frames, over the size of the body; what goes beyond as spray is chance. Profile:
+ * how far the fluid would have to be carried along an axis to be spread in the same way. Energy:
+ * over what goes from one form to another. */
 void track_compare(const struct track *track, const struct track *reference,
                    double error[TRACK_MEASURES]);
 

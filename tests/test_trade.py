@@ -49,12 +49,6 @@ def levels(x, parts):
     return np.sort(x, 0)[[int(p * (len(x) - 1) + 0.5) for p in parts]]
 
 
-def fronts(x):
-    """The mean of the foremost 2 % of the points, on both sides of each axis."""
-    ahead, x = max(1, int(0.02 * len(x) + 0.5)), np.sort(x, 0)
-    return np.array([x[:ahead].mean(0), x[-ahead:].mean(0)])
-
-
 def steps(directory):
     with open(directory / "metrics.csv") as file:
         rows = list(csv.DictReader(file))
@@ -72,8 +66,8 @@ def energy_at_frames(directory):
 def measure(run, reference):
     sheet, sheet_ref = frames(run, "sheet")[1:], frames(reference, "sheet")[1:]
     water, water_ref = frames(run, "water"), frames(reference, "water")
-    even = [(k + 0.5) / 64 for k in range(64)]
-    front = [abs(fronts(a) - fronts(b)).max(0) for a, b in zip(water[1:], water_ref[1:])]
+    ends, even = [0.05, 0.95], [(k + 0.5) / 64 for k in range(64)]
+    front = [abs(levels(a, ends) - levels(b, ends)).max(0) for a, b in zip(water[1:], water_ref[1:])]
     profile = [abs(levels(a, even) - levels(b, even)).mean(0) for a, b in zip(water[1:], water_ref[1:])]
     s = steps(reference)
     scale = max(s["kinetic_J"].max(), np.ptp(s["potential_J"]))
