@@ -16,9 +16,9 @@ measure() {
         for threads in 1 2; do run 129 $stiffness $threads; done
     done
     for threads in 1 2; do run 257 4000 $threads; done
-    run run 65 400 2 5
-    run run 65 400 3 3
+    run run 65 400 10 1
     run run 65 400 5 2
+    run run 65 400 4 20
 }
 case ${1:-} in
 quick) run; run 33 400 1; run 33 4000 2; run run 33 400 5 2 ;;

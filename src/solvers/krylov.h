@@ -17,7 +17,7 @@ struct krylov {
     pdyn_context *context;
     struct system *system;
     double *r, *z, *p, *q, *d; /* particles x 3 */
-    double curvature; /* p.q, q = H p as H was then; 0: p is no direction yet */
+    double curvature;          /* p.q, q = H p as H was then; 0: p is no direction yet */
     bool restart; /* the preconditioner has changed: earlier directions mean nothing to it */
     /* Of a solver: before a linear solve, and z = P^-1 r, P symmetric positive definite; returns
      * r.z */
