@@ -4,6 +4,7 @@
 #include "advice.h"
 #include "metrics.h"
 #include "result.h"
+#include "scene_json.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -40,14 +41,13 @@ static int run_beginning(const struct study *s, int k, double length, double *ms
     const struct scene_options *user = s->extent.user;
     const struct setting *setting = &s->plan.setting[k];
     struct farm farm = s->farm;
-    char duration[64], path[FARM_PATH];
-    struct farm_run run = {.sets = user->sets + 1 + setting->sets};
-    run.set = calloc((size_t)run.sets, sizeof *run.set);
-    if (!run.set) return report_no_memory();
-    snprintf(duration, sizeof duration, "duration=%.12g", length);
-    for (int j = 0; j < user->sets; j++) run.set[j] = (char *)user->set[j];
-    run.set[user->sets] = duration;
-    for (int j = 0; j < setting->sets; j++) run.set[user->sets + 1 + j] = setting->set[j];
+    struct farm_run run = {0};
+    char text[64], path[FARM_PATH];
+    const char *const duration[] = {text};
+    snprintf(text, sizeof text, "duration=%.12g", length);
+    if (!farm_add(&run, user->set, user->sets) || !farm_add(&run, duration, 1) ||
+        !farm_add(&run, (const char *const *)setting->set, setting->sets))
+        return free(run.set), report_no_memory();
     farm.jobs = 1, farm.run = &run, farm.count = 1;
     int code = farm_survey(&farm);
     if (code == EXIT_GOOD) code = farm_work(&farm);

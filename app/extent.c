@@ -1,35 +1,20 @@
 #include "extent.h"
+#include "scene_json.h"
 #include "twin.h"
 
 #include <math.h>
 #include <stdio.h>
 
-static void take_text(void *user, const char *text) {
-    *(json_t **)user = json_loads(text, 0, NULL);
-}
-
-int scene_text(const struct scene_options *scene, json_t **text) {
-    pdyn_context *context = NULL;
-    int code = scene_context(scene, &context);
-    if (code == EXIT_GOOD) {
-        pdyn_status status =
-            pdyn_scene_text(context, scene->scene, scene->set, scene->sets, take_text, text);
-        if (status != PDYN_OK) code = report_status(context, status);
-    }
-    pdyn_destroy(context);
-    return code == EXIT_GOOD && !*text ? report_no_memory() : code;
-}
-
 /* The overrides of the user, and those of a twin that is so much coarser; none for 1. */
 static int begin_runs(struct extent *e, double coarser) {
     json_t *text = NULL;
     bool good = true;
-    int code = scene_text(e->user, &text);
+    int code = coarser == 1.0 ? EXIT_GOOD : scene_text(e->user, &text);
     setting_free(&e->twin);
     scene_options_free(&e->runs);
     e->coarser = coarser;
     e->runs = (struct scene_options){.scene = e->user->scene, .threads = 1, .silent = true};
-    if (code == EXIT_GOOD && coarser != 1.0) twin_make(text, coarser, &e->twin);
+    if (text) twin_make(text, coarser, &e->twin);
     for (int k = 0; k < e->user->sets; k++) good &= scene_set(&e->runs, e->user->set[k]);
     for (int k = 0; k < e->user->plugins; k++) good &= scene_plugin(&e->runs, e->user->plugin[k]);
     for (int k = 0; k < e->twin.sets; k++) good &= scene_set(&e->runs, e->twin.set[k]);

@@ -5,8 +5,6 @@
 #include "setting.h"
 #include "window.h"
 
-#include <jansson.h>
-
 struct extent {
     const struct scene_options *user; /* the scene with the user's overrides */
     double coarser;                   /* how many times, for the twin; 1: none; 0: to be found */
@@ -20,8 +18,5 @@ struct extent {
 int extent_find(struct extent *extent, double length, double share);
 void extent_tell(const struct extent *extent);
 void extent_free(struct extent *extent);
-
-/* A scene with its overrides done. An exit code. */
-int scene_text(const struct scene_options *scene, json_t **text);
 
 #endif

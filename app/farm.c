@@ -41,6 +41,14 @@ bool farm_path(char path[FARM_PATH], const struct farm *farm, const struct farm_
     return false;
 }
 
+bool farm_add(struct farm_run *run, const char *const *set, int sets) {
+    char **all = realloc(run->set, (size_t)(run->sets + sets + 1) * sizeof *all);
+    if (!all) return false;
+    run->set = all;
+    for (int k = 0; k < sets; k++) all[run->sets++] = (char *)set[k];
+    return true;
+}
+
 /* FNV-1a, with the end of every text. */
 static uint64_t add_text(uint64_t hash, const char *text, size_t length) {
     for (size_t k = 0; k <= length; k++)

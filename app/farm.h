@@ -28,6 +28,10 @@ struct farm {
     struct farm_run *run; /* count */
 };
 
+/* More overrides for a run, texts that outlive it; false without memory. `run->set` is to be freed.
+ */
+bool farm_add(struct farm_run *run, const char *const *set, int sets);
+
 /* The key of every run, and which of them have ended. An exit code. */
 int farm_survey(struct farm *farm);
 /* Runs what has not ended. EXIT_GOOD: all have ended, well or not. */

@@ -1,5 +1,6 @@
 /* A grid of the length of the steps and of how far each is solved, then what differs in kind. */
 #include "plan.h"
+#include "scene_json.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -9,51 +10,27 @@
 
 /* ---- making a setting ------------------------------------------------------------------------ */
 
-static double number(const json_t *scene, const char *group, const char *key, double otherwise) {
-    json_t *value = json_object_get(json_object_get(scene, group), key);
-    return json_is_number(value) ? json_number_value(value) : otherwise;
-}
-
-/* The place of the fluid's constraint, or -1. */
-static int find_fluid(const json_t *scene, size_t *body) {
-    json_t *bodies = json_object_get(scene, "bodies"), *one;
-    size_t b, k;
-    json_array_foreach(bodies, b, one) {
-        json_t *constraint;
-        *body = b;
-        json_array_foreach(json_object_get(one, "constraints"), k, constraint) {
-            const char *type = json_string_value(json_object_get(constraint, "type"));
-            if (type && !strcmp(type, "fluid")) return (int)k;
-        }
-    }
-    return -1;
-}
-
 /* The kinematic viscosity of a fluid goes with its viscosity over the length of the step. */
 static void keep_viscous(struct setting *d, const json_t *scene, double factor) {
-    size_t body;
-    int fluid = find_fluid(scene, &body);
-    if (fluid < 0 || factor == 1.0) return;
-    const json_t *constraint = json_array_get(
-        json_object_get(json_array_get(json_object_get(scene, "bodies"), body), "constraints"),
-        (size_t)fluid);
-    const json_t *value = json_object_get(constraint, "viscosity");
-    double viscosity = json_is_number(value) ? json_number_value(value) : 0.02;
-    setting_add(d, "bodies.%zu.constraints.%d.viscosity=%.9g", body, fluid,
-                fmin(1.0, factor * viscosity));
+    size_t body, k;
+    const json_t *fluid = scene_fluid(scene, &body, &k);
+    if (fluid && factor != 1.0)
+        setting_add(d, "bodies.%zu.constraints.%zu.viscosity=%.9g", body, k,
+                    fmin(1.0, factor * scene_viscosity(fluid)));
 }
 
 /* Steps of `factor` times the length. What the scene does not say is as in docs/scene.md. */
 static void scale_step(struct setting *d, const json_t *scene, double factor) {
-    double fixed = number(scene, "time_step", "fixed", 0.0);
+    const json_t *step = json_object_get(scene, "time_step");
+    double fixed = scene_number(step, "fixed", 0.0);
     if (factor == 1.0) return;
     keep_viscous(d, scene, factor);
     if (fixed > 0.0) {
         setting_add(d, "time_step.fixed=%.9g", factor * fixed);
         return;
     }
-    setting_add(d, "time_step.maximum=%.9g", factor * number(scene, "time_step", "maximum", 0.005));
-    setting_add(d, "time_step.cfl=%.9g", factor * number(scene, "time_step", "cfl", 1.0));
+    setting_add(d, "time_step.maximum=%.9g", factor * scene_number(step, "maximum", 0.005));
+    setting_add(d, "time_step.cfl=%.9g", factor * scene_number(step, "cfl", 1.0));
 }
 
 /* Steps solved to a residual. */
@@ -129,9 +106,10 @@ static bool grid_short(struct plan *plan, const json_t *scene, double finer) {
 static bool try_fixed(struct plan *plan, const json_t *scene, double finer) {
     static const double factors[] = {1, 2, 4};
     int linear = (int)round(24.0 * finer);
-    double longest = number(scene, "time_step", "maximum", 0.005);
+    const json_t *step = json_object_get(scene, "time_step");
+    double longest = scene_number(step, "maximum", 0.005);
     bool good = true;
-    if (number(scene, "time_step", "fixed", 0.0) > 0.0) return true;
+    if (scene_number(step, "fixed", 0.0) > 0.0) return true;
     for (int k = 0; k < 6 && good; k++) {
         double ms = 1e3 * factors[k / 2] * longest;
         struct setting d = {0};
@@ -147,12 +125,12 @@ static bool try_fixed(struct plan *plan, const json_t *scene, double finer) {
 
 static bool try_projections(struct plan *plan, const json_t *scene) {
     static const double tolerances[] = {1e-2, 1e-4, 1e-8};
-    size_t body;
-    int fluid = find_fluid(scene, &body);
+    size_t body, place;
+    const json_t *fluid = scene_fluid(scene, &body, &place);
     bool good = true;
-    for (int k = 0; k < 3 && good && fluid >= 0; k++) {
+    for (int k = 0; k < 3 && good && fluid; k++) {
         struct setting d = {0};
-        setting_add(&d, "bodies.%zu.constraints.%d.projection_tolerance=%g", body, fluid,
+        setting_add(&d, "bodies.%zu.constraints.%zu.projection_tolerance=%g", body, place,
                     tolerances[k]);
         good = keep(plan, &d, "projection to %g", tolerances[k]);
     }

@@ -1,5 +1,6 @@
 #include "study.h"
 #include "result.h"
+#include "scene_json.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,15 +24,11 @@ static int make_plans(struct study *s) {
 
 /* Overrides of the user, the twin, the window and of a setting; all texts belong to others. */
 static bool make_run(const struct study *s, const struct setting *setting, struct farm_run *run) {
-    int n = s->extent.runs.sets;
-    run->sets = n + 2 + setting->sets;
-    run->set = calloc((size_t)run->sets, sizeof *run->set);
-    if (!run->set) return false;
-    for (int k = 0; k < n; k++) run->set[k] = (char *)s->extent.runs.set[k];
-    for (int k = 0; k < 2; k++) run->set[n + k] = (char *)s->extent.window.sets[k];
-    for (int k = 0; k < setting->sets; k++) run->set[n + 2 + k] = setting->set[k];
+    const struct extent *e = &s->extent;
+    const char *const window[] = {e->window.sets[0], e->window.sets[1]};
     run->frames = true;
-    return true;
+    return farm_add(run, e->runs.set, e->runs.sets) && farm_add(run, window, 2) &&
+           farm_add(run, (const char *const *)setting->set, setting->sets);
 }
 
 static int run_some(struct study *s, struct farm_run *run, long count) {
@@ -63,7 +60,10 @@ static int run_all(struct study *s) {
     int code = run_some(s, s->reference, 2);
     if (code != EXIT_GOOD) return code;
     s->references = count_references(s);
-    for (int k = s->references; k < PLAN_REFERENCES; k++) free(s->reference[k].set);
+    for (int k = s->references; k < PLAN_REFERENCES; k++) {
+        free(s->reference[k].set);
+        s->reference[k] = (struct farm_run){0};
+    }
     s->run = s->reference + s->references;
     for (int k = 0; k < count; k++) {
         if (!make_run(s, &s->tried.setting[k], &s->run[k])) return report_no_memory();

@@ -1,12 +1,7 @@
 #include "twin.h"
+#include "scene_json.h"
 
 #include <math.h>
-#include <string.h>
-
-static double number(const json_t *object, const char *key, double otherwise) {
-    json_t *value = json_object_get(object, key);
-    return json_is_number(value) ? json_number_value(value) : otherwise;
-}
 
 /* ---- what cannot be coarser ------------------------------------------------------------------ */
 
@@ -44,25 +39,23 @@ static bool pins_numbers(const json_t *body) {
 /* ---- what can -------------------------------------------------------------------------------- */
 
 /* w / d and viscosity d^2 / h stay what they are (docs/scene.md, fluid). */
-static void coarsen_fluid(const json_t *body, size_t b, double factor, struct setting *twin) {
-    size_t k;
-    json_t *c;
-    json_array_foreach(json_object_get(body, "constraints"), k, c) {
-        const char *type = json_string_value(json_object_get(c, "type"));
-        if (!type || strcmp(type, "fluid") != 0) continue;
-        setting_add(twin, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
-                    factor * number(c, "stiffness", 1e6));
-        setting_add(twin, "bodies.%zu.constraints.%zu.viscosity=%.9g", b, k,
-                    number(c, "viscosity", 0.02) / (factor * factor));
-    }
+static void coarsen_fluid(const json_t *scene, size_t b, double factor, struct setting *twin) {
+    size_t body, k;
+    const json_t *fluid = scene_fluid(scene, &body, &k);
+    if (!fluid || body != b) return;
+    setting_add(twin, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
+                factor * scene_stiffness(fluid));
+    setting_add(twin, "bodies.%zu.constraints.%zu.viscosity=%.9g", b, k,
+                scene_viscosity(fluid) / (factor * factor));
 }
 
-static void coarsen_particles(const json_t *body, size_t b, double factor, struct setting *twin) {
+static void coarsen_particles(const json_t *scene, const json_t *body, size_t b, double factor,
+                              struct setting *twin) {
     const json_t *particles = json_object_get(body, "particles");
     if (!particles || has_files(particles)) return;
     setting_add(twin, "bodies.%zu.particles.radius=%.9g", b,
-                factor * number(particles, "radius", 0.0));
-    coarsen_fluid(body, b, factor, twin);
+                factor * scene_number(particles, "radius", 0.0));
+    coarsen_fluid(scene, b, factor, twin);
 }
 
 static int fewer(const json_t *vertices, size_t side, double factor) {
@@ -83,9 +76,9 @@ void twin_make(const json_t *scene, double factor, struct setting *twin) {
     size_t b;
     json_t *body;
     json_array_foreach(json_object_get(scene, "bodies"), b, body) {
-        coarsen_particles(body, b, factor, twin);
+        coarsen_particles(scene, body, b, factor, twin);
         coarsen_grid(body, b, factor, twin);
     }
     if (twin->sets && !json_object_get(step, "fixed"))
-        setting_add(twin, "time_step.cfl=%.9g", number(step, "cfl", 1.0) / factor);
+        setting_add(twin, "time_step.cfl=%.9g", scene_number(step, "cfl", 1.0) / factor);
 }

@@ -82,12 +82,14 @@ static void normal_of(const struct drag *d, int sample, double n[3]) {
     for (int a = 0; a < 3; a++) n[a] = length > 0.0 ? n[a] / length : 0.0;
 }
 
-/* The fluid on both sides; the normal points to the second. */
-static void look(const struct drag *d, int sample, const double n[3], struct side side[2]) {
+/* The normal, and the fluid on both sides: it points to the second. */
+static void look(const struct drag *d, int sample, double n[3], struct side side[2]) {
     const pdyn_neighbours *l = d->lists;
     struct kernel kernel = kernel_make(l->support);
     int at = d->samples->particles + sample;
     const double *x = d->x + 3 * (size_t)at;
+    normal_of(d, sample, n);
+    memset(side, 0, 2 * sizeof *side);
     for (int s = l->start[at]; s < l->boundary_start[at]; s++) {
         int i = l->index[s];
         double r[3];
@@ -104,10 +106,11 @@ static void count_sides(void *arg, int first, int last, int block) {
     (void)block;
     const struct drag *d = arg;
     for (int k = first; k < last; k++) {
-        struct side side[2] = {{0}, {0}};
+        struct side side[2];
         double n[3];
-        normal_of(d, k, n);
-        if (d->rate[k] > 0.0) look(d, k, n, side);
+        d->first[2 * k] = d->first[2 * k + 1] = 0;
+        if (d->rate[k] == 0.0) continue;
+        look(d, k, n, side);
         for (int m = 0; m < 2; m++) d->first[2 * k + m] = side[m].count > 0;
     }
 }
@@ -138,10 +141,9 @@ static void fill_sides(void *arg, int first, int last, int block) {
     (void)block;
     const struct drag *d = arg;
     for (int k = first; k < last; k++) {
-        struct side side[2] = {{0}, {0}};
+        struct side side[2];
         double n[3];
         if (d->first[2 * k + 2] == d->first[2 * k]) continue;
-        normal_of(d, k, n);
         look(d, k, n, side);
         for (int m = 0; m < 2; m++)
             if (side[m].count) set_element(d, d->first[2 * k + m], k, n, &side[m]);
