@@ -106,7 +106,7 @@ else
     mkdir -m 500 "$dir/locked"
     expect "folder without permission to write" 1 "locked" "$program" run "$scene" -o "$dir/locked/out"
 fi
-expect "check" 0 "solver cg" "$program" check "$scene"
+expect "check" 0 "solver hybrid" "$program" check "$scene"
 expect "check names the bodies" 0 "body sheet: 625 vertices, 1152 triangles" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"
 expect "check counts the constraints" 0 "constraint pin on sheet: 96 elements" "$program" check "$scene"

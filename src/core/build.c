@@ -335,14 +335,27 @@ static bool has_operator(const struct system *sys) {
     return false;
 }
 
-/* Fluid alone: its multipliers; with something else: conjugate gradients; surfaces: a factor, by
- * itself where it is exact, and without contact, which it does not know. */
+/* Rows of a sheet or a solid, which stay what they are. */
+static bool has_static(const struct system *sys) {
+    for (int b = 0; b < sys->batches; b++)
+        if (!sys->batch[b]->op && !sys->batch[b]->changing) return true;
+    return false;
+}
+
+/* Fluid alone: its multipliers; with surfaces or solids: conjugate gradients with a coarse level of
+ * these, without one where there are none or contact is all that happens to them; surfaces alone: a
+ * factor, by itself where it is exact. */
 static const char *automatic(struct pdyn_sim *sim, const char **reason) {
     const struct system *sys = &sim->system;
     bool newton = sim->scene.settings.newton;
     if (newton && registry_solver(sim->context, "dual")->fits(&sim->model.view)) {
         *reason = "nothing but the fluid acts: its pressures are solved for";
         return "dual";
+    }
+    if (has_operator(sys) && newton && has_static(sys)) {
+        *reason = "the fluid's constraints change every step: blocks and groups of particles "
+                  "precondition";
+        return "hybrid";
     }
     if (has_operator(sys)) {
         *reason = "the fluid's constraints change every step";

@@ -1,0 +1,38 @@
+/* A coarse level for the conjugate gradients of surfaces and solids: particles in groups that move
+ * together. Its matrix is what H makes of these motions (Galerkin), so it knows the tangents as
+ * they are and is a hundredth of H's size. Of what is not static, fluid and contact, it holds their
+ * block diagonal. */
+#ifndef PDYN_GROUPS_H
+#define PDYN_GROUPS_H
+
+#include "../core/assemble.h"
+#include "skyline.h"
+
+struct groups {
+    struct system *system;
+    int count;
+    int *group;       /* particles: -1 for none */
+    int *first;       /* count + 1: where the members of each begin */
+    int *member;      /* particles */
+    struct skyline a; /* 3 count rows */
+    double *constant; /* what linear batches give to it, as a.value */
+    double *rest;     /* particles x 6: block diagonal of what is not static */
+    double *sum, *x;  /* 3 count: of r over each group; its displacement */
+    bool made;        /* a is a factor */
+    int used;         /* products with its inverse so far */
+    const double *r;  /* of the product that runs */
+    double *z;
+};
+
+/* Zeroed before. Groups of particles that static rows hold. */
+pdyn_status groups_create(struct groups *groups, struct system *system);
+void groups_free(struct groups *groups);
+
+/* Makes and factors the matrix of H as it is linearised, unless the last one is not used up. */
+void groups_prepare(struct groups *groups);
+/* z += P A^-1 P' r, where P moves all of a group as one; adds r.z of that. */
+double groups_add(struct groups *groups, const double *r, double *z);
+
+void groups_persist(struct groups *groups, pdyn_archive *archive);
+
+#endif

@@ -1,0 +1,77 @@
+#include "jacobi.h"
+
+#include "blocks.h"
+
+/* How far above its inertia a preconditioner may hold a particle that only an operator holds. Most
+ * motions of a fluid change no density and feel inertia alone; blocks that differ widely there
+ * would spread the eigenvalues of these motions, which are one and the same without them. */
+static const double most_stiff = 10.0;
+
+static void find_held(struct jacobi *s) {
+    const struct system *sys = s->system;
+    for (int b = 0; b < sys->batches; b++) {
+        const struct batch *batch = sys->batch[b];
+        for (int i = 0; i < batch->touch_count; i++)
+            s->held[batch->touch_first + i] |= batch->touch_start[i + 1] > batch->touch_start[i];
+    }
+}
+
+/* Brings the block D of a particle with this inertia, m/h^2, down to what it may be. */
+static void soften(double *D, double inertia) {
+    double trace = D[0] + D[3] + D[5] - 3.0 * inertia, most = 3.0 * most_stiff * inertia;
+    if (trace <= most) return;
+    for (int a = 0; a < 6; a++) D[a] *= most / trace;
+    for (int a = 0; a < 6; a += a ? 2 : 3) D[a] += inertia * (1.0 - most / trace);
+}
+
+static void invert_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct jacobi *s = arg;
+    for (int i = first; i < last; i++) {
+        double *D = s->inverse + 6 * (size_t)i;
+        if (!s->held[i]) soften(D, system_inertia(s->system, i));
+        block_invert(D);
+    }
+}
+
+/* z = D^-1 r; partial: r.z */
+WIDE static void precondition_block(void *arg, int first, int last, int block) {
+    const struct jacobi *s = arg;
+    const double *r = s->r + 3 * (size_t)first;
+    double *z = s->z + 3 * (size_t)first;
+    for (int i = first; i < last; i++)
+        block_multiply(z + 3 * (i - first), s->inverse + 6 * (size_t)i, r + 3 * (i - first));
+    s->system->partial[block] = simd_dot(r, z, 3 * (last - first));
+}
+
+pdyn_status jacobi_create(struct jacobi *s, struct system *system) {
+    size_t n = (size_t)system->particles;
+    s->system = system;
+    s->inverse = NEW_ARRAY(system->context, 6 * n, double);
+    s->held = NEW_ARRAY(system->context, n, bool);
+    if (n && (!s->inverse || !s->held)) return PDYN_NO_MEMORY;
+    find_held(s);
+    return PDYN_OK;
+}
+
+void jacobi_free(struct jacobi *s) {
+    if (!s->system) return;
+    size_t n = (size_t)s->system->particles;
+    FREE_ARRAY(s->system->context, s->inverse, 6 * n);
+    FREE_ARRAY(s->system->context, s->held, n);
+}
+
+static void for_particles(struct jacobi *s, pdyn_range_fn *fn) {
+    pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, s);
+}
+
+void jacobi_prepare(struct jacobi *s) {
+    system_diagonal(s->system, s->inverse);
+    for_particles(s, invert_blocks);
+}
+
+double jacobi_apply(struct jacobi *s, const double *r, double *z) {
+    s->r = r, s->z = z;
+    for_particles(s, precondition_block);
+    return system_partial_sum(s->system);
+}
