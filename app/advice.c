@@ -98,15 +98,18 @@ static int write_scene(const struct study *s, const struct setting *setting, con
     return code;
 }
 
-/* Where the scene turns out to be dearer than was thought, what the twin does in less. */
+/* What steps leave that are cut short is another thing on a finer scene, so a twin can only speak
+ * of solved ones. Where the scene turns out to be dearer than was thought, what the twin does in
+ * less. */
 static int choose(const struct study *s, const struct wish *wish, const struct tried **best,
                   struct cost *cost) {
     const struct trade *trade = &s->trade;
     double ratio = pow(s->extent.coarser, 3.0);
+    bool twin = s->extent.twin.sets > 0;
     *cost = (struct cost){0};
     for (int code = EXIT_GOOD;;) {
-        *best = front_choose(trade, wish->error, wish->ms / ratio, !isfinite(wish->error));
-        if (!*best || !s->extent.twin.sets) return code;
+        *best = front_choose(trade, wish->error, wish->ms / ratio, !isfinite(wish->error), twin);
+        if (!*best || !twin) return code;
         code = find_cost(s, (int)(*best - trade->tried), 5.0 * s->share, cost);
         if (code != EXIT_GOOD || cost->ms <= wish->ms) return code;
         ratio = fmax(cost->ratio, 1.01 * wish->ms / (*best)->ms);

@@ -28,12 +28,13 @@ void front_find(struct trade *trade) {
     }
 }
 
-const struct tried *front_choose(const struct trade *trade, double error, double ms,
-                                 bool accurate) {
+const struct tried *front_choose(const struct trade *trade, double error, double ms, bool accurate,
+                                 bool solved) {
     const struct tried *best = NULL;
     for (int k = 0; k < trade->count; k++) {
         const struct tried *t = &trade->tried[k];
-        if (!t->front || t->error[trade->by] > error || t->ms > ms) continue;
+        if (!t->good || (solved && t->setting->cut)) continue;
+        if (t->error[trade->by] > error || t->ms > ms) continue;
         if (!best || (accurate ? t->error[trade->by] < best->error[trade->by] : t->ms < best->ms))
             best = t;
     }
@@ -62,14 +63,14 @@ static void print_row(const struct trade *trade, const struct tried *t, FILE *fi
     fprintf(file, " %9.4f%c", 100.0 * t->error[trade->by],
             t->error[trade->by] < 2.0 * trade->unsure[trade->by] ? '~' : ' ');
     for (int m = 0; m < TRACK_MEASURES; m++) fprintf(file, " %8.4f", 100.0 * t->error[m]);
-    fprintf(file, " %8.3f  %s\n", 100.0 * t->gained, t->setting->name);
+    fprintf(file, "  %s\n", t->setting->name);
 }
 
 void front_print(const struct trade *trade, FILE *file) {
     const struct tried **sorted = sort(trade);
     fprintf(file, "\nms/frame   s per s     error %%");
     for (int m = 0; m < TRACK_MEASURES; m++) fprintf(file, " %8s", track_names[m]);
-    fprintf(file, "   gained  settings\n");
+    fprintf(file, "  settings\n");
     for (int k = 0; sorted && sorted[k]; k++)
         if (sorted[k]->front) print_row(trade, sorted[k], file);
     fprintf(file, "The reference itself, in %%:");
@@ -95,7 +96,7 @@ static void put_settings(const struct setting *setting, FILE *file) {
 static void put_row(const struct trade *trade, const struct tried *t, FILE *file) {
     fprintf(file, "%.9g,%.9g,%.9g", t->ms, 1e-3 * t->ms * trade->per_second, t->error[trade->by]);
     for (int m = 0; m < TRACK_MEASURES; m++) fprintf(file, ",%.9g", t->error[m]);
-    fprintf(file, ",%.9g,%.9g,%d,", t->gained, t->residual, t->front);
+    fprintf(file, ",%.9g,%d,", t->residual, t->front);
     csv_text(file, t->setting->name);
     fputc(',', file);
     put_settings(t->setting, file);
@@ -108,7 +109,7 @@ static int write_table(const struct trade *trade, const char *path) {
     if (!file || !sorted) return free(sorted), report_unwritten(path);
     fprintf(file, "ms_per_frame,s_per_s,error");
     for (int m = 0; m < TRACK_MEASURES; m++) fprintf(file, ",%s", track_names[m]);
-    fprintf(file, ",energy_gained,step_residual,on_front,name,settings\n");
+    fprintf(file, ",step_residual,on_front,name,settings\n");
     for (int k = 0; sorted[k]; k++) put_row(trade, sorted[k], file);
     free(sorted);
     bool bad = ferror(file);

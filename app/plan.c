@@ -43,6 +43,7 @@ static void solve_to(struct setting *d, double tolerance) {
 
 /* Steps cut short. */
 static void cut_short(struct setting *d, int outer, int linear) {
+    d->cut = true;
     setting_add(d, "solver.tolerance=0.001");
     setting_add(d, "solver.linear_tolerance=0");
     setting_add(d, "solver.outer_iterations=%d", outer);
@@ -156,6 +157,7 @@ static bool try_steps(struct plan *plan) {
     for (int k = 0; k < 2 && good; k++) {
         struct setting d = {0};
         setting_add(&d, "solver.type=auto");
+        d.cut = true;
         setting_add(&d, "solver.step=projective");
         setting_add(&d, "solver.outer_iterations=%d", outer[k]);
         good = keep(plan, &d, "projective step, %d iterations", outer[k]);

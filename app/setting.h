@@ -8,6 +8,7 @@ struct setting {
     char *name;
     char **set; /* sets */
     int sets;
+    bool cut;    /* its steps end after some iterations, solved or not */
     bool failed; /* memory ran out: some are missing */
 };
 

@@ -138,7 +138,7 @@ static int judge(struct study *s, const struct track *reference) {
         set_worst(t->error);
         t->good = isfinite(t->error[TRADE_WORST]) && track.frames == reference->frames;
         t->ms = track.ms_per_second / trade->per_second;
-        t->gained = track.gained / fmax(reference->scale, 1e-300), t->residual = track.residual;
+        t->residual = track.residual;
         track_free(&track);
     }
     return EXIT_GOOD;

@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const track_names[TRACK_MEASURES] = {"density", "cloth", "front", "profile", "energy"};
+const char *const track_names[TRACK_MEASURES] = {"density", "cloth",  "front",
+                                                 "profile", "energy", "gained"};
 
 enum { AXIS = TRACK_LEVELS + 2 }; /* values of a fluid along an axis */
 
@@ -218,12 +219,17 @@ static double energy_error(const struct track *a, const struct track *b) {
     return b->scale > 0.0 ? sqrt(sum / fmax(1.0, count)) / b->scale : 0.0;
 }
 
+static double gained_error(const struct track *a, const struct track *b) {
+    return b->scale > 0.0 ? fmax(0.0, a->gained - b->gained) / b->scale : 0.0;
+}
+
 void track_compare(const struct track *track, const struct track *reference,
                    double error[TRACK_MEASURES]) {
     int frames = track->frames < reference->frames ? track->frames : reference->frames;
     for (int k = 0; k < TRACK_MEASURES; k++) error[k] = 0.0;
     error[TRACK_DENSITY] = track->density;
     error[TRACK_ENERGY] = energy_error(track, reference);
+    error[TRACK_GAINED] = gained_error(track, reference);
     for (int k = 0; k < track->bodies; k++) {
         const struct track_body *a = &track->body[k], *b = &reference->body[k];
         if (a->surface) error[TRACK_CLOTH] = fmax(error[TRACK_CLOTH], cloth_error(a, b, frames));

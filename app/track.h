@@ -12,6 +12,7 @@ enum track_measure {
     TRACK_FRONT,
     TRACK_PROFILE,
     TRACK_ENERGY,
+    TRACK_GAINED,
     TRACK_MEASURES
 };
 extern const char *const track_names[TRACK_MEASURES];
@@ -49,7 +50,8 @@ void track_free(struct track *track);
  * surface. Front: of the planes that 5 % of the fluid is beyond, the worst axis and side, root mean
  * square over the frames, over the size of the body; what goes beyond as spray is chance. Profile:
  * how far the fluid would have to be carried along an axis to be spread in the same way. Energy:
- * over what goes from one form to another. */
+ * over what goes from one form to another. Gained: the most that it rose above that at the start,
+ * beyond what the reference did, over the same; a step that is cut off too early puts energy in. */
 void track_compare(const struct track *track, const struct track *reference,
                    double error[TRACK_MEASURES]);
 

@@ -16,7 +16,6 @@ struct tried {
     bool checked; /* its time was measured twice */
     double ms;    /* of processor time, for a frame */
     double error[TRACK_MEASURES + 1];
-    double gained;   /* energy, of what goes from one form to another */
     double residual; /* mean step residual */
 };
 
@@ -29,9 +28,10 @@ struct trade {
 
 /* Marks the front. */
 void front_find(struct trade *trade);
-/* The cheapest on the front with an error up to `error` and a time up to `ms`, or, with `accurate`,
- * the most accurate of them; NULL: none. */
-const struct tried *front_choose(const struct trade *trade, double error, double ms, bool accurate);
+/* The cheapest with an error up to `error` and a time up to `ms`, or, with `accurate`, the most
+ * accurate of them; NULL: none. solved: of those whose steps are. */
+const struct tried *front_choose(const struct trade *trade, double error, double ms, bool accurate,
+                                 bool solved);
 
 void front_print(const struct trade *trade, FILE *file);
 /* DIRECTORY/trade.csv, and trade.svg and trade.png where there is gnuplot. An exit code. */
