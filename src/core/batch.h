@@ -56,6 +56,9 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
 void batch_free(struct batch *batch);
 
+/* Its rows stay what they are. */
+static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->changing; }
+
 /* From now on one matrix stands for the rows, where the type says that these are linear. u, p and
  * flux are left alone then. */
 pdyn_status batch_join_rows(struct batch *batch);

@@ -338,7 +338,7 @@ static bool has_operator(const struct system *sys) {
 /* Rows of a sheet or a solid, which stay what they are. */
 static bool has_static(const struct system *sys) {
     for (int b = 0; b < sys->batches; b++)
-        if (!sys->batch[b]->op && !sys->batch[b]->changing) return true;
+        if (batch_is_static(sys->batch[b])) return true;
     return false;
 }
 

@@ -5,19 +5,16 @@
 #ifndef PDYN_GROUPS_H
 #define PDYN_GROUPS_H
 
-#include "../core/assemble.h"
+#include "clusters.h"
 #include "skyline.h"
 
 struct groups {
     struct system *system;
-    int count;
-    int *group;       /* particles: -1 for none */
-    int *first;       /* count + 1: where the members of each begin */
-    int *member;      /* particles */
-    struct skyline a; /* 3 count rows */
+    struct clusters clusters;
+    struct skyline a; /* 3 rows for each cluster */
     double *constant; /* what linear batches give to it, as a.value */
     double *rest;     /* particles x 6: block diagonal of what is not static */
-    double *sum, *x;  /* 3 count: of r over each group; its displacement */
+    double *sum, *x;  /* as rows: of r over each group; its displacement */
     bool made;        /* a is a factor */
     int used;         /* products with its inverse so far */
     const double *r;  /* of the product that runs */

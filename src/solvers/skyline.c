@@ -31,7 +31,8 @@ INLINE double skyline_rows(const struct skyline *s, int i, int j) {
     return simd_dot(skyline_at(s, i, from), skyline_at(s, j, from), j - from);
 }
 
-WIDE static void factor_rows(const struct skyline *s) {
+WIDE static bool factor_rows(const struct skyline *s) {
+    bool good = true;
     for (int i = 0; i < s->rows; i++) {
         double *row = s->value + s->start[i];
         for (int j = s->first[i]; j < i; j++) {
@@ -39,8 +40,10 @@ WIDE static void factor_rows(const struct skyline *s) {
             *at = (*at - skyline_rows(s, i, j)) * *skyline_at(s, j, j);
         }
         double *own = row + (i - s->first[i]), pivot = *own - skyline_rows(s, i, i);
+        good &= pivot > 0.0;
         *own = pivot > 0.0 ? 1.0 / sqrt(pivot) : 0.0;
     }
+    return good;
 }
 
 WIDE static void substitute(const struct skyline *s, double *x) {
@@ -57,6 +60,6 @@ WIDE static void substitute(const struct skyline *s, double *x) {
     }
 }
 
-void skyline_factor(struct skyline *s) { factor_rows(s); }
+bool skyline_factor(struct skyline *s) { return factor_rows(s); }
 
 void skyline_solve(const struct skyline *s, double *x) { substitute(s, x); }

@@ -24,9 +24,9 @@ static inline double *skyline_at(const struct skyline *s, int i, int j) {
     return s->value + s->start[i] + (size_t)(j - s->first[i]);
 }
 
-/* A becomes L, with the inverse of its diagonal; 0 there where rounding left A no pivot: such an
- * unknown is 0 in solves. */
-void skyline_factor(struct skyline *skyline);
+/* A becomes L, with the inverse of its diagonal. false: A was not positive definite; then that is 0
+ * where there was no pivot. */
+bool skyline_factor(struct skyline *skyline);
 /* x = A^-1 x, with the factor */
 void skyline_solve(const struct skyline *skyline, double *x);
 
