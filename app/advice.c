@@ -1,6 +1,6 @@
 /* Times of a twin are not those of the scene. So what seems to hold the wish is run on the scene
- * itself, as much of it as time allows; what the twin spent until then, of all that it spent, tells
- * how much the rest will take. */
+ * itself, as much of it as time allows; what the twin spent until then and after that tells how
+ * much the rest will take. */
 #include "advice.h"
 #include "metrics.h"
 #include "result.h"
@@ -59,9 +59,10 @@ static int run_beginning(const struct study *s, int k, double length, double *ms
     return code;
 }
 
-/* Twice as much of the scene, and again, as long as that takes no more than `seconds`. */
+/* Twice as much of the scene, and again, as long as that takes no more than `seconds`. What is left
+ * has the ratio to the twin that the last half of it had: an impact is over then. */
 static int find_cost(const struct study *s, int k, double seconds, struct cost *cost) {
-    double most = s->extent.window.length, ms = 0.0;
+    double most = s->extent.window.length, ms = 0.0, ms_before = 0.0, part_before = 0.0;
     *cost = (struct cost){0};
     for (double length = most / 256.0; length <= most && 3e-3 * ms <= seconds; length *= 2.0) {
         int code = run_beginning(s, k, length, &ms);
@@ -72,9 +73,11 @@ static int find_cost(const struct study *s, int k, double seconds, struct cost *
                     s->plan.setting[k].name);
             return EXIT_FAILED;
         }
-        if (part == 0.0) continue; /* not a single step of the twin */
-        cost->ms = ms / part / (most * s->trade.per_second);
+        if (!(part > part_before)) continue; /* not a single step of the twin */
+        double all = ms + (ms - ms_before) / (part - part_before) * (1.0 - part);
+        cost->ms = all / (most * s->trade.per_second);
         cost->length = length, cost->ratio = cost->ms / s->trade.tried[k].ms;
+        ms_before = ms, part_before = part;
     }
     return EXIT_GOOD;
 }

@@ -15,7 +15,7 @@ quick)
 "")
     steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" gate="10x12x2 5x12x1 5x7.8x1" docs=docs
     leaks="impact:22:50:10:0.05:6x30:20 impact:22:50:1:0.03:6x30:20 impact:46:50:10:0.05:20x100:20 impact:46:50:1:0.03:6x30:20 impact:46:200:10:0.05:6x30:20 impact:46:200:1:0.03:6x30:20 impact:46:50:10:0.05:6x30:5 bag:12:8:10:0.4:20x300:0.5 bag:12:8:10:0.4:20x300:2 bag:12:8:1:0.03:20x300:2"
-    solvers="32x400x4x3 32x4000x4x3 32x40000x4x3 64x400x3x2 64x4000x3x2 64x40000x3x2 127x4000x2x2 127x40000x2x2" ;;
+    solvers="32x400x16x3 32x4000x16x3 32x40000x16x3 64x400x16x2 64x4000x16x2 64x40000x16x2 127x400x16x2 127x4000x16x2 127x40000x16x2 253x400x8x2 253x4000x8x2 253x40000x8x2" ;;
 *) echo "usage: scripts/coupling.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
