@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the pictures of docs/gallery.md: runs the scenes of the plug-ins and a soft ball (minutes), and
+# Makes the pictures of docs/gallery.md: runs the scenes of the plug-ins and a few others (minutes), and
 # takes a picture of the replay page's last frame. Usage: gallery.sh [NAME...]
 set -eu
 cd "$(dirname "$0")/.."
@@ -23,6 +23,8 @@ picture() { # NAME SCENE TIME
 }
 if [ $# = 0 ]; then
     picture soft_ball scenes/soft_ball.json 0.4
+    picture flag_in_stream scenes/flag_in_stream.json 0.6
+    picture dragged_cloth scenes/dragged_cloth.json 0.6
     set -- template rigid balloon grains
 fi
 for name in "$@"; do
