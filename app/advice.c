@@ -9,42 +9,49 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- the scene itself ------------------------------------------------------------------------ */
 
 struct cost {
     double ms;     /* for a frame, of all that the study simulated */
-    double length; /* s of the scene that were run */
+    double length; /* s of the scene that were run; 0: its time is not known */
     double ratio;  /* of its time to that of the twin */
 };
 
-/* The part of its time that a run had spent when so much was simulated; 0: not known. */
-static double spent_until(const struct study *s, int k, double length) {
-    char path[FARM_PATH];
-    struct metrics m;
-    double sum = 0.0, all = 0.0;
-    if (!farm_path(path, &s->farm, &s->run[k], "") || metrics_read(path, &m) != EXIT_GOOD)
-        return 0.0;
-    int time = metrics_column(&m, "time_s"), ms = metrics_column(&m, "ms_cpu");
-    for (long r = 0; r < m.rows && time >= 0 && ms >= 0; r++) {
-        const double *row = m.value + r * m.columns;
-        all += row[ms];
-        if (row[time] <= length * (1.0 + 1e-9)) sum += row[ms];
-    }
-    metrics_free(&m);
-    return all > 0.0 ? sum / all : 0.0;
+/* Processor time in ms that a run had spent when so much was simulated. */
+static double spent_until(const struct metrics *m, double time) {
+    int at = metrics_column(m, "time_s"), ms = metrics_column(m, "ms_cpu");
+    double sum = 0.0;
+    for (long r = 0; r < m->rows && at >= 0 && ms >= 0; r++)
+        if (m->value[r * m->columns + at] <= time * (1.0 + 1e-9))
+            sum += m->value[r * m->columns + ms];
+    return sum;
 }
 
-/* The first `length` seconds of the scene with setting k; *ms: their processor time, 0 where they
- * did not end well. An exit code. */
-static int run_beginning(const struct study *s, int k, double length, double *ms) {
+static double end_of(const struct metrics *m) {
+    int at = metrics_column(m, "time_s");
+    return m->rows && at >= 0 ? m->value[(m->rows - 1) * m->columns + at] : 0.0;
+}
+
+/* A run that came to its limit is good as far as it came. */
+static bool failed(const char *directory) {
+    json_t *result = result_read(directory);
+    const char *status = json_string_value(json_object_get(result, "status"));
+    bool bad = !status || (strcmp(status, "good") != 0 && strcmp(status, "killed") != 0);
+    json_decref(result);
+    return bad;
+}
+
+/* Runs the scene with setting k for so many seconds of processor time. An exit code. */
+static int run_scene(const struct study *s, int k, double seconds, char path[FARM_PATH]) {
     const struct scene_options *user = s->extent.user;
     const struct setting *setting = &s->plan.setting[k];
     struct farm farm = s->farm;
-    struct farm_run run = {0};
-    char text[64], path[FARM_PATH];
+    struct farm_run run = {.limit_s = seconds};
+    char text[64];
     const char *const duration[] = {text};
-    snprintf(text, sizeof text, "duration=%.12g", length);
+    snprintf(text, sizeof text, "duration=%.12g", s->extent.window.length);
     if (!farm_add(&run, user->set, user->sets) || !farm_add(&run, duration, 1) ||
         !farm_add(&run, (const char *const *)setting->set, setting->sets))
         return free(run.set), report_no_memory();
@@ -52,34 +59,37 @@ static int run_beginning(const struct study *s, int k, double length, double *ms
     int code = farm_survey(&farm);
     if (code == EXIT_GOOD) code = farm_work(&farm);
     if (code == EXIT_GOOD && !farm_path(path, &farm, &run, "")) code = EXIT_FAILED;
-    json_t *result = code == EXIT_GOOD ? result_read(path) : NULL;
-    *ms = result_ms_per_second(result) * length;
-    json_decref(result);
     free(run.set);
-    return code;
+    if (code != EXIT_GOOD || !failed(path)) return code;
+    fprintf(stderr, "projdyn: trade: %s: did not end well on the scene itself\n", setting->name);
+    return EXIT_FAILED;
 }
 
-/* Twice as much of the scene, and again, as long as that takes no more than `seconds`. What is left
- * has the ratio to the twin that the last half of it had: an impact is over then. */
+/* What is left has the ratio to the twin that the last half had: an impact is over then. */
+static struct cost foresee(const struct metrics *scene, const struct metrics *twin) {
+    double end = end_of(scene), half = spent_until(scene, end) - spent_until(scene, 0.5 * end);
+    double before = spent_until(twin, end), twin_half = before - spent_until(twin, 0.5 * end);
+    double all = spent_until(twin, INFINITY), left = all - before;
+    if (!(half > 0.0 && twin_half > 0.0)) return (struct cost){0};
+    double ms = spent_until(scene, end) + half / twin_half * left;
+    return (struct cost){.ms = ms, .length = end, .ratio = ms / all};
+}
+
 static int find_cost(const struct study *s, int k, double seconds, struct cost *cost) {
-    double most = s->extent.window.length, ms = 0.0, ms_before = 0.0, part_before = 0.0;
-    *cost = (struct cost){0};
-    for (double length = most / 256.0; length <= most && 3e-3 * ms <= seconds; length *= 2.0) {
-        int code = run_beginning(s, k, length, &ms);
-        double part = spent_until(s, k, length);
-        if (code != EXIT_GOOD) return code;
-        if (ms == 0.0) {
-            fprintf(stderr, "projdyn: trade: %s: did not end well on the scene itself\n",
-                    s->plan.setting[k].name);
-            return EXIT_FAILED;
-        }
-        if (!(part > part_before)) continue; /* not a single step of the twin */
-        double all = ms + (ms - ms_before) / (part - part_before) * (1.0 - part);
-        cost->ms = all / (most * s->trade.per_second);
-        cost->length = length, cost->ratio = cost->ms / s->trade.tried[k].ms;
-        ms_before = ms, part_before = part;
+    char scene_path[FARM_PATH], twin_path[FARM_PATH];
+    struct metrics scene, twin;
+    int code = run_scene(s, k, seconds, scene_path);
+    if (code == EXIT_GOOD && !farm_path(twin_path, &s->farm, &s->run[k], "")) code = EXIT_FAILED;
+    if (code == EXIT_GOOD) code = metrics_read(scene_path, &scene);
+    if (code != EXIT_GOOD) return code;
+    code = metrics_read(twin_path, &twin);
+    if (code == EXIT_GOOD) {
+        *cost = foresee(&scene, &twin);
+        cost->ms /= s->extent.window.length * s->trade.per_second;
+        metrics_free(&twin);
     }
-    return EXIT_GOOD;
+    metrics_free(&scene);
+    return code;
 }
 
 /* ---- choosing -------------------------------------------------------------------------------- */
@@ -113,7 +123,7 @@ static int choose(const struct study *s, const struct wish *wish, const struct t
     for (int code = EXIT_GOOD;;) {
         *best = front_choose(trade, wish->error, wish->ms / ratio, !isfinite(wish->error), twin);
         if (!*best || !twin) return code;
-        code = find_cost(s, (int)(*best - trade->tried), 5.0 * s->share, cost);
+        code = find_cost(s, (int)(*best - trade->tried), 8.0 * s->share / s->farm.jobs, cost);
         if (code != EXIT_GOOD || cost->ms <= wish->ms) return code;
         ratio = fmax(cost->ratio, 1.01 * wish->ms / (*best)->ms);
     }
