@@ -9,7 +9,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- the scene itself ------------------------------------------------------------------------ */
 
@@ -37,8 +36,7 @@ static double end_of(const struct metrics *m) {
 /* A run that came to its limit is good as far as it came. */
 static bool failed(const char *directory) {
     json_t *result = result_read(directory);
-    const char *status = json_string_value(json_object_get(result, "status"));
-    bool bad = !status || (strcmp(status, "good") != 0 && strcmp(status, "killed") != 0);
+    bool bad = !result_is(result, "good") && !result_is(result, "killed");
     json_decref(result);
     return bad;
 }

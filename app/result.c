@@ -112,6 +112,11 @@ json_t *result_read(const char *directory) {
     return result;
 }
 
+bool result_is(const json_t *result, const char *status) {
+    const char *own = json_string_value(json_object_get(result, "status"));
+    return own && !strcmp(own, status);
+}
+
 double result_ms_per_second(const json_t *result) {
     const json_t *report = json_object_get(result, "report"),
                  *mean = json_object_get(result, "mean");

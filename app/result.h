@@ -13,6 +13,9 @@ int result_write(const char *directory, const struct farm_run *run, int status, 
  * "report" if there is one, of metrics.csv "mean" and "max" of each column. NULL with a message. */
 json_t *result_read(const char *directory);
 
+/* Is that its "status"? NULL has none. */
+bool result_is(const json_t *result, const char *status);
+
 /* Processor time of the steps, ms, per simulated second; 0: unknown. */
 double result_ms_per_second(const json_t *result);
 

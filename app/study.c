@@ -111,8 +111,7 @@ static void set_worst(double error[TRACK_MEASURES + 1]) {
 static bool ended_well(const struct farm *farm, const struct farm_run *run, char path[FARM_PATH]) {
     if (!farm_path(path, farm, run, "")) return false;
     json_t *result = result_read(path);
-    const char *status = json_string_value(json_object_get(result, "status"));
-    bool good = status && !strcmp(status, "good");
+    bool good = result_is(result, "good");
     json_decref(result);
     return good;
 }

@@ -5,7 +5,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
@@ -94,10 +93,7 @@ static long count_good(const json_t *all) {
     size_t k;
     json_t *result;
     long good = 0;
-    json_array_foreach(all, k, result) {
-        const char *status = json_string_value(json_object_get(result, "status"));
-        good += status && !strcmp(status, "good");
-    }
+    json_array_foreach(all, k, result) good += result_is(result, "good");
     return good;
 }
 

@@ -381,3 +381,8 @@ void batch_diagonal(struct batch *b, double *blocks) {
         for_range(b, b->touch_count, PARTICLES, b->single ? diagonal_single : diagonal_rows, NULL,
                   blocks, 0.0);
 }
+
+void batch_mark_held(const struct batch *b, bool *held) {
+    for (int i = 0; i < b->touch_count; i++)
+        held[b->touch_first + i] |= b->touch_start[i + 1] > b->touch_start[i];
+}

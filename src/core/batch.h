@@ -102,6 +102,9 @@ int batch_go(struct batch *batch, double t, double *y);
 /* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);
 
+/* held[i] becomes true for each particle that some row selects. */
+void batch_mark_held(const struct batch *batch, bool *held);
+
 /* Rows tier: numbers in batch->block, with room to load the last column as four. */
 size_t batch_block_numbers(const struct batch *batch);
 /* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */

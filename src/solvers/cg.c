@@ -27,15 +27,14 @@ static pdyn_status create(void *self, pdyn_model *model) {
     struct cg *cg = self;
     struct system *system = model_system(model);
     cg->krylov.prepare = prepare, cg->krylov.precondition = precondition, cg->krylov.self = cg;
+    cg->krylov.patient = true;
     pdyn_status status = krylov_create(&cg->krylov, system->context, system);
     return status == PDYN_OK ? jacobi_create(&cg->jacobi, system) : status;
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct cg *cg = self;
-    pdyn_goal patient = *goal;
-    patient.gain = 0.0;
-    krylov_solve(&cg->krylov, b, y, &patient, iterations);
+    krylov_solve(&cg->krylov, b, y, goal, iterations);
     return PDYN_OK;
 }
 

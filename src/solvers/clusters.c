@@ -62,8 +62,7 @@ static int walk(const struct graph *g, int from, int most, int below, int mark, 
     return found;
 }
 
-/* ---- making clusters ---------------------------------------------------------------------------
- */
+/* ---- clusters -------------------------------------------------------------------------------- */
 
 /* The held ones (marks -1) of each connected piece, from one of its ends to the other. Returns how
  * many. */
@@ -81,39 +80,28 @@ static int put_in_order(const struct graph *g, int *marks, int *order) {
 /* In this order, so that clusters that are linked have near numbers. */
 static void grow(struct clusters *s, const struct graph *g, const int *order, int held) {
     int members = held / MOST_CLUSTERS > MEMBERS ? held / MOST_CLUSTERS : MEMBERS, found = 0;
-    for (int k = 0; k < held; k++)
-        if (s->of[order[k]] < 0)
-            found += walk(g, order[k], members, 0, s->count++, s->of, s->member + found);
+    for (int k = 0; k < held; k++) {
+        if (s->of[order[k]] >= 0) continue;
+        found += walk(g, order[k], members, 0, s->count, s->of, s->member + found);
+        s->first[++s->count] = found;
+    }
 }
 
 static pdyn_status gather(struct clusters *s, const struct graph *g) {
     struct system *sys = s->system;
     int n = sys->particles, *marks = NEW_ARRAY(sys->context, n, int),
         *order = NEW_ARRAY(sys->context, n, int);
-    if (marks && order) {
-        for (int i = 0; i < n; i++) marks[i] = 1, s->of[i] = -1;
-        for (int b = 0; b < sys->batches; b++) {
-            const struct batch *batch = sys->batch[b];
-            for (int i = 0; batch_is_static(batch) && i < batch->touch_count; i++)
-                if (batch->touch_start[i + 1] > batch->touch_start[i])
-                    marks[batch->touch_first + i] = -1;
-        }
+    bool *held = NEW_ARRAY(sys->context, n, bool), good = marks && order && held;
+    if (good) {
+        for (int b = 0; b < sys->batches; b++)
+            if (batch_is_static(sys->batch[b])) batch_mark_held(sys->batch[b], held);
+        for (int i = 0; i < n; i++) marks[i] = held[i] ? -1 : 1, s->of[i] = -1;
         grow(s, g, order, put_in_order(g, marks, order));
     }
-    bool good = marks && order;
+    FREE_ARRAY(sys->context, held, n);
     FREE_ARRAY(sys->context, marks, n);
     FREE_ARRAY(sys->context, order, n);
     return good ? PDYN_OK : PDYN_NO_MEMORY;
-}
-
-/* Members of each, one cluster after the other. */
-static pdyn_status index_members(struct clusters *s) {
-    s->first = NEW_ARRAY(s->system->context, s->count + 1, int);
-    if (!s->first) return PDYN_NO_MEMORY;
-    for (int i = 0; i < s->system->particles; i++)
-        if (s->of[i] >= 0) s->first[s->of[i] + 1]++;
-    for (int g = 0; g < s->count; g++) s->first[g + 1] += s->first[g];
-    return PDYN_OK;
 }
 
 static pdyn_status find(struct clusters *s) {
@@ -127,7 +115,6 @@ static pdyn_status find(struct clusters *s) {
     pdyn_status status = matrix_pattern(&pattern, sys, rows, 1);
     if (status == PDYN_OK) status = graph_of_pattern(&graph, &pattern);
     if (status == PDYN_OK) status = gather(s, &graph);
-    if (status == PDYN_OK) status = index_members(s);
     FREE_ARRAY(sys->context, rows, sys->batches);
     matrix_free(&pattern);
     graph_free(&graph);
@@ -139,13 +126,14 @@ pdyn_status clusters_create(struct clusters *s, struct system *system) {
     s->system = system;
     s->of = NEW_ARRAY(system->context, n, int);
     s->member = NEW_ARRAY(system->context, n, int);
-    return n && (!s->of || !s->member) ? PDYN_NO_MEMORY : find(s);
+    s->first = NEW_ARRAY(system->context, n + 1, int);
+    return !s->first || (n && (!s->of || !s->member)) ? PDYN_NO_MEMORY : find(s);
 }
 
 void clusters_free(struct clusters *s) {
     if (!s->system) return;
     pdyn_context *context = s->system->context;
-    FREE_ARRAY(context, s->first, s->count + 1);
+    FREE_ARRAY(context, s->first, s->system->particles + 1);
     FREE_ARRAY(context, s->member, s->system->particles);
     FREE_ARRAY(context, s->of, s->system->particles);
 }

@@ -9,7 +9,7 @@ struct clusters {
     struct system *system;
     int count;
     int *of;     /* particles: -1 for none */
-    int *first;  /* count + 1: where the members of each begin in */
+    int *first;  /* particles + 1: where the members of each begin in, and one more */
     int *member; /* particles */
 };
 

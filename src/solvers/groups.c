@@ -88,14 +88,13 @@ static void add_diagonals(struct groups *s) {
 
 void groups_prepare(struct groups *s) {
     struct system *sys = s->system;
-    if (!s->clusters.count || (s->made && s->used < WORTH)) return;
-    s->used = 0;
+    if (!s->clusters.count || s->left > 0) return;
     memcpy(s->a.value, s->constant, s->a.start[s->a.rows] * sizeof *s->constant);
     for (int b = 0; b < sys->batches; b++)
         if (batch_is_static(sys->batch[b]) && !sys->batch[b]->stiffness)
             add_batch(s, sys->batch[b]);
     add_diagonals(s);
-    s->made = skyline_factor(&s->a);
+    s->left = skyline_factor(&s->a) ? WORTH : 0;
 }
 
 static pdyn_status make_matrix(struct groups *s) {
@@ -143,8 +142,7 @@ void groups_free(struct groups *s) {
 }
 
 void groups_persist(struct groups *s, pdyn_archive *archive) {
-    archive->bytes(archive, &s->made, sizeof s->made);
-    archive->bytes(archive, &s->used, sizeof s->used);
+    archive->bytes(archive, &s->left, sizeof s->left);
     archive->bytes(archive, s->a.value, s->a.start[s->a.rows] * sizeof *s->a.value);
 }
 
@@ -174,7 +172,7 @@ double groups_add(struct groups *s, const double *r, double *z) {
     struct pool *pool = s->system->context->pool;
     double rz = 0.0;
     if (!s->clusters.count) return 0.0;
-    s->r = r, s->z = z, s->used++;
+    s->r = r, s->z = z, s->left--;
     pool_for(pool, s->clusters.count, GRAIN, sum_groups, s);
     memcpy(s->sum, s->x, 3 * (size_t)s->clusters.count * sizeof *s->x);
     skyline_solve(&s->a, s->x);

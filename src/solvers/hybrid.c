@@ -8,8 +8,8 @@
 struct hybrid {
     struct krylov krylov;
     struct turns turns;
-    struct jacobi jacobi; /* where something changes */
     struct groups groups;
+    struct jacobi jacobi;
 };
 
 static void release(void *self) {
@@ -20,7 +20,7 @@ static void release(void *self) {
     krylov_free(&s->krylov);
 }
 
-static void prepare_turns(void *self) { turns_prepare(&((struct hybrid *)self)->turns); }
+static void prepare_turns(void *self) { jacobi_prepare(&((struct hybrid *)self)->jacobi); }
 
 static double take_turns(void *self) { return turns_precondition(&((struct hybrid *)self)->turns); }
 
@@ -38,8 +38,8 @@ static double add_levels(void *self) {
 
 static pdyn_status create_levels(struct hybrid *s, struct system *system) {
     s->krylov.prepare = prepare_levels, s->krylov.precondition = add_levels;
-    pdyn_status status = jacobi_create(&s->jacobi, system);
-    return status == PDYN_OK ? groups_create(&s->groups, system) : status;
+    s->krylov.patient = true;
+    return groups_create(&s->groups, system);
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
@@ -47,24 +47,20 @@ static pdyn_status create(void *self, pdyn_model *model) {
     struct system *system = model_system(model);
     pdyn_status status = krylov_create(&s->krylov, system->context, system);
     s->krylov.self = s;
+    if (status == PDYN_OK) status = jacobi_create(&s->jacobi, system);
     if (status != PDYN_OK) return status;
     if (system->changing) return create_levels(s, system);
     s->krylov.prepare = prepare_turns, s->krylov.precondition = take_turns;
-    return turns_create(&s->turns, &s->krylov);
+    return turns_create(&s->turns, &s->krylov, &s->jacobi);
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
-    pdyn_goal patient = *goal;
-    if (!s->turns.krylov) {
-        patient.gain = 0.0;
-        krylov_solve(&s->krylov, b, y, &patient, iterations);
-        return PDYN_OK;
-    }
-    pdyn_status status = turns_update(&s->turns);
+    bool in_turns = s->turns.krylov;
+    pdyn_status status = in_turns ? turns_update(&s->turns) : PDYN_OK;
     if (status != PDYN_OK) return status;
     krylov_solve(&s->krylov, b, y, goal, iterations);
-    turns_note(&s->turns, *iterations);
+    if (in_turns) turns_note(&s->turns, *iterations);
     return PDYN_OK;
 }
 

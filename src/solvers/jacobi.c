@@ -7,15 +7,6 @@
  * would spread the eigenvalues of these motions, which are one and the same without them. */
 static const double most_stiff = 10.0;
 
-static void find_held(struct jacobi *s) {
-    const struct system *sys = s->system;
-    for (int b = 0; b < sys->batches; b++) {
-        const struct batch *batch = sys->batch[b];
-        for (int i = 0; i < batch->touch_count; i++)
-            s->held[batch->touch_first + i] |= batch->touch_start[i + 1] > batch->touch_start[i];
-    }
-}
-
 /* Brings the block D of a particle with this inertia, m/h^2, down to what it may be. */
 static void soften(double *D, double inertia) {
     double trace = D[0] + D[3] + D[5] - 3.0 * inertia, most = 3.0 * most_stiff * inertia;
@@ -50,7 +41,7 @@ pdyn_status jacobi_create(struct jacobi *s, struct system *system) {
     s->inverse = NEW_ARRAY(system->context, 6 * n, double);
     s->held = NEW_ARRAY(system->context, n, bool);
     if (n && (!s->inverse || !s->held)) return PDYN_NO_MEMORY;
-    find_held(s);
+    for (int b = 0; b < system->batches; b++) batch_mark_held(system->batch[b], s->held);
     return PDYN_OK;
 }
 

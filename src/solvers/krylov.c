@@ -86,7 +86,7 @@ static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal,
     memset(k->d, 0, system_bytes(sys));
     k->prepare(k->self);
     for (int done = 0; rr > target * target && *iterations < goal->iterations &&
-                       !(gain * done < goal->gain * gained);
+                       (k->patient || !(gain * done < goal->gain * gained));
          done++) {
         double rp = choose_direction(k);
         system_apply(sys, k->p, k->q);

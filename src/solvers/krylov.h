@@ -19,6 +19,7 @@ struct krylov {
     double *r, *z, *p, *q, *d; /* particles x 3 */
     double curvature;          /* p.q, q = H p as H was then; 0: p is no direction yet */
     bool restart; /* the preconditioner has changed: earlier directions mean nothing to it */
+    bool patient; /* of a solver: goes on where iterations gain little */
     /* Of a solver: before a linear solve, and z = P^-1 r, P symmetric positive definite; returns
      * r.z */
     void (*prepare)(void *self);

@@ -17,11 +17,9 @@ enum { WORTH_FACTOR = 30 };
 void turns_free(struct turns *s) {
     if (!s->krylov) return;
     struct krylov *k = s->krylov;
-    int n = k->system->particles;
     matrix_free(&s->matrix);
     factor_free(&s->factor);
-    FREE_ARRAY(k->context, s->inverse, 6 * (size_t)n);
-    FREE_VECTOR(k->context, s->t, n);
+    FREE_VECTOR(k->context, s->t, k->system->particles);
 }
 
 /* ---- the preconditioner ---------------------------------------------------------------------- */
@@ -31,19 +29,13 @@ static double for_particles(struct turns *s, pdyn_range_fn *fn) {
     return system_partial_sum(s->krylov->system);
 }
 
-static void invert_blocks(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct turns *s = arg;
-    for (int i = first; i < last; i++) block_invert(s->inverse + 6 * (size_t)i);
-}
-
 /* z = omega D^-1 r; partial: r.z */
 WIDE static void smooth_first(void *arg, int first, int last, int block) {
     const struct turns *s = arg;
     const double *r = s->krylov->r + 3 * (size_t)first;
     double *z = s->krylov->z + 3 * (size_t)first;
     for (int i = 0; i < last - first; i++) {
-        block_multiply(z + 3 * i, s->inverse + 6 * (size_t)(first + i), r + 3 * i);
+        block_multiply(z + 3 * i, s->jacobi->inverse + 6 * (size_t)(first + i), r + 3 * i);
         for (int a = 0; a < 3; a++) z[3 * i + a] *= s->omega;
     }
     s->krylov->system->partial[block] = simd_dot(r, z, 3 * (last - first));
@@ -72,15 +64,10 @@ WIDE static void smooth_last(void *arg, int first, int last, int block) {
     for (int i = 0; i < last - first; i++) {
         double rest[3], more[3];
         for (int a = 0; a < 3; a++) rest[a] = r[3 * i + a] - t[3 * i + a];
-        block_multiply(more, s->inverse + 6 * (size_t)(first + i), rest);
+        block_multiply(more, s->jacobi->inverse + 6 * (size_t)(first + i), rest);
         for (int a = 0; a < 3; a++) z[3 * i + a] += s->omega * more[a];
     }
     s->krylov->system->partial[block] = simd_dot(r, z, 3 * (last - first));
-}
-
-void turns_prepare(struct turns *s) {
-    system_diagonal(s->krylov->system, s->inverse);
-    for_particles(s, invert_blocks);
 }
 
 /* The two smoothings alone are 2 omega D^-1 - omega^2 D^-1 H D^-1, positive where omega is small
@@ -145,14 +132,11 @@ void turns_persist(struct turns *s, pdyn_archive *archive) {
     archive->bytes(archive, &s->strange, sizeof s->strange);
 }
 
-pdyn_status turns_create(struct turns *s, struct krylov *krylov) {
-    pdyn_context *context = krylov->context;
-    int n = krylov->system->particles;
-    s->krylov = krylov, s->omega = relaxed;
-    factor_start(&s->factor, context);
-    s->inverse = NEW_ARRAY(context, 6 * (size_t)n, double);
-    s->t = NEW_VECTOR(context, n);
-    return s->inverse && s->t ? PDYN_OK : PDYN_NO_MEMORY;
+pdyn_status turns_create(struct turns *s, struct krylov *krylov, const struct jacobi *jacobi) {
+    s->krylov = krylov, s->jacobi = jacobi, s->omega = relaxed;
+    factor_start(&s->factor, krylov->context);
+    s->t = NEW_VECTOR(krylov->context, krylov->system->particles);
+    return s->t ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void turns_note(struct turns *s, int iterations) {

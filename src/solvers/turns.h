@@ -13,21 +13,22 @@
 #define PDYN_TURNS_H
 
 #include "factor.h"
+#include "jacobi.h"
 #include "krylov.h"
 
 struct turns {
     struct krylov *krylov;
     struct matrix matrix;
     struct factor factor;
-    double *inverse; /* particles x 6: inverse diagonal blocks */
-    double *t;       /* particles x 3 */
-    double h;        /* s: the factor is for steps of this length; 0: not known yet */
-    double made;     /* s: it was made for this one; 0: not yet */
+    const struct jacobi *jacobi;
+    double *t;   /* particles x 3 */
+    double h;    /* s: the factor is for steps of this length; 0: not known yet */
+    double made; /* s: it was made for this one; 0: not yet */
     double omega;
     int strange; /* iterations with a factor for steps of another length */
 };
 
-pdyn_status turns_create(struct turns *turns, struct krylov *krylov);
+pdyn_status turns_create(struct turns *turns, struct krylov *krylov, const struct jacobi *jacobi);
 void turns_free(struct turns *turns); /* zeroed is fine */
 
 /* Before the solves of a step: another factor where that is worth it. */
@@ -35,8 +36,7 @@ pdyn_status turns_update(struct turns *turns);
 /* After one. */
 void turns_note(struct turns *turns, int iterations);
 
-/* As those of struct krylov. */
-void turns_prepare(struct turns *turns);
+/* As that of struct krylov, after jacobi_prepare(). */
 double turns_precondition(struct turns *turns);
 
 /* The factor is made again from its length of step. */
