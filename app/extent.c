@@ -34,7 +34,7 @@ static bool can_run(const struct scene_options *scene) {
 }
 
 /* The least coarse of those that can be run to the end, or that which is three times as coarse. */
-static int find_twin(struct extent *e, double share) {
+static int find_twin(struct extent *e, const struct farm *farm, double share) {
     static const double most = 3.0, cost = 3.5; /* time ~ coarser^-cost, seen in fluids */
     const struct window alone = e->window;
     double coarser = ceil(4.0 * pow(alone.duration / alone.length, 1.0 / cost)) / 4.0;
@@ -45,20 +45,20 @@ static int find_twin(struct extent *e, double share) {
             e->window = alone;
             return begin_runs(e, 1.0);
         }
-        code = window_find(&e->runs, 0.0, share, &e->window);
+        code = window_find(farm, &e->runs, 0.0, share, &e->window);
         if (code != EXIT_GOOD || e->window.whole || coarser == most) return code;
     }
 }
 
-int extent_find(struct extent *e, double length, double share) {
+int extent_find(struct extent *e, const struct farm *farm, double length, double share) {
     bool open = e->coarser == 0.0 && length == 0.0;
     int code = begin_runs(e, e->coarser == 0.0 ? 1.0 : e->coarser);
     if (code == EXIT_GOOD && e->coarser != 1.0 && !e->twin.sets) {
         fprintf(stderr, "projdyn: trade: --twin: nothing in the scene can be made coarser\n");
         return EXIT_BAD_INPUT;
     }
-    if (code == EXIT_GOOD) code = window_find(&e->runs, length, share, &e->window);
-    return code == EXIT_GOOD && open && !e->window.whole ? find_twin(e, share) : code;
+    if (code == EXIT_GOOD) code = window_find(farm, &e->runs, length, share, &e->window);
+    return code == EXIT_GOOD && open && !e->window.whole ? find_twin(e, farm, share) : code;
 }
 
 void extent_tell(const struct extent *e) {

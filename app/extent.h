@@ -15,7 +15,7 @@ struct extent {
 
 /* length: of the window, s, or 0: as much as one run may be of so many seconds of processor time.
  * An exit code. */
-int extent_find(struct extent *extent, double length, double share);
+int extent_find(struct extent *extent, const struct farm *farm, double length, double share);
 void extent_tell(const struct extent *extent);
 void extent_free(struct extent *extent);
 

@@ -64,6 +64,10 @@ static void name_run(const struct farm *farm, const char *scene, size_t size,
     hash = add_text(hash, pdyn_version(), strlen(pdyn_version()));
     for (int k = 0; k < run->sets; k++) hash = add_text(hash, run->set[k], strlen(run->set[k]));
     if (run->frames) hash = add_text(hash, "", 0);
+    if (run->limit_s > 0.0) {
+        int length = snprintf(run->key, sizeof run->key, "%.9g", run->limit_s);
+        hash = add_text(hash, run->key, (size_t)length);
+    }
     snprintf(run->key, sizeof run->key, "%016llx", (unsigned long long)hash);
 }
 

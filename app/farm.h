@@ -15,7 +15,7 @@ struct farm_run {
     int sets;
     bool frames;        /* are written */
     double limit_s;     /* of processor time, then it is ended; 0: none */
-    char key[FARM_KEY]; /* of scene and settings: the name of its directory */
+    char key[FARM_KEY]; /* of scene, settings, frames and limit: the name of its directory */
     enum farm_status status;
 };
 

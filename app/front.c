@@ -28,19 +28,6 @@ void front_find(struct trade *trade) {
     }
 }
 
-const struct tried *front_choose(const struct trade *trade, double error, double ms, bool accurate,
-                                 bool solved) {
-    const struct tried *best = NULL;
-    for (int k = 0; k < trade->count; k++) {
-        const struct tried *t = &trade->tried[k];
-        if (!t->good || (solved && t->setting->cut)) continue;
-        if (t->error[trade->by] > error || t->ms > ms) continue;
-        if (!best || (accurate ? t->error[trade->by] < best->error[trade->by] : t->ms < best->ms))
-            best = t;
-    }
-    return best;
-}
-
 /* ---- printing -------------------------------------------------------------------------------- */
 
 static int by_time(const void *a, const void *b) {

@@ -191,7 +191,7 @@ static int find_front(struct study *s) {
 /* ---- all of it ------------------------------------------------------------------------------- */
 
 int study_do(struct study *s) {
-    int code = extent_find(&s->extent, s->length, s->share);
+    int code = extent_find(&s->extent, &s->farm, s->length, s->share);
     if (code == EXIT_GOOD && !s->farm.quiet) extent_tell(&s->extent);
     if (code == EXIT_GOOD) code = make_plans(s);
     s->trade.per_second = 1.0 / s->extent.window.own_interval;

@@ -161,7 +161,7 @@ int trade_main(int argc, char **argv) {
                                   .farm = {.threads = 1, .jobs = cores > 1 ? (int)cores : 1}}};
     int code = parse(&o, argc, argv);
     /* All settings and references take about as long as eighty runs; one run after the other, those
-     * of the front and of the scene itself as ten each. */
+     * of the front as ten, one of the scene itself as eight. */
     o.study.share = 60.0 * o.minutes * o.study.farm.jobs / 100.0;
     o.study.extent.user = &o.scene;
     if (code < 0) code = trade(&o.study, &o.wish);

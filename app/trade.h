@@ -28,11 +28,6 @@ struct trade {
 
 /* Marks the front. */
 void front_find(struct trade *trade);
-/* The cheapest with an error up to `error` and a time up to `ms`, or, with `accurate`, the most
- * accurate of them; NULL: none. solved: of those whose steps are. */
-const struct tried *front_choose(const struct trade *trade, double error, double ms, bool accurate,
-                                 bool solved);
-
 void front_print(const struct trade *trade, FILE *file);
 /* DIRECTORY/trade.csv, and trade.svg and trade.png where there is gnuplot. An exit code. */
 int front_write(const struct trade *trade, const char *directory);

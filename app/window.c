@@ -1,7 +1,9 @@
 #include "window.h"
+#include "alone.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 enum { LEAST = 6, SOUGHT = 10 }; /* frames of a window */
 
@@ -18,22 +20,29 @@ static void set_window(struct window *window, const pdyn_sim *sim, double length
     snprintf(window->solver, sizeof window->solver, "%s", pdyn_solver_type(sim));
 }
 
-int window_find(const struct scene_options *scene, double length, double share,
-                struct window *window) {
+/* How far it comes, s. */
+static int run_until(const struct farm *farm, const struct scene_options *scene, double share,
+                     double *reached) {
+    struct farm_run run = {.limit_s = share};
+    struct metrics steps;
+    bool good = farm_add(&run, scene->set, scene->sets);
+    int code = good ? alone_run(farm, &run, &steps) : report_no_memory();
+    free(run.set);
+    if (code != EXIT_GOOD) return code;
+    *reached = alone_end(&steps);
+    metrics_free(&steps);
+    return EXIT_GOOD;
+}
+
+int window_find(const struct farm *farm, const struct scene_options *scene, double length,
+                double share, struct window *window) {
     struct scene_options one = *scene;
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     one.threads = 1, one.silent = true;
     int code = scene_load(&one, &context, &sim);
-    double start = processor_seconds();
-    while (code == EXIT_GOOD && length == 0.0 &&
-           pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9) &&
-           processor_seconds() - start < share) {
-        pdyn_status status = pdyn_step(sim, NULL);
-        if (status != PDYN_OK) code = report_status(context, status);
-    }
-    if (code == EXIT_GOOD)
-        set_window(window, sim, length > 0.0 ? fmin(length, pdyn_duration(sim)) : pdyn_time(sim));
+    if (code == EXIT_GOOD && length == 0.0) code = run_until(farm, scene, share, &length);
+    if (code == EXIT_GOOD) set_window(window, sim, fmin(length, pdyn_duration(sim)));
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;

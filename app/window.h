@@ -2,7 +2,7 @@
 #ifndef WINDOW_H
 #define WINDOW_H
 
-#include "app.h"
+#include "farm.h"
 
 struct window {
     double length, interval;       /* s: simulated time, and between two frames */
@@ -12,9 +12,9 @@ struct window {
     char solver[64];               /* that it uses */
 };
 
-/* Of so many seconds of the scene; where that is 0, simulates it as it is until its end, or until
+/* Of so many seconds of the scene; where that is 0, runs it as it is until its end, or until
  * `share` seconds of processor time are spent. An exit code. */
-int window_find(const struct scene_options *scene, double length, double share,
-                struct window *window);
+int window_find(const struct farm *farm, const struct scene_options *scene, double length,
+                double share, struct window *window);
 
 #endif

@@ -5,6 +5,7 @@ Usage: test_trade.py PROJDYN SCENE.json
 import csv
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -182,6 +183,13 @@ class Twin(unittest.TestCase):
         scene = json.loads((OUT / "whole.json").read_text())
         self.assertEqual(scene["bodies"][0]["particles"]["radius"], 0.05)
         self.assertEqual(scene["bodies"][1]["surface"]["grid"]["vertices"], [9, 9])
+
+    def test_budget(self):
+        ms = float(re.search(r"(\S+) ms a frame", self.said).group(1))
+        said = trade("--twin", "1.25", "--by", "energy", "--budget", f"{1.01 * ms}ms")
+        self.assertLessEqual(float(re.search(r"(\S+) ms a frame", said).group(1)), 1.01 * ms)
+        said = trade("--twin", "1.25", "--by", "energy", "--budget", f"{0.01 * ms}ms", code=1)
+        self.assertIn("nothing that was tried holds that; the scene itself takes about", said)
 
     def test_refuses(self):
         said = trade("--twin", "2", "--set", 'bodies.1.constraints.pin.vertices={"vertices": [0]}',
