@@ -1,33 +1,37 @@
 #include "grid.h"
 
+#include "compact.h"
 #include "simd.h"
 
 #include <math.h>
 #include <string.h>
 
+enum { STRIDE = 8 }; /* points that are looked at side by side: there are as many beyond the last */
+
 pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struct grid *grid) {
     *grid = (struct grid){.cell = reach / GRID_REACH, .capacity = capacity};
-    grid->id = NEW_ARRAY(context, capacity, int);
+    grid->id = NEW_ARRAY(context, capacity + STRIDE, int);
     grid->order = NEW_ARRAY(context, capacity, int);
     grid->swapped = NEW_ARRAY(context, capacity, int);
     grid->key = NEW_ARRAY(context, capacity, int64_t);
     grid->point_key = NEW_ARRAY(context, capacity, int64_t);
     grid->start = NEW_ARRAY(context, capacity + 1, int);
     bool good = grid->id && grid->order && grid->swapped && grid->key && grid->point_key;
-    for (int a = 0; a < 3; a++) good &= (grid->x[a] = NEW_ARRAY(context, capacity, double)) != NULL;
+    for (int a = 0; a < 3; a++)
+        good &= (grid->x[a] = NEW_ARRAY(context, capacity + STRIDE, double)) != NULL;
     if (grid->start && (!capacity || good)) return PDYN_OK;
     grid_free(context, grid);
     return PDYN_NO_MEMORY;
 }
 
 void grid_free(pdyn_context *context, struct grid *grid) {
-    FREE_ARRAY(context, grid->id, grid->capacity);
+    FREE_ARRAY(context, grid->id, grid->capacity + STRIDE);
     FREE_ARRAY(context, grid->order, grid->capacity);
     FREE_ARRAY(context, grid->swapped, grid->capacity);
     FREE_ARRAY(context, grid->key, grid->capacity);
     FREE_ARRAY(context, grid->point_key, grid->capacity);
     FREE_ARRAY(context, grid->start, grid->capacity + 1);
-    for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity);
+    for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity + STRIDE);
 }
 
 static void cell_of(const struct grid *grid, const double *x, int cell[3]) {
@@ -169,34 +173,59 @@ void grid_around(const struct grid *grid, const double *at, struct grid_cells *c
     }
 }
 
-/* Every candidate is written and only the good ones stay: no branch to guess wrong. */
+/* Candidates, side by side. */
+enum { CHUNK = 512 };
+struct candidates {
+    int count;
+    double squared[CHUNK + STRIDE]; /* m^2, of the distance */
+    int id[CHUNK + STRIDE];
+};
+
+/* Appends `count` points, and what then follows up to a whole stride. */
+INLINE void measure(const struct grid *grid, const double *at, int first, int count,
+                    struct candidates *c) {
+    const double *x = grid->x[0] + first, *y = grid->x[1] + first, *z = grid->x[2] + first;
+    double *squared = c->squared + c->count, ax = at[0], ay = at[1], az = at[2];
+    for (int s = 0; s < count; s += STRIDE) {
+        double sum[STRIDE];
+        for (int k = 0; k < STRIDE; k++) {
+            double dx = x[s + k] - ax, dy = y[s + k] - ay, dz = z[s + k] - az;
+            sum[k] = dx * dx + dy * dy + dz * dz;
+        }
+        memcpy(squared + s, sum, sizeof sum);
+        memcpy(c->id + c->count + s, grid->id + first + s, STRIDE * sizeof *c->id);
+    }
+    c->count += count;
+}
+
+/* Writes the good ones behind the `found` that are there; returns how many are there then. */
+INLINE int take(struct candidates *c, double limit, int self, const bool *keep, int *list, int room,
+                int found) {
+    int count = c->count;
+    c->count = 0;
+    if (!keep && found + count <= room)
+        return found + compact(c->squared, c->id, count, limit, self, list + found);
+    for (int k = 0; k < count; k++) {
+        list[found < room ? found : room] = c->id[k];
+        found += (c->squared[k] < limit) & (c->id[k] != self) & (!keep || keep[c->id[k]]);
+    }
+    return found;
+}
+
 WIDE static int query(const struct grid *grid, const struct grid_cells *cells, const double *at,
                       double radius, int self, const bool *keep, int *list, int room) {
-    enum { CHUNK = 32 };
-    double squared[CHUNK], x = at[0], y = at[1], z = at[2], limit = radius * radius;
+    struct candidates near;
+    double limit = radius * radius;
     int found = 0;
+    near.count = 0;
     for (int r = 0; r < GRID_RUNS; r++)
-        for (int first = cells->first[r]; first < cells->last[r]; first += CHUNK) {
-            int count = cells->last[r] - first < CHUNK ? cells->last[r] - first : CHUNK;
-            for (int k = 0; k < count; k++) {
-                double dx = grid->x[0][first + k] - x, dy = grid->x[1][first + k] - y,
-                       dz = grid->x[2][first + k] - z;
-                squared[k] = dx * dx + dy * dy + dz * dz;
-            }
-            if (!keep && found + count <= room) {
-                for (int k = 0; k < count; k++) {
-                    list[found] = grid->id[first + k];
-                    found += (squared[k] < limit) & (grid->id[first + k] != self);
-                }
-                continue;
-            }
-            for (int k = 0; k < count; k++) {
-                int id = grid->id[first + k];
-                list[found < room ? found : room] = id;
-                found += (squared[k] < limit) & (id != self) & (!keep || keep[id]);
-            }
+        for (int first = cells->first[r], count; first < cells->last[r]; first += count) {
+            count = cells->last[r] - first;
+            if (count > CHUNK - near.count) count = CHUNK - near.count;
+            measure(grid, at, first, count, &near);
+            if (near.count == CHUNK) found = take(&near, limit, self, keep, list, room, found);
         }
-    return found;
+    return take(&near, limit, self, keep, list, room, found);
 }
 
 int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
