@@ -1,6 +1,7 @@
 /* Kernels against slow and obvious references: all pairs, double precision, no lists. */
 #include "support.h"
 
+#include "compact.h"
 #include "kernel.h"
 
 #include "projdyn/vec3.h"
@@ -63,13 +64,14 @@ static void check_lists(const pdyn_neighbours *l, const struct cloud *c, const d
 }
 
 /* A random walk of the particles, while the last `moving` boundary points drift: sometimes within
- * the skin, sometimes not. */
-static void walk(pdyn_context *context, double stride, int moving) {
+ * the skin, sometimes not. away: m, how far from the others a few of them are. */
+static void walk(pdyn_context *context, double stride, int moving, double away) {
     struct cloud *c = malloc(sizeof *c);
     uint64_t seed = 3;
     struct neighbours *n;
     assert_non_null(c);
     fill_cloud(c, 1);
+    for (int k = 0; k < 3 * 20; k++) c->x[k] += k % 2 ? away : -away;
     double *carried = c->boundary + 3 * (B - moving);
     struct neighbours_points points = {N, c->centre, B, c->boundary, moving, c->volume, NULL};
     assert_int_equal(neighbours_create(context, &points, NULL, 0.2, 0.1, &n), PDYN_OK);
@@ -93,11 +95,31 @@ static void walk(pdyn_context *context, double stride, int moving) {
 static void test_neighbours(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    walk(context, 0.002, 0);
-    walk(context, 0.002, 90);
-    walk(context, 0.0003, 90); /* only the boundary makes lists fail */
+    walk(context, 0.002, 0, 0.0);
+    walk(context, 0.002, 90, 0.0);
+    walk(context, 0.002, 90, 40.0);
+    walk(context, 0.0003, 90, 0.0); /* only the boundary makes lists fail */
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);
+}
+
+static void test_compact(void **state) {
+    (void)state;
+    uint64_t seed = 7;
+    for (int count = 0; count < 200; count++) {
+        double *squared = malloc((size_t)count * sizeof *squared + 1);
+        int *id = malloc((size_t)count * sizeof *id + 1), expected[200], found = 0;
+        int *list = malloc((size_t)count * sizeof *list + 1); /* no more: ASan looks */
+        assert_true(squared && id && list);
+        for (int k = 0; k < count; k++) {
+            squared[k] = k % 7 ? test_random(&seed) : 0.5;
+            id[k] = 3 * k + 1;
+            if (squared[k] < 0.5 && id[k] != 22) expected[found++] = id[k];
+        }
+        assert_int_equal(compact(squared, id, count, 0.5, 22, list), found);
+        if (found) assert_memory_equal(list, expected, (size_t)found * sizeof *list);
+        free(squared), free(id), free(list);
+    }
 }
 
 static void test_surface_volumes(void **state) {
@@ -379,10 +401,11 @@ static void test_transpose(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel),           cmocka_unit_test(test_neighbours),
-        cmocka_unit_test(test_surface_volumes),  cmocka_unit_test(test_projection),
-        cmocka_unit_test(test_pressure),         cmocka_unit_test(test_carried_density),
-        cmocka_unit_test(test_wall_constraints), cmocka_unit_test(test_transpose),
+        cmocka_unit_test(test_kernel),          cmocka_unit_test(test_compact),
+        cmocka_unit_test(test_neighbours),      cmocka_unit_test(test_surface_volumes),
+        cmocka_unit_test(test_projection),      cmocka_unit_test(test_pressure),
+        cmocka_unit_test(test_carried_density), cmocka_unit_test(test_wall_constraints),
+        cmocka_unit_test(test_transpose),
     };
     return cmocka_run_group_tests_name("kernels", tests, NULL, NULL);
 }

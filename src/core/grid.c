@@ -8,6 +8,8 @@
 
 enum { STRIDE = 8 }; /* points that are looked at side by side: there are as many beyond the last */
 
+enum { TABLE = 8 }; /* cells for each point that there is room for in the table */
+
 pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struct grid *grid) {
     *grid = (struct grid){.cell = reach / GRID_REACH, .capacity = capacity};
     grid->id = NEW_ARRAY(context, capacity + STRIDE, int);
@@ -16,7 +18,9 @@ pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struc
     grid->key = NEW_ARRAY(context, capacity, int64_t);
     grid->point_key = NEW_ARRAY(context, capacity, int64_t);
     grid->start = NEW_ARRAY(context, capacity + 1, int);
-    bool good = grid->id && grid->order && grid->swapped && grid->key && grid->point_key;
+    grid->table = NEW_ARRAY(context, TABLE * (size_t)capacity, int);
+    bool good = grid->id && grid->order && grid->swapped && grid->key && grid->point_key &&
+                (!capacity || grid->table);
     for (int a = 0; a < 3; a++)
         good &= (grid->x[a] = NEW_ARRAY(context, capacity + STRIDE, double)) != NULL;
     if (grid->start && (!capacity || good)) return PDYN_OK;
@@ -31,6 +35,7 @@ void grid_free(pdyn_context *context, struct grid *grid) {
     FREE_ARRAY(context, grid->key, grid->capacity);
     FREE_ARRAY(context, grid->point_key, grid->capacity);
     FREE_ARRAY(context, grid->start, grid->capacity + 1);
+    FREE_ARRAY(context, grid->table, TABLE * (size_t)grid->capacity);
     for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity + STRIDE);
 }
 
@@ -79,7 +84,10 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
         span[a] = (int64_t)high[a] - low[a] + 1 + 2 * GRID_REACH;
     }
     grid->pitch[0] = span[0], grid->pitch[1] = span[0] * span[1];
-    if ((double)span[0] * (double)span[1] * (double)span[2] < most_keys) return PDYN_OK;
+    if ((double)span[0] * (double)span[1] * (double)span[2] < most_keys) {
+        grid->keys = grid->pitch[1] * span[2];
+        return PDYN_OK;
+    }
     return context_fail(context, PDYN_DIVERGED,
                         "points are %g x %g x %g m apart: the simulation has diverged or something "
                         "left the scene",
@@ -120,6 +128,16 @@ static void fill_cells(struct grid *grid, const int *id, const double *x) {
     grid->start[grid->cells] = grid->points;
 }
 
+/* Of every key in the box, those of empty cells, too. */
+static void fill_table(struct grid *grid) {
+    int64_t key = 0;
+    grid->tabled = grid->keys <= TABLE * (int64_t)grid->capacity;
+    if (!grid->tabled) return;
+    for (int c = 0; c < grid->cells; c++)
+        while (key <= grid->key[c]) grid->table[key++] = grid->start[c];
+    while (key < grid->keys) grid->table[key++] = grid->points;
+}
+
 pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
                       const double *x) {
     grid->points = points;
@@ -132,6 +150,7 @@ pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, cons
     }
     sort_by_key(grid);
     fill_cells(grid, id, x);
+    fill_table(grid);
     return PDYN_OK;
 }
 
@@ -156,21 +175,36 @@ static int find_cell(const struct grid *grid, int64_t key, int c) {
     return high;
 }
 
+/* The first point of a cell whose key is at least `key`, also of one outside. */
+static int look_up(const struct grid *grid, int64_t key) {
+    if (key < 0) return 0;
+    return key < grid->keys ? grid->table[key] : grid->points;
+}
+
+/* Points of the cells with keys in [key, key + width). */
+static void find_run(const struct grid *grid, struct grid_cells *cells, int r, int64_t key,
+                     int width) {
+    if (grid->tabled) {
+        cells->first[r] = look_up(grid, key), cells->last[r] = look_up(grid, key + width);
+        return;
+    }
+    int c = cells->cell[r] = find_cell(grid, key, cells->cell[r]);
+    cells->first[r] = grid->start[c];
+    while (c < grid->cells && grid->key[c] < key + width) c++;
+    cells->last[r] = grid->start[c];
+}
+
 void grid_around(const struct grid *grid, const double *at, struct grid_cells *cells) {
-    int cell[3];
+    int cell[3], width = 2 * GRID_REACH + 1;
     cell_of(grid, at, cell);
     int64_t middle = key_of(grid, cell);
     if (cells->known && cells->key == middle) return;
     cells->known = true, cells->key = middle;
-    for (int r = 0; r < GRID_RUNS; r++) {
-        int width = 2 * GRID_REACH + 1;
-        int64_t key = middle - GRID_REACH + (r % width - GRID_REACH) * grid->pitch[0] +
-                      (r / width - GRID_REACH) * grid->pitch[1];
-        int c = cells->cell[r] = find_cell(grid, key, cells->cell[r]);
-        cells->first[r] = grid->start[c];
-        while (c < grid->cells && grid->key[c] <= key + 2 * GRID_REACH) c++;
-        cells->last[r] = grid->start[c];
-    }
+    for (int r = 0; r < GRID_RUNS; r++)
+        find_run(grid, cells, r,
+                 middle - GRID_REACH + (r % width - GRID_REACH) * grid->pitch[0] +
+                     (r / width - GRID_REACH) * grid->pitch[1],
+                 width);
 }
 
 /* Candidates, side by side. */

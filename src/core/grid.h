@@ -1,6 +1,7 @@
 /* Points sorted into the cells of a uniform grid. Only cells with points are kept, sorted along x,
- * then y, then z: the domain has no bounds, memory goes with the number of points (56 bytes each),
- * and cells that are neighbours along x are one run of points. */
+ * then y, then z: the domain has no bounds, memory goes with the number of points (88 bytes each),
+ * and cells that are neighbours along x are one run of points. Where the box around all points has
+ * few enough cells, a table says where each begins; otherwise it is searched for. */
 #ifndef PDYN_GRID_H
 #define PDYN_GRID_H
 
@@ -11,11 +12,14 @@ struct grid {
     int capacity, points;
     int low[3];           /* a corner of the cells in use, two cells outside */
     int64_t pitch[2];     /* what a step along y and z adds to a key; along x it is 1 */
+    int64_t keys;         /* of the box of these cells and two around it */
     int *id;              /* points: what was sorted */
     double *x[3];         /* points each */
     int cells;            /* with points in them */
     int64_t *key;         /* cells, ascending */
     int *start;           /* cells + 1: first point of each cell */
+    int *table;           /* for each key, the first point of its cell or one after it; */
+    bool tabled;          /* if there is room for all keys */
     int64_t *point_key;   /* points: scratch of the sort */
     int *order, *swapped; /* points: the same */
 };
