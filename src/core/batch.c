@@ -129,7 +129,7 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
     }
     b->energy = 0.0;
     if (b->stiffness) {
-        b->energy = stiffness_apply(b->stiffness, x, gradient);
+        b->energy = stiffness_energy(b->stiffness, x, gradient);
         return PDYN_OK;
     }
     for_range(b, b->view.elements, BATCH_GRAIN, local_rows, x, NULL, 0.0);

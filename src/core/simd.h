@@ -1,7 +1,8 @@
 /* Four lanes at a time, by the compilers' vector types: 3-vectors are padded to four doubles, so
  * that one is loaded, scaled and added at once. Static functions marked WIDE are compiled for AVX2
- * as well as for the plain target and chosen when the program starts; without fused products, both
- * give the same bits. Their names are unique in the library, as the choice is global with clang. */
+ * and AVX-512 as well as for the plain target and chosen when the program starts; without fused
+ * products, all give the same bits. Their names are unique in the library, as the choice is global
+ * with clang. */
 #ifndef PDYN_SIMD_H
 #define PDYN_SIMD_H
 
@@ -19,7 +20,7 @@ typedef float v4f __attribute__((vector_size(16)));
 #endif
 #endif
 #if !defined(WIDE) && defined(__x86_64__)
-#define WIDE __attribute__((target_clones("avx2", "default")))
+#define WIDE __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #elif !defined(WIDE)
 #define WIDE
 #endif

@@ -11,32 +11,58 @@ struct call {
     double *y;
 };
 
-/* y_i += sum_j K_ij (x_j - x_i) + own_i x_i: what neighbours have in common does not round. */
-WIDE static void apply(void *arg, int first, int last, int block) {
-    const struct call *c = arg;
-    const struct stiffness *k = c->k;
-    v4 energy = {0}; /* the fourth lane means nothing */
-    for (int i = first; i < last; i++) {
-        v4 x, xj, squares = {0}, sum = {0};
-        memcpy(&x, c->x + 3 * (size_t)(k->first + i), sizeof x);
-        for (int t = k->start[i]; t < k->start[i + 1]; t++) {
-            memcpy(&xj, c->x + 3 * (size_t)k->column[t], sizeof xj);
-            xj -= x;
-            v4 force = k->value[t] * xj;
-            sum += force;
-            squares += force * xj;
-        }
-        sum += k->own[i] * x;
-        energy += k->own[i] * x * x - 0.5 * squares;
-        v4_add_to(c->y + 3 * (size_t)(k->first + i), &sum);
-    }
-    k->partial[block] = 0.5 * (energy[0] + energy[1] + energy[2]);
+/* Sums run in several lanes, so that no addition waits for the one before. */
+enum { LANES = 4 };
+
+/* sum += K_ij (x_j - x_i) of entry t */
+INLINE void add_entry(const struct stiffness *k, int t, const double *x, const v4 *xi, v4 *sum,
+                      v4 *squares) {
+    v4 xj;
+    memcpy(&xj, x + 3 * (size_t)k->column[t], sizeof xj);
+    xj -= *xi;
+    v4 force = k->value[t] * xj;
+    *sum += force;
+    if (squares) *squares += force * xj;
 }
 
-double stiffness_apply(struct stiffness *k, const double *x, double *y) {
+/* y_i += sum_j K_ij (x_j - x_i) + own_i x_i: what neighbours have in common does not round. Adds
+ * twice the energy's part of i, the fourth lane means nothing. */
+INLINE void multiply_row(const struct call *c, int i, v4 *energy) {
+    const struct stiffness *k = c->k;
+    v4 x, sum[LANES] = {{0}}, squares[LANES] = {{0}};
+    int t = k->start[i], end = k->start[i + 1];
+    memcpy(&x, c->x + 3 * (size_t)(k->first + i), sizeof x);
+    for (; t + LANES <= end; t += LANES)
+        for (int l = 0; l < LANES; l++)
+            add_entry(k, t + l, c->x, &x, &sum[l], energy ? &squares[l] : NULL);
+    for (; t < end; t++) add_entry(k, t, c->x, &x, &sum[0], energy ? &squares[0] : NULL);
+    v4 all = (sum[0] + sum[1]) + (sum[2] + sum[3]) + k->own[i] * x;
+    v4_add_to(c->y + 3 * (size_t)(k->first + i), &all);
+    if (!energy) return;
+    *energy += k->own[i] * x * x - 0.5 * ((squares[0] + squares[1]) + (squares[2] + squares[3]));
+}
+
+WIDE static void multiply_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    for (int i = first; i < last; i++) multiply_row(arg, i, NULL);
+}
+
+WIDE static void sum_energy(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    v4 energy = {0};
+    for (int i = first; i < last; i++) multiply_row(c, i, &energy);
+    c->k->partial[block] = 0.5 * (energy[0] + energy[1] + energy[2]);
+}
+
+void stiffness_apply(struct stiffness *k, const double *x, double *y) {
+    struct call call = {k, x, y};
+    pool_for(k->context->pool, k->count, GRAIN, multiply_rows, &call);
+}
+
+double stiffness_energy(struct stiffness *k, const double *x, double *y) {
     struct call call = {k, x, y};
     double sum = 0.0;
-    pool_for(k->context->pool, k->count, GRAIN, apply, &call);
+    pool_for(k->context->pool, k->count, GRAIN, sum_energy, &call);
     for (int b = 0; b < pool_blocks(k->count, GRAIN); b++) sum += k->partial[b];
     return sum;
 }

@@ -25,8 +25,10 @@ pdyn_status stiffness_create(pdyn_context *context, const struct batch *batch,
                              struct stiffness **out);
 void stiffness_free(struct stiffness *stiffness); /* NULL is fine */
 
-/* y += K x; returns x.K x / 2, summed as differences of neighbours are. */
-double stiffness_apply(struct stiffness *stiffness, const double *x, double *y);
+/* y += K x */
+void stiffness_apply(struct stiffness *stiffness, const double *x, double *y);
+/* Returns x.K x / 2, summed as differences of neighbours are; y += K x. */
+double stiffness_energy(struct stiffness *stiffness, const double *x, double *y);
 /* Adds K_ii to the blocks, packed xx xy xz yy yz zz, particles x 6. */
 void stiffness_diagonal(const struct stiffness *stiffness, double *blocks);
 
