@@ -11,20 +11,20 @@ mkdir -p docs/gallery
 cp -r examples/plugin "$dir/plugin"
 cp build/examples/*.so "$dir/plugin"
 
-picture() { # NAME SCENE TIME
+picture() { # NAME SCENE TIME [HIDDEN]
     build/app/projdyn run "$2" -o "$dir/$1" --time "$3" --quiet 2>/dev/null
     build/app/projdyn replay "$dir/$1" >/dev/null
     rm -f "$dir/profile/SingletonLock"
     chromium --headless --no-sandbox --disable-gpu --use-gl=angle --use-angle=swiftshader \
         --enable-unsafe-swiftshader --hide-scrollbars --user-data-dir="$dir/profile" --window-size=640,400 \
         --virtual-time-budget=10000 --screenshot="docs/gallery/$1.png" \
-        "file://$dir/$1/replay.html#frame=100000&play=0" >/dev/null 2>&1
+        "file://$dir/$1/replay.html#frame=100000&play=0&hide=${4:-}" >/dev/null 2>&1
     echo "docs/gallery/$1.png"
 }
 if [ $# = 0 ]; then
     picture soft_ball scenes/soft_ball.json 0.4
-    picture flag_in_stream scenes/flag_in_stream.json 0.6
-    picture dragged_cloth scenes/dragged_cloth.json 0.6
+    picture flag_in_stream scenes/flag_in_stream.json 0.6 water
+    picture dragged_cloth scenes/dragged_cloth.json 0.6 water
     set -- template rigid balloon grains
 fi
 for name in "$@"; do

@@ -25,8 +25,8 @@ struct neighbours_points { /* all arrays are copied */
 };
 
 /* samples: the last particles, or NULL for none; they must stay. skin: a part of the support, >= 0.
- * Memory: 121 bytes per particle, 104 per boundary point, 24 more where it may move, and 5 per listed
- * neighbour (about 55 of these). */
+ * Memory: 121 bytes per particle, 104 per boundary point, 24 more where it may move, and 5 per
+ * listed neighbour (about 55 of these). */
 pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
                               const struct samples *samples, double support, double skin,
                               struct neighbours **out);
