@@ -77,7 +77,7 @@ static const struct tried *pick(const struct study *s, const struct wish *wish,
     for (int k = 0; k < trade->count; k++) {
         const struct tried *t = &trade->tried[k];
         double ms = cost[k].length > 0.0 ? cost[k].ms : ratio * t->ms, error = t->error[trade->by];
-        if (!t->good || (s->extent.twin.sets && t->setting->cut)) continue;
+        if (!tried_counts(t, trade->by) || (s->extent.twin.sets && t->setting->cut)) continue;
         if (!(error <= wish->error && ms <= wish->ms && (cheapest ? ms : error) < least)) continue;
         best = t, least = cheapest ? ms : error;
     }

@@ -15,14 +15,14 @@ extern char **environ;
 /* ---- finding --------------------------------------------------------------------------------- */
 
 static bool beats(const struct tried *a, const struct tried *b, int by) {
-    return a->good && a->ms <= b->ms && a->error[by] <= b->error[by] &&
+    return tried_counts(a, by) && a->ms <= b->ms && a->error[by] <= b->error[by] &&
            (a->ms < b->ms || a->error[by] < b->error[by] || a < b);
 }
 
 void front_find(struct trade *trade) {
     for (int k = 0; k < trade->count; k++) {
         struct tried *t = &trade->tried[k];
-        t->front = t->good;
+        t->front = tried_counts(t, trade->by);
         for (int j = 0; j < trade->count; j++)
             if (j != k && beats(&trade->tried[j], t, trade->by)) t->front = false;
     }

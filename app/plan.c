@@ -73,10 +73,10 @@ static bool keep(struct plan *plan, struct setting *d, const char *format, ...) 
 static bool grid_solved(struct plan *plan, const json_t *scene) {
     static const struct {
         double factor, tolerance;
-    } points[] = {{8, 1},    {8, 0.1},    {4, 10},    {4, 1},       {4, 0.1},
-                  {2, 10},   {2, 1},      {2, 0.1},   {1, 10},      {1, 1},
-                  {1, 0.1},  {0.5, 10},   {0.5, 1},   {0.5, 0.1},   {0.25, 10},
-                  {0.25, 1}, {0.25, 0.1}, {0.125, 1}, {0.125, 0.1}, {0.0625, 1}};
+    } points[] = {{8, 1},       {8, 0.1},    {4, 10},     {4, 1},    {4, 0.1},    {2, 10},
+                  {2, 1},       {2, 0.1},    {1, 10},     {1, 1},    {1, 0.1},    {0.5, 10},
+                  {0.5, 1},     {0.5, 0.1},  {0.25, 10},  {0.25, 1}, {0.25, 0.1}, {0.125, 1},
+                  {0.125, 0.1}, {0.0625, 1}, {0.03125, 1}};
     bool good = true;
     for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
         struct setting d = {0};

@@ -26,7 +26,12 @@ struct trade {
     double per_second;                 /* frames */
 };
 
-/* Marks the front. */
+/* It ended well, and is nearer to the reference than all that happens there. */
+static inline bool tried_counts(const struct tried *tried, int by) {
+    return tried->good && tried->error[by] < 1.0;
+}
+
+/* Marks the front of those that count. */
 void front_find(struct trade *trade);
 void front_print(const struct trade *trade, FILE *file);
 /* DIRECTORY/trade.csv, and trade.svg and trade.png where there is gnuplot. An exit code. */

@@ -125,7 +125,9 @@ class Trade(unittest.TestCase):
                          and (float(r["ms_per_frame"]) < ms or float(r["error"]) < error) for r in self.rows)
             if row["on_front"] == "1":
                 self.assertFalse(beaten, row)
-            elif not beaten:  # the same time and error as another one
+            if error >= 1:
+                self.assertEqual(row["on_front"], "0")  # nothing to do with the reference
+            elif row["on_front"] == "0" and not beaten:  # the same time and error as another one
                 self.assertTrue([r for r in self.rows if r is not row and float(r["error"]) == error], row)
 
     def test_recommends(self):
