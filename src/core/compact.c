@@ -38,14 +38,12 @@ __attribute__((target("avx512f"))) static int compact_wider(const double *square
     }
     return found;
 }
+#endif
 
 int compact(const double *squared, const int *id, int count, double limit, int without, int *list) {
-    return __builtin_cpu_supports("avx512f")
-               ? compact_wider(squared, id, count, limit, without, list)
-               : compact_plain(squared, id, count, limit, without, list);
-}
-#else
-int compact(const double *squared, const int *id, int count, double limit, int without, int *list) {
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx512f"))
+        return compact_wider(squared, id, count, limit, without, list);
+#endif
     return compact_plain(squared, id, count, limit, without, list);
 }
-#endif

@@ -15,7 +15,7 @@ struct groups {
     double *constant; /* what linear batches give to it, as a.value */
     double *rest;     /* particles x 6: block diagonal of what is not static */
     double *sum, *x;  /* as rows: of r over each group; its displacement */
-    int left;         /* products with its inverse until it is made anew; 0: it is not made */
+    int left;         /* products with a's inverse until a is made anew; none: now */
     const double *r;  /* of the product that runs */
     double *z;
 };
