@@ -11,7 +11,7 @@ enum { STRIDE = 8 }; /* points that are looked at side by side: there are as man
 enum { TABLE = 8 }; /* cells for each point that there is room for in the table */
 
 pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struct grid *grid) {
-    *grid = (struct grid){.cell = reach / GRID_REACH, .capacity = capacity};
+    *grid = (struct grid){.cell = reach, .capacity = capacity};
     grid->id = NEW_ARRAY(context, capacity + STRIDE, int);
     grid->order = NEW_ARRAY(context, capacity, int);
     grid->swapped = NEW_ARRAY(context, capacity, int);
@@ -80,8 +80,8 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
     int64_t span[3];
     for (int a = 0; a < 3; a++) {
         if (!grid->points) low[a] = high[a] = 0; /* some cell: nothing is in any */
-        grid->low[a] = low[a] - GRID_REACH;
-        span[a] = (int64_t)high[a] - low[a] + 1 + 2 * GRID_REACH;
+        grid->low[a] = low[a] - 1;
+        span[a] = (int64_t)high[a] - low[a] + 3;
     }
     grid->pitch[0] = span[0], grid->pitch[1] = span[0] * span[1];
     if ((double)span[0] * (double)span[1] * (double)span[2] < most_keys) {
@@ -195,16 +195,14 @@ static void find_run(const struct grid *grid, struct grid_cells *cells, int r, i
 }
 
 void grid_around(const struct grid *grid, const double *at, struct grid_cells *cells) {
-    int cell[3], width = 2 * GRID_REACH + 1;
+    int cell[3];
     cell_of(grid, at, cell);
     int64_t middle = key_of(grid, cell);
     if (cells->known && cells->key == middle) return;
     cells->known = true, cells->key = middle;
     for (int r = 0; r < GRID_RUNS; r++)
         find_run(grid, cells, r,
-                 middle - GRID_REACH + (r % width - GRID_REACH) * grid->pitch[0] +
-                     (r / width - GRID_REACH) * grid->pitch[1],
-                 width);
+                 middle - 1 + (r % 3 - 1) * grid->pitch[0] + (r / 3 - 1) * grid->pitch[1], 3);
 }
 
 /* Candidates, side by side. */

@@ -8,11 +8,11 @@
 #include "context.h"
 
 struct grid {
-    double cell; /* m, edge of a cell */
+    double cell; /* m, edge of a cell: the reach */
     int capacity, points;
-    int low[3];           /* a corner of the cells in use, two cells outside */
+    int low[3];           /* a corner of the cells in use, one cell outside */
     int64_t pitch[2];     /* what a step along y and z adds to a key; along x it is 1 */
-    int64_t keys;         /* of the box of these cells and two around it */
+    int64_t keys;         /* of the box of these cells and one around it */
     int *id;              /* points: what was sorted */
     double *x[3];         /* points each */
     int cells;            /* with points in them */
@@ -35,8 +35,9 @@ void grid_free(pdyn_context *context, struct grid *grid);
 pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, const int *id,
                       const double *x);
 
-/* The cells within reach of a cell, as runs of points. */
-enum { GRID_REACH = 2, GRID_RUNS = (2 * GRID_REACH + 1) * (2 * GRID_REACH + 1) };
+/* The cells within reach of a cell, as runs of points. Cells half as wide would have half as many
+ * candidates, but each run costs more than these do. */
+enum { GRID_RUNS = 3 * 3 };
 struct grid_cells {
     bool known;
     int64_t key; /* of the cell in the middle */
