@@ -221,11 +221,11 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_emitted_mass),      cmocka_unit_test(test_place),
-        cmocka_unit_test(test_blocked),           cmocka_unit_test(test_free_jet),
-        cmocka_unit_test(test_before_the_start),  cmocka_unit_test(test_outlet),
-        cmocka_unit_test(test_exhausted),         cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_stiff_jet),         cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_emitted_mass),     cmocka_unit_test(test_place),
+        cmocka_unit_test(test_blocked),          cmocka_unit_test(test_free_jet),
+        cmocka_unit_test(test_before_the_start), cmocka_unit_test(test_outlet),
+        cmocka_unit_test(test_exhausted),        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_stiff_jet),        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("inlet", tests, NULL, NULL);
 }

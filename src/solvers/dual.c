@@ -106,6 +106,9 @@ static double sum_of(const struct dual *s, int which) {
     return sum;
 }
 
+/* fmax is a call, for what it does with what is no number. */
+static double larger(double a, double b) { return a > b ? a : b; }
+
 /* What a force moves a particle, m/N: B^-1. */
 static double mobility(const struct dual *s, int i) {
     return 1.0 / (system_inertia(s->system, i) + s->system->eps * s->at->at.held[i]);
@@ -137,7 +140,7 @@ static void displace(struct dual *s, const double *b, const double *multiplier) 
 
 /* lambda - K max(0, C): what a multiplier adds to the forces that b contains. */
 static double change(const struct dual *s, int i) {
-    return s->multiplier[i] - stiffness(s, i) * fmax(0.0, s->at->at.value[i]);
+    return s->multiplier[i] - stiffness(s, i) * larger(0.0, s->at->at.value[i]);
 }
 
 static void begin(void *arg, int first, int last, int block) {
@@ -182,7 +185,7 @@ static void advance(void *arg, int first, int last, int block) {
         if (l < 0.0) beyond += l * l / D;
         all += step * step / D;
         if (l == 0.0 && g <= 0.0) continue;
-        double missing = fmax(stiffness(s, i) * g, -l);
+        double missing = larger(stiffness(s, i) * g, -l);
         gradient += missing * missing * at->squares[i];
         gz += g * g * D;
     }
@@ -223,7 +226,7 @@ static void multiply(struct dual *s) {
 static void clip(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    for (int i = first; i < last; i++) s->p[i] = fmax(0.0, -s->multiplier[i]);
+    for (int i = first; i < last; i++) s->p[i] = larger(0.0, -s->multiplier[i]);
 }
 
 /* Back to the bounds, and g with it. */
@@ -238,7 +241,7 @@ static void find_change(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
     for (int i = first; i < last; i++) {
-        s->multiplier[i] = fmax(0.0, s->multiplier[i]);
+        s->multiplier[i] = larger(0.0, s->multiplier[i]);
         s->p[i] = change(s, i);
     }
 }
