@@ -31,6 +31,7 @@ struct fluid {
     double particle_volume; /* m^3 */
     size_t pairs;           /* capacity of what is kept per listed neighbour */
     int *block_start;       /* blocks + 1: first pair of each block of points */
+    bool *block_used;       /* blocks: with fluid or pairs; of a large surface, few */
     /* Points: its pairs inside the support, packed by blocks; of a particle first those with
      * particles, from pair_end on those with boundary points. */
     int *pair_start, *pair_end, *pair_last;

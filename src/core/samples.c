@@ -4,6 +4,7 @@
 #include "sampling.h"
 
 #include "projdyn/vec3.h"
+#include "simd.h"
 
 #include <string.h>
 
@@ -47,17 +48,23 @@ static void add_own(void *arg, int first, int last, int block) {
     for (int k = c->numbers * first; k < c->numbers * last; k++) c->out[k] += c->in[k];
 }
 
-static void add_from_samples(void *arg, int first, int last, int block) {
+INLINE void add_touching(const struct call *c, int i, size_t numbers) {
+    const struct samples *s = c->s;
+    double *to = c->out + numbers * (size_t)(s->touch_first + i), sum[6] = {0};
+    for (int t = s->touch_start[i]; t < s->touch_start[i + 1]; t++) {
+        const double *from = c->in + numbers * (size_t)(s->particles + s->touch[t] / 3);
+        for (size_t a = 0; a < numbers; a++) sum[a] += s->weight[s->touch[t]] * from[a];
+    }
+    for (size_t a = 0; a < numbers; a++) to[a] += sum[a];
+}
+
+/* Vectors or blocks: with a number that is known, sums stay in registers. */
+WIDE static void add_from_samples(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const struct samples *s = c->s;
-    size_t n = (size_t)c->numbers;
     for (int i = first; i < last; i++)
-        for (int t = s->touch_start[i]; t < s->touch_start[i + 1]; t++) {
-            const double *from = c->in + n * (size_t)(s->particles + s->touch[t] / 3);
-            double *to = c->out + n * (size_t)(s->touch_first + i);
-            for (size_t a = 0; a < n; a++) to[a] += s->weight[s->touch[t]] * from[a];
-        }
+        if (c->numbers == 3) add_touching(c, i, 3);
+        else add_touching(c, i, 6);
 }
 
 static void gather(const struct samples *s, const double *extended, double *out, int numbers) {
