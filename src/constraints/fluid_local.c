@@ -289,8 +289,6 @@ WIDE static void project_block(void *arg, int first, int last, int block) {
     for (int i = first > f->particles ? first : f->particles; i < last; i++)
         energy += project_wall(f, i, &near, &front);
     f->partial[block] = energy;
-    bool fluid = first < f->first + f->count && last > f->first;
-    f->block_used[block] = fluid || front > f->block_start[block];
 }
 
 static void set_positions(void *arg, int first, int last, int block) {

@@ -12,7 +12,6 @@ static bool resize_particles(struct fluid *f, bool make) {
         size_t count, size;
     } all[] = {
         {(void **)&f->block_start, constrained / FLUID_GRAIN + 2, sizeof(int)},
-        {(void **)&f->block_used, constrained / FLUID_GRAIN + 1, sizeof(bool)},
         {(void **)&f->pair_start, constrained, sizeof(int)},
         {(void **)&f->pair_end, constrained, sizeof(int)},
         {(void **)&f->pair_last, constrained, sizeof(int)},

@@ -21,7 +21,7 @@ INLINE void sum_pairs(const struct fluid *f, int i, int end, add_fn *add, const 
 /* The fourth lane stays what it was: sums of products leave it out. */
 static void copy_vectors(void *arg, int first, int last, int block) {
     const struct fluid_call *c = arg;
-    if (!c->f->block_used[block]) return;
+    if (!takes_part(c->f, first, last, block)) return;
     for (int i = first; i < last; i++)
         memcpy(c->f->vector + 4 * i, c->in + 3 * i, 3 * sizeof *c->in);
 }
@@ -68,7 +68,7 @@ INLINE void add_flux(const struct fluid *f, int pair, const double *flux, v4 *su
 WIDE static void gradients(void *arg, int first, int last, int block) {
     const struct fluid_call *c = arg;
     const struct fluid *f = c->f;
-    if (!f->block_used[block]) return;
+    if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         v4 sum, own;
         sum_pairs(f, i, f->pair_last[i], add_flux, c->in, &sum);
@@ -103,7 +103,7 @@ INLINE void add_outer_product(v4 sum[3], double scale, const v4 *a) {
 WIDE static void diagonal_blocks(void *arg, int first, int last, int block) {
     const struct fluid_call *c = arg;
     const struct fluid *f = c->f;
-    if (!f->block_used[block]) return;
+    if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         v4 sum[3] = {{0}}, g;
         for (int s = f->pair_start[i]; s < f->pair_last[i]; s++) {

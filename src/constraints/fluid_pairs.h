@@ -31,7 +31,6 @@ struct fluid {
     double particle_volume; /* m^3 */
     size_t pairs;           /* capacity of what is kept per listed neighbour */
     int *block_start;       /* blocks + 1: first pair of each block of points */
-    bool *block_used;       /* blocks: with fluid or pairs; of a large surface, few */
     /* Points: its pairs inside the support, packed by blocks; of a particle first those with
      * particles, from pair_end on those with boundary points. */
     int *pair_start, *pair_end, *pair_last;
@@ -82,6 +81,12 @@ static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, 
                                  double *out) {
     struct fluid_call call = {f, in, out, NULL};
     f->services->parallel_for(f->services->core, count, FLUID_GRAIN, fn, &call);
+}
+
+/* Whether a block of points has fluid or pairs: of a large surface, few have. */
+static inline bool takes_part(const struct fluid *f, int first, int last, int block) {
+    bool fluid = first < f->first + f->count && last > f->first;
+    return fluid || f->pair_last[last - 1] > f->block_start[block];
 }
 
 /* The gradient and the value of a pair. */
