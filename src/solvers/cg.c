@@ -15,7 +15,7 @@ static void release(void *self) {
 
 static void prepare(void *self) {
     struct cg *cg = self;
-    jacobi_prepare(&cg->jacobi);
+    jacobi_prepare(&cg->jacobi, 1.0);
 }
 
 static double precondition(void *self) {

@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-void factor_start(struct factor *f, pdyn_context *context) {
-    f->context = context;
+void factor_start(struct factor *f, pdyn_context *context, bool single) {
+    f->context = context, f->single = single;
     cholmod_start(&f->common);
     f->common.print = 0;
 }
@@ -57,7 +57,7 @@ pdyn_status factor_analyse(struct factor *f, const struct matrix *m, bool lastin
     cholmod_free_factor(&f->factor, &f->common);
     f->factor = cholmod_analyze(&A, &f->common);
     if (!f->factor) return fail(f, "analyse");
-    return f->coupled ? PDYN_OK : panels_build(&f->panels, f->context, f->factor);
+    return f->coupled ? PDYN_OK : panels_build(&f->panels, f->context, f->factor, f->single);
 }
 
 pdyn_status factor_numbers(struct factor *f, const struct matrix *m) {

@@ -12,13 +12,15 @@ struct factor {
     pdyn_context *context;
     int unknowns; /* 3 particles where these couple, else particles */
     bool coupled;
+    bool single; /* panels in floats */
     cholmod_common common;
     cholmod_factor *factor; /* its numbers are in the panels, unless coupled */
     struct panels panels;
     cholmod_dense *solution, *work, *scratch; /* coupled */
 };
 
-void factor_start(struct factor *factor, pdyn_context *context);
+/* single: see panels_build; for `panels` alone. */
+void factor_start(struct factor *factor, pdyn_context *context, bool single);
 void factor_free(struct factor *factor); /* zeroed or started */
 
 /* Chooses the order of the unknowns by the pattern. `lasting`: it will be solved with often, so a

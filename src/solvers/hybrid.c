@@ -1,72 +1,82 @@
-/* Conjugate gradients (krylov.h) with a preconditioner that sees further than a particle: of what
- * is static, a factor (turns.h); where fluid or contact change what the surfaces feel, groups of
- * particles as a coarse level beside the blocks of cg (groups.h). */
+/* Conjugate gradients (krylov.h) with a preconditioner that sees further than a particle: the
+ * blocks of cg, and beside them a level for what surfaces and solids do as a whole: a factor where
+ * all is static (backbone.h), groups of particles where fluid or contact change what they feel
+ * (groups.h). */
+#include "backbone.h"
 #include "groups.h"
 #include "jacobi.h"
-#include "turns.h"
+#include "krylov.h"
 
 struct hybrid {
     struct krylov krylov;
-    struct turns turns;
-    struct groups groups;
     struct jacobi jacobi;
+    struct backbone backbone;
+    struct groups groups;
 };
 
 static void release(void *self) {
     struct hybrid *s = self;
-    turns_free(&s->turns);
     jacobi_free(&s->jacobi);
+    backbone_free(&s->backbone);
     groups_free(&s->groups);
     krylov_free(&s->krylov);
 }
 
-static void prepare_turns(void *self) { jacobi_prepare(&((struct hybrid *)self)->jacobi); }
+/* How much of the blocks: a factor holds all that they do once more, groups hold little of it. */
+static const double beside_factor = 0.5, beside_groups = 1.0;
 
-static double take_turns(void *self) { return turns_precondition(&((struct hybrid *)self)->turns); }
+/* ---- a level beside the blocks --------------------------------------------------------------- */
 
-static void prepare_levels(void *self) {
+static void prepare_backbone(void *self) {
+    jacobi_prepare(&((struct hybrid *)self)->jacobi, beside_factor);
+}
+
+static double add_backbone(void *self) {
     struct hybrid *s = self;
-    jacobi_prepare(&s->jacobi);
+    double rz = jacobi_apply(&s->jacobi, s->krylov.r, s->krylov.z);
+    return rz + backbone_add(&s->backbone, s->krylov.r, s->krylov.z);
+}
+
+static void prepare_groups(void *self) {
+    struct hybrid *s = self;
+    jacobi_prepare(&s->jacobi, beside_groups);
     groups_prepare(&s->groups);
 }
 
-static double add_levels(void *self) {
+static double add_groups(void *self) {
     struct hybrid *s = self;
     double rz = jacobi_apply(&s->jacobi, s->krylov.r, s->krylov.z);
     return rz + groups_add(&s->groups, s->krylov.r, s->krylov.z);
 }
 
-static pdyn_status create_levels(struct hybrid *s, struct system *system) {
-    s->krylov.prepare = prepare_levels, s->krylov.precondition = add_levels;
-    s->krylov.patient = true;
-    return groups_create(&s->groups, system);
-}
+/* ---- the solver ------------------------------------------------------------------------------ */
 
 static pdyn_status create(void *self, pdyn_model *model) {
     struct hybrid *s = self;
     struct system *system = model_system(model);
     pdyn_status status = krylov_create(&s->krylov, system->context, system);
-    s->krylov.self = s;
+    s->krylov.self = s, s->krylov.patient = system->changing;
+    s->krylov.prepare = system->changing ? prepare_groups : prepare_backbone;
+    s->krylov.precondition = system->changing ? add_groups : add_backbone;
     if (status == PDYN_OK) status = jacobi_create(&s->jacobi, system);
     if (status != PDYN_OK) return status;
-    if (system->changing) return create_levels(s, system);
-    s->krylov.prepare = prepare_turns, s->krylov.precondition = take_turns;
-    return turns_create(&s->turns, &s->krylov, &s->jacobi);
+    return system->changing ? groups_create(&s->groups, system)
+                            : backbone_create(&s->backbone, system);
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
-    bool in_turns = s->turns.krylov;
-    pdyn_status status = in_turns ? turns_update(&s->turns) : PDYN_OK;
+    bool is_static = s->backbone.system;
+    pdyn_status status = is_static ? backbone_update(&s->backbone) : PDYN_OK;
     if (status != PDYN_OK) return status;
     krylov_solve(&s->krylov, b, y, goal, iterations);
-    if (in_turns) turns_note(&s->turns, *iterations);
+    if (is_static) backbone_note(&s->backbone, *iterations);
     return PDYN_OK;
 }
 
 static pdyn_status persist(void *self, pdyn_archive *archive) {
     struct hybrid *s = self;
-    if (s->turns.krylov) turns_persist(&s->turns, archive);
+    if (s->backbone.system) backbone_persist(&s->backbone, archive);
     else groups_persist(&s->groups, archive);
     return PDYN_OK;
 }

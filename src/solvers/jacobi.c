@@ -22,6 +22,7 @@ static void invert_blocks(void *arg, int first, int last, int block) {
         double *D = s->inverse + 6 * (size_t)i;
         if (!s->held[i]) soften(D, system_inertia(s->system, i));
         block_invert(D);
+        for (int a = 0; a < 6; a++) D[a] *= s->scale;
     }
 }
 
@@ -56,7 +57,8 @@ static void for_particles(struct jacobi *s, pdyn_range_fn *fn) {
     pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, s);
 }
 
-void jacobi_prepare(struct jacobi *s) {
+void jacobi_prepare(struct jacobi *s, double scale) {
+    s->scale = scale;
     system_diagonal(s->system, s->inverse);
     for_particles(s, invert_blocks);
 }

@@ -67,9 +67,8 @@ static void for_particles(struct krylov *k, pdyn_range_fn *fn, double scale) {
 /* The direction that goes on from the last one, in the metric of H as it was along that: also from
  * the last one of the solve before, whose model differed little. Returns r.p. */
 static double choose_direction(struct krylov *k) {
-    k->restart = false;
     double rz = k->precondition(k->self);
-    if (k->curvature > 0.0 && !k->restart) {
+    if (k->curvature > 0.0) {
         for_particles(k, next_direction, -system_dot(k->system, k->z, k->q) / k->curvature);
         double rp = system_partial_sum(k->system);
         if (rp > 0.0) return rp;

@@ -18,8 +18,7 @@ struct krylov {
     struct system *system;
     double *r, *z, *p, *q, *d; /* particles x 3 */
     double curvature;          /* p.q, q = H p as H was then; 0: p is no direction yet */
-    bool restart; /* the preconditioner has changed: earlier directions mean nothing to it */
-    bool patient; /* of a solver: goes on where iterations gain little */
+    bool patient;              /* of a solver: goes on where iterations gain little */
     /* Of a solver: before a linear solve, and z = P^-1 r, P symmetric positive definite; returns
      * r.z */
     void (*prepare)(void *self);

@@ -33,202 +33,21 @@ INLINE size_t tile_start(const struct panel *p, int tile) {
 
 static size_t panel_values(const struct panel *p) { return tile_start(p, panel_tiles(p)); }
 
-/* ---- products with T and T' ------------------------------------------------------------------ */
-
-INLINE void load(v4 *to, const double *from, int index) {
-    memcpy(to, from + 4 * (size_t)index, sizeof *to);
-}
-INLINE void store(double *to, int index, const v4 *from) {
-    memcpy(to + 4 * (size_t)index, from, sizeof *from);
-}
-
-/* sum = tile x, of four rows and so many columns */
-INLINE void multiply_tile(const double *value, int columns, const double *x, v4 sum[TILE]) {
-    v4 a = {0}, b = {0}, c = {0}, d = {0};
-    for (int j = 0; j < columns; j++, value += TILE) {
-        v4 at;
-        load(&at, x, j);
-        a += value[0] * at, b += value[1] * at, c += value[2] * at, d += value[3] * at;
-    }
-    sum[0] = a, sum[1] = b, sum[2] = c, sum[3] = d;
-}
-
-/* Rows of T x in tiles [first, last): those of the triangle become the panel's part of the vector,
- * the others are added to the rows below. x: columns x 4, a copy of the panel's part. */
-WIDE static void multiply(const struct panels *s, const struct panel *p, const double *x, int first,
-                          int last) {
-    int triangle = tiles_of(p->columns);
-    const double *value = s->value + p->value + tile_start(p, first);
-    for (int t = first; t < last; t++) {
-        int columns = tile_columns(p, t), row = TILE * (t < triangle ? t : t - triangle);
-        v4 sum[TILE], old;
-        multiply_tile(value, columns, x, sum);
-        value += TILE * (size_t)columns;
-        if (t < triangle)
-            for (int i = 0; i < TILE && row + i < p->columns; i++)
-                store(s->work, p->first + row + i, &sum[i]);
-        else
-            for (int i = 0; i < TILE && row + i < p->rows; i++) {
-                int place = s->place[p->row + row + i];
-                load(&old, s->work, place);
-                old += sum[i];
-                store(s->work, place, &old);
-            }
-    }
-}
-
-/* Row i of so many left in a tile: zero beyond the last. place: of each row, or NULL for rows in
- * order. */
-INLINE void load_row(v4 *c, const double *from, const int *place, int i, int left) {
-    if (i < left) load(c, from, place ? place[i] : i);
-    else *c = (v4){0};
-}
-
-/* y += tile' c in columns [first, last); c: the rows of the tile */
-INLINE void add_transposed(const double *value, const double *from, const int *place, int left,
-                           int first, int last, double *y) {
-    v4 a, b, c, d;
-    load_row(&a, from, place, 0, left);
-    load_row(&b, from, place, 1, left);
-    load_row(&c, from, place, 2, left);
-    load_row(&d, from, place, 3, left);
-    value += TILE * (size_t)first;
-    for (int j = first; j < last; j++, value += TILE) {
-        v4 sum;
-        load(&sum, y, j);
-        sum += (value[0] * a + value[1] * b) + (value[2] * c + value[3] * d);
-        store(y, j, &sum);
-    }
-}
-
-/* Columns [first, last) of the panel's part of the vector become those of T' [x; rows below]. */
-WIDE static void multiply_transposed(const struct panels *s, const struct panel *p, const double *x,
-                                     int first, int last) {
-    double *y = s->work + 4 * (size_t)p->first;
-    const double *value = s->value + p->value + tile_start(p, first / TILE);
-    memset(y + 4 * (size_t)first, 0, 4 * (size_t)(last - first) * sizeof *y);
-    for (int row = first / TILE * TILE; row < p->columns; row += TILE) {
-        int columns = tile_columns(p, row / TILE);
-        add_transposed(value, x + 4 * (size_t)row, NULL, p->columns - row, first,
-                       columns < last ? columns : last, y);
-        value += TILE * (size_t)columns;
-    }
-    for (int row = 0; row < p->rows; row += TILE, value += TILE * (size_t)p->columns)
-        add_transposed(value, s->work, s->place + p->row + row, p->rows - row, first, last, y);
-}
-
 /* ---- substitution ---------------------------------------------------------------------------- */
 
-static void copy_part(const struct panels *s, const struct panel *p, double *x) {
-    memcpy(x, s->work + 4 * (size_t)p->first, 4 * (size_t)p->columns * sizeof *x);
-}
+#define NUMBER   double
+#define VECTOR   v4
+#define AS(name) name##_double
+#include "substitution.h"
 
-static double *scratch_of(const struct panels *s, int task) {
-    return s->scratch + 4 * (size_t)s->widest * (size_t)task;
-}
-
-struct call { /* the arguments of a parallel loop */
-    struct panels *s;
-    const struct panel *panel;
-    const double *b;
-    double *y, *x;
-};
-
-/* Columns of L [first, last): in from the particles' order, and out. */
-static void take_in(struct panels *s, const double *b, int first, int last) {
-    for (int k = first; k < last; k++) {
-        const double *from = b + 3 * (size_t)s->particle[k];
-        double *to = s->work + 4 * (size_t)k;
-        to[0] = from[0], to[1] = from[1], to[2] = from[2], to[3] = 0.0;
-    }
-}
-
-static void give_out(const struct panels *s, double *y, int first, int last) {
-    for (int k = first; k < last; k++)
-        memcpy(y + 3 * (size_t)s->particle[k], s->work + 4 * (size_t)k, 3 * sizeof *y);
-}
-
-static void forward_task(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct panels *s = c->s;
-    for (int k = first; k < last; k++) {
-        const struct task *task = &s->task[k];
-        memset(s->work + 4 * (size_t)task->outside, 0,
-               4 * (size_t)(task->outside_end - task->outside) * sizeof *s->work);
-        for (int q = task->first; q < task->last; q++) {
-            const struct panel *p = &s->panel[q];
-            take_in(s, c->b, p->first, p->first + p->columns);
-        }
-        for (int q = task->first; q < task->last; q++) {
-            const struct panel *p = &s->panel[q];
-            copy_part(s, p, scratch_of(s, k));
-            multiply(s, p, scratch_of(s, k), 0, panel_tiles(p));
-        }
-    }
-}
-
-static void backward_task(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct panels *s = c->s;
-    for (int k = first; k < last; k++) {
-        const struct task *task = &s->task[k];
-        for (int q = task->outside; q < task->outside_end; q++)
-            memcpy(s->work + 4 * (size_t)q, s->work + 4 * (size_t)s->column_of[q],
-                   4 * sizeof *s->work);
-        for (int q = task->last - 1; q >= task->first; q--) {
-            const struct panel *p = &s->panel[q];
-            copy_part(s, p, scratch_of(s, k));
-            multiply_transposed(s, p, scratch_of(s, k), 0, p->columns);
-            give_out(s, c->y, p->first, p->first + p->columns);
-        }
-    }
-}
-
-static void share_tiles(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    multiply(c->s, c->panel, c->x, first, last);
-}
-
-static void share_columns(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    multiply_transposed(c->s, c->panel, c->x, first, last);
-}
-
-/* A panel of the top, by all threads where it is large. */
-static void top_panel(struct panels *s, int panel, pdyn_range_fn *share, int count, int grain) {
-    const struct panel *p = &s->panel[panel];
-    struct call call = {.s = s, .panel = p, .x = scratch_of(s, s->tasks)};
-    copy_part(s, p, call.x);
-    if (panel_values(p) < WORTH / 4) share(&call, 0, count, 0);
-    else pool_for(s->context->pool, count, grain, share, &call);
-}
-
-static void solve_top(struct panels *s, const double *b, double *y) {
-    for (int k = 0; k < s->tops; k++) {
-        const struct panel *p = &s->panel[s->top[k]];
-        take_in(s, b, p->first, p->first + p->columns);
-    }
-    for (int q = s->columns; q < s->places; q++)
-        for (int a = 0; a < 4; a++)
-            s->work[4 * (size_t)s->column_of[q] + a] += s->work[4 * (size_t)q + a];
-    for (int k = 0; k < s->tops; k++)
-        top_panel(s, s->top[k], share_tiles, panel_tiles(&s->panel[s->top[k]]), ROW_TILES);
-    for (int k = s->tops - 1; k >= 0; k--) {
-        const struct panel *p = &s->panel[s->top[k]];
-        top_panel(s, s->top[k], share_columns, p->columns, COLUMNS);
-        give_out(s, y, p->first, p->first + p->columns);
-    }
-}
+#define NUMBER   float
+#define VECTOR   v4f
+#define AS(name) name##_float
+#include "substitution.h"
 
 void panels_solve(struct panels *s, const double *b, double *y) {
-    struct call call = {.s = s, .b = b, .y = y};
-    pool_for(s->context->pool, s->tasks, 1, forward_task, &call);
-    solve_top(s, b, y);
-    pool_for(s->context->pool, s->tasks, 1, backward_task, &call);
+    if (s->single) solve_float(s, b, y);
+    else solve_double(s, b, y);
 }
 
 /* ---- layout ---------------------------------------------------------------------------------- */
@@ -244,10 +63,26 @@ static bool allocate(struct panels *s) {
     return s->particle && s->panel && (!s->rows || s->place) && s->column_of && s->task && s->top;
 }
 
+static size_t number_size(const struct panels *s) {
+    return s->single ? sizeof(float) : sizeof(double);
+}
+
+static void *new_numbers(struct panels *s, size_t count) {
+    return context_array(s->context, count, number_size(s));
+}
+
+static void free_numbers(struct panels *s, void *numbers, size_t count) {
+    context_resize(s->context, numbers, count * number_size(s), 0);
+}
+
+static size_t scratch_numbers(const struct panels *s) {
+    return 4 * (size_t)s->widest * (size_t)(s->tasks + 1);
+}
+
 static void release_values(struct panels *s) {
-    FREE_ARRAY(s->context, s->value, s->values);
-    FREE_ARRAY(s->context, s->work, 4 * (size_t)s->places);
-    FREE_ARRAY(s->context, s->scratch, 4 * (size_t)s->widest * (size_t)(s->tasks + 1));
+    free_numbers(s, s->value, s->values);
+    free_numbers(s, s->work, 4 * (size_t)s->places);
+    free_numbers(s, s->scratch, scratch_numbers(s));
 }
 
 void panels_free(struct panels *s) {
@@ -339,9 +174,9 @@ static pdyn_status lay_out(struct panels *s) {
         weigh_subtrees(s, weight, low);
         split(s, weight, low);
         find_places(s, seen);
-        s->value = NEW_ARRAY(s->context, s->values, double);
-        s->work = NEW_ARRAY(s->context, 4 * (size_t)s->places, double);
-        s->scratch = NEW_ARRAY(s->context, 4 * (size_t)s->widest * (size_t)(s->tasks + 1), double);
+        s->value = new_numbers(s, s->values);
+        s->work = new_numbers(s, 4 * (size_t)s->places);
+        s->scratch = new_numbers(s, scratch_numbers(s));
     }
     FREE_ARRAY(s->context, weight, s->panels);
     FREE_ARRAY(s->context, low, s->panels);
@@ -349,9 +184,10 @@ static pdyn_status lay_out(struct panels *s) {
     return s->value && s->work && s->scratch ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-pdyn_status panels_build(struct panels *s, pdyn_context *context, const cholmod_factor *factor) {
+pdyn_status panels_build(struct panels *s, pdyn_context *context, const cholmod_factor *factor,
+                         bool single) {
     panels_free(s);
-    s->context = context;
+    s->context = context, s->single = single;
     s->columns = (int)factor->n, s->panels = (int)factor->nsuper;
     s->rows = ((const int *)factor->pi)[s->panels] - s->columns;
     if (!allocate(s)) return PDYN_NO_MEMORY;
@@ -379,8 +215,8 @@ WIDE static void invert(const double *D, size_t stride, int columns, double *W) 
 
 /* A tile of so many rows of -R W, from the rows of R. */
 WIDE static void multiply_below(const double *R, size_t stride, int rows, const double *W,
-                                int columns, double *value) {
-    for (int j = 0; j < columns; j++, value += TILE) {
+                                int columns, double *tile) {
+    for (int j = 0; j < columns; j++, tile += TILE) {
         const double *w = W + (size_t)j * (size_t)columns;
         double sum[TILE] = {0};
         if (rows == TILE)
@@ -389,32 +225,48 @@ WIDE static void multiply_below(const double *R, size_t stride, int rows, const 
         else
             for (int m = j; m < columns; m++)
                 for (int i = 0; i < rows; i++) sum[i] -= R[(size_t)m * stride + (size_t)i] * w[m];
-        memcpy(value, sum, sizeof sum);
+        memcpy(tile, sum, sizeof sum);
     }
 }
 
-static void fill_panel(const struct panels *s, const struct panel *p, const double *L, double *W) {
+/* A tile of W, of so many columns. */
+static void copy_triangle(const double *W, const struct panel *p, int t, int columns,
+                          double *tile) {
+    for (int j = 0; j < columns; j++)
+        for (int i = TILE * t; i < TILE * (t + 1); i++, tile++)
+            *tile = i < p->columns ? W[(size_t)j * (size_t)p->columns + (size_t)i] : 0.0;
+}
+
+static void store_numbers(const struct panels *s, size_t at, const double *from, size_t count) {
+    if (s->single)
+        for (size_t k = 0; k < count; k++) ((float *)s->value)[at + k] = (float)from[k];
+    else memcpy((double *)s->value + at, from, count * sizeof *from);
+}
+
+/* W: columns x columns; tile: as many numbers as the largest one has. */
+static void fill_panel(const struct panels *s, const struct panel *p, const double *L, double *W,
+                       double *tile) {
     int triangle = tiles_of(p->columns);
     size_t stride = (size_t)(p->columns + p->rows);
     invert(L, stride, p->columns, W);
-    for (int t = 0; t < triangle; t++) {
-        double *value = s->value + p->value + tile_start(p, t);
-        for (int j = 0; j < tile_columns(p, t); j++)
-            for (int i = TILE * t; i < TILE * (t + 1); i++, value++)
-                *value = i < p->columns ? W[(size_t)j * (size_t)p->columns + (size_t)i] : 0.0;
+    for (int t = 0; t < panel_tiles(p); t++) {
+        int columns = tile_columns(p, t), row = TILE * (t - triangle), left = p->rows - row;
+        if (t < triangle) copy_triangle(W, p, t, columns, tile);
+        else
+            multiply_below(L + p->columns + row, stride, left < TILE ? left : TILE, W, columns,
+                           tile);
+        store_numbers(s, p->value + tile_start(p, t), tile, TILE * (size_t)columns);
     }
-    for (int row = 0; row < p->rows; row += TILE)
-        multiply_below(L + p->columns + row, stride, p->rows - row < TILE ? p->rows - row : TILE, W,
-                       p->columns, s->value + p->value + tile_start(p, triangle + row / TILE));
 }
 
 pdyn_status panels_fill(struct panels *s, const cholmod_factor *factor) {
     const int *start = factor->px;
-    size_t count = (size_t)s->widest * (size_t)s->widest;
+    size_t square = (size_t)s->widest * (size_t)s->widest,
+           count = square + TILE * (size_t)s->widest;
     double *W = NEW_ARRAY(s->context, count, double);
     if (!W) return PDYN_NO_MEMORY;
     for (int q = 0; q < s->panels; q++)
-        fill_panel(s, &s->panel[q], (const double *)factor->x + start[q], W);
+        fill_panel(s, &s->panel[q], (const double *)factor->x + start[q], W, W + square);
     FREE_ARRAY(s->context, W, count);
     return PDYN_OK;
 }

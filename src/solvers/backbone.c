@@ -1,0 +1,150 @@
+#include "backbone.h"
+
+#include "../core/simd.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A step that differs from that of the factor by more than this ratio is what another factor would
+ * help; that pays after about as many iterations. */
+static const double same_step = 1.5;
+enum { WORTH_FACTOR = 30 };
+
+/* Rows of more than two particles that hold none of them in place are left out where they make up
+ * at most so much of A's trace beside others like them: A is then too soft for the roughest motions
+ * by about as much. */
+static const double little = 0.3;
+
+pdyn_status backbone_create(struct backbone *s, struct system *system) {
+    s->system = system;
+    factor_start(&s->factor, system->context, true);
+    s->rows = NEW_ARRAY(system->context, system->batches, struct batch *);
+    s->t = NEW_VECTOR(system->context, system->particles);
+    return (!system->batches || s->rows) && s->t ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void backbone_free(struct backbone *s) {
+    if (!s->system) return;
+    matrix_free(&s->matrix);
+    factor_free(&s->factor);
+    FREE_ARRAY(s->system->context, s->rows, s->system->batches);
+    FREE_VECTOR(s->system->context, s->t, s->system->particles);
+}
+
+/* ---- the matrix ------------------------------------------------------------------------------ */
+
+/* Adds what the rows of a batch put on the diagonal of A, for each particle. */
+static void add_diagonal(const struct batch *b, double *diagonal) {
+    const pdyn_batch *v = &b->view;
+    for (int k = 0; k < b->entries; k++)
+        diagonal[v->column[k]] +=
+            v->weight[b->entry_element[k]] * v->coefficient[k] * v->coefficient[k];
+}
+
+/* Its rows are not indifferent to moving all of their particles alike. */
+static bool holds_particles(const struct batch *b) {
+    const pdyn_batch *v = &b->view;
+    for (int r = 0; r < b->rows; r++) {
+        double sum = 0.0, size = 0.0;
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            sum += v->coefficient[k], size += fabs(v->coefficient[k]);
+        if (fabs(sum) > 1e-6 * size) return true;
+    }
+    return false;
+}
+
+/* diagonal: of all batches that hold no particles; own: for one of them, particles, zero. */
+static bool adds_little(const struct batch *b, const double *diagonal, double *own) {
+    double trace = 0.0, all = 0.0;
+    if (b->entries <= 2 * b->rows || holds_particles(b)) return false;
+    add_diagonal(b, own);
+    for (int i = b->touch_first; i < b->touch_first + b->touch_count; i++) {
+        if (own[i] > 0.0) trace += own[i], all += diagonal[i];
+        own[i] = 0.0;
+    }
+    return trace <= little * (all - trace);
+}
+
+/* Returns whether other batches are in A than before, or NO_MEMORY. */
+static pdyn_status choose_rows(struct backbone *s, bool *other) {
+    struct system *sys = s->system;
+    double *diagonal = NEW_ARRAY(sys->context, 2 * (size_t)sys->particles, double);
+    if (!diagonal) return PDYN_NO_MEMORY;
+    for (int b = 0; b < sys->batches; b++)
+        if (!holds_particles(sys->batch[b])) add_diagonal(sys->batch[b], diagonal);
+    *other = !s->matrix.particles;
+    for (int b = 0; b < sys->batches; b++) {
+        struct batch *batch = sys->batch[b];
+        struct batch *kept = adds_little(batch, diagonal, diagonal + sys->particles) ? NULL : batch;
+        *other |= kept != s->rows[b];
+        s->rows[b] = kept;
+    }
+    FREE_ARRAY(sys->context, diagonal, 2 * (size_t)sys->particles);
+    return PDYN_OK;
+}
+
+/* ---- the factor ------------------------------------------------------------------------------ */
+
+static void weigh(struct system *sys, double h) {
+    sys->h = h;
+    for (int b = 0; b < sys->batches; b++) batch_weigh(sys->batch[b], h);
+}
+
+/* A for steps of length h; *other: its pattern is not that of before. */
+static pdyn_status fill_matrix(struct backbone *s, double h, bool *other) {
+    struct system *sys = s->system;
+    double now = sys->h;
+    weigh(sys, h);
+    pdyn_status status = choose_rows(s, other);
+    if (status == PDYN_OK && *other) status = matrix_pattern(&s->matrix, sys, s->rows, 1);
+    if (status == PDYN_OK) matrix_values(&s->matrix, sys, s->rows);
+    weigh(sys, now);
+    return status;
+}
+
+static pdyn_status make_factor(struct backbone *s, double h) {
+    bool other;
+    pdyn_status status = fill_matrix(s, h, &other);
+    if (status == PDYN_OK && other) status = factor_analyse(&s->factor, &s->matrix, true);
+    if (status == PDYN_OK) status = factor_numbers(&s->factor, &s->matrix);
+    s->h = s->made = h;
+    return status;
+}
+
+static bool is_strange(const struct backbone *s) {
+    double h = s->system->h;
+    return fmax(h / s->h, s->h / h) > same_step;
+}
+
+pdyn_status backbone_update(struct backbone *s) {
+    bool other = s->h == 0.0 || (is_strange(s) && s->strange >= WORTH_FACTOR);
+    if (other) s->strange = 0;
+    if (!other && s->made == s->h) return PDYN_OK;
+    return make_factor(s, other ? s->system->h : s->h);
+}
+
+void backbone_note(struct backbone *s, int iterations) {
+    if (is_strange(s)) s->strange += iterations;
+}
+
+void backbone_persist(struct backbone *s, pdyn_archive *archive) {
+    archive->bytes(archive, &s->h, sizeof s->h);
+    archive->bytes(archive, &s->strange, sizeof s->strange);
+}
+
+/* ---- a product ------------------------------------------------------------------------------- */
+
+/* z += t; partial: r.t */
+WIDE static void add_spread(void *arg, int first, int last, int block) {
+    const struct backbone *s = arg;
+    for (int k = 3 * first; k < 3 * last; k++) s->z[k] += s->t[k];
+    s->system->partial[block] =
+        simd_dot(s->r + 3 * (size_t)first, s->t + 3 * (size_t)first, 3 * (last - first));
+}
+
+double backbone_add(struct backbone *s, const double *r, double *z) {
+    factor_solve(&s->factor, r, s->t);
+    s->r = r, s->z = z;
+    pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, add_spread, s);
+    return system_partial_sum(s->system);
+}
