@@ -17,8 +17,8 @@ measure() {
     done
     for threads in 1 2; do run 257 4000 $threads; done
     run run 65 400 10 1
-    run run 65 400 5 2
-    run run 65 400 4 20
+    run run 65 400 7 3
+    run run 65 400 6 20
 }
 case ${1:-} in
 quick) run; run 33 400 1; run 33 4000 2; run run 33 400 5 2 ;;
