@@ -65,7 +65,7 @@ static bool adds_little(const struct batch *b, const double *diagonal, double *o
     return trace <= little * (all - trace);
 }
 
-/* Returns whether other batches are in A than before, or NO_MEMORY. */
+/* *other: other batches are in A than before. */
 static pdyn_status choose_rows(struct backbone *s, bool *other) {
     struct system *sys = s->system;
     double *diagonal = NEW_ARRAY(sys->context, 2 * (size_t)sys->particles, double);
