@@ -1,9 +1,6 @@
 #include "backbone.h"
 
-#include "../core/simd.h"
-
 #include <math.h>
-#include <string.h>
 
 /* A step that differs from that of the factor by more than this ratio is what another factor would
  * help; that pays after about as many iterations. */
@@ -33,12 +30,14 @@ void backbone_free(struct backbone *s) {
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
 
-/* Adds what the rows of a batch put on the diagonal of A, for each particle. */
-static void add_diagonal(const struct batch *b, double *diagonal) {
-    const pdyn_batch *v = &b->view;
-    for (int k = 0; k < b->entries; k++)
-        diagonal[v->column[k]] +=
-            v->weight[b->entry_element[k]] * v->coefficient[k] * v->coefficient[k];
+/* What the rows of a batch put on the diagonal of A for the i-th particle that they touch. */
+static double diagonal_of(const struct batch *b, int i) {
+    double sum = 0.0;
+    for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
+        const struct touch *at = &b->touch[t];
+        sum += b->view.weight[b->entry_element[at->entry]] * at->coefficient * at->coefficient;
+    }
+    return sum;
 }
 
 /* Its rows are not indifferent to moving all of their particles alike. */
@@ -53,14 +52,13 @@ static bool holds_particles(const struct batch *b) {
     return false;
 }
 
-/* diagonal: of all batches that hold no particles; own: for one of them, particles, zero. */
-static bool adds_little(const struct batch *b, const double *diagonal, double *own) {
+/* diagonal: of A, particles, from all batches that hold none of these. */
+static bool adds_little(const struct batch *b, const double *diagonal) {
     double trace = 0.0, all = 0.0;
     if (b->entries <= 2 * b->rows || holds_particles(b)) return false;
-    add_diagonal(b, own);
-    for (int i = b->touch_first; i < b->touch_first + b->touch_count; i++) {
-        if (own[i] > 0.0) trace += own[i], all += diagonal[i];
-        own[i] = 0.0;
+    for (int i = 0; i < b->touch_count; i++) {
+        double own = diagonal_of(b, i);
+        if (own > 0.0) trace += own, all += diagonal[b->touch_first + i];
     }
     return trace <= little * (all - trace);
 }
@@ -68,18 +66,21 @@ static bool adds_little(const struct batch *b, const double *diagonal, double *o
 /* *other: other batches are in A than before. */
 static pdyn_status choose_rows(struct backbone *s, bool *other) {
     struct system *sys = s->system;
-    double *diagonal = NEW_ARRAY(sys->context, 2 * (size_t)sys->particles, double);
+    double *diagonal = NEW_ARRAY(sys->context, sys->particles, double);
     if (!diagonal) return PDYN_NO_MEMORY;
-    for (int b = 0; b < sys->batches; b++)
-        if (!holds_particles(sys->batch[b])) add_diagonal(sys->batch[b], diagonal);
+    for (int b = 0; b < sys->batches; b++) {
+        const struct batch *batch = sys->batch[b];
+        if (holds_particles(batch)) continue;
+        for (int i = 0; i < batch->touch_count; i++)
+            diagonal[batch->touch_first + i] += diagonal_of(batch, i);
+    }
     *other = !s->matrix.particles;
     for (int b = 0; b < sys->batches; b++) {
-        struct batch *batch = sys->batch[b];
-        struct batch *kept = adds_little(batch, diagonal, diagonal + sys->particles) ? NULL : batch;
+        struct batch *kept = adds_little(sys->batch[b], diagonal) ? NULL : sys->batch[b];
         *other |= kept != s->rows[b];
         s->rows[b] = kept;
     }
-    FREE_ARRAY(sys->context, diagonal, 2 * (size_t)sys->particles);
+    FREE_ARRAY(sys->context, diagonal, sys->particles);
     return PDYN_OK;
 }
 
@@ -132,19 +133,8 @@ void backbone_persist(struct backbone *s, pdyn_archive *archive) {
     archive->bytes(archive, &s->strange, sizeof s->strange);
 }
 
-/* ---- a product ------------------------------------------------------------------------------- */
-
-/* z += t; partial: r.t */
-WIDE static void add_spread(void *arg, int first, int last, int block) {
-    const struct backbone *s = arg;
-    for (int k = 3 * first; k < 3 * last; k++) s->z[k] += s->t[k];
-    s->system->partial[block] =
-        simd_dot(s->r + 3 * (size_t)first, s->t + 3 * (size_t)first, 3 * (last - first));
-}
-
 double backbone_add(struct backbone *s, const double *r, double *z) {
     factor_solve(&s->factor, r, s->t);
-    s->r = r, s->z = z;
-    pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, add_spread, s);
-    return system_partial_sum(s->system);
+    system_axpy(s->system, 1.0, s->t, z);
+    return system_dot(s->system, r, s->t);
 }

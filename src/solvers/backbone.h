@@ -19,12 +19,10 @@ struct backbone {
     struct batch **rows; /* batches: those in A, NULL for those left out */
     struct matrix matrix;
     struct factor factor;
-    double *t;       /* particles x 3 */
-    double h;        /* s: the factor is for steps of this length; 0: not known yet */
-    double made;     /* s: it was made for this one; 0: not yet */
-    int strange;     /* iterations with a factor for steps of another length */
-    const double *r; /* of the product that runs */
-    double *z;
+    double *t;   /* particles x 3 */
+    double h;    /* s: the factor is for steps of this length; 0: not known yet */
+    double made; /* s: it was made for this one; 0: not yet */
+    int strange; /* iterations with a factor for steps of another length */
 };
 
 /* Zeroed before. */

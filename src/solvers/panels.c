@@ -35,6 +35,14 @@ static size_t panel_values(const struct panel *p) { return tile_start(p, panel_t
 
 /* ---- substitution ---------------------------------------------------------------------------- */
 
+struct call { /* the arguments of a parallel loop */
+    struct panels *s;
+    const struct panel *panel;
+    const double *b;
+    double *y;
+    void *x; /* a copy of the panel's part of the vector */
+};
+
 #define NUMBER   double
 #define VECTOR   v4
 #define AS(name) name##_double

@@ -46,9 +46,8 @@ struct panels {
 };
 
 /* Takes the layout of a supernodal factor; frees what was there. `single`: solves in floats, for
- * preconditioners. They read half as much, and rounding weighs as little as that of doubles would
- * in a matrix with the square of this one's condition: errors of a backward stable substitution are
- * 6e-8 sqrt(condition) in the norm of A. */
+ * preconditioners: half as much to read, and errors of some 6e-8 sqrt(condition) in the norm of A,
+ * as of a backward stable substitution. */
 pdyn_status panels_build(struct panels *panels, pdyn_context *context, const cholmod_factor *factor,
                          bool single);
 /* Takes its numbers. */

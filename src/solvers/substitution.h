@@ -77,10 +77,9 @@ WIDE static void AS(multiply_transposed)(const struct panels *s, const struct pa
     const NUMBER *value = (const NUMBER *)s->value + p->value + tile_start(p, first / TILE);
     memset(y + 4 * (size_t)first, 0, 4 * (size_t)(last - first) * sizeof *y);
     for (int row = first / TILE * TILE; row < p->columns; row += TILE) {
-        int columns = tile_columns(p, row / TILE);
-        AS(add_transposed)
-        (value, x + 4 * (size_t)row, NULL, p->columns - row, first, columns < last ? columns : last,
-         y);
+        int columns = tile_columns(p, row / TILE), end = columns < last ? columns : last,
+            left = p->columns - row;
+        AS(add_transposed)(value, x + 4 * (size_t)row, NULL, left, first, end, y);
         value += TILE * (size_t)columns;
     }
     for (int row = 0; row < p->rows; row += TILE, value += TILE * (size_t)p->columns)
@@ -96,14 +95,6 @@ static void AS(copy_part)(const struct panels *s, const struct panel *p, NUMBER 
 static NUMBER *AS(scratch_of)(const struct panels *s, int task) {
     return (NUMBER *)s->scratch + 4 * (size_t)s->widest * (size_t)task;
 }
-
-struct AS(call) { /* the arguments of a parallel loop */
-    struct panels *s;
-    const struct panel *panel;
-    const double *b;
-    double *y;
-    NUMBER *x;
-};
 
 /* Columns of L [first, last): in from the particles' order, and out. */
 static void AS(take_in)(struct panels *s, const double *b, int first, int last) {
@@ -125,7 +116,7 @@ static void AS(give_out)(const struct panels *s, double *y, int first, int last)
 
 static void AS(forward_task)(void *arg, int first, int last, int block) {
     (void)block;
-    const struct AS(call) *c = arg;
+    const struct call *c = arg;
     struct panels *s = c->s;
     for (int k = first; k < last; k++) {
         const struct task *task = &s->task[k];
@@ -145,7 +136,7 @@ static void AS(forward_task)(void *arg, int first, int last, int block) {
 
 static void AS(backward_task)(void *arg, int first, int last, int block) {
     (void)block;
-    const struct AS(call) *c = arg;
+    const struct call *c = arg;
     struct panels *s = c->s;
     NUMBER *work = s->work;
     for (int k = first; k < last; k++) {
@@ -163,20 +154,20 @@ static void AS(backward_task)(void *arg, int first, int last, int block) {
 
 static void AS(share_tiles)(void *arg, int first, int last, int block) {
     (void)block;
-    const struct AS(call) *c = arg;
+    const struct call *c = arg;
     AS(multiply)(c->s, c->panel, c->x, first, last);
 }
 
 static void AS(share_columns)(void *arg, int first, int last, int block) {
     (void)block;
-    const struct AS(call) *c = arg;
+    const struct call *c = arg;
     AS(multiply_transposed)(c->s, c->panel, c->x, first, last);
 }
 
 /* A panel of the top, by all threads where it is large. */
 static void AS(top_panel)(struct panels *s, int panel, pdyn_range_fn *share, int count, int grain) {
     const struct panel *p = &s->panel[panel];
-    struct AS(call) call = {.s = s, .panel = p, .x = AS(scratch_of)(s, s->tasks)};
+    struct call call = {.s = s, .panel = p, .x = AS(scratch_of)(s, s->tasks)};
     AS(copy_part)(s, p, call.x);
     if (panel_values(p) < WORTH / 4) share(&call, 0, count, 0);
     else pool_for(s->context->pool, count, grain, share, &call);
@@ -201,7 +192,7 @@ static void AS(solve_top)(struct panels *s, const double *b, double *y) {
 }
 
 static void AS(solve)(struct panels *s, const double *b, double *y) {
-    struct AS(call) call = {.s = s, .b = b, .y = y};
+    struct call call = {.s = s, .b = b, .y = y};
     pool_for(s->context->pool, s->tasks, 1, AS(forward_task), &call);
     AS(solve_top)(s, b, y);
     pool_for(s->context->pool, s->tasks, 1, AS(backward_task), &call);
