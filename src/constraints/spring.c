@@ -51,11 +51,21 @@ WIDE static void project_springs(const void *par, const pdyn_batch *b, int first
     for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
 }
 
+enum { PIECE = 64 }; /* springs whose roots are taken side by side */
+
 WIDE static void tangent_springs(const void *par, const pdyn_batch *b, int first, int last,
                                  double *J) {
     (void)par;
-    const double *length = b->data;
-    for (int e = first; e < last; e++, J += 9) vec3_tangent_length(J, b->u + 3 * e, length[e]);
+    for (int e = first; e < last; e += PIECE) {
+        double s[PIECE], t[PIECE];
+        const double *length = (const double *)b->data + e, *u = b->u + 3 * e;
+        int count = last - e < PIECE ? last - e : PIECE;
+        for (int k = 0; k < count; k++) vec3_contraction(&s[k], &t[k], u + 3 * k, length[k]);
+        for (int k = 0; k < count; k++, u += 3, J += 9)
+            for (int a = 0; a < 3; a++)
+                for (int c = 0; c < 3; c++)
+                    J[3 * a + c] = (a == c ? s[k] : 0.0) - t[k] * u[a] * u[c];
+    }
 }
 
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
