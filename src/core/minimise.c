@@ -11,7 +11,7 @@ enum { BACKTRACKS = 6 };
 
 /* What an iteration of a linear solve must gain, of the mean: the model is that of a nonlinear E,
  * and a new one is better than the last digits of the old. */
-static const double worth = 0.5;
+static const double worth = 0.35;
 
 struct taken {                 /* a step along the direction */
     double length;             /* 1: all of it */

@@ -33,6 +33,20 @@ typedef float v4f __attribute__((vector_size(16)));
 /* out = a and a fourth lane */
 INLINE void v4_set(v4 *out, const double *a, double last) { *out = (v4){a[0], a[1], a[2], last}; }
 
+/* The four at `index` of an array of fours. */
+INLINE void v4_load(v4 *to, const double *from, int index) {
+    memcpy(to, from + 4 * (size_t)index, sizeof *to);
+}
+INLINE void v4_store(double *to, int index, const v4 *from) {
+    memcpy(to + 4 * (size_t)index, from, sizeof *from);
+}
+INLINE void v4f_load(v4f *to, const float *from, int index) {
+    memcpy(to, from + 4 * (size_t)index, sizeof *to);
+}
+INLINE void v4f_store(float *to, int index, const v4f *from) {
+    memcpy(to + 4 * (size_t)index, from, sizeof *from);
+}
+
 /* y += a, three lanes of it */
 INLINE void v4_add_to(double *y, const v4 *a) { y[0] += (*a)[0], y[1] += (*a)[1], y[2] += (*a)[2]; }
 

@@ -16,7 +16,7 @@ pdyn_status backbone_create(struct backbone *s, struct system *system) {
     s->system = system;
     factor_start(&s->factor, system->context, true);
     s->rows = NEW_ARRAY(system->context, system->batches, struct batch *);
-    s->t = NEW_VECTOR(system->context, system->particles);
+    s->t = NEW_ARRAY(system->context, 4 * (size_t)system->particles, float);
     return (!system->batches || s->rows) && s->t ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
@@ -25,7 +25,7 @@ void backbone_free(struct backbone *s) {
     matrix_free(&s->matrix);
     factor_free(&s->factor);
     FREE_ARRAY(s->system->context, s->rows, s->system->batches);
-    FREE_VECTOR(s->system->context, s->t, s->system->particles);
+    FREE_ARRAY(s->system->context, s->t, 4 * (size_t)s->system->particles);
 }
 
 /* ---- the matrix ------------------------------------------------------------------------------ */
@@ -133,8 +133,20 @@ void backbone_persist(struct backbone *s, pdyn_archive *archive) {
     archive->bytes(archive, &s->strange, sizeof s->strange);
 }
 
+void backbone_solve(struct backbone *s, const float *r, float *z) {
+    factor_solve_single(&s->factor, r, z);
+}
+
 double backbone_add(struct backbone *s, const double *r, double *z) {
-    factor_solve(&s->factor, r, s->t);
-    system_axpy(s->system, 1.0, s->t, z);
-    return system_dot(s->system, r, s->t);
+    double sum = 0.0;
+    int n = s->system->particles;
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 3; a++) s->t[4 * (size_t)i + a] = (float)r[3 * i + a];
+    backbone_solve(s, s->t, s->t);
+    for (int i = 0; i < n; i++)
+        for (int a = 0; a < 3; a++) {
+            double t = (double)s->t[4 * (size_t)i + a];
+            z[3 * i + a] += t, sum += r[3 * i + a] * t;
+        }
+    return sum;
 }

@@ -91,3 +91,7 @@ pdyn_status factor_solve(struct factor *f, const double *b, double *y) {
     panels_solve(&f->panels, b, y);
     return PDYN_OK;
 }
+
+void factor_solve_single(struct factor *f, const float *b, float *y) {
+    panels_solve_single(&f->panels, b, y);
+}

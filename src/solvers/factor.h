@@ -30,5 +30,7 @@ pdyn_status factor_analyse(struct factor *factor, const struct matrix *matrix, b
 pdyn_status factor_numbers(struct factor *factor, const struct matrix *matrix);
 /* y = A^-1 b, particles x 3 both */
 pdyn_status factor_solve(struct factor *factor, const double *b, double *y);
+/* The same in floats, particles x 4, of a factor started for that. */
+void factor_solve_single(struct factor *factor, const float *b, float *y);
 
 #endif

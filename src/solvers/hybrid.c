@@ -1,28 +1,35 @@
-/* Conjugate gradients (krylov.h) with a preconditioner that sees further than a particle: the
- * blocks of cg, and beside them a level for what surfaces and solids do as a whole: a factor where
- * all is static (backbone.h), groups of particles where fluid or contact change what they feel
- * (groups.h). */
+/* Conjugate gradients with a preconditioner that sees further than a particle: the blocks of cg,
+ * and a level for what surfaces and solids do as a whole: a factor where all is static
+ * (backbone.h), in floats as far as these go (single_cg.h); groups of particles where fluid or
+ * contact change what they feel (groups.h). */
 #include "backbone.h"
 #include "groups.h"
 #include "jacobi.h"
 #include "krylov.h"
+#include "single_cg.h"
+
+#include <math.h>
+#include <string.h>
 
 struct hybrid {
     struct krylov krylov;
     struct jacobi jacobi;
     struct backbone backbone;
+    struct single_cg single;
     struct groups groups;
 };
 
 static void release(void *self) {
     struct hybrid *s = self;
     jacobi_free(&s->jacobi);
+    single_cg_free(&s->single);
     backbone_free(&s->backbone);
     groups_free(&s->groups);
     krylov_free(&s->krylov);
 }
 
-/* How much of the blocks: a factor holds all that they do once more, groups hold little of it. */
+/* How much of the blocks, where a level is added to them: a factor holds all that they do once
+ * more, groups hold little of it. */
 static const double beside_factor = 0.5, beside_groups = 1.0;
 
 /* ---- a level beside the blocks --------------------------------------------------------------- */
@@ -60,17 +67,68 @@ static pdyn_status create(void *self, pdyn_model *model) {
     s->krylov.precondition = system->changing ? add_groups : add_backbone;
     if (status == PDYN_OK) status = jacobi_create(&s->jacobi, system);
     if (status != PDYN_OK) return status;
-    return system->changing ? groups_create(&s->groups, system)
-                            : backbone_create(&s->backbone, system);
+    if (system->changing) return groups_create(&s->groups, system);
+    status = backbone_create(&s->backbone, system);
+    return status == PDYN_OK ? single_cg_create(&s->single, system, &s->backbone, &s->jacobi)
+                             : status;
+}
+
+/* Floats are trusted to bring a residual down by as much. */
+static const double trusted = 1e-4;
+
+/* One solve in floats; b becomes what doubles see of it, unless no more iterations are wanted.
+ * `check`: look at it even where floats are trusted. */
+static enum single_end solve_in_floats(struct hybrid *s, double *b, double *y, pdyn_goal goal,
+                                       bool check, int *iterations) {
+    struct system *sys = s->krylov.system;
+    double *d = s->krylov.d, *q = s->krylov.q;
+    bool last = goal.tolerance >= trusted && !check;
+    goal.tolerance = fmax(goal.tolerance, trusted);
+    memset(d, 0, system_bytes(sys));
+    enum single_end end = single_cg_solve(&s->single, b, d, &goal, iterations);
+    system_axpy(sys, 1.0, d, y);
+    if (end == SINGLE_SOLVED && last) return SINGLE_ENOUGH;
+    if (end == SINGLE_ENOUGH) return end;
+    system_apply(sys, d, q);
+    system_axpy(sys, -1.0, q, b);
+    return end;
+}
+
+/* H y = b, in floats as long as doubles see that it gets on with them. */
+static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal *goal,
+                         int *iterations) {
+    struct system *sys = s->krylov.system;
+    double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
+    pdyn_goal rest = *goal;
+    bool check = false;
+    for (*iterations = 0; size > target && rest.iterations > 0; rest.first = false) {
+        int done;
+        double before = size;
+        rest.tolerance = target / size;
+        enum single_end end = solve_in_floats(s, b, y, rest, check, &done);
+        *iterations += done, rest.iterations -= done;
+        if (end == SINGLE_ENOUGH) return;
+        size = sqrt(system_dot(sys, b, b));
+        check = size > 2.0 * fmax(rest.tolerance, trusted) * before;
+        if (end == SINGLE_EXHAUSTED || !(size < 0.5 * before)) break;
+    }
+    if (!(size > target) || rest.iterations <= 0) return;
+    int done;
+    rest.tolerance = target / size, rest.first = true;
+    krylov_solve(&s->krylov, b, y, &rest, &done);
+    *iterations += done;
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
-    bool is_static = s->backbone.system;
-    pdyn_status status = is_static ? backbone_update(&s->backbone) : PDYN_OK;
+    if (!s->backbone.system) {
+        krylov_solve(&s->krylov, b, y, goal, iterations);
+        return PDYN_OK;
+    }
+    pdyn_status status = backbone_update(&s->backbone);
     if (status != PDYN_OK) return status;
-    krylov_solve(&s->krylov, b, y, goal, iterations);
-    if (is_static) backbone_note(&s->backbone, *iterations);
+    solve_static(s, b, y, goal, iterations);
+    backbone_note(&s->backbone, *iterations);
     return PDYN_OK;
 }
 
@@ -84,8 +142,8 @@ static pdyn_status persist(void *self, pdyn_archive *archive) {
 const pdyn_global_solver pdyn_solver_hybrid = {
     .name = "hybrid",
     .summary = "conjugate gradients preconditioned by 3 x 3 blocks and by a factor: of the "
-               "projective step's matrix, or where fluid and contact change, of groups of "
-               "particles; for cloth with the newton step",
+               "projective step's matrix, in single precision, or where fluid and contact change, "
+               "of groups of particles; for cloth with the newton step",
     .state_size = sizeof(struct hybrid),
     .create = create,
     .solve = solve,

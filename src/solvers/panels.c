@@ -1,6 +1,6 @@
 #include "panels.h"
 
-#include "../core/simd.h"
+#include "../core/fours.h"
 
 #include <math.h>
 
@@ -38,25 +38,92 @@ static size_t panel_values(const struct panel *p) { return tile_start(p, panel_t
 struct call { /* the arguments of a parallel loop */
     struct panels *s;
     const struct panel *panel;
-    const double *b;
-    double *y;
-    void *x; /* a copy of the panel's part of the vector */
+    const void *b;
+    void *y, *x; /* x: a copy of the panel's part of the vector */
 };
+
+/* Products with a tile: sum = tile x, x: columns, and y += tile' c in columns [first, last). */
+
+INLINE void multiply_tile_double(const double *value, int columns, const double *x, v4 sum[TILE]) {
+    v4 a = {0}, b = {0}, c = {0}, d = {0};
+    for (int j = 0; j < columns; j++, value += TILE) {
+        v4 at;
+        v4_load(&at, x, j);
+        a += value[0] * at, b += value[1] * at, c += value[2] * at, d += value[3] * at;
+    }
+    sum[0] = a, sum[1] = b, sum[2] = c, sum[3] = d;
+}
+
+INLINE void add_transposed_double(const double *value, const v4 c[TILE], int first, int last,
+                                  double *y) {
+    value += TILE * (size_t)first;
+    for (int j = first; j < last; j++, value += TILE) {
+        v4 sum;
+        v4_load(&sum, y, j);
+        sum += (value[0] * c[0] + value[1] * c[1]) + (value[2] * c[2] + value[3] * c[3]);
+        v4_store(y, j, &sum);
+    }
+}
+
+INLINE void multiply_tile_float(const float *value, int columns, const float *x, v4f sum[TILE]) {
+    fours part[TILE], at, T;
+    int j = 0;
+    for (int i = 0; i < TILE; i++) fours_zero(&part[i]);
+    for (; j + 4 <= columns; j += 4, value += 4 * TILE) {
+        fours_load(&T, value);
+        fours_load(&at, x + 4 * (size_t)j);
+        fours_add_each(&part[0], &T, 0, &at), fours_add_each(&part[1], &T, 1, &at);
+        fours_add_each(&part[2], &T, 2, &at), fours_add_each(&part[3], &T, 3, &at);
+    }
+    fours_sums(&at, part);
+    fours_store(sum, &at);
+    for (; j < columns; j++, value += TILE) {
+        v4f one;
+        v4f_load(&one, x, j);
+        for (int i = 0; i < TILE; i++) sum[i] += value[i] * one;
+    }
+}
+
+INLINE void add_transposed_float(const float *value, const v4f c[TILE], int first, int last,
+                                 float *y) {
+    fours rows, row[TILE], sum, T;
+    int j = first;
+    fours_join(&rows, &c[0], &c[1], &c[2], &c[3]);
+    for (int i = 0; i < TILE; i++) fours_all(&row[i], &rows, i);
+    value += TILE * (size_t)first;
+    for (; j + 4 <= last; j += 4, value += 4 * TILE) {
+        fours_load(&T, value);
+        fours_load(&sum, y + 4 * (size_t)j);
+        fours_add_each(&sum, &T, 0, &row[0]), fours_add_each(&sum, &T, 1, &row[1]);
+        fours_add_each(&sum, &T, 2, &row[2]), fours_add_each(&sum, &T, 3, &row[3]);
+        fours_store(y + 4 * (size_t)j, &sum);
+    }
+    for (; j < last; j++, value += TILE) {
+        v4f one;
+        v4f_load(&one, y, j);
+        one += (value[0] * c[0] + value[1] * c[1]) + (value[2] * c[2] + value[3] * c[3]);
+        v4f_store(y, j, &one);
+    }
+}
 
 #define NUMBER   double
 #define VECTOR   v4
+#define LOAD     v4_load
+#define STORE    v4_store
+#define WIDTH    3
 #define AS(name) name##_double
 #include "substitution.h"
 
 #define NUMBER   float
 #define VECTOR   v4f
+#define LOAD     v4f_load
+#define STORE    v4f_store
+#define WIDTH    4
 #define AS(name) name##_float
 #include "substitution.h"
 
-void panels_solve(struct panels *s, const double *b, double *y) {
-    if (s->single) solve_float(s, b, y);
-    else solve_double(s, b, y);
-}
+void panels_solve(struct panels *s, const double *b, double *y) { solve_double(s, b, y); }
+void panels_solve_single(struct panels *s, const float *b, float *y) { solve_float(s, b, y); }
 
 /* ---- layout ---------------------------------------------------------------------------------- */
 

@@ -54,6 +54,8 @@ pdyn_status panels_build(struct panels *panels, pdyn_context *context, const cho
 pdyn_status panels_fill(struct panels *panels, const cholmod_factor *factor);
 /* y = A^-1 b, both columns x 3 in the order of the particles; they may be one. */
 void panels_solve(struct panels *panels, const double *b, double *y);
+/* The same in floats, columns x 4, if built for that. */
+void panels_solve_single(struct panels *panels, const float *b, float *y);
 void panels_free(struct panels *panels);
 
 #endif

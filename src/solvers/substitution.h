@@ -1,25 +1,8 @@
-/* The substitutions of panels.c, for numbers of one type: NUMBER, four of them a VECTOR; AS(name)
- * is the name of a function for that type. Included once for each. */
+/* The substitutions of panels.c, for numbers of one type: NUMBER, four of them a VECTOR, with LOAD
+ * and STORE; a particle's part of b and y has WIDTH; AS(name) is the name of a function for that
+ * type. Included once for each. */
 
 /* ---- products with T and T' ------------------------------------------------------------------ */
-
-INLINE void AS(load)(VECTOR *to, const NUMBER *from, int index) {
-    memcpy(to, from + 4 * (size_t)index, sizeof *to);
-}
-INLINE void AS(store)(NUMBER *to, int index, const VECTOR *from) {
-    memcpy(to + 4 * (size_t)index, from, sizeof *from);
-}
-
-/* sum = tile x, of four rows and so many columns */
-INLINE void AS(multiply_tile)(const NUMBER *value, int columns, const NUMBER *x, VECTOR sum[TILE]) {
-    VECTOR a = {0}, b = {0}, c = {0}, d = {0};
-    for (int j = 0; j < columns; j++, value += TILE) {
-        VECTOR at;
-        AS(load)(&at, x, j);
-        a += value[0] * at, b += value[1] * at, c += value[2] * at, d += value[3] * at;
-    }
-    sum[0] = a, sum[1] = b, sum[2] = c, sum[3] = d;
-}
 
 /* Rows of T x in tiles [first, last): those of the triangle become the panel's part of the vector,
  * the others are added to the rows below. x: columns x 4, a copy of the panel's part. */
@@ -35,39 +18,22 @@ WIDE static void AS(multiply)(const struct panels *s, const struct panel *p, con
         value += TILE * (size_t)columns;
         if (t < triangle)
             for (int i = 0; i < TILE && row + i < p->columns; i++)
-                AS(store)(work, p->first + row + i, &sum[i]);
+                STORE(work, p->first + row + i, &sum[i]);
         else
             for (int i = 0; i < TILE && row + i < p->rows; i++) {
                 int place = s->place[p->row + row + i];
-                AS(load)(&old, work, place);
+                LOAD(&old, work, place);
                 old += sum[i];
-                AS(store)(work, place, &old);
+                STORE(work, place, &old);
             }
     }
 }
 
-/* Row i of so many left in a tile: zero beyond the last. place: of each row, or NULL for rows in
- * order. */
-INLINE void AS(load_row)(VECTOR *c, const NUMBER *from, const int *place, int i, int left) {
-    if (i < left) AS(load)(c, from, place ? place[i] : i);
-    else *c = (VECTOR){0};
-}
-
-/* y += tile' c in columns [first, last); c: the rows of the tile */
-INLINE void AS(add_transposed)(const NUMBER *value, const NUMBER *from, const int *place, int left,
-                               int first, int last, NUMBER *y) {
-    VECTOR a, b, c, d;
-    AS(load_row)(&a, from, place, 0, left);
-    AS(load_row)(&b, from, place, 1, left);
-    AS(load_row)(&c, from, place, 2, left);
-    AS(load_row)(&d, from, place, 3, left);
-    value += TILE * (size_t)first;
-    for (int j = first; j < last; j++, value += TILE) {
-        VECTOR sum;
-        AS(load)(&sum, y, j);
-        sum += (value[0] * a + value[1] * b) + (value[2] * c + value[3] * d);
-        AS(store)(y, j, &sum);
-    }
+/* The rows of a tile, zero from `left` on. place: of each row, or NULL for rows in order. */
+INLINE void AS(load_rows)(VECTOR c[TILE], const NUMBER *from, const int *place, int left) {
+    for (int i = 0; i < TILE; i++)
+        if (i < left) LOAD(&c[i], from, place ? place[i] : i);
+        else c[i] = (VECTOR){0};
 }
 
 /* Columns [first, last) of the panel's part of the vector become those of T' [x; rows below]. */
@@ -75,15 +41,19 @@ WIDE static void AS(multiply_transposed)(const struct panels *s, const struct pa
                                          const NUMBER *x, int first, int last) {
     NUMBER *work = s->work, *y = work + 4 * (size_t)p->first;
     const NUMBER *value = (const NUMBER *)s->value + p->value + tile_start(p, first / TILE);
+    VECTOR c[TILE];
     memset(y + 4 * (size_t)first, 0, 4 * (size_t)(last - first) * sizeof *y);
     for (int row = first / TILE * TILE; row < p->columns; row += TILE) {
         int columns = tile_columns(p, row / TILE), end = columns < last ? columns : last,
             left = p->columns - row;
-        AS(add_transposed)(value, x + 4 * (size_t)row, NULL, left, first, end, y);
+        AS(load_rows)(c, x + 4 * (size_t)row, NULL, left);
+        AS(add_transposed)(value, c, first, end, y);
         value += TILE * (size_t)columns;
     }
-    for (int row = 0; row < p->rows; row += TILE, value += TILE * (size_t)p->columns)
-        AS(add_transposed)(value, work, s->place + p->row + row, p->rows - row, first, last, y);
+    for (int row = 0; row < p->rows; row += TILE, value += TILE * (size_t)p->columns) {
+        AS(load_rows)(c, work, s->place + p->row + row, p->rows - row);
+        AS(add_transposed)(value, c, first, last, y);
+    }
 }
 
 /* ---- substitution ---------------------------------------------------------------------------- */
@@ -97,21 +67,18 @@ static NUMBER *AS(scratch_of)(const struct panels *s, int task) {
 }
 
 /* Columns of L [first, last): in from the particles' order, and out. */
-static void AS(take_in)(struct panels *s, const double *b, int first, int last) {
+static void AS(take_in)(struct panels *s, const NUMBER *b, int first, int last) {
     for (int k = first; k < last; k++) {
-        const double *from = b + 3 * (size_t)s->particle[k];
         NUMBER *to = (NUMBER *)s->work + 4 * (size_t)k;
-        for (int a = 0; a < 3; a++) to[a] = (NUMBER)from[a];
-        to[3] = 0;
+        memcpy(to, b + WIDTH * (size_t)s->particle[k], WIDTH * sizeof *to);
+        if (WIDTH < 4) to[3] = 0;
     }
 }
 
-static void AS(give_out)(const struct panels *s, double *y, int first, int last) {
-    for (int k = first; k < last; k++) {
-        const NUMBER *from = (const NUMBER *)s->work + 4 * (size_t)k;
-        double *to = y + 3 * (size_t)s->particle[k];
-        for (int a = 0; a < 3; a++) to[a] = (double)from[a];
-    }
+static void AS(give_out)(const struct panels *s, NUMBER *y, int first, int last) {
+    for (int k = first; k < last; k++)
+        memcpy(y + WIDTH * (size_t)s->particle[k], (const NUMBER *)s->work + 4 * (size_t)k,
+               WIDTH * sizeof *y);
 }
 
 static void AS(forward_task)(void *arg, int first, int last, int block) {
@@ -173,7 +140,7 @@ static void AS(top_panel)(struct panels *s, int panel, pdyn_range_fn *share, int
     else pool_for(s->context->pool, count, grain, share, &call);
 }
 
-static void AS(solve_top)(struct panels *s, const double *b, double *y) {
+static void AS(solve_top)(struct panels *s, const NUMBER *b, NUMBER *y) {
     NUMBER *work = s->work;
     for (int k = 0; k < s->tops; k++) {
         const struct panel *p = &s->panel[s->top[k]];
@@ -191,7 +158,7 @@ static void AS(solve_top)(struct panels *s, const double *b, double *y) {
     }
 }
 
-static void AS(solve)(struct panels *s, const double *b, double *y) {
+static void AS(solve)(struct panels *s, const NUMBER *b, NUMBER *y) {
     struct call call = {.s = s, .b = b, .y = y};
     pool_for(s->context->pool, s->tasks, 1, AS(forward_task), &call);
     AS(solve_top)(s, b, y);
@@ -200,4 +167,7 @@ static void AS(solve)(struct panels *s, const double *b, double *y) {
 
 #undef NUMBER
 #undef VECTOR
+#undef WIDTH
+#undef LOAD
+#undef STORE
 #undef AS

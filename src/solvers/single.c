@@ -1,0 +1,231 @@
+#include "single.h"
+
+#include "../core/fours.h"
+
+enum { ELEMENTS = 1024, PARTICLES = 512 }; /* grains: worth waking a thread for */
+
+struct call {
+    struct single *s;
+    const float *u, *x; /* x: NULL for H u itself */
+    float *y;
+    int batch;
+};
+
+/* ---- the product ----------------------------------------------------------------------------- */
+
+INLINE void gather(const struct selected *entry, int count, const float *u, v4f *sum) {
+    *sum = (v4f){0};
+    for (int k = 0; k < count; k++) {
+        v4f at;
+        v4f_load(&at, u, entry[k].index);
+        *sum += entry[k].coefficient * at;
+    }
+}
+
+/* Flux of an element of so many rows from `row` on; B is symmetric: a row is a column. */
+INLINE void multiply_block(const struct single *s, const float *B, int row, int rows,
+                           const float *x) {
+    float *flux = s->flux + 4 * (size_t)row;
+    for (int k = 0; k < rows; k++) {
+        v4f u, f, column;
+        int from = s->row_start[row + k];
+        gather(s->entry + from, s->row_start[row + k + 1] - from, x, &u);
+        for (int r = 0; r < rows; r++) {
+            if (k) v4f_load(&f, flux, r);
+            else f = (v4f){0};
+            for (int a = 0; a < 3; a++) {
+                memcpy(&column, B + 3 * (3 * k + a) * rows + 3 * r, sizeof column);
+                f += u[a] * column;
+            }
+            memcpy(flux + 4 * r, &f, sizeof f);
+        }
+    }
+}
+
+/* The fluxes of a batch's elements, the usual sizes unrolled. */
+WIDE static void multiply_elements(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct batch *b = c->s->system->batch[c->batch];
+    const float *B = c->s->block[c->batch];
+    int row = c->s->batch_row[c->batch];
+    for (int e = first; e < last; e++) {
+        int r = b->view.element_row[e], rows = b->view.element_row[e + 1] - r;
+        const float *own = B + b->block_start[e];
+        if (rows == 1) multiply_block(c->s, own, row + r, 1, c->u);
+        else if (rows == 2) multiply_block(c->s, own, row + r, 2, c->u);
+        else if (rows == 3) multiply_block(c->s, own, row + r, 3, c->u);
+        else multiply_block(c->s, own, row + r, rows, c->u);
+    }
+}
+
+enum { AHEAD = 16 }; /* hardware alone does not keep up with streams as short as a patch's */
+
+/* The parts of a vector that begin at four places. */
+INLINE void gather_four(fours *at, const float *u, int a, int b, int c, int d) {
+    v4f part[4];
+    v4f_load(&part[0], u + a, 0), v4f_load(&part[1], u + b, 0);
+    v4f_load(&part[2], u + c, 0), v4f_load(&part[3], u + d, 0);
+    fours_join(at, &part[0], &part[1], &part[2], &part[3]);
+}
+
+/* sum = number (u - u of the first member) */
+INLINE void sum_numbers(const struct single *s, int patch, const float *u, fours *sum) {
+    fours at, first, K, part[PATCH];
+    int member = 4 * s->member[PATCH * patch];
+    gather_four(&first, u, member, member, member, member);
+    for (int m = 0; m < PATCH; m++) fours_zero(&part[m]);
+    for (int t = s->number_start[patch]; t < s->number_start[patch + 1]; t++) {
+        const struct numbers *n = s->numbers + t;
+        __builtin_prefetch(n + AHEAD);
+        gather_four(&at, u, n->column[0], n->column[1], n->column[2], n->column[3]);
+        fours_subtract(&at, &at, &first);
+        fours_load(&K, n->number);
+        fours_add_each(&part[0], &K, 0, &at), fours_add_each(&part[1], &K, 1, &at);
+        fours_add_each(&part[2], &K, 2, &at), fours_add_each(&part[3], &K, 3, &at);
+    }
+    fours_sums(sum, part);
+}
+
+/* sum += B (own - u of the other end); own: of the members */
+INLINE void add_links(const struct single *s, int patch, const float *u, const fours *own,
+                      fours *sum) {
+    fours at, upper, rest, column;
+    for (int t = s->link_start[patch]; t < s->link_start[patch + 1]; t++) {
+        const struct links *l = s->links + t;
+        __builtin_prefetch(l + AHEAD);
+        __builtin_prefetch((l + AHEAD)->rest);
+        gather_four(&at, u, l->rest[0].to, l->rest[1].to, l->rest[2].to, l->rest[3].to);
+        fours_subtract(&at, own, &at);
+        fours_load(&upper, l->upper);
+        fours_load(&rest, l->rest);
+        fours_add_each(sum, &at, 0, &upper);
+        fours_second(&column, &upper, &rest);
+        fours_add_each(sum, &at, 1, &column);
+        fours_third(&column, &upper, &rest);
+        fours_add_each(sum, &at, 2, &column);
+    }
+}
+
+/* The four members' parts of y = H u, or of x - H u; adds to u.H u. */
+INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *product) {
+    const struct single *s = c->s;
+    const int *member = s->member + PATCH * patch;
+    fours own, sum;
+    v4f sums[PATCH], products = {0};
+    gather_four(&own, c->u, 4 * member[0], 4 * member[1], 4 * member[2], 4 * member[3]);
+    sum_numbers(s, patch, c->u, &sum);
+    add_links(s, patch, c->u, &own, &sum);
+    fours_store(sums, &sum);
+    for (int m = 0; m < PATCH; m++) {
+        int i = member[m], t = s->touch_start[i];
+        v4f u, y;
+        v4f_load(&u, c->u, i);
+        gather(s->touch + t, s->touch_start[i + 1] - t, s->flux, &y);
+        y += sums[m] + s->self[i] * u;
+        y[3] = 0.0F;
+        products += u * y;
+        if (x) v4f_load(&u, x, i), y = u - y;
+        v4f_store(c->y, i, &y);
+    }
+    *product += __builtin_convertvector(products, v4);
+}
+
+WIDE static void multiply_patches(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    v4 product = {0};
+    for (int k = first; k < last; k++) multiply_patch(c, k, NULL, &product);
+    c->s->partial[block] = v4_sum(&product);
+}
+
+WIDE static void subtract_patches(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    v4 product = {0};
+    for (int k = first; k < last; k++) multiply_patch(c, k, c->x, &product);
+}
+
+static void multiply(struct single *s, pdyn_range_fn *patches, const float *u, const float *x,
+                     float *y) {
+    struct system *sys = s->system;
+    struct call call = {.s = s, .u = u, .x = x, .y = y};
+    for (; call.batch < sys->batches; call.batch++)
+        if (s->block[call.batch])
+            pool_for(sys->context->pool, sys->batch[call.batch]->view.elements, ELEMENTS,
+                     multiply_elements, &call);
+    pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, patches, &call);
+}
+
+double single_apply(struct single *s, const float *u, float *y) {
+    double sum = 0.0;
+    multiply(s, multiply_patches, u, NULL, y);
+    for (int k = 0; k < pool_blocks(s->patches, SINGLE_GRAIN); k++) sum += s->partial[k];
+    return sum;
+}
+
+void single_subtract(struct single *s, const float *u, const float *x, float *y) {
+    multiply(s, subtract_patches, u, x, y);
+}
+
+/* ---- its numbers ----------------------------------------------------------------------------- */
+
+WIDE static void take_inertia(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct single *s = ((const struct call *)arg)->s;
+    for (int i = first; i < last; i++)
+        s->self[i] = (float)(s->own[i] + system_inertia(s->system, i));
+}
+
+/* B = w I where the components do not couple. */
+static void take_weights(const struct batch *b, int e, float *B) {
+    int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
+    memset(B, 0, (size_t)(n * n) * sizeof *B);
+    for (int k = 0; k < n; k++) B[k * n + k] = (float)b->view.weight[e];
+}
+
+WIDE static void take_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct batch *b = c->s->system->batch[c->batch];
+    float *to = c->s->block[c->batch];
+    if (b->eps < 1.0)
+        for (size_t k = b->block_start[first]; k < b->block_start[last]; k++)
+            to[k] = (float)b->block[k];
+    else
+        for (int e = first; e < last; e++) take_weights(b, e, to + b->block_start[e]);
+}
+
+/* Member m of links t */
+INLINE void take_link(const struct single *s, int t, int m) {
+    const struct origin *from = &s->origin[PATCH * t + m];
+    if (from->row < 0) return;
+    const struct batch *b = s->system->batch[from->batch];
+    struct links *l = s->links + t;
+    float w = (float)b->view.weight[from->row], *upper = l->upper + 4 * m;
+    if (b->eps < 1.0) {
+        const double *B = b->block + 9 * (size_t)from->row;
+        upper[0] = (float)B[0], upper[1] = (float)B[1], upper[2] = (float)B[2];
+        upper[3] = (float)B[4], l->rest[m].yz = (float)B[5], l->rest[m].zz = (float)B[8];
+    } else {
+        upper[0] = upper[3] = l->rest[m].zz = w;
+        upper[1] = upper[2] = l->rest[m].yz = 0.0F;
+    }
+}
+
+WIDE static void take_links(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct single *s = ((const struct call *)arg)->s;
+    for (int t = s->link_start[first]; t < s->link_start[last]; t++)
+        for (int m = 0; m < PATCH; m++) take_link(s, t, m);
+}
+
+void single_prepare(struct single *s) {
+    struct system *sys = s->system;
+    struct call call = {.s = s};
+    pool_for(sys->context->pool, sys->particles, PARTICLES, take_inertia, &call);
+    pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, take_links, &call);
+    for (; call.batch < sys->batches; call.batch++)
+        if (s->block[call.batch])
+            pool_for(sys->context->pool, sys->batch[call.batch]->view.elements, ELEMENTS,
+                     take_blocks, &call);
+}

@@ -1,0 +1,180 @@
+#include "single_cg.h"
+
+#include "../core/simd.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double omega = 0.6;
+
+struct single_sums { /* of a block of particles */
+    double rz, zq, rp, rr;
+};
+
+struct call {
+    struct single_cg *s;
+    const double *b;
+    double *y;
+    double size, scale; /* of b; of what is added */
+};
+
+pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct backbone *backbone,
+                             struct jacobi *jacobi) {
+    pdyn_context *c = system->context;
+    float **vector[] = {&s->r, &s->z, &s->p, &s->q, &s->w, &s->t};
+    bool good = true;
+    s->system = system, s->backbone = backbone, s->jacobi = jacobi;
+    for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
+        good &= (*vector[k] = NEW_ARRAY(c, single_size(system), float)) != NULL;
+    s->inverse = NEW_ARRAY(c, 9 * (size_t)system->particles + 1, float);
+    s->sums = NEW_ARRAY(c, pool_blocks(system->particles, SYSTEM_GRAIN), struct single_sums);
+    good &= s->inverse && (!system->particles || s->sums);
+    return good ? single_create(&s->product, system) : PDYN_NO_MEMORY;
+}
+
+void single_cg_free(struct single_cg *s) {
+    if (!s->system) return;
+    pdyn_context *c = s->system->context;
+    float *vector[] = {s->r, s->z, s->p, s->q, s->w, s->t};
+    for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
+        FREE_ARRAY(c, vector[k], single_size(s->system));
+    FREE_ARRAY(c, s->inverse, 9 * (size_t)s->system->particles + 1);
+    FREE_ARRAY(c, s->sums, pool_blocks(s->system->particles, SYSTEM_GRAIN));
+    single_free(&s->product);
+}
+
+/* ---- passes over the particles --------------------------------------------------------------- */
+
+static struct single_sums for_particles(struct single_cg *s, pdyn_range_fn *fn, struct call *call) {
+    struct single_sums all = {0};
+    call->s = s;
+    pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, call);
+    for (int k = 0; k < pool_blocks(s->system->particles, SYSTEM_GRAIN); k++) {
+        const struct single_sums *part = &s->sums[k];
+        all.rz += part->rz, all.zq += part->zq, all.rp += part->rp, all.rr += part->rr;
+    }
+    return all;
+}
+
+INLINE void add_product(v4 *sum, const v4f *a, const v4f *b) {
+    *sum += __builtin_convertvector(*a * *b, v4);
+}
+
+/* z = omega D^-1 r of particle i */
+INLINE void apply_block(const struct single_cg *s, int i, const v4f *r, v4f *z) {
+    v4f column[3];
+    for (int a = 0; a < 3; a++)
+        memcpy(&column[a], s->inverse + 9 * (size_t)i + 3 * a, sizeof column[a]);
+    *z = (*r)[0] * column[0] + (*r)[1] * column[1] + (*r)[2] * column[2];
+    (*z)[3] = 0.0F;
+}
+
+/* r = scale b, z1 */
+WIDE static void begin_single(void *arg, int first, int last, int block) {
+    (void)block;
+    static const int packed[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    const struct call *c = arg;
+    struct single_cg *s = c->s;
+    for (int i = first; i < last; i++) {
+        const double *D = s->jacobi->inverse + 6 * (size_t)i, *b = c->b + 3 * (size_t)i;
+        for (int a = 0; a < 9; a++) s->inverse[9 * (size_t)i + (size_t)a] = (float)D[packed[a]];
+        v4f r = {(float)(b[0] * c->scale), (float)(b[1] * c->scale), (float)(b[2] * c->scale)}, z;
+        apply_block(s, i, &r, &z);
+        v4f_store(s->r, i, &r), v4f_store(s->z, i, &z);
+    }
+}
+
+/* z = z1 + t + omega D^-1 w; sums: r.z, z.q, r.p */
+WIDE static void end_turn(void *arg, int first, int last, int block) {
+    struct single_cg *s = ((const struct call *)arg)->s;
+    v4 rz = {0}, zq = {0}, rp = {0};
+    for (int i = first; i < last; i++) {
+        v4f r, z, t, w, p, q, last_part;
+        v4f_load(&r, s->r, i), v4f_load(&z, s->z, i), v4f_load(&t, s->t, i);
+        v4f_load(&w, s->w, i), v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
+        apply_block(s, i, &w, &last_part);
+        z += t + last_part;
+        v4f_store(s->z, i, &z);
+        add_product(&rz, &r, &z), add_product(&zq, &z, &q), add_product(&rp, &r, &p);
+    }
+    s->sums[block] = (struct single_sums){.rz = v4_sum(&rz), .zq = v4_sum(&zq), .rp = v4_sum(&rp)};
+}
+
+/* p = z + scale p */
+WIDE static void turn_single(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct single_cg *s = c->s;
+    float scale = (float)c->scale;
+    for (int i = first; i < last; i++) {
+        v4f z, p;
+        v4f_load(&z, s->z, i), v4f_load(&p, s->p, i);
+        p = z + scale * p;
+        v4f_store(s->p, i, &p);
+    }
+}
+
+/* r -= scale q, y += size scale p, and z1; sums: r.r */
+WIDE static void go_on(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct single_cg *s = c->s;
+    float scale = (float)c->scale;
+    double length = c->size * c->scale;
+    v4 rr = {0};
+    for (int i = first; i < last; i++) {
+        v4f r, z, p, q;
+        v4f_load(&r, s->r, i), v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
+        r -= scale * q;
+        apply_block(s, i, &r, &z);
+        v4f_store(s->r, i, &r), v4f_store(s->z, i, &z);
+        add_product(&rr, &r, &r);
+        v4 step = length * __builtin_convertvector(p, v4);
+        v4_add_to(c->y + 3 * (size_t)i, &step);
+    }
+    s->sums[block] = (struct single_sums){.rr = v4_sum(&rr)};
+}
+
+/* ---- conjugate gradients --------------------------------------------------------------------- */
+
+/* From r and z1, the direction that goes on from the last one, in the metric of H as it was along
+ * that: also from the last one of the solve before, whose model differed little. Returns r.p. */
+static double next_direction(struct single_cg *s) {
+    struct call call = {0};
+    single_subtract(&s->product, s->z, s->r, s->w);
+    backbone_solve(s->backbone, s->w, s->t);
+    single_subtract(&s->product, s->t, s->w, s->w);
+    struct single_sums sums = for_particles(s, end_turn, &call);
+    double rp = sums.rz;
+    if (s->curvature > 0.0) {
+        call.scale = -sums.zq / s->curvature;
+        rp += call.scale * sums.rp;
+        if (!(rp > 0.0)) call.scale = 0.0, rp = sums.rz;
+    }
+    for_particles(s, turn_single, &call);
+    return rp;
+}
+
+enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
+                                const pdyn_goal *goal, int *iterations) {
+    struct call call = {.b = b, .y = y, .size = sqrt(system_dot(s->system, b, b))};
+    double rr = 1.0, gained = 0.0, gain = INFINITY;
+    *iterations = 0;
+    if (goal->first) s->curvature = 0.0;
+    if (!(call.size > 0.0)) return SINGLE_SOLVED;
+    call.scale = 1.0 / call.size;
+    jacobi_prepare(s->jacobi, omega);
+    single_prepare(&s->product);
+    for_particles(s, begin_single, &call);
+    while (rr > goal->tolerance * goal->tolerance) {
+        if (*iterations >= goal->iterations || gain * *iterations < goal->gain * gained)
+            return SINGLE_ENOUGH;
+        double rp = next_direction(s);
+        s->curvature = single_apply(&s->product, s->p, s->q);
+        if (!(s->curvature > 0.0)) return SINGLE_EXHAUSTED;
+        call.scale = rp / s->curvature;
+        rr = for_particles(s, go_on, &call).rr;
+        gain = rp * call.scale, gained += gain;
+        ++*iterations;
+    }
+    return SINGLE_SOLVED;
+}
