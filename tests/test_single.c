@@ -1,0 +1,182 @@
+/* Inner solves in floats: the product against the batches' own in doubles, and what a solver makes
+ * of a sheet too stiff for floats. */
+#include "support.h"
+
+#include "../src/solvers/single.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A body of this shape with these constraints, three steps into its fall. */
+static pdyn_sim *fall(pdyn_context *context, const char *shape, const char *constraints) {
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{\"duration\": 100, \"time_step\": {\"fixed\": 0.01}, \"solver\": {\"type\": "
+             "\"hybrid\", \"tolerance\": 1e-3}, \"bodies\": [{%s, \"constraints\": [%s, {\"type\": "
+             "\"pin\", \"vertices\": {\"vertices\": [0, 12]}}]}]}",
+             shape, constraints);
+    pdyn_sim *sim = test_load(context, text);
+    for (int k = 0; k < 3; k++) test_step(context, sim);
+    return sim;
+}
+
+static double *random_vector(int particles) {
+    double *u = calloc(3 * (size_t)particles + 1, sizeof *u);
+    uint64_t seed = 7;
+    assert_non_null(u);
+    /* as floats hold it, so that the products differ by their own roundings alone */
+    for (int k = 0; k < 3 * particles; k++) u[k] = (double)(float)test_random(&seed);
+    return u;
+}
+
+static float *to_floats(const struct system *sys, const double *u) {
+    float *out = calloc(single_size(sys), sizeof *out);
+    assert_non_null(out);
+    for (int k = 0; k < 3 * sys->particles; k++) out[k / 3 * 4 + k % 3] = (float)u[k];
+    return out;
+}
+
+/* H u, u.H u and x - H u as floats have them, against doubles. */
+static void compare_products(struct system *sys, double eps) {
+    struct single s = {0};
+    int n = sys->particles, size = 3 * n;
+    double *u = random_vector(n), *y = calloc((size_t)size + 1, sizeof *y), most = 0.0, worst = 0.0;
+    float *single_u = to_floats(sys, u), *single_y = calloc(single_size(sys), sizeof *single_y);
+    assert_true(y && single_y);
+    assert_int_equal(system_linearise(sys, eps), PDYN_OK);
+    assert_int_equal(single_create(&s, sys), PDYN_OK);
+    single_prepare(&s);
+    system_apply(sys, u, y);
+    double product = single_apply(&s, single_u, single_y), exact = 0.0;
+    for (int k = 0; k < size; k++) {
+        exact += u[k] * y[k], most = fmax(most, fabs(y[k]));
+        worst = fmax(worst, fabs(y[k] - (double)single_y[k / 3 * 4 + k % 3]));
+    }
+    assert_true(exact > 0.0 && worst < 2e-6 * most && fabs(product - exact) < 1e-6 * exact);
+    single_subtract(&s, single_u, single_u, single_y);
+    for (int k = 0; k < size; k++)
+        assert_true(fabs(u[k] - y[k] - (double)single_y[k / 3 * 4 + k % 3]) < 2e-6 * most);
+    for (int i = 0; i <= n; i++) assert_true(single_y[4 * i + 3] == 0.0F);
+    single_free(&s);
+    free(u), free(y), free(single_u), free(single_y);
+}
+
+/* Numbers, links, rows of one and of several particles, and what adds up of them; as many particles
+ * as do and do not fill patches. */
+static void test_product(void **state) {
+    (void)state;
+    static const char sheet[] =
+        "\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [13, %d]}, "
+        "\"area_density\": 0.2}";
+    static const char solid[] =
+        "\"volume\": {\"grid\": {\"size\": [0.3, 0.2, 0.1], \"cells\": [3, %d, "
+        "1]}, \"density\": 1000}";
+    static const struct {
+        const char *shape, *constraints;
+    } scene[] = {
+        {sheet, "{\"type\": \"spring\", \"stretching_stiffness\": 400}"},
+        {sheet, "{\"type\": \"bending\", \"bending_rigidity\": 0.1}"},
+        {sheet, "{\"type\": \"spring\", \"stretching_stiffness\": 400, \"damping\": 0.01}, "
+                "{\"type\": \"bending\", \"bending_rigidity\": 1e-2, \"damping\": 0.01}"},
+        {sheet, "{\"type\": \"triangle\", \"stretching_stiffness\": 400}, {\"type\": \"bending\", "
+                "\"bending_rigidity\": 1e-2}"},
+        {solid, "{\"type\": \"tet\", \"stiffness\": 1e4}"},
+    };
+    for (size_t k = 0; k < sizeof scene / sizeof *scene; k++)
+        for (int n = 5; n < 8; n++) {
+            char shape[256];
+            pdyn_context *context = test_context(2);
+            snprintf(shape, sizeof shape, scene[k].shape, n);
+            pdyn_sim *sim = fall(context, shape, scene[k].constraints);
+            compare_products(&sim->system, 0.0);
+            compare_products(&sim->system, 0.3);
+            compare_products(&sim->system, 1.0);
+            pdyn_free(sim);
+            assert_int_equal(pdyn_bytes_in_use(context), 0);
+            pdyn_destroy(context);
+        }
+}
+
+/* What all particles have in common meets inertia alone, however stiff the rest is: to a float's
+ * last digit. */
+static void test_common_motion(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = fall(context,
+                         "\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [13, 6]}, "
+                         "\"area_density\": 0.2}",
+                         "{\"type\": \"spring\", \"stretching_stiffness\": 1e9}, {\"type\": "
+                         "\"bending\", \"bending_rigidity\": 1e3}");
+    struct system *sys = &sim->system;
+    struct single s = {0};
+    double *u = random_vector(sys->particles);
+    for (int k = 0; k < 3 * sys->particles; k++) u[k] = 0.3;
+    float *single_u = to_floats(sys, u), *y = calloc(single_size(sys), sizeof *y);
+    assert_non_null(y);
+    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(single_create(&s, sys), PDYN_OK);
+    single_prepare(&s);
+    single_apply(&s, single_u, y);
+    for (int i = 0; i < sys->particles; i++) {
+        double expected = 0.3 * system_inertia(sys, i);
+        bool pinned = i == 0 || i == 12;
+        assert_true(pinned || fabs((double)y[4 * i] - expected) < 3e-7 * expected);
+    }
+    single_free(&s);
+    free(u), free(single_u), free(y);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* The residual that a solve leaves, of the one before. */
+static double left_by_solve(pdyn_sim *sim, double tolerance) {
+    struct system *sys = &sim->system;
+    int size = 3 * sys->particles, iterations;
+    double *b = random_vector(sys->particles), *rest = random_vector(sys->particles);
+    double *y = calloc((size_t)size + 1, sizeof *y), *q = calloc((size_t)size + 1, sizeof *q);
+    const pdyn_goal goal = {.tolerance = tolerance, .iterations = 100000, .first = true};
+    assert_true(y && q);
+    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(sim->solver->solve(sim->solver_state, rest, y, &goal, &iterations), PDYN_OK);
+    system_apply(sys, y, q);
+    double left = test_distance(q, b, size);
+    memset(q, 0, (size_t)size * sizeof *q);
+    left /= test_distance(q, b, size);
+    free(b), free(rest), free(y), free(q);
+    return left;
+}
+
+/* Floats leave what doubles then see and go on with; and what they cannot solve at all is solved in
+ * doubles. */
+static void test_refined(void **state) {
+    (void)state;
+    static const double stiffness[] = {1e3, 1e6, 1e9, 1e12}, rigidity[] = {1e-4, 1.0, 1e6, 1e9};
+    /* the last is at the end of doubles, too: one part in 1e16 of its stiffness is its inertia */
+    static const double asked[] = {1e-9, 1e-9, 1e-5, 1e-2}, most[] = {1e-9, 1e-9, 1e-5, 0.05};
+    for (int k = 0; k < 4; k++) {
+        char constraints[256];
+        pdyn_context *context = test_context(1);
+        snprintf(constraints, sizeof constraints,
+                 "{\"type\": \"spring\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "
+                 "\"bending_rigidity\": %g}",
+                 stiffness[k], rigidity[k]);
+        pdyn_sim *sim = fall(context,
+                             "\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [13, 13]}, "
+                             "\"area_density\": 0.2}",
+                             constraints);
+        double left = left_by_solve(sim, asked[k]);
+        if (!(left <= 1.01 * most[k])) fail_msg("stiffness %g leaves %g", stiffness[k], left);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_product),
+        cmocka_unit_test(test_common_motion),
+        cmocka_unit_test(test_refined),
+    };
+    return cmocka_run_group_tests_name("single", tests, NULL, NULL);
+}
