@@ -222,7 +222,7 @@ static void test_goes_on(void **state) {
     for (int k = 0; k < 2; k++) {
         pdyn_context *context = test_context(1);
         char text[256];
-        double b[N], whole[N], parts[N];
+        double b[N], whole[N + 1], parts[N + 1]; /* vectors of the system have room for a fourth */
         uint64_t seed = 1;
         snprintf(text, sizeof text,
                  "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"%s\"}", solver[k]);
