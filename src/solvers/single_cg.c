@@ -1,6 +1,6 @@
 #include "single_cg.h"
 
-#include "../core/simd.h"
+#include "blocks.h"
 
 #include <math.h>
 #include <string.h>
@@ -78,8 +78,10 @@ WIDE static void begin_single(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) {
         const double *D = s->jacobi->inverse + 6 * (size_t)i, *b = c->b + 3 * (size_t)i;
         for (int a = 0; a < 9; a++) s->inverse[9 * (size_t)i + (size_t)a] = (float)D[packed[a]];
-        v4f r = {(float)(b[0] * c->scale), (float)(b[1] * c->scale), (float)(b[2] * c->scale)}, z;
-        apply_block(s, i, &r, &z);
+        double scaled[3] = {b[0] * c->scale, b[1] * c->scale, b[2] * c->scale}, first_part[3];
+        block_multiply(first_part, D, scaled);
+        v4f r = {(float)scaled[0], (float)scaled[1], (float)scaled[2]};
+        v4f z = {(float)first_part[0], (float)first_part[1], (float)first_part[2]};
         v4f_store(s->r, i, &r), v4f_store(s->z, i, &z);
     }
 }
