@@ -27,6 +27,10 @@ static double damping(const void *par) { return ((const struct params *)par)->le
 static const pdyn_param good_params[] = {
     {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), true, 0, 0, 1, "N/m", "its"}, {0}};
 
+static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par, (void)b, (void)first, (void)last, (void)J;
+}
+
 static const pdyn_constraint_type good = {.name = "mine",
                                           .summary = "does nothing",
                                           .params_size = sizeof(struct params),
@@ -86,6 +90,8 @@ static void test_tables(void **state) {
     t = good, t.project = NULL, refuse_type(t, "lacks one of");
     t = good, t.width = 0, refuse_type(t, "needs rows and width");
     t = good, t.damping = damping, refuse_type(t, "need each other");
+    t = good, t.tangent = tangent, t.axial = tangent,
+    refuse_type(t, "expected one of them at most");
     t = good, t.flags = PDYN_ON_PARTICLES | PDYN_ON_SURFACE, refuse_type(t, "no body is both");
     t = good, t.op = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");

@@ -275,6 +275,14 @@ static void tangent_nan(const void *par, const pdyn_batch *b, int first, int las
     J[0] = NAN;
 }
 
+static void axial_large(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
+    (void)par;
+    for (int e = first; e < last; e++, axis += 4) {
+        vec3_axis_length(axis, b->u + 3 * e, length(b, e));
+        axis[3] += 0.5;
+    }
+}
+
 static bool linear(const void *par, const pdyn_batch *b) {
     (void)par, (void)b;
     return true;
@@ -305,6 +313,8 @@ static void test_mathematics(void **state) {
     t = good, t.tangent = tangent_none, expect(t, "tangent is not that of project");
     t = good, t.tangent = tangent_large, expect(t, "an eigenvalue outside of [0, 1]");
     t = good, t.tangent = tangent_nan, expect(t, "J that is not finite");
+    t = good, t.tangent = NULL, t.axial = axial_large, expect(t, "an eigenvalue outside of [0, 1]");
+    t.rows = 2, t.width = 1, expect(t, "expected 1 as its tangent is axial");
     t = good, t.linear = linear, expect(t, "`linear` calls linear");
     t = good, t.hold = hold_nothing, expect(t, "after hold, u is not its own projection");
 }

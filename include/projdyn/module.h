@@ -222,6 +222,10 @@ typedef struct pdyn_constraint_type {
      * symmetric, eigenvalues in [0, 1] (clamp: H must stay positive). J comes zeroed. NULL: J = 0.
      */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
+    /* Instead of `tangent` where an element is one row and J = s I - a a', as it is for points on a
+     * plane, a sphere or on one side of these: 4 numbers each, a and s. Less to store and to
+     * multiply. */
+    void (*axial)(const void *params, const pdyn_batch *batch, int first, int last, double *axis);
     /* p = 0 and J = 0 for all elements, whatever u: then core sums them up to one matrix. NULL: no.
      */
     bool (*linear)(const void *params, const pdyn_batch *batch);
@@ -304,7 +308,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 3u
+#define PDYN_ABI 4u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -31,21 +31,26 @@ static inline void vec3_multiply(double *y, const double *A, const double *a) {
 }
 
 /* The projection of a 3-vector onto the sphere of radius `length`, and its tangent, clamped to a
- * contraction: J = s I - t u u' = min(1, length/|u|) (I - n n'). A zero vector stays where it is.
- */
+ * contraction: J = min(1, length/|u|) (I - n n') = s I - a a', a = t u. A zero vector stays where
+ * it is. */
 static inline void vec3_project_length(double *p, const double *u, double length) {
     double l = vec3_length(u), s = l > 0.0 ? length / l : 0.0;
     for (int k = 0; k < 3; k++) p[k] = s * u[k];
 }
 static inline void vec3_contraction(double *s, double *t, const double *u, double length) {
     double ll = vec3_dot(u, u), r = ll > 0.0 ? 1.0 / sqrt(ll) : 0.0, ratio = length * r;
-    *s = ratio < 1.0 ? ratio : 1.0, *t = *s * r * r;
+    *s = ratio < 1.0 ? ratio : 1.0, *t = sqrt(*s) * r;
+}
+static inline void vec3_axis_length(double *axis, const double *u, double length) {
+    double t;
+    vec3_contraction(axis + 3, &t, u, length);
+    for (int k = 0; k < 3; k++) axis[k] = t * u[k];
 }
 static inline void vec3_tangent_length(double *J, const double *u, double length) {
-    double s, t;
-    vec3_contraction(&s, &t, u, length);
+    double axis[4];
+    vec3_axis_length(axis, u, length);
     for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) J[3 * a + b] = (a == b ? s : 0.0) - t * u[a] * u[b];
+        for (int b = 0; b < 3; b++) J[3 * a + b] = (a == b ? axis[3] : 0.0) - axis[a] * axis[b];
 }
 
 #endif

@@ -98,20 +98,31 @@ static double error_of(const double *J, double *D, int n) {
     return sqrt(sum);
 }
 
+/* J of element e, n x n. */
+static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, int e, int n,
+                       double *J) {
+    double a[4];
+    memset(J, 0, (size_t)(n * n) * sizeof *J);
+    if (type->tangent) type->tangent(b->params, &b->view, e, e + 1, J);
+    if (!type->axial) return;
+    type->axial(b->params, &b->view, e, e + 1, a);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) J[i * n + j] = (i == j ? a[3] : 0.0) - a[i] * a[j];
+}
+
 /* A projection may have a kink where it is looked at; so may one element in five. */
 void check_tangent(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     double J[MOST_NUMBERS * MOST_NUMBERS], D[MOST_NUMBERS * MOST_NUMBERS];
     int elements = b->view.elements, looked = 0, wrong = 0;
     double worst = 0.0;
-    if (!check->type->tangent) return;
+    if (!check->type->tangent && !check->type->axial) return;
     batch_local(b, t->x, 0.0, t->y);
     for (int k = 0; k < PROBES && k < elements; k++) {
         int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
         int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
         if (n > MOST_NUMBERS) continue;
-        memset(J, 0, (size_t)(n * n) * sizeof *J);
-        check->type->tangent(b->params, &b->view, e, e + 1, J);
+        tangent_of(check->type, b, e, n, J);
         const char *why = fault_of(J, n);
         if (why) {
             fault(check, "%s (element %d)", why, e);

@@ -58,11 +58,11 @@ WIDE static void project_bends(const void *par, const pdyn_batch *b, int first, 
         vec3_project_length(b->p + 3 * e, b->u + 3 * e, ((const double *)b->data)[e]);
 }
 
-WIDE static void tangent_bends(const void *par, const pdyn_batch *b, int first, int last,
-                               double *J) {
+WIDE static void axial_bends(const void *par, const pdyn_batch *b, int first, int last,
+                             double *axis) {
     (void)par;
-    for (int e = first; e < last; e++, J += 9)
-        vec3_tangent_length(J, b->u + 3 * e, ((const double *)b->data)[e]);
+    for (int e = first; e < last; e++, axis += 4)
+        vec3_axis_length(axis, b->u + 3 * e, ((const double *)b->data)[e]);
 }
 
 /* Flat at rest. */
@@ -92,7 +92,7 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .select = select,
     .weight = weight,
     .project = project_bends,
-    .tangent = tangent_bends,
+    .axial = axial_bends,
     .linear = linear,
     .damping = damping,
     .hold = hold,

@@ -53,18 +53,18 @@ WIDE static void project_springs(const void *par, const pdyn_batch *b, int first
 
 enum { PIECE = 64 }; /* springs whose roots are taken side by side */
 
-WIDE static void tangent_springs(const void *par, const pdyn_batch *b, int first, int last,
-                                 double *J) {
+WIDE static void axial_springs(const void *par, const pdyn_batch *b, int first, int last,
+                               double *axis) {
     (void)par;
     for (int e = first; e < last; e += PIECE) {
         double s[PIECE], t[PIECE];
         const double *length = (const double *)b->data + e, *u = b->u + 3 * e;
         int count = last - e < PIECE ? last - e : PIECE;
         for (int k = 0; k < count; k++) vec3_contraction(&s[k], &t[k], u + 3 * k, length[k]);
-        for (int k = 0; k < count; k++, u += 3, J += 9)
-            for (int a = 0; a < 3; a++)
-                for (int c = 0; c < 3; c++)
-                    J[3 * a + c] = (a == c ? s[k] : 0.0) - t[k] * u[a] * u[c];
+        for (int k = 0; k < count; k++, u += 3, axis += 4) {
+            for (int a = 0; a < 3; a++) axis[a] = t[k] * u[a];
+            axis[3] = s[k];
+        }
     }
 }
 
@@ -88,7 +88,7 @@ const pdyn_constraint_type pdyn_constraint_spring = {
     .select = select,
     .weight = weight,
     .project = project_springs,
-    .tangent = tangent_springs,
+    .axial = axial_springs,
     .damping = damping,
     .hold = hold,
 };

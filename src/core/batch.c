@@ -210,22 +210,42 @@ static void linearise_rows(void *arg, int first, int last, int block) {
         end = last - e > PIECE ? e + PIECE : last;
         double *J = b->block + b->block_start[e];
         memset(J, 0, (b->block_start[end] - b->block_start[e]) * sizeof *J);
-        if (b->type->tangent) b->type->tangent(b->params, &b->view, e, end, J);
+        b->type->tangent(b->params, &b->view, e, end, J);
         damp_blocks(b, e, end, c->number);
+    }
+}
+
+/* B = m m' + a I from J = s I - a a', in place of it: 4 numbers. */
+WIDE static void damp_axes(struct batch *b, int first, int last, double eps) {
+    double *B = b->block + b->block_start[first], root[PIECE];
+    const double *w = b->view.weight + first;
+    for (int k = 0; k < last - first; k++) root[k] = sqrt((1.0 - eps) * w[k]);
+    for (int k = 0; k < last - first; k++, B += 4) {
+        for (int a = 0; a < 3; a++) B[a] *= root[k];
+        B[3] = w[k] * (1.0 - (1.0 - eps) * B[3]);
+    }
+}
+
+static void linearise_axes(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    struct batch *b = c->batch;
+    for (int e = first, end; e < last; e = end) {
+        end = last - e > PIECE ? e + PIECE : last;
+        b->type->axial(b->params, &b->view, e, end, b->block + b->block_start[e]);
+        damp_axes(b, e, end, c->number);
     }
 }
 
 size_t batch_block_numbers(const struct batch *b) { return b->block_start[b->room.elements] + 1; }
 
-/* The components of its rows are not independent: B is not w I. */
-INLINE bool has_blocks(const struct batch *b) { return b->eps < 1.0 && !b->stiffness; }
-
 pdyn_status batch_linearise(struct batch *b, double eps) {
     b->eps = eps;
-    if (b->op || !has_blocks(b) || !b->rows) return PDYN_OK;
+    if (b->op || !batch_has_blocks(b) || !b->rows) return PDYN_OK;
     if (!b->block) b->block = NEW_ARRAY(b->context, batch_block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
-    for_range(b, b->view.elements, BATCH_GRAIN, linearise_rows, NULL, NULL, eps);
+    for_range(b, b->view.elements, BATCH_GRAIN, b->type->axial ? linearise_axes : linearise_rows,
+              NULL, NULL, eps);
     return PDYN_OK;
 }
 
@@ -233,7 +253,7 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
 INLINE void multiply_element(const struct batch *b, int e, int first, int rows, const double *x) {
     const int *entry = b->view.row_entry + first;
     double *flux = b->flux + 4 * (size_t)first;
-    const double *B = has_blocks(b) ? b->block + b->block_start[e] : NULL;
+    const double *B = batch_has_blocks(b) ? b->block + b->block_start[e] : NULL;
     for (int s = 0; s < rows; s++) {
         v4 u, f, column;
         if (b->width == 2) gather_row(&b->view, 2 * (first + s), 2, x, &u);
@@ -249,6 +269,23 @@ INLINE void multiply_element(const struct batch *b, int e, int first, int rows, 
             memcpy(flux + 4 * r, &f, sizeof f);
         }
     }
+}
+
+/* The same where B = m m' + a I. */
+INLINE void multiply_axis(const struct batch *b, int e, const double *x) {
+    v4 u, f, B;
+    int k = b->view.row_entry[e];
+    if (b->width == 2) gather_row(&b->view, 2 * e, 2, x, &u);
+    else gather_row(&b->view, k, b->view.row_entry[e + 1] - k, x, &u);
+    v4_load(&B, b->block, e);
+    f = v4_dot(&B, &u) * B + B[3] * u;
+    v4_store(b->flux, e, &f);
+}
+
+WIDE static void apply_axes(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int e = first; e < last; e++) multiply_axis(c->batch, e, c->in);
 }
 
 WIDE static void apply_rows(void *arg, int first, int last, int block) {
@@ -273,7 +310,8 @@ void batch_apply(struct batch *b, const double *u, double *y) {
         stiffness_apply(b->stiffness, u, y);
         return;
     }
-    for_range(b, b->view.elements, BATCH_GRAIN, apply_rows, u, NULL, 0.0);
+    bool axes = b->type->axial && batch_has_blocks(b);
+    for_range(b, b->view.elements, BATCH_GRAIN, axes ? apply_axes : apply_rows, u, NULL, 0.0);
     for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, y, 0.0);
 }
 
@@ -307,14 +345,23 @@ void batch_velocity(struct batch *b, double *v) {
     memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }
 
+/* m m' + a I */
+static void block_of_axis(const double *axis, double B[9]) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) B[3 * i + j] = axis[i] * axis[j] + (i == j ? axis[3] : 0.0);
+}
+
 void batch_block(const struct batch *b, int k, int m, double B[9]) {
     int e = b->entry_element[k], r0 = b->view.element_row[e],
         n = 3 * (b->view.element_row[e + 1] - r0);
-    bool same = b->entry_row[k] == b->entry_row[m];
-    const double *from = has_blocks(b)
-                             ? b->block + b->block_start[e] + 3 * (b->entry_row[k] - r0) * n +
-                                   3 * (b->entry_row[m] - r0)
-                             : NULL;
+    bool same = b->entry_row[k] == b->entry_row[m], blocks = batch_has_blocks(b);
+    const double *own = blocks ? b->block + b->block_start[e] : NULL;
+    if (blocks && b->type->axial) {
+        block_of_axis(own, B);
+        return;
+    }
+    const double *from =
+        blocks ? own + 3 * (b->entry_row[k] - r0) * n + 3 * (b->entry_row[m] - r0) : NULL;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             B[3 * i + j] = from ? from[i * n + j] : same && i == j ? b->view.weight[e] : 0.0;
@@ -356,7 +403,7 @@ WIDE static void diagonal_single(void *arg, int first, int last, int block) {
         for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
             const struct touch *at = &b->touch[t];
             double square = at->coefficient * at->coefficient;
-            if (!has_blocks(b)) {
+            if (!batch_has_blocks(b)) {
                 plain += b->view.weight[at->row] * square;
                 continue;
             }
@@ -370,6 +417,31 @@ WIDE static void diagonal_single(void *arg, int first, int last, int block) {
     }
 }
 
+/* The same where B = m m' + a I. */
+WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct batch *b = c->batch;
+    for (int i = first; i < last; i++) {
+        double *out = c->out + 6 * (size_t)(b->touch_first + i), zz = 0.0, plain = 0.0;
+        v4 x = {0}, y = {0}, B;
+        for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
+            double square = b->touch[t].coefficient * b->touch[t].coefficient;
+            v4_load(&B, b->block, b->touch[t].row);
+            x += square * B[0] * B, y += square * B[1] * B;
+            zz += square * B[2] * B[2], plain += square * B[3];
+        }
+        out[0] += x[0] + plain, out[1] += x[1], out[2] += x[2];
+        out[3] += y[1] + plain, out[4] += y[2], out[5] += zz + plain;
+    }
+}
+
+/* What adds the rows' part for a range of the particles that they touch. */
+static pdyn_range_fn *diagonal_of(const struct batch *b) {
+    if (!b->single) return diagonal_rows;
+    return b->type->axial && batch_has_blocks(b) ? diagonal_axes : diagonal_single;
+}
+
 void batch_diagonal(struct batch *b, double *blocks) {
     if (b->op && b->samples) {
         memset(b->samples->blocks, 0, 6 * (size_t)b->scalars.particles * sizeof *blocks);
@@ -377,9 +449,7 @@ void batch_diagonal(struct batch *b, double *blocks) {
         samples_gather_blocks(b->samples, b->samples->blocks, blocks);
     } else if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
     else if (b->stiffness) stiffness_diagonal(b->stiffness, blocks);
-    else
-        for_range(b, b->touch_count, PARTICLES, b->single ? diagonal_single : diagonal_rows, NULL,
-                  blocks, 0.0);
+    else for_range(b, b->touch_count, PARTICLES, diagonal_of(b), NULL, blocks, 0.0);
 }
 
 void batch_mark_held(const struct batch *b, bool *held) {

@@ -41,7 +41,8 @@ struct batch {
     double *flux;        /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
     size_t *block_start; /* elements + 1 */
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
-                            NULL until eps is below 1 for the first time */
+                            if axial B = m m' + a I, 4 numbers, m and a; NULL until eps is below 1
+                            for the first time */
     double *partial;     /* a partial energy for each parallel block */
     struct stiffness *stiffness;    /* stands for all rows in products and local steps; NULL: not */
     int *entry_element, *entry_row; /* entries: where they belong */
@@ -105,6 +106,10 @@ void batch_diagonal(struct batch *batch, double *blocks);
 /* held[i] becomes true for each particle that some row selects. */
 void batch_mark_held(const struct batch *batch, bool *held);
 
+/* Rows tier: the components of a row are not independent, B is not w I. */
+static inline bool batch_has_blocks(const struct batch *b) {
+    return b->eps < 1.0 && !b->stiffness && (b->type->tangent || b->type->axial);
+}
 /* Rows tier: numbers in batch->block, with room to load the last column as four. */
 size_t batch_block_numbers(const struct batch *batch);
 /* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */

@@ -49,6 +49,8 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
         if (t->shape) t->shape(b->params, v, e, &n, &width);
         if (n < 0 || width < 0)
             return fault(b, "element %d has %d rows of %d entries", e, n, width);
+        if (t->axial && n != 1)
+            return fault(b, "element %d has %d rows, expected 1 as its tangent is axial", e, n);
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)
@@ -76,7 +78,7 @@ static void number_rows(struct batch *b) {
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < b->room.elements; e++) {
         size_t n = 3 * (size_t)(v->element_row[e + 1] - v->element_row[e]);
-        b->block_start[e + 1] = b->block_start[e] + n * n;
+        b->block_start[e + 1] = b->block_start[e] + (b->type->axial ? 4 : n * n);
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
                 b->entry_element[k] = e, b->entry_row[k] = r;

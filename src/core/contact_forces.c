@@ -29,14 +29,10 @@ static void project_touching(const void *par, const pdyn_batch *b, int first, in
 }
 
 /* I - J = n n' */
-static void tangent_touching(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+static void axial_touching(const void *par, const pdyn_batch *b, int first, int last,
+                           double *axis) {
     (void)par;
-    for (int e = first; e < last; e++, J += 9) {
-        double n[3];
-        apart(b, e, n);
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++) J[3 * i + j] = (i == j) - n[i] * n[j];
-    }
+    for (int e = first; e < last; e++, axis += 4) apart(b, e, axis), axis[3] = 1.0;
 }
 
 static double energy_touching(const void *par, const pdyn_batch *b, int first, int last) {
@@ -57,7 +53,7 @@ const pdyn_constraint_type contact_touching = {
     .rows = 1,
     .width = 4,
     .project = project_touching,
-    .tangent = tangent_touching,
+    .axial = axial_touching,
     .energy = energy_touching,
 };
 

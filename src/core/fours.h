@@ -32,6 +32,10 @@ INLINE void fours_store(void *to, const fours *x) {
 INLINE void fours_subtract(fours *out, const fours *x, const fours *y) {
     out->low = x->low - y->low, out->high = x->high - y->high;
 }
+/* out = x y */
+INLINE void fours_multiply(fours *out, const fours *x, const fours *y) {
+    out->low = x->low * y->low, out->high = x->high * y->high;
+}
 /* sum += number k of each four of x times y */
 INLINE void fours_add_each(fours *sum, const fours *x, int k, const fours *y) {
     v8f low, high;
@@ -59,14 +63,16 @@ INLINE void fours_sums(fours *out, const fours x[4]) {
     out->low = SHUFFLE(a, b, TWO(0, 8)) + SHUFFLE(a, b, TWO(4, 12));
     out->high = SHUFFLE(c, d, TWO(0, 8)) + SHUFFLE(c, d, TWO(4, 12));
 }
-/* Of xx xy xz yy in x and yz zz in y: xy yy yz, and xz yz zz */
-INLINE void fours_second(fours *out, const fours *x, const fours *y) {
-    out->low = SHUFFLE(x->low, y->low, 1, 3, 8, 8, 5, 7, 12, 12);
-    out->high = SHUFFLE(x->high, y->high, 1, 3, 8, 8, 5, 7, 12, 12);
+/* The sum of each four, four times. */
+INLINE void fours_sum_each(fours *out, const fours *x) {
+    v8f low = x->low + SHUFFLE(x->low, x->low, 1, 0, 3, 2, 5, 4, 7, 6);
+    v8f high = x->high + SHUFFLE(x->high, x->high, 1, 0, 3, 2, 5, 4, 7, 6);
+    out->low = low + SHUFFLE(low, low, 2, 3, 0, 1, 6, 7, 4, 5);
+    out->high = high + SHUFFLE(high, high, 2, 3, 0, 1, 6, 7, 4, 5);
 }
-INLINE void fours_third(fours *out, const fours *x, const fours *y) {
-    out->low = SHUFFLE(x->low, y->low, 2, 8, 9, 9, 6, 12, 13, 13);
-    out->high = SHUFFLE(x->high, y->high, 2, 8, 9, 9, 6, 12, 13, 13);
+/* sum += x y */
+INLINE void fours_add_product(fours *sum, const fours *x, const fours *y) {
+    sum->low += x->low * y->low, sum->high += x->high * y->high;
 }
 
 #undef SHUFFLE

@@ -73,6 +73,7 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     if (!t->shape && (t->rows < 1 || t->width < 1)) return "without shape, it needs rows and width";
     if ((t->flags & (PDYN_ON_SURFACE | PDYN_ON_VOLUME)) && (t->flags & PDYN_ON_PARTICLES))
         return "no body is both a surface and particles";
+    if (t->tangent && t->axial) return "it has tangent and axial, expected one of them at most";
     if (!t->damping != !t->hold) return "damping and hold need each other";
     if (t->op && !(t->flags & PDYN_ON_PARTICLES))
         return "an operator works on neighbour lists: it needs PDYN_ON_PARTICLES";

@@ -42,6 +42,16 @@ INLINE void multiply_block(const struct single *s, const float *B, int row, int 
     }
 }
 
+/* The same where B = m m' + a I of a row. */
+INLINE void multiply_axis(const struct single *s, const float *B, int row, const float *x) {
+    v4f u, f, axis;
+    int from = s->row_start[row];
+    gather(s->entry + from, s->row_start[row + 1] - from, x, &u);
+    memcpy(&axis, B, sizeof axis);
+    f = (axis[0] * u[0] + axis[1] * u[1] + axis[2] * u[2]) * axis + axis[3] * u;
+    v4f_store(s->flux, row, &f);
+}
+
 /* The fluxes of a batch's elements, the usual sizes unrolled. */
 WIDE static void multiply_elements(void *arg, int first, int last, int block) {
     (void)block;
@@ -52,7 +62,8 @@ WIDE static void multiply_elements(void *arg, int first, int last, int block) {
     for (int e = first; e < last; e++) {
         int r = b->view.element_row[e], rows = b->view.element_row[e + 1] - r;
         const float *own = B + b->block_start[e];
-        if (rows == 1) multiply_block(c->s, own, row + r, 1, c->u);
+        if (b->type->axial) multiply_axis(c->s, own, row + r, c->u);
+        else if (rows == 1) multiply_block(c->s, own, row + r, 1, c->u);
         else if (rows == 2) multiply_block(c->s, own, row + r, 2, c->u);
         else if (rows == 3) multiply_block(c->s, own, row + r, 3, c->u);
         else multiply_block(c->s, own, row + r, rows, c->u);
@@ -87,23 +98,20 @@ INLINE void sum_numbers(const struct single *s, int patch, const float *u, fours
     fours_sums(sum, part);
 }
 
-/* sum += B (own - u of the other end); own: of the members */
+/* sum += B (own - u of the other end), but for fourth lanes; own: of the members */
 INLINE void add_links(const struct single *s, int patch, const float *u, const fours *own,
                       fours *sum) {
-    fours at, upper, rest, column;
+    fours at, B, along;
     for (int t = s->link_start[patch]; t < s->link_start[patch + 1]; t++) {
         const struct links *l = s->links + t;
         __builtin_prefetch(l + AHEAD);
-        __builtin_prefetch((l + AHEAD)->rest);
-        gather_four(&at, u, l->rest[0].to, l->rest[1].to, l->rest[2].to, l->rest[3].to);
+        gather_four(&at, u, l->to[0], l->to[1], l->to[2], l->to[3]);
         fours_subtract(&at, own, &at);
-        fours_load(&upper, l->upper);
-        fours_load(&rest, l->rest);
-        fours_add_each(sum, &at, 0, &upper);
-        fours_second(&column, &upper, &rest);
-        fours_add_each(sum, &at, 1, &column);
-        fours_third(&column, &upper, &rest);
-        fours_add_each(sum, &at, 2, &column);
+        fours_load(&B, l->block);
+        fours_multiply(&along, &B, &at);
+        fours_sum_each(&along, &along);
+        fours_add_product(sum, &along, &B);
+        fours_add_each(sum, &B, 3, &at);
     }
 }
 
@@ -179,8 +187,10 @@ WIDE static void take_inertia(void *arg, int first, int last, int block) {
 /* B = w I where the components do not couple. */
 static void take_weights(const struct batch *b, int e, float *B) {
     int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
-    memset(B, 0, (size_t)(n * n) * sizeof *B);
-    for (int k = 0; k < n; k++) B[k * n + k] = (float)b->view.weight[e];
+    memset(B, 0, (b->block_start[e + 1] - b->block_start[e]) * sizeof *B);
+    if (b->type->axial) B[3] = (float)b->view.weight[e];
+    else
+        for (int k = 0; k < n; k++) B[k * n + k] = (float)b->view.weight[e];
 }
 
 WIDE static void take_blocks(void *arg, int first, int last, int block) {
@@ -188,7 +198,7 @@ WIDE static void take_blocks(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     const struct batch *b = c->s->system->batch[c->batch];
     float *to = c->s->block[c->batch];
-    if (b->eps < 1.0)
+    if (batch_has_blocks(b))
         for (size_t k = b->block_start[first]; k < b->block_start[last]; k++)
             to[k] = (float)b->block[k];
     else
@@ -200,16 +210,10 @@ INLINE void take_link(const struct single *s, int t, int m) {
     const struct origin *from = &s->origin[PATCH * t + m];
     if (from->row < 0) return;
     const struct batch *b = s->system->batch[from->batch];
-    struct links *l = s->links + t;
-    float w = (float)b->view.weight[from->row], *upper = l->upper + 4 * m;
-    if (b->eps < 1.0) {
-        const double *B = b->block + 9 * (size_t)from->row;
-        upper[0] = (float)B[0], upper[1] = (float)B[1], upper[2] = (float)B[2];
-        upper[3] = (float)B[4], l->rest[m].yz = (float)B[5], l->rest[m].zz = (float)B[8];
-    } else {
-        upper[0] = upper[3] = l->rest[m].zz = w;
-        upper[1] = upper[2] = l->rest[m].yz = 0.0F;
-    }
+    v4 B = {0.0, 0.0, 0.0, b->view.weight[from->row]};
+    if (batch_has_blocks(b)) v4_load(&B, b->block, from->row);
+    v4f single = __builtin_convertvector(B, v4f);
+    v4f_store(s->links[t].block, m, &single);
 }
 
 WIDE static void take_links(void *arg, int first, int last, int block) {

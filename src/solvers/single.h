@@ -29,16 +29,10 @@ struct numbers {
     float number[16]; /* 4 x members: what multiplies each, minus the first member, in their sums */
 };
 
-/* Of each member: a symmetric block, xx xy xz yy and then yz zz, for the difference to another
- * particle. */
+/* Of each member: B = m m' + a I for the difference to another particle. */
 struct links {
-    float upper[16];
-    struct {
-        float yz, zz;
-        int to; /* where that begins in a vector; the member itself, and the block 0: there is none
-                 */
-        int unused;
-    } rest[PATCH];
+    int to[PATCH];          /* where that begins in a vector; of 0 there is none */
+    float block[4 * PATCH]; /* m and a */
 };
 
 struct origin { /* of a link's block; row < 0: none */

@@ -155,9 +155,9 @@ static bool create_numbers(struct single *s) {
 
 /* ---- links ----------------------------------------------------------------------------------- */
 
-/* All of its rows are differences of two particles. */
+/* All of its rows are differences of two particles, their blocks m m' + a I. */
 static bool is_links(const struct batch *b) {
-    if (b->stiffness || !b->single || b->width != 2) return false;
+    if (b->stiffness || b->type->tangent || !b->single || b->width != 2) return false;
     for (int k = 0; k < b->entries; k += 2)
         if (fabs(b->view.coefficient[k]) != 1.0 ||
             b->view.coefficient[k + 1] != -b->view.coefficient[k])
@@ -176,7 +176,7 @@ static int links_of(const struct single *s, int k, int m, struct links *links,
         if (none || at < 0 || at >= b->touch_count) continue;
         for (int t = b->touch_start[at]; t < b->touch_start[at + 1]; t++, count++)
             if (links) {
-                links[count].rest[m].to = 4 * b->view.column[b->touch[t].entry ^ 1];
+                links[count].to[m] = 4 * b->view.column[b->touch[t].entry ^ 1];
                 origin[PATCH * count + m] = (struct origin){n, b->touch[t].row};
             }
     }
@@ -206,7 +206,7 @@ static bool create_links(struct single *s) {
         for (int m = 0; m < PATCH; m++) {
             int start = s->link_start[k];
             for (int t = start; t < s->link_start[k + 1]; t++) {
-                s->links[t].rest[m].to = 4 * s->member[PATCH * k + m];
+                s->links[t].to[m] = 4 * s->member[PATCH * k + m];
                 s->origin[PATCH * t + m].row = -1;
             }
             links_of(s, k, m, s->links + start, s->origin + PATCH * (size_t)start);
