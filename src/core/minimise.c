@@ -13,6 +13,14 @@ enum { BACKTRACKS = 6 };
  * and a new one is better than the last digits of the old. */
 static const double worth = 0.35;
 
+struct rule {      /* what a step along the direction has to meet */
+    double bound;  /* J: E ends below it */
+    double armijo; /* by this part of the slope, and */
+    double uphill; /* rises no more steeply than this part of it, or the next step leads back; 0: it
+                      may */
+    int tries;     /* of these, the last is not asked about that */
+};
+
 struct taken {                 /* a step along the direction */
     double length;             /* 1: all of it */
     double slope, slope_after; /* of E along it, before and after */
@@ -61,23 +69,31 @@ static double next_part(double part, double least) {
     return part > least && 0.5 * part < least ? least : 0.5 * part;
 }
 
-/* x_next + direction, halved until E falls enough (Armijo) below the bound. step->length: what was
- * taken, 0 for none. In contact every point goes as far as its way is free, and fewer of them are
- * stopped where all go less far. */
-static pdyn_status go_down(struct pdyn_sim *sim, double bound, double armijo, int tries,
-                           double *energy, struct taken *step) {
+static bool is_good(const struct rule *rule, const struct taken *step, double energy, double slope,
+                    bool free, bool last) {
+    bool falls =
+        energy <= rule->bound + rule->armijo * fmin(slope, 0.0) + 1e-13 * fabs(rule->bound);
+    return falls && (last || !free || rule->uphill == 0.0 ||
+                     step->slope_after <= -rule->uphill * step->slope);
+}
+
+/* x_next + direction, halved until it meets the rule. step->length: what was taken, 0 for none. In
+ * contact every point goes as far as its way is free, and fewer of them are stopped where all go
+ * less far. */
+static pdyn_status go_down(struct pdyn_sim *sim, const struct rule *rule, double *energy,
+                           struct taken *step) {
     struct system *sys = &sim->system;
     double trial, least = sys->contact ? 0.0 : 1.0;
     *step = (struct taken){.length = 1.0, .slope = system_dot(sys, sim->gradient, sim->direction)};
-    for (int k = 0; k < tries; k++, step->length = next_part(step->length, least)) {
+    for (int k = 1; k <= rule->tries; k++, step->length = next_part(step->length, least)) {
         double slope = step->slope;
         pdyn_status status = go_part(sim, step->length, &least, &slope);
         if (status == PDYN_OK) status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        if (trial <= bound + armijo * fmin(slope, 0.0) + 1e-13 * fabs(bound)) {
+        step->slope_after = system_dot(sys, sim->trial_gradient, sim->direction);
+        if (is_good(rule, step, trial, slope, step->length <= least, k == rule->tries)) {
             take_trial(sim);
             *energy = trial;
-            step->slope_after = system_dot(sys, sim->gradient, sim->direction);
             return PDYN_OK;
         }
     }
@@ -89,9 +105,10 @@ static pdyn_status go_down(struct pdyn_sim *sim, double bound, double armijo, in
  * Unfinished multipliers may raise E once; then it has to fall below what it was before that. */
 static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
                            struct taken *step) {
-    bool unfinished = sim->solver->keeps_multipliers;
-    double bound = unfinished ? fmax(before, *energy) : *energy, armijo = unfinished ? 0.0 : 1e-4;
-    pdyn_status status = go_down(sim, bound, armijo, BACKTRACKS, energy, step);
+    struct rule rule = {.bound = *energy, .armijo = 1e-4, .uphill = 0.7, .tries = BACKTRACKS};
+    if (sim->solver->keeps_multipliers)
+        rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
+    pdyn_status status = go_down(sim, &rule, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     return system_local(&sim->system, sim->x_next, energy, sim->gradient);
 }
@@ -103,7 +120,7 @@ static pdyn_status extrapolate(struct pdyn_sim *sim, double before, double *ener
     pdyn_status status = PDYN_OK;
     if (!acceleration_propose(a, sim->x_next, sim->direction))
         return descend(sim, before, energy, step);
-    status = go_down(sim, *energy, 0.0, 1, energy, step);
+    status = go_down(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     acceleration_start(a);
     memcpy(sim->direction, a->plain, system_bytes(&sim->system));
