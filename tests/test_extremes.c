@@ -58,6 +58,7 @@ static const struct extreme extremes[] = {
     {"K = 1", HUNG, 40, 0.05, NULL, {K "1"}},
     {"K = 1e6", HUNG, 40, 0.05, NULL, {K "1e6"}},
     {"K = 1e9", HUNG, 40, 0.05, NULL, {K "1e9"}},
+    {"K = 2e9", HUNG, 40, 0.05, NULL, {K "2e9"}},
     {"K = 1e12", HUNG, 40, 0.05, NULL, {K "1e12"}},
     {"B = 1e-9", HUNG, 40, 0.05, NULL, {B "1e-9"}},
     {"B = 1", HUNG, 40, 0.05, NULL, {B "1"}},

@@ -72,10 +72,47 @@ static void take_velocities(struct pdyn_sim *sim, double h) {
         if (emit_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
 }
 
+/* The mean velocity of what moves freely; 0 where something can take momentum away. */
+static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
+    double mass = 0.0;
+    mean[0] = mean[1] = mean[2] = 0.0;
+    for (int i = 0; i < sim->system.particles && !sim->anchored; i++) {
+        if (!emit_is_live(sim, i)) continue;
+        mass += sim->system.mass[i];
+        vec3_add(mean, sim->system.mass[i], sim->v + 3 * i);
+    }
+    for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
+}
+
+/* A step that was cut short leaves a force, the gradient of E. Convex constraints give energy away
+ * in an implicit step but for the work of that force on the way, less what goes with the change of
+ * velocities (theory.md). The motion relative to the mean pays for what is left of it. */
+static void pay_for_work(struct pdyn_sim *sim, double h) {
+    const struct system *sys = &sim->system;
+    double gained = 0.0, kinetic = 0.0, mean[3];
+    mean_velocity(sim, mean);
+    for (int i = 0; i < sys->particles; i++) {
+        const double *v = sim->v + 3 * i, m = 0.5 * sys->mass[i];
+        double change[3], own = vec3_distance(v, mean);
+        if (!emit_is_live(sim, i)) continue;
+        for (int a = 0; a < 3; a++)
+            change[a] = (sim->x_next[3 * i + a] - sys->s[3 * i + a]) / h +
+                        h * sim->scene.settings.gravity[a];
+        gained += h * vec3_dot(sim->gradient + 3 * i, v) - m * vec3_dot(change, change);
+        kinetic += m * own * own;
+    }
+    if (!(gained > 0.0)) return;
+    double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
+    for (int k = 0; k < 3 * sys->particles; k++)
+        if (emit_is_live(sim, k / 3)) sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
+}
+
 /* New velocities, then viscosity; the iterate becomes the state. */
 static void accept(struct pdyn_sim *sim, double h) {
     struct system *sys = &sim->system;
     take_velocities(sim, h);
+    if (sim->unfinished && sim->scene.settings.newton && !sim->solver->keeps_multipliers)
+        pay_for_work(sim, h);
     for (int k = 0; k < 3 * sys->particles; k++) sim->correction[k] = sim->x_next[k] - sys->s[k];
     memcpy(sim->x, sim->x_next, system_bytes(sys));
     for (int b = 0; b < sys->batches; b++) batch_velocity(sys->batch[b], sim->v);
@@ -154,8 +191,8 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     pdyn_status status = attempt_all(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
     measure_fetch(sim);
-    accept(sim, end.h);
     sim->unfinished = progress.residual > sim->scene.settings.tolerance;
+    accept(sim, end.h);
     timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);
