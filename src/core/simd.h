@@ -10,6 +10,7 @@
 
 typedef double v4 __attribute__((vector_size(32)));
 typedef float v4f __attribute__((vector_size(16)));
+typedef v4f v4f_anywhere __attribute__((aligned(4), may_alias)); /* in an array of floats */
 
 /* Sanitizers do not know the loader's choice between versions of a function. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)

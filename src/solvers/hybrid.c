@@ -1,7 +1,7 @@
 /* Conjugate gradients with a preconditioner that sees further than a particle: the blocks of cg,
  * and a level for what surfaces and solids do as a whole: a factor where all is static
  * (backbone.h), in floats as far as these go (single_cg.h); groups of particles where fluid or
- * contact change what they feel (groups.h). */
+ * contact change what they feel (groups.h), products in floats where these are static. */
 #include "backbone.h"
 #include "groups.h"
 #include "jacobi.h"
@@ -17,6 +17,8 @@ struct hybrid {
     struct backbone backbone;
     struct single_cg single;
     struct groups groups;
+    struct single product; /* beside groups: H */
+    float *direction;      /* single_size: p, as floats */
 };
 
 static void release(void *self) {
@@ -24,6 +26,9 @@ static void release(void *self) {
     jacobi_free(&s->jacobi);
     single_cg_free(&s->single);
     backbone_free(&s->backbone);
+    if (s->direction)
+        FREE_ARRAY(s->groups.system->context, s->direction, single_size(s->groups.system));
+    single_free(&s->product);
     groups_free(&s->groups);
     krylov_free(&s->krylov);
 }
@@ -56,6 +61,21 @@ static double add_groups(void *self) {
     return rz + groups_add(&s->groups, s->krylov.r, s->krylov.z);
 }
 
+/* q = H p, static parts in floats: every round of conjugate gradients begins with what doubles say
+ * that the last one left. */
+static void multiply_parts(void *self) {
+    struct hybrid *s = self;
+    single_apply_mixed(&s->product, s->krylov.p, s->direction, s->krylov.q);
+}
+
+static pdyn_status create_groups(struct hybrid *s, struct system *system) {
+    pdyn_status status = groups_create(&s->groups, system);
+    if (status != PDYN_OK || !s->groups.clusters.count) return status;
+    s->krylov.product = multiply_parts;
+    s->direction = NEW_ARRAY(system->context, single_size(system), float);
+    return s->direction ? single_create(&s->product, system, false) : PDYN_NO_MEMORY;
+}
+
 /* ---- the solver ------------------------------------------------------------------------------ */
 
 static pdyn_status create(void *self, pdyn_model *model) {
@@ -67,7 +87,7 @@ static pdyn_status create(void *self, pdyn_model *model) {
     s->krylov.precondition = system->changing ? add_groups : add_backbone;
     if (status == PDYN_OK) status = jacobi_create(&s->jacobi, system);
     if (status != PDYN_OK) return status;
-    if (system->changing) return groups_create(&s->groups, system);
+    if (system->changing) return create_groups(s, system);
     status = backbone_create(&s->backbone, system);
     return status == PDYN_OK ? single_cg_create(&s->single, system, &s->backbone, &s->jacobi)
                              : status;
@@ -122,6 +142,7 @@ static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
     if (!s->backbone.system) {
+        if (s->product.system) single_prepare(&s->product);
         krylov_solve(&s->krylov, b, y, goal, iterations);
         return PDYN_OK;
     }

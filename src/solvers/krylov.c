@@ -88,7 +88,8 @@ static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal,
                        (k->patient || !(gain * done < goal->gain * gained));
          done++) {
         double rp = choose_direction(k);
-        system_apply(sys, k->p, k->q);
+        if (k->product) k->product(k->self);
+        else system_apply(sys, k->p, k->q);
         k->curvature = system_dot(sys, k->p, k->q);
         if (!(k->curvature > 0.0)) return; /* the residual is exhausted, or not a number */
         for_particles(k, advance, rp / k->curvature);

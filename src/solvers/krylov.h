@@ -19,10 +19,11 @@ struct krylov {
     double *r, *z, *p, *q, *d; /* particles x 3 */
     double curvature;          /* p.q, q = H p as H was then; 0: p is no direction yet */
     bool patient;              /* of a solver: goes on where iterations gain little */
-    /* Of a solver: before a linear solve, and z = P^-1 r, P symmetric positive definite; returns
-     * r.z */
+    /* Of a solver: before a linear solve; z = P^-1 r, P symmetric positive definite, returns r.z;
+     * and q = H p, where p may be rounded, NULL: as the system has it. */
     void (*prepare)(void *self);
     double (*precondition)(void *self);
+    void (*product)(void *self);
     void *self;
 };
 

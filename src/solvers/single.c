@@ -8,7 +8,14 @@ struct call {
     struct single *s;
     const float *u, *x; /* x: NULL for H u itself */
     float *y;
+    double *doubles; /* NULL: not in doubles */
     int batch;
+};
+
+struct mixed {
+    const struct single *s;
+    double *u, *y;
+    float *room;
 };
 
 /* ---- the product ----------------------------------------------------------------------------- */
@@ -22,31 +29,46 @@ INLINE void gather(const struct selected *entry, int count, const float *u, v4f 
     }
 }
 
-/* Flux of an element of so many rows from `row` on; B is symmetric: a row is a column. */
-INLINE void multiply_block(const struct single *s, const float *B, int row, int rows,
-                           const float *x) {
-    float *flux = s->flux + 4 * (size_t)row;
-    for (int k = 0; k < rows; k++) {
-        v4f u, f, column;
-        int from = s->row_start[row + k];
-        gather(s->entry + from, s->row_start[row + k + 1] - from, x, &u);
-        for (int r = 0; r < rows; r++) {
-            if (k) v4f_load(&f, flux, r);
-            else f = (v4f){0};
-            for (int a = 0; a < 3; a++) {
-                memcpy(&column, B + 3 * (3 * k + a) * rows + 3 * r, sizeof column);
-                f += u[a] * column;
-            }
-            memcpy(flux + 4 * r, &f, sizeof f);
+/* The sum of a row; rows of so many entries are unrolled. */
+INLINE void gather_row(const struct single *s, int row, const float *x, v4f *u) {
+    const struct selected *entry = s->entry + s->row_start[row];
+    int count = s->row_start[row + 1] - s->row_start[row];
+    if (count == 4) gather(entry, 4, x, u);
+    else gather(entry, count, x, u);
+}
+
+/* flux += B's part of row k times u; B is symmetric: a row is a column. */
+INLINE void add_row(const float *B, int k, int rows, const v4f *u, v4f_anywhere *flux) {
+    for (int r = 0; r < rows; r++)
+        for (int a = 0; a < 3; a++) {
+            v4f column;
+            memcpy(&column, B + 3 * (3 * k + a) * rows + 3 * r, sizeof column);
+            flux[r] += (*u)[a] * column;
         }
-    }
+}
+
+enum { FEW = 3 }; /* rows whose fluxes fit registers */
+
+INLINE void multiply_few(const struct single *s, const float *B, int row, int rows,
+                         const float *x) {
+    v4f u;
+    v4f_anywhere flux[FEW] = {{0}};
+    for (int k = 0; k < rows; k++) gather_row(s, row + k, x, &u), add_row(B, k, rows, &u, flux);
+    memcpy(s->flux + 4 * (size_t)row, flux, (size_t)rows * sizeof *flux);
+}
+
+INLINE void multiply_many(const struct single *s, const float *B, int row, int rows,
+                          const float *x) {
+    v4f u;
+    v4f_anywhere *flux = (v4f_anywhere *)(s->flux + 4 * (size_t)row);
+    memset(flux, 0, (size_t)rows * sizeof *flux);
+    for (int k = 0; k < rows; k++) gather_row(s, row + k, x, &u), add_row(B, k, rows, &u, flux);
 }
 
 /* The same where B = m m' + a I of a row. */
 INLINE void multiply_axis(const struct single *s, const float *B, int row, const float *x) {
     v4f u, f, axis;
-    int from = s->row_start[row];
-    gather(s->entry + from, s->row_start[row + 1] - from, x, &u);
+    gather_row(s, row, x, &u);
     memcpy(&axis, B, sizeof axis);
     f = (axis[0] * u[0] + axis[1] * u[1] + axis[2] * u[2]) * axis + axis[3] * u;
     v4f_store(s->flux, row, &f);
@@ -63,10 +85,10 @@ WIDE static void multiply_elements(void *arg, int first, int last, int block) {
         int r = b->view.element_row[e], rows = b->view.element_row[e + 1] - r;
         const float *own = B + b->block_start[e];
         if (b->type->axial) multiply_axis(c->s, own, row + r, c->u);
-        else if (rows == 1) multiply_block(c->s, own, row + r, 1, c->u);
-        else if (rows == 2) multiply_block(c->s, own, row + r, 2, c->u);
-        else if (rows == 3) multiply_block(c->s, own, row + r, 3, c->u);
-        else multiply_block(c->s, own, row + r, rows, c->u);
+        else if (rows == 1) multiply_few(c->s, own, row + r, 1, c->u);
+        else if (rows == 2) multiply_few(c->s, own, row + r, 2, c->u);
+        else if (rows == 3) multiply_few(c->s, own, row + r, 3, c->u);
+        else multiply_many(c->s, own, row + r, rows, c->u);
     }
 }
 
@@ -134,7 +156,9 @@ INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *
         y[3] = 0.0F;
         products += u * y;
         if (x) v4f_load(&u, x, i), y = u - y;
-        v4f_store(c->y, i, &y);
+        if (!c->doubles) v4f_store(c->y, i, &y);
+        else if (i < s->system->particles)
+            for (int a = 0; a < 3; a++) c->doubles[3 * (size_t)i + a] = (double)y[a];
     }
     *product += __builtin_convertvector(products, v4);
 }
@@ -153,26 +177,55 @@ WIDE static void subtract_patches(void *arg, int first, int last, int block) {
     for (int k = first; k < last; k++) multiply_patch(c, k, c->x, &product);
 }
 
-static void multiply(struct single *s, pdyn_range_fn *patches, const float *u, const float *x,
-                     float *y) {
+static void multiply(struct call *call, pdyn_range_fn *patches) {
+    struct single *s = call->s;
     struct system *sys = s->system;
-    struct call call = {.s = s, .u = u, .x = x, .y = y};
-    for (; call.batch < sys->batches; call.batch++)
-        if (s->block[call.batch])
-            pool_for(sys->context->pool, sys->batch[call.batch]->view.elements, ELEMENTS,
-                     multiply_elements, &call);
-    pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, patches, &call);
+    for (call->batch = 0; call->batch < sys->batches; call->batch++)
+        if (s->block[call->batch])
+            pool_for(sys->context->pool, sys->batch[call->batch]->view.elements, ELEMENTS,
+                     multiply_elements, call);
+    pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, patches, call);
 }
 
 double single_apply(struct single *s, const float *u, float *y) {
     double sum = 0.0;
-    multiply(s, multiply_patches, u, NULL, y);
+    multiply(&(struct call){.s = s, .u = u, .y = y}, multiply_patches);
     for (int k = 0; k < pool_blocks(s->patches, SINGLE_GRAIN); k++) sum += s->partial[k];
     return sum;
 }
 
 void single_subtract(struct single *s, const float *u, const float *x, float *y) {
-    multiply(s, subtract_patches, u, x, y);
+    multiply(&(struct call){.s = s, .u = u, .x = x, .y = y}, subtract_patches);
+}
+
+/* What is tied becomes floats, and what these hold; the rest gets its inertia. */
+WIDE static void begin_mixed(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct mixed *m = arg;
+    const struct single *s = m->s;
+    for (int i = first; i < last; i++) {
+        double *u = m->u + 3 * (size_t)i, *y = m->y + 3 * (size_t)i;
+        if (s->tied[i]) {
+            /* as vectors: gcc 12 takes the way there and back of single numbers for none */
+            v4 exact = {u[0], u[1], u[2]};
+            v4f rounded = __builtin_convertvector(exact, v4f);
+            v4f_store(m->room, i, &rounded);
+            exact = __builtin_convertvector(rounded, v4);
+            u[0] = exact[0], u[1] = exact[1], u[2] = exact[2];
+        } else {
+            double w = system_inertia(s->system, i);
+            for (int a = 0; a < 3; a++) y[a] = w * u[a];
+        }
+    }
+}
+
+void single_apply_mixed(struct single *s, double *u, float *room, double *y) {
+    struct system *sys = s->system;
+    pool_for(sys->context->pool, sys->particles, PARTICLES, begin_mixed,
+             &(struct mixed){.s = s, .u = u, .y = y, .room = room});
+    multiply(&(struct call){.s = s, .u = room, .doubles = y}, multiply_patches);
+    for (int b = 0; b < sys->batches; b++)
+        if (s->way[b] == LEFT_OUT) batch_apply(sys->batch[b], u, y);
 }
 
 /* ---- its numbers ----------------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
-/* H of a static scene in single precision, laid out for products: less than half of what doubles
- * read.
+/* H in single precision, laid out for products: less than half of what doubles read. All of it
+ * where a scene is static; where parts of it change, inertia and what has a layout of its own.
  *
  * Good for an inner solve, whose result the next local step looks at in doubles. What neighbours
  * have in common does not round: a product sees differences of them alone, so that small inertia
@@ -35,12 +35,16 @@ struct links {
     float block[4 * PATCH]; /* m and a */
 };
 
+enum single_way { LEFT_OUT, NUMBERS, LINKS, ROWS }; /* what a batch becomes */
+
 struct origin { /* of a link's block; row < 0: none */
     int batch, row;
 };
 
 struct single {
     struct system *system;
+    enum single_way *way; /* batches */
+    bool *tied;           /* particles: in a patch */
     int patches, rows, entries;
     int *member;       /* patches x PATCH: particles, or one beyond the last */
     int *number_start; /* patches + 1 */
@@ -65,8 +69,9 @@ static inline size_t single_size(const struct system *system) {
     return 4 * ((size_t)system->particles + 1);
 }
 
-/* Zeroed before; the batches' rows are known. */
-pdyn_status single_create(struct single *single, struct system *system);
+/* Zeroed before; the batches' rows are known. `whole`: all of H, which is static; otherwise
+ * products are mixed ones. */
+pdyn_status single_create(struct single *single, struct system *system, bool whole);
 void single_free(struct single *single);
 
 /* Takes the system's linearisation. */
@@ -74,6 +79,9 @@ void single_prepare(struct single *single);
 
 /* y = H u; returns u.y. */
 double single_apply(struct single *single, const float *u, float *y);
+/* y = H u for doubles, with all batches; u becomes what floats hold of it where these matter, in
+ * `room`, single_size, too. */
+void single_apply_mixed(struct single *single, double *u, float *room, double *y);
 /* y = x - H u; x and y may be one. */
 void single_subtract(struct single *single, const float *u, const float *x, float *y);
 

@@ -5,6 +5,41 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- what goes which way --------------------------------------------------------------------- */
+
+/* All of its rows are differences of two particles, their blocks m m' + a I. */
+static bool is_links(const struct batch *b) {
+    if (b->type->tangent || !b->single || b->width != 2) return false;
+    for (int k = 0; k < b->entries; k += 2)
+        if (fabs(b->view.coefficient[k]) != 1.0 ||
+            b->view.coefficient[k + 1] != -b->view.coefficient[k])
+            return false;
+    return true;
+}
+
+static enum single_way way_of(const struct batch *b, bool whole) {
+    if (!batch_is_static(b)) return LEFT_OUT;
+    if (b->stiffness) return NUMBERS;
+    if (is_links(b)) return LINKS;
+    return whole ? ROWS : LEFT_OUT;
+}
+
+static bool choose_ways(struct single *s, bool whole) {
+    struct system *sys = s->system;
+    s->way = NEW_ARRAY(sys->context, sys->batches, enum single_way);
+    s->tied = NEW_ARRAY(sys->context, sys->particles, bool);
+    if ((sys->batches && !s->way) || (sys->particles && !s->tied)) return false;
+    for (int i = 0; i < sys->particles; i++) s->tied[i] = whole;
+    for (int b = 0; b < sys->batches; b++) {
+        s->way[b] = way_of(sys->batch[b], whole);
+        if (s->way[b] != LEFT_OUT) batch_mark_held(sys->batch[b], s->tied);
+    }
+    int count = 0;
+    for (int i = 0; i < sys->particles; i++) count += s->tied[i];
+    s->patches = (count + PATCH - 1) / PATCH;
+    return true;
+}
+
 /* ---- patches and their numbers --------------------------------------------------------------- */
 
 /* A walk over the numbers of particle i, K_ij of j != i in all linear batches. */
@@ -55,7 +90,8 @@ static int choose_member(struct builder *b, int k, int members) {
             if (more < fewest) best = j, fewest = more;
         }
     if (best >= 0) return best;
-    while (b->next < b->s->system->particles && b->patch[b->next] >= 0) b->next++;
+    while (b->next < b->s->system->particles && (b->patch[b->next] >= 0 || !b->s->tied[b->next]))
+        b->next++;
     return b->next;
 }
 
@@ -155,16 +191,6 @@ static bool create_numbers(struct single *s) {
 
 /* ---- links ----------------------------------------------------------------------------------- */
 
-/* All of its rows are differences of two particles, their blocks m m' + a I. */
-static bool is_links(const struct batch *b) {
-    if (b->stiffness || b->type->tangent || !b->single || b->width != 2) return false;
-    for (int k = 0; k < b->entries; k += 2)
-        if (fabs(b->view.coefficient[k]) != 1.0 ||
-            b->view.coefficient[k + 1] != -b->view.coefficient[k])
-            return false;
-    return true;
-}
-
 /* A walk over the links of member m of patch k; puts them down if there is where. */
 static int links_of(const struct single *s, int k, int m, struct links *links,
                     struct origin *origin) {
@@ -172,8 +198,7 @@ static int links_of(const struct single *s, int k, int m, struct links *links,
     for (int n = 0; n < s->system->batches; n++) {
         const struct batch *b = s->system->batch[n];
         int at = i - b->touch_first;
-        bool none = s->batch_row[n + 1] > s->batch_row[n] || b->stiffness;
-        if (none || at < 0 || at >= b->touch_count) continue;
+        if (s->way[n] != LINKS || at < 0 || at >= b->touch_count) continue;
         for (int t = b->touch_start[at]; t < b->touch_start[at + 1]; t++, count++)
             if (links) {
                 links[count].to[m] = 4 * b->view.column[b->touch[t].entry ^ 1];
@@ -236,7 +261,7 @@ static void sum_up(int *start, int count) {
 static void count_rows(struct single *s) {
     for (int b = 0; b < s->system->batches; b++) {
         const struct batch *batch = s->system->batch[b];
-        bool rows = !batch->stiffness && !is_links(batch);
+        bool rows = s->way[b] == ROWS;
         for (int k = 0; rows && k < batch->entries; k++)
             s->touch_start[batch->view.column[k] + 1]++;
         s->batch_row[b + 1] = s->batch_row[b] + (rows ? batch->rows : 0);
@@ -249,7 +274,6 @@ static void count_rows(struct single *s) {
 static bool allocate(struct single *s) {
     pdyn_context *c = s->system->context;
     size_t n = (size_t)s->system->particles, batches = (size_t)s->system->batches;
-    s->patches = (int)((n + PATCH - 1) / PATCH);
     s->member = NEW_ARRAY(c, PATCH * (size_t)s->patches, int);
     s->number_start = NEW_ARRAY(c, s->patches + 1, int);
     s->link_start = NEW_ARRAY(c, s->patches + 1, int);
@@ -260,7 +284,8 @@ static bool allocate(struct single *s) {
     s->self = NEW_ARRAY(c, n + 1, float);
     s->partial = NEW_ARRAY(c, pool_blocks(s->patches, SINGLE_GRAIN), double);
     return s->number_start && s->link_start && s->touch_start && s->batch_row &&
-           (!batches || s->block) && s->self && (!n || (s->member && s->own && s->partial));
+           (!batches || s->block) && s->self && (!n || s->own) &&
+           (!s->patches || (s->member && s->partial));
 }
 
 static bool allocate_rows(struct single *s) {
@@ -283,7 +308,7 @@ static bool create_rows(struct single *s) {
     bool good = true;
     for (int b = 0; good && b < s->system->batches; b++) {
         const struct batch *batch = s->system->batch[b];
-        if (s->batch_row[b + 1] == s->batch_row[b]) continue;
+        if (s->way[b] != ROWS) continue;
         s->block[b] = NEW_ARRAY(c, batch_block_numbers(batch), float);
         good = s->block[b];
         take_rows(s, b, next);
@@ -292,10 +317,11 @@ static bool create_rows(struct single *s) {
     return good;
 }
 
-pdyn_status single_create(struct single *s, struct system *system) {
+pdyn_status single_create(struct single *s, struct system *system, bool whole) {
     s->system = system;
-    return allocate(s) && create_numbers(s) && create_rows(s) && create_links(s) ? PDYN_OK
-                                                                                 : PDYN_NO_MEMORY;
+    bool good = choose_ways(s, whole) && allocate(s) && create_numbers(s) && create_rows(s) &&
+                create_links(s);
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void single_free(struct single *s) {
@@ -304,8 +330,10 @@ void single_free(struct single *s) {
     size_t n = (size_t)s->system->particles;
     size_t links = s->link_start ? (size_t)s->link_start[s->patches] : 0;
     for (int b = 0; s->block && b < s->system->batches; b++)
-        FREE_ARRAY(c, s->block[b], batch_block_numbers(s->system->batch[b]));
+        if (s->block[b]) FREE_ARRAY(c, s->block[b], batch_block_numbers(s->system->batch[b]));
     FREE_ARRAY(c, s->block, s->system->batches);
+    FREE_ARRAY(c, s->way, s->system->batches);
+    FREE_ARRAY(c, s->tied, n);
     FREE_ARRAY(c, s->member, PATCH * (size_t)s->patches);
     FREE_ARRAY(c, s->numbers, s->number_start ? s->number_start[s->patches] : 0);
     FREE_ARRAY(c, s->number_start, s->patches + 1);

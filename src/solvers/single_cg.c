@@ -29,7 +29,7 @@ pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct 
     s->inverse = NEW_ARRAY(c, 9 * (size_t)system->particles + 1, float);
     s->sums = NEW_ARRAY(c, pool_blocks(system->particles, SYSTEM_GRAIN), struct single_sums);
     good &= s->inverse && (!system->particles || s->sums);
-    return good ? single_create(&s->product, system) : PDYN_NO_MEMORY;
+    return good ? single_create(&s->product, system, true) : PDYN_NO_MEMORY;
 }
 
 void single_cg_free(struct single_cg *s) {
