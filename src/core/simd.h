@@ -1,8 +1,8 @@
 /* Four lanes at a time, by the compilers' vector types: 3-vectors are padded to four doubles, so
  * that one is loaded, scaled and added at once. Static functions marked WIDE are compiled for AVX2
- * and AVX-512 as well as for the plain target and chosen when the program starts; without fused
- * products, all give the same bits. Their names are unique in the library, as the choice is global
- * with clang. */
+ * and AVX-512 as well as for the plain target and chosen when the program starts. All give the same
+ * bits, but for the kernels of inner solves on machines that cannot multiply and add at once. Their
+ * names are unique in the library, as the choice is global with clang. */
 #ifndef PDYN_SIMD_H
 #define PDYN_SIMD_H
 
@@ -21,7 +21,7 @@ typedef v4f v4f_anywhere __attribute__((aligned(4), may_alias)); /* in an array 
 #endif
 #endif
 #if !defined(WIDE) && defined(__x86_64__)
-#define WIDE __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
+#define WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #elif !defined(WIDE)
 #define WIDE
 #endif

@@ -258,13 +258,22 @@ WIDE static void take_blocks(void *arg, int first, int last, int block) {
         for (int e = first; e < last; e++) take_weights(b, e, to + b->block_start[e]);
 }
 
-/* Member m of links t */
-INLINE void take_link(const struct single *s, int t, int m) {
+struct source { /* of links: a batch */
+    int batch;
+    const double *weight, *block; /* block NULL: B = w I */
+};
+
+INLINE void take_link(const struct single *s, struct source *source, int t, int m) {
     const struct origin *from = &s->origin[PATCH * t + m];
     if (from->row < 0) return;
-    const struct batch *b = s->system->batch[from->batch];
-    v4 B = {0.0, 0.0, 0.0, b->view.weight[from->row]};
-    if (batch_has_blocks(b)) v4_load(&B, b->block, from->row);
+    if (from->batch != source->batch) {
+        const struct batch *b = s->system->batch[from->batch];
+        *source =
+            (struct source){from->batch, b->view.weight, batch_has_blocks(b) ? b->block : NULL};
+    }
+    v4 B = {0};
+    if (source->block) v4_load(&B, source->block, from->row);
+    else B[3] = source->weight[from->row];
     v4f single = __builtin_convertvector(B, v4f);
     v4f_store(s->links[t].block, m, &single);
 }
@@ -272,8 +281,9 @@ INLINE void take_link(const struct single *s, int t, int m) {
 WIDE static void take_links(void *arg, int first, int last, int block) {
     (void)block;
     const struct single *s = ((const struct call *)arg)->s;
+    struct source source = {.batch = -1};
     for (int t = s->link_start[first]; t < s->link_start[last]; t++)
-        for (int m = 0; m < PATCH; m++) take_link(s, t, m);
+        for (int m = 0; m < PATCH; m++) take_link(s, &source, t, m);
 }
 
 void single_prepare(struct single *s) {
