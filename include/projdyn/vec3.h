@@ -46,11 +46,15 @@ static inline void vec3_axis_length(double *axis, const double *u, double length
     vec3_contraction(axis + 3, &t, u, length);
     for (int k = 0; k < 3; k++) axis[k] = t * u[k];
 }
+/* J = s I - a a' from a and s */
+static inline void vec3_axis_tangent(double *J, const double *axis) {
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) J[3 * a + b] = (a == b ? axis[3] : 0.0) - axis[a] * axis[b];
+}
 static inline void vec3_tangent_length(double *J, const double *u, double length) {
     double axis[4];
     vec3_axis_length(axis, u, length);
-    for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++) J[3 * a + b] = (a == b ? axis[3] : 0.0) - axis[a] * axis[b];
+    vec3_axis_tangent(J, axis);
 }
 
 #endif

@@ -2,6 +2,8 @@
 #include "conformance.h"
 #include "eigen.h"
 
+#include "projdyn/vec3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -101,13 +103,12 @@ static double error_of(const double *J, double *D, int n) {
 /* J of element e, n x n. */
 static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, int e, int n,
                        double *J) {
-    double a[4];
+    double axis[4];
     memset(J, 0, (size_t)(n * n) * sizeof *J);
     if (type->tangent) type->tangent(b->params, &b->view, e, e + 1, J);
     if (!type->axial) return;
-    type->axial(b->params, &b->view, e, e + 1, a);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) J[i * n + j] = (i == j ? a[3] : 0.0) - a[i] * a[j];
+    type->axial(b->params, &b->view, e, e + 1, axis);
+    vec3_axis_tangent(J, axis);
 }
 
 /* A projection may have a kink where it is looked at; so may one element in five. */

@@ -43,8 +43,8 @@ static void end_output(const struct batch *b, double *y) {
 
 /* ---- the rows: u = G x, flux -> particles ---------------------------------------------------- */
 
-/* u of row r, which begins with entry k and has so many */
-INLINE void gather_row(const pdyn_batch *v, int k, int width, const double *x, v4 *u) {
+/* The sum of so many entries from k on */
+INLINE void gather_entries(const pdyn_batch *v, int k, int width, const double *x, v4 *u) {
     *u = (v4){0};
     for (int end = k + width; k < end; k++) {
         v4 at;
@@ -53,13 +53,18 @@ INLINE void gather_row(const pdyn_batch *v, int k, int width, const double *x, v
     }
 }
 
+/* u of row r; pairs are unrolled */
+INLINE void gather_row(const struct batch *b, int r, const double *x, v4 *u) {
+    const int *entry = b->view.row_entry + r;
+    if (b->width == 2) gather_entries(&b->view, 2 * r, 2, x, u);
+    else gather_entries(&b->view, entry[0], entry[1] - entry[0], x, u);
+}
+
 WIDE static void gather_rows(const struct batch *b, int first, int last, const double *x) {
-    const pdyn_batch *v = &b->view;
     for (int r = first; r < last; r++) {
         v4 u;
-        if (b->width == 2) gather_row(v, 2 * r, 2, x, &u);
-        else gather_row(v, v->row_entry[r], v->row_entry[r + 1] - v->row_entry[r], x, &u);
-        memcpy((double *)v->u + 3 * (size_t)r, &u, 3 * sizeof(double));
+        gather_row(b, r, x, &u);
+        memcpy((double *)b->view.u + 3 * (size_t)r, &u, 3 * sizeof(double));
     }
 }
 
@@ -251,13 +256,11 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
 
 /* flux = B u for element e, of so many rows from `first` on; B = w I for eps = 1 */
 INLINE void multiply_element(const struct batch *b, int e, int first, int rows, const double *x) {
-    const int *entry = b->view.row_entry + first;
     double *flux = b->flux + 4 * (size_t)first;
     const double *B = batch_has_blocks(b) ? b->block + b->block_start[e] : NULL;
     for (int s = 0; s < rows; s++) {
         v4 u, f, column;
-        if (b->width == 2) gather_row(&b->view, 2 * (first + s), 2, x, &u);
-        else gather_row(&b->view, entry[s], entry[s + 1] - entry[s], x, &u);
+        gather_row(b, first + s, x, &u);
         for (int r = 0; r < rows; r++) {
             if (s) memcpy(&f, flux + 4 * r, sizeof f);
             else f = (v4){0};
@@ -274,9 +277,7 @@ INLINE void multiply_element(const struct batch *b, int e, int first, int rows, 
 /* The same where B = m m' + a I. */
 INLINE void multiply_axis(const struct batch *b, int e, const double *x) {
     v4 u, f, B;
-    int k = b->view.row_entry[e];
-    if (b->width == 2) gather_row(&b->view, 2 * e, 2, x, &u);
-    else gather_row(&b->view, k, b->view.row_entry[e + 1] - k, x, &u);
+    gather_row(b, e, x, &u);
     v4_load(&B, b->block, e);
     f = v4_dot(&B, &u) * B + B[3] * u;
     v4_store(b->flux, e, &f);

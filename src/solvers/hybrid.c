@@ -96,16 +96,14 @@ static pdyn_status create(void *self, pdyn_model *model) {
 /* Floats are trusted to bring a residual down by as much. */
 static const double trusted = 1e-4;
 
-/* One solve in floats; b becomes what doubles see of it, unless no more iterations are wanted.
- * `check`: look at it even where floats are trusted. */
-static enum single_end solve_in_floats(struct hybrid *s, double *b, double *y, pdyn_goal goal,
-                                       bool check, int *iterations) {
+/* One solve in floats; b, of this size, becomes what doubles see of it, unless it is the last one
+ * or no more iterations are wanted. */
+static enum single_end solve_in_floats(struct hybrid *s, double *b, double size, double *y,
+                                       const pdyn_goal *goal, bool last, int *iterations) {
     struct system *sys = s->krylov.system;
     double *d = s->krylov.d, *q = s->krylov.q;
-    bool last = goal.tolerance >= trusted && !check;
-    goal.tolerance = fmax(goal.tolerance, trusted);
     memset(d, 0, system_bytes(sys));
-    enum single_end end = single_cg_solve(&s->single, b, d, &goal, iterations);
+    enum single_end end = single_cg_solve(&s->single, b, size, d, goal, iterations);
     system_axpy(sys, 1.0, d, y);
     if (end == SINGLE_SOLVED && last) return SINGLE_ENOUGH;
     if (end == SINGLE_ENOUGH) return end;
@@ -114,22 +112,24 @@ static enum single_end solve_in_floats(struct hybrid *s, double *b, double *y, p
     return end;
 }
 
-/* H y = b, in floats as long as doubles see that it gets on with them. */
+/* H y = b, in floats as long as doubles see that it gets on with them: they look where floats are
+ * not trusted with all that is left to do, or did less than they should have the last time. */
 static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal *goal,
                          int *iterations) {
     struct system *sys = s->krylov.system;
     double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
     pdyn_goal rest = *goal;
-    bool check = false;
+    bool failed = false;
     for (*iterations = 0; size > target && rest.iterations > 0; rest.first = false) {
         int done;
         double before = size;
-        rest.tolerance = target / size;
-        enum single_end end = solve_in_floats(s, b, y, rest, check, &done);
+        bool last = target / size >= trusted && !failed;
+        rest.tolerance = fmax(target / size, trusted);
+        enum single_end end = solve_in_floats(s, b, size, y, &rest, last, &done);
         *iterations += done, rest.iterations -= done;
         if (end == SINGLE_ENOUGH) return;
         size = sqrt(system_dot(sys, b, b));
-        check = size > 2.0 * fmax(rest.tolerance, trusted) * before;
+        failed = size > 2.0 * rest.tolerance * before;
         if (end == SINGLE_EXHAUSTED || !(size < 0.5 * before)) break;
     }
     if (!(size > target) || rest.iterations <= 0) return;

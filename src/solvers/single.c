@@ -47,22 +47,26 @@ INLINE void add_row(const float *B, int k, int rows, const v4f *u, v4f_anywhere 
         }
 }
 
+INLINE void add_rows(const struct single *s, const float *B, int row, int rows, const float *x,
+                     v4f_anywhere *flux) {
+    v4f u;
+    for (int k = 0; k < rows; k++) gather_row(s, row + k, x, &u), add_row(B, k, rows, &u, flux);
+}
+
 enum { FEW = 3 }; /* rows whose fluxes fit registers */
 
 INLINE void multiply_few(const struct single *s, const float *B, int row, int rows,
                          const float *x) {
-    v4f u;
     v4f_anywhere flux[FEW] = {{0}};
-    for (int k = 0; k < rows; k++) gather_row(s, row + k, x, &u), add_row(B, k, rows, &u, flux);
+    add_rows(s, B, row, rows, x, flux);
     memcpy(s->flux + 4 * (size_t)row, flux, (size_t)rows * sizeof *flux);
 }
 
 INLINE void multiply_many(const struct single *s, const float *B, int row, int rows,
                           const float *x) {
-    v4f u;
     v4f_anywhere *flux = (v4f_anywhere *)(s->flux + 4 * (size_t)row);
     memset(flux, 0, (size_t)rows * sizeof *flux);
-    for (int k = 0; k < rows; k++) gather_row(s, row + k, x, &u), add_row(B, k, rows, &u, flux);
+    add_rows(s, B, row, rows, x, flux);
 }
 
 /* The same where B = m m' + a I of a row. */

@@ -156,14 +156,14 @@ static double next_direction(struct single_cg *s) {
     return rp;
 }
 
-enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
+enum single_end single_cg_solve(struct single_cg *s, const double *b, double size, double *y,
                                 const pdyn_goal *goal, int *iterations) {
-    struct call call = {.b = b, .y = y, .size = sqrt(system_dot(s->system, b, b))};
+    struct call call = {.b = b, .y = y, .size = size};
     double rr = 1.0, gained = 0.0, gain = INFINITY;
     *iterations = 0;
     if (goal->first) s->curvature = 0.0;
-    if (!(call.size > 0.0)) return SINGLE_SOLVED;
-    call.scale = 1.0 / call.size;
+    if (!(size > 0.0)) return SINGLE_SOLVED;
+    call.scale = 1.0 / size;
     jacobi_prepare(s->jacobi, omega);
     single_prepare(&s->product);
     for_particles(s, begin_single, &call);

@@ -39,8 +39,8 @@ enum single_end {
     SINGLE_EXHAUSTED /* or not possible in floats */
 };
 
-/* As pdyn_global_solver.solve, but b stays. */
-enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
+/* As pdyn_global_solver.solve, but b, of this size, stays. */
+enum single_end single_cg_solve(struct single_cg *s, const double *b, double size, double *y,
                                 const pdyn_goal *goal, int *iterations);
 
 #endif
