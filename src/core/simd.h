@@ -1,8 +1,8 @@
 /* Four lanes at a time, by the compilers' vector types: 3-vectors are padded to four doubles, so
  * that one is loaded, scaled and added at once. Static functions marked WIDE are compiled for AVX2
  * and AVX-512 as well as for the plain target and chosen when the program starts. All give the same
- * bits, but for the kernels of linear solves on machines that cannot multiply and add at once. Their
- * names are unique in the library, as the choice is global with clang. */
+ * bits, but for the kernels of linear solves on machines that cannot multiply and add at once.
+ * Their names are unique in the library, as the choice is global with clang. */
 #ifndef PDYN_SIMD_H
 #define PDYN_SIMD_H
 
