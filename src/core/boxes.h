@@ -31,7 +31,8 @@ void boxes_free(pdyn_context *context, struct boxes *boxes);
 
 void boxes_sort(struct boxes *boxes, const struct box *box, int count);
 
-/* Calls visit for each box that overlaps or touches `box` and is numbered `from` or higher. */
+/* Calls visit for each box that overlaps or touches `box` and is numbered `from` or higher. It may
+ * make `box` smaller, which then holds for what has not been visited. */
 void boxes_visit(const struct boxes *boxes, const struct box *box, int from,
                  void (*visit)(void *user, int id), void *user);
 

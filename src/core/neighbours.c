@@ -306,8 +306,11 @@ static void hide(void *arg, int first, int last, int block) {
 
 static void separate(struct neighbours *n, const double *x) {
     struct call call = {n, x};
+    struct box centres = box_empty;
     int boundary = n->view.points - n->view.particles;
-    sides_plant(n->sides, x);
+    for (int k = 0; k < n->active; k++)
+        if (n->centre[n->id[k]]) box_add(&centres, x + 3 * (size_t)n->id[k]);
+    sides_plant(n->sides, x, &centres);
     pool_for(n->context->pool, n->active + boundary, PARTICLES, find_clearances, &call);
     pool_for(n->context->pool, n->active, PARTICLES, hide, &call);
 }

@@ -10,9 +10,10 @@
 
 static pdyn_status fill(struct sides *s, int bodies, const pdyn_body *body) {
     s->corner = NEW_ARRAY(s->context, 3 * (size_t)s->triangles, int);
+    s->planted_as = NEW_ARRAY(s->context, s->triangles, int);
     s->box = NEW_ARRAY(s->context, s->triangles, struct box);
     s->clearance = NEW_ARRAY(s->context, s->points, double);
-    if (!s->corner || !s->box || !s->clearance) return PDYN_NO_MEMORY;
+    if (!s->corner || !s->planted_as || !s->box || !s->clearance) return PDYN_NO_MEMORY;
     int *corner = s->corner;
     for (int b = 0; b < bodies; b++)
         for (int k = 0; k < 3 * body[b].triangles; k++)
@@ -29,7 +30,7 @@ pdyn_status sides_create(pdyn_context *context, int bodies, const pdyn_body *bod
     struct sides *s = NEW_ARRAY(context, 1, struct sides);
     if (!s) return PDYN_NO_MEMORY;
     *s = (struct sides){
-        .context = context, .points = points, .triangles = triangles, .far = 0.5 * reach};
+        .context = context, .points = points, .triangles = triangles, .reach = reach};
     pdyn_status status = fill(s, bodies, body);
     if (status == PDYN_OK) *out = s;
     else sides_free(s);
@@ -39,6 +40,7 @@ pdyn_status sides_create(pdyn_context *context, int bodies, const pdyn_body *bod
 void sides_free(struct sides *s) {
     if (!s) return;
     FREE_ARRAY(s->context, s->corner, 3 * (size_t)s->triangles);
+    FREE_ARRAY(s->context, s->planted_as, s->triangles);
     FREE_ARRAY(s->context, s->box, s->triangles);
     FREE_ARRAY(s->context, s->clearance, s->points);
     boxes_free(s->context, &s->tree);
@@ -47,36 +49,54 @@ void sides_free(struct sides *s) {
 
 /* ---- how far from the surfaces --------------------------------------------------------------- */
 
-void sides_plant(struct sides *s, const double *x) {
-    s->x = x;
+/* All that is at most so far from a box of one point or of many. */
+static struct box grown(const double *min, const double *max, double by) {
+    struct box box;
+    for (int a = 0; a < 3; a++) box.min[a] = min[a] - by, box.max[a] = max[a] + by;
+    return box;
+}
+
+void sides_plant(struct sides *s, const double *x, const struct box *around) {
+    struct box near = grown(around->min, around->max, s->reach);
+    s->x = x, s->planted = 0;
     for (int t = 0; t < s->triangles; t++) {
-        s->box[t] = box_empty;
-        for (int k = 0; k < 3; k++) box_add(&s->box[t], x + 3 * (size_t)s->corner[3 * t + k]);
+        struct box *box = &s->box[s->planted];
+        *box = box_empty;
+        for (int k = 0; k < 3; k++) box_add(box, x + 3 * (size_t)s->corner[3 * t + k]);
+        if (box_overlaps(box, &near)) s->planted_as[s->planted++] = t;
     }
-    boxes_sort(&s->tree, s->box, s->triangles);
+    boxes_sort(&s->tree, s->box, s->planted);
 }
 
 struct question {
     const struct sides *sides;
     const double *from, *to;
+    struct box box; /* of the search */
     double nearest; /* m^2 */
     bool between;
 };
 
-static void see_nearest(void *user, int triangle) {
+static const int *corners(const struct question *q, int planted) {
+    return q->sides->corner + 3 * q->sides->planted_as[planted];
+}
+
+/* What is farther need not be looked at any more. */
+static void see_nearest(void *user, int planted) {
     struct question *q = user;
-    const int *corner = q->sides->corner + 3 * triangle;
+    const int *corner = corners(q, planted);
     const double *points[4] = {q->from};
     double unused[4];
     for (int k = 0; k < 3; k++) points[k + 1] = q->sides->x + 3 * (size_t)corner[k];
-    q->nearest = fmin(q->nearest, closest_vertex_face(points, unused));
+    double squared = closest_vertex_face(points, unused);
+    if (!(squared < q->nearest)) return;
+    q->nearest = squared;
+    q->box = grown(q->from, q->from, sqrt(squared));
 }
 
 void sides_approach(struct sides *s, int i, const double *at) {
-    struct question q = {.sides = s, .from = at, .nearest = s->far * s->far};
-    struct box box;
-    for (int a = 0; a < 3; a++) box.min[a] = at[a] - s->far, box.max[a] = at[a] + s->far;
-    boxes_visit(&s->tree, &box, 0, see_nearest, &q);
+    double far = 0.5 * s->reach;
+    struct question q = {.sides = s, .from = at, .box = grown(at, at, far), .nearest = far * far};
+    boxes_visit(&s->tree, &q.box, 0, see_nearest, &q);
     s->clearance[i] = sqrt(q.nearest);
 }
 
@@ -103,9 +123,9 @@ static bool meets(const double d[3], double c[3][3]) {
            (s[0] <= 0.0 && s[1] <= 0.0 && s[2] <= 0.0);
 }
 
-static void see_between(void *user, int triangle) {
+static void see_between(void *user, int planted) {
     struct question *q = user;
-    const int *corner = q->sides->corner + 3 * triangle;
+    const int *corner = corners(q, planted);
     double d[3], c[3][3];
     for (int a = 0; a < 3; a++) {
         d[a] = q->to[a] - q->from[a];
@@ -120,8 +140,8 @@ bool sides_between(const struct sides *s, int i, const double *a, int j, const d
     struct question q = {.sides = s, .from = i < j ? a : b, .to = i < j ? b : a};
     double room = s->clearance[i] + s->clearance[j];
     if (room >= vec3_distance(q.from, q.to)) return false;
-    struct box box = box_empty;
-    box_add(&box, q.from), box_add(&box, q.to);
-    boxes_visit(&s->tree, &box, 0, see_between, &q);
+    q.box = box_empty;
+    box_add(&q.box, q.from), box_add(&q.box, q.to);
+    boxes_visit(&s->tree, &q.box, 0, see_between, &q);
     return q.between;
 }

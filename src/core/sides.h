@@ -12,10 +12,12 @@ struct sides {
     int points;        /* of the system, samples, boundary points */
     int triangles;     /* of all surfaces */
     int *corner;       /* triangles x 3: particles of the system */
-    struct box *box;   /* triangles */
+    int planted;       /* so many are near to what asks: */
+    int *planted_as;   /* triangles, planted used: these, */
+    struct box *box;   /* the same: around each */
     struct boxes tree; /* of these */
     const double *x;   /* where they are */
-    double far;        /* m: as far as clearances are looked at */
+    double reach;      /* m: of pairs */
     double *clearance; /* points, m: to the next triangle, at most `far` */
 };
 
@@ -24,8 +26,8 @@ pdyn_status sides_create(pdyn_context *context, int bodies, const pdyn_body *bod
                          double reach, struct sides **out);
 void sides_free(struct sides *sides);
 
-/* The surfaces are at x (of the system) from now on. */
-void sides_plant(struct sides *sides, const double *x);
+/* The surfaces are at x (of the system) from now on; of a pair, one point will lie in `around`. */
+void sides_plant(struct sides *sides, const double *x, const struct box *around);
 
 /* Notes how far point i, there, is from them; needed of both points of a pair. */
 void sides_approach(struct sides *sides, int i, const double *there);
