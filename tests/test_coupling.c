@@ -69,19 +69,32 @@ static void test_places(void **state) {
     pdyn_destroy(context);
 }
 
-/* (y, S' z) is the transpose of (x, S x); blocks that are lumped hold more than S' D S. */
-static void test_gather(void **state) {
-    (void)state;
-    pdyn_context *context = test_context(3);
-    pdyn_sim *sim = test_load(context, drop);
-    const struct samples *s = sim->samples;
+/* Every so many-th sample is in some list from now on. */
+static void reach_every(struct samples *s, int many) {
+    int points = s->particles + s->count;
+    int *start = calloc((size_t)points, sizeof *start), *end = calloc((size_t)points, sizeof *end);
+    assert_true(start && end);
+    for (int k = 0; k < s->count; k++) end[s->particles + k] = k % many == 0;
+    samples_reach(s, &(pdyn_neighbours){.start = start, .end = end});
+    assert_int_equal(s->live, (s->count + many - 1) / many);
+    free(start), free(end);
+}
+
+/* (y, S' z) is the transpose of (x, S x), also where some samples are out of reach; blocks that are
+ * lumped hold more than S' D S. */
+static void check_gather(pdyn_sim *sim, int many) {
+    struct samples *s = sim->samples;
     int n = 3 * sim->system.particles, all = n + 3 * s->count;
     double *x = array(n), *y = array(n), *up = array(all), *z = array(all);
     double *D = array(2 * all), *blocks = array(2 * n), left = 0.0, right = 0.0, held = 0.0;
     uint64_t seed = 5;
     for (int k = 0; k < n; k++) x[k] = test_random(&seed);
-    for (int k = 0; k < all; k++) z[k] = test_random(&seed);
-    samples_extend(s, x, up);
+    reach_every(s, many);
+    for (int k = 0; k < n; k++) z[k] = test_random(&seed);
+    for (int k = 0; k < s->live; k++)
+        for (int a = 0; a < 3; a++) z[n + 3 * s->near[k] + a] = test_random(&seed);
+    samples_extend(s, x, up), samples_follow(s, x);
+    for (int k = 0; k < all; k++) assert_true(z[k] == 0.0 || s->input[k] == up[k]);
     samples_gather(s, z, y);
     for (int k = 0; k < n; k++) left += y[k] * x[k];
     for (int k = 0; k < all; k++) right += z[k] * up[k];
@@ -90,9 +103,48 @@ static void test_gather(void **state) {
     samples_gather_blocks(s, D, blocks);
     for (int k = 0; k < n / 3; k++) held += blocks[6 * k] * vec3_dot(x + 3 * k, x + 3 * k);
     right = 0.0;
-    for (int k = 0; k < all / 3; k++) right += D[6 * k] * vec3_dot(up + 3 * k, up + 3 * k);
+    for (int k = 0; k < all / 3; k++)
+        if (k < n / 3 || D[6 * k] != 1.0) right += D[6 * k] * vec3_dot(up + 3 * k, up + 3 * k);
     assert_true(held >= right);
+    samples_gather(s, z, z);
+    for (int k = 0; k < n; k++) assert_true(z[k] == y[k]);
     free(x), free(y), free(up), free(z), free(D), free(blocks);
+}
+
+static void test_gather(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(3);
+    pdyn_sim *sim = test_load(context, drop);
+    check_gather(sim, 1), check_gather(sim, 3), check_gather(sim, 50);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* On the way against the gradient some constraints change sides: the model's slope where it ends.
+ */
+static void test_line(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, drop);
+    struct system *sys = &sim->system;
+    int n = 3 * sys->particles, changed = 0;
+    double *u = array(n), *g = array(n), *y = array(n), energy;
+    for (int k = 0; k < 8; k++) test_step(context, sim);
+    for (double eps = 0.0; eps < 0.5; eps += 0.4) {
+        memcpy(u, sim->x, system_bytes(sys));
+        for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* fluid is pressed together */
+        assert_int_equal(system_local(sys, u, &energy, g), PDYN_OK);
+        assert_int_equal(system_linearise(sys, eps), PDYN_OK);
+        for (int k = 0; k < n; k++) u[k] = -g[k];
+        system_apply(sys, u, y), system_aim(sys, u);
+        double descent = -system_dot(sys, g, u);
+        double t = system_line_minimum(sys, descent, system_dot(sys, u, y));
+        int turns = system_go(sys, t, y);
+        assert_true(t > 0.0 && fabs(system_dot(sys, y, u) - descent) <= 0.02 * descent);
+        changed += turns;
+    }
+    assert_true(changed > 0);
+    free(u), free(g), free(y);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -554,6 +606,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_line),
         cmocka_unit_test(test_stretch),
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_solvers),

@@ -24,16 +24,19 @@ static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *
 
 /* ---- what goes through an operator: vectors that end with the samples' values ---------------- */
 
+/* Callers may take the samples' input and output for u and y, and save copies. */
 static const double *extend(const struct batch *b, const double *u) {
     if (!b->samples) return u;
-    samples_extend(b->samples, u, b->samples->input);
+    samples_follow(b->samples, u);
     return b->samples->input;
 }
 
 /* Where an operator adds to y, until it is gathered. */
 static double *begin_output(const struct batch *b, double *y) {
     if (!b->samples) return y;
-    memset(b->samples->output, 0, 3 * (size_t)b->scalars.particles * sizeof *y);
+    size_t all = 3 * (size_t)b->scalars.particles;
+    size_t own = y == b->samples->output ? 3 * (size_t)b->samples->particles : 0;
+    memset(b->samples->output + own, 0, (all - own) * sizeof *y);
     return b->samples->output;
 }
 
@@ -316,11 +319,14 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, y, 0.0);
 }
 
-void batch_aim(struct batch *b, const double *u, double *y) {
-    if (b->op) {
-        scalars_aim(&b->scalars, b->eps, extend(b, u), begin_output(b, y));
-        end_output(b, y);
-    } else batch_apply(b, u, y);
+static bool has_sides(const struct batch *b) { return b->op && b->eps < 1.0; }
+
+void batch_aim(struct batch *b, const double *u) {
+    if (has_sides(b)) scalars_aim(&b->scalars, extend(b, u));
+}
+
+int batch_turns(struct batch *b, double t) {
+    return has_sides(b) ? scalars_turns(&b->scalars, t) : 0;
 }
 
 double batch_slope(struct batch *b, double t, double *curvature) {
@@ -341,7 +347,7 @@ void batch_velocity(struct batch *b, double *v) {
         b->type->op->velocity(b->op, v);
         return;
     }
-    samples_extend(b->samples, v, b->samples->input);
+    samples_follow(b->samples, v);
     b->type->op->velocity(b->op, b->samples->input);
     memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }

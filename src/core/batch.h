@@ -95,8 +95,9 @@ void batch_apply(struct batch *batch, const double *u, double *y);
 /* Operator tier: changes velocities after a step, where the type does. */
 void batch_velocity(struct batch *batch, double *v);
 
-/* The model along a direction u, see scalars.h; all of what is not one-sided is in batch_aim. */
-void batch_aim(struct batch *batch, const double *u, double *y);
+/* The model along a direction u, see scalars.h. */
+void batch_aim(struct batch *batch, const double *u);
+int batch_turns(struct batch *batch, double t);
 double batch_slope(struct batch *batch, double t, double *curvature);
 int batch_go(struct batch *batch, double t, double *y);
 

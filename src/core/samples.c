@@ -25,21 +25,34 @@ static void for_all(const struct samples *s, int count, pdyn_range_fn *fn, const
     pool_for(s->context->pool, count, GRAIN, fn, &call);
 }
 
-static void interpolate(void *arg, int first, int last, int block) {
+/* The three corners' share of sample k. */
+INLINE void interpolate(const struct samples *s, int k, const double *x, double *out) {
+    double sum[3] = {0};
+    for (int m = 3 * k; m < 3 * k + 3; m++)
+        vec3_add(sum, s->weight[m], x + 3 * (size_t)s->vertex[m]);
+    memcpy(out + 3 * (size_t)(s->particles + k), sum, sizeof sum);
+}
+
+static void interpolate_all(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const struct samples *s = c->s;
-    for (int k = first; k < last; k++) {
-        double sum[3] = {0};
-        for (int m = 3 * k; m < 3 * k + 3; m++)
-            vec3_add(sum, s->weight[m], c->in + 3 * (size_t)s->vertex[m]);
-        memcpy(c->out + 3 * (size_t)(s->particles + k), sum, sizeof sum);
-    }
+    for (int k = first; k < last; k++) interpolate(c->s, k, c->in, c->out);
 }
 
 void samples_extend(const struct samples *s, const double *x, double *out) {
     memcpy(out, x, 3 * (size_t)s->particles * sizeof *x);
-    for_all(s, s->count, interpolate, x, out, 3);
+    for_all(s, s->count, interpolate_all, x, out, 3);
+}
+
+WIDE static void interpolate_near(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) interpolate(c->s, c->s->near[k], c->in, c->out);
+}
+
+void samples_follow(const struct samples *s, const double *u) {
+    if (u != s->input) memcpy(s->input, u, 3 * (size_t)s->particles * sizeof *u);
+    for_all(s, s->live, interpolate_near, u, s->input, 3);
 }
 
 static void add_own(void *arg, int first, int last, int block) {
@@ -50,7 +63,7 @@ static void add_own(void *arg, int first, int last, int block) {
 
 INLINE void add_touching(const struct call *c, int i, size_t numbers) {
     const struct samples *s = c->s;
-    double *to = c->out + numbers * (size_t)(s->touch_first + i), sum[6] = {0};
+    double *to = c->out + numbers * (size_t)s->corner[i], sum[6] = {0};
     for (int t = s->touch_start[i]; t < s->touch_start[i + 1]; t++) {
         const double *from = c->in + numbers * (size_t)(s->particles + s->touch[t] / 3);
         for (size_t a = 0; a < numbers; a++) sum[a] += s->weight[s->touch[t]] * from[a];
@@ -68,8 +81,8 @@ WIDE static void add_from_samples(void *arg, int first, int last, int block) {
 }
 
 static void gather(const struct samples *s, const double *extended, double *out, int numbers) {
-    for_all(s, s->particles, add_own, extended, out, numbers);
-    for_all(s, s->touch_count, add_from_samples, extended, out, numbers);
+    if (out != extended) for_all(s, s->particles, add_own, extended, out, numbers);
+    for_all(s, s->touched, add_from_samples, extended, out, numbers);
 }
 
 void samples_gather(const struct samples *s, const double *extended, double *y) {
@@ -78,6 +91,35 @@ void samples_gather(const struct samples *s, const double *extended, double *y) 
 
 void samples_gather_blocks(const struct samples *s, const double *extended, double *blocks) {
     gather(s, extended, blocks, 6);
+}
+
+/* ---- which of them matter -------------------------------------------------------------------- */
+
+/* For every particle that samples which are near lie on, these. place: how many there are of each,
+ * then its place in `corner`, then where its next one goes. */
+static void transpose(struct samples *s) {
+    int sum = 0;
+    memset(s->place, 0, (size_t)s->particles * sizeof *s->place);
+    for (int k = 0; k < s->live; k++)
+        for (int m = 0; m < 3; m++) s->place[s->vertex[3 * s->near[k] + m]]++;
+    s->touched = 0;
+    for (int i = 0; i < s->particles; i++) {
+        int own = s->place[i];
+        if (!own) continue;
+        s->corner[s->touched] = i, s->touch_start[s->touched++] = sum;
+        s->place[i] = sum, sum += own;
+    }
+    s->touch_start[s->touched] = sum;
+    for (int k = 0; k < s->live; k++)
+        for (int m = 3 * s->near[k]; m < 3 * s->near[k] + 3; m++)
+            s->touch[s->place[s->vertex[m]]++] = m;
+}
+
+void samples_reach(struct samples *s, const pdyn_neighbours *lists) {
+    s->live = 0;
+    for (int k = 0; k < s->count; k++)
+        if (lists->end[s->particles + k] > lists->start[s->particles + k]) s->near[s->live++] = k;
+    transpose(s);
 }
 
 /* ---- volumes --------------------------------------------------------------------------------- */
@@ -113,13 +155,18 @@ static bool allocate(struct samples *s) {
     s->volume = NEW_ARRAY(s->context, n, double);
     s->rest_volume = NEW_ARRAY(s->context, n, double);
     s->rest_area = NEW_ARRAY(s->context, n, double);
+    s->near = NEW_ARRAY(s->context, n, int);
+    s->corner = NEW_ARRAY(s->context, s->particles, int);
+    s->place = NEW_ARRAY(s->context, s->particles, int);
+    s->touch_start = NEW_ARRAY(s->context, s->particles + 1, int);
     s->touch = NEW_ARRAY(s->context, 3 * n, int);
     s->x = NEW_VECTOR(s->context, s->particles + s->count);
     s->input = NEW_VECTOR(s->context, s->particles + s->count);
     s->output = NEW_VECTOR(s->context, s->particles + s->count);
     s->blocks = NEW_ARRAY(s->context, 6 * ((size_t)s->particles + n), double);
-    return s->vertex && s->weight && s->volume && s->rest_volume && s->rest_area && s->touch &&
-           s->x && s->input && s->output && s->blocks;
+    return s->vertex && s->weight && s->volume && s->rest_volume && s->rest_area && s->near &&
+           s->corner && s->place && s->touch_start && s->touch && s->x && s->input && s->output &&
+           s->blocks;
 }
 
 void samples_free(struct samples *s) {
@@ -130,8 +177,11 @@ void samples_free(struct samples *s) {
     FREE_ARRAY(s->context, s->volume, n);
     FREE_ARRAY(s->context, s->rest_volume, n);
     FREE_ARRAY(s->context, s->rest_area, n);
+    FREE_ARRAY(s->context, s->near, n);
+    FREE_ARRAY(s->context, s->corner, s->particles);
+    FREE_ARRAY(s->context, s->place, s->particles);
+    FREE_ARRAY(s->context, s->touch_start, s->particles + 1);
     FREE_ARRAY(s->context, s->touch, 3 * n);
-    FREE_ARRAY(s->context, s->touch_start, s->touch_count + 2);
     FREE_VECTOR(s->context, s->x, s->particles + s->count);
     FREE_VECTOR(s->context, s->input, s->particles + s->count);
     FREE_VECTOR(s->context, s->output, s->particles + s->count);
@@ -153,23 +203,6 @@ static void place(struct samples *s, const pdyn_body *body, const struct spots *
     }
 }
 
-/* For every particle the samples that lie on it. */
-static pdyn_status transpose(struct samples *s) {
-    int low = INT32_MAX, high = -1;
-    for (int k = 0; k < 3 * s->count; k++) {
-        if (s->vertex[k] < low) low = s->vertex[k];
-        if (s->vertex[k] > high) high = s->vertex[k];
-    }
-    s->touch_first = low, s->touch_count = high - low + 1;
-    s->touch_start = NEW_ARRAY(s->context, s->touch_count + 2, int);
-    if (!s->touch_start) return PDYN_NO_MEMORY;
-    int *end = s->touch_start + 1; /* shifted by one, so that filling turns ends into starts */
-    for (int k = 0; k < 3 * s->count; k++) end[s->vertex[k] - low + 1]++;
-    for (int i = 0; i < s->touch_count; i++) end[i + 1] += end[i];
-    for (int k = 0; k < 3 * s->count; k++) s->touch[end[s->vertex[k] - low]++] = k;
-    return PDYN_OK;
-}
-
 static pdyn_status fill(struct samples *s, int bodies, const pdyn_body *body,
                         const struct spots *spots, double support, const double *rest) {
     pdyn_status status = allocate(s) ? PDYN_OK : PDYN_NO_MEMORY;
@@ -178,7 +211,10 @@ static pdyn_status fill(struct samples *s, int bodies, const pdyn_body *body,
         status = neighbours_surface_volumes(s->context, spots[b].count, s->x + 3 * (size_t)first,
                                             support, s->rest_volume + first);
     }
-    return status == PDYN_OK ? transpose(s) : status;
+    if (status != PDYN_OK) return status;
+    for (int k = 0; k < s->count; k++) s->near[s->live++] = k;
+    transpose(s);
+    return PDYN_OK;
 }
 
 pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,

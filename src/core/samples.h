@@ -18,10 +18,13 @@ struct samples {
     double *volume;         /* count, m^3: in SPH sums, now */
     double *rest_volume;    /* count, m^3 */
     double *rest_area;      /* count, m^2: of the sample's triangle */
-    int touch_first;        /* samples lie only on these particles: */
-    int touch_count;        /* so many from touch_first on; */
-    int *touch_start;       /* touch_count + 2: where a particle begins in */
-    int *touch;             /* 3 count: places in vertex and weight, ascending for each particle */
+    int live;               /* so many are near to some particle that sums are for: */
+    int *near;              /* live: these samples, */
+    int touched;            /* which lie on so many particles: */
+    int *corner;            /* touched: these, */
+    int *touch_start;       /* touched + 1: where each begins in */
+    int *touch;             /* 3 live: places in vertex and weight, ascending for each particle */
+    int *place;             /* particles: scratch */
     double *x;              /* (particles + count) x 3 and one: positions */
     double *input, *output; /* the same: what goes through an operator */
     double *blocks;         /* (particles + count) x 6 */
@@ -38,7 +41,13 @@ void samples_free(struct samples *samples);
 /* out = (x, S x) */
 void samples_extend(const struct samples *samples, const double *x, double *out);
 
-/* y += f + S' f_s; extended: (f, f_s) */
+/* The lists are new: from now on only samples in them matter, but for samples_extend. */
+void samples_reach(struct samples *samples, const pdyn_neighbours *lists);
+
+/* input = (u, S u); u may be input itself. */
+void samples_follow(const struct samples *samples, const double *u);
+
+/* y += f + S' f_s; extended: (f, f_s). The f of y itself, where y is `extended`. */
 void samples_gather(const struct samples *samples, const double *extended, double *y);
 
 /* Adds a block diagonal, packed, x 6. Those of the samples are lumped to their corners, which

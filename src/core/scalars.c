@@ -65,8 +65,9 @@ pdyn_status scalars_begin(struct scalars *s) {
 static void add_held(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
+    const double *held = c->s->at.held;
     for (int i = first; i < last; i++)
-        vec3_add(c->out + 3 * i, c->eps * c->s->at.held[i], c->u + 3 * i);
+        if (held[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * held[i], c->u + 3 * i);
 }
 
 static void damp(struct scalars *s, double eps, const double *u, double *y) {
@@ -112,9 +113,30 @@ void scalars_diagonal(struct scalars *s, double eps, double *blocks) {
 
 /* ---- along a direction ----------------------------------------------------------------------- */
 
-void scalars_aim(struct scalars *s, double eps, const double *u, double *y) {
-    if (eps < 1.0) s->op->rate(s->self, s->possible, u, s->rate);
-    damp(s, eps, u, y);
+void scalars_aim(struct scalars *s, const double *u) {
+    s->op->rate(s->self, s->possible, u, s->rate);
+}
+
+static bool acts_at(const struct scalars *s, int i, double t) {
+    return s->possible[i] && s->reached[i] + t * s->rate[i] > 0.0;
+}
+
+static void count_turns(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    double turns = 0.0;
+    for (int i = first; i < last; i++) turns += acts_at(c->s, i, c->t) != c->s->acts[i];
+    c->s->partial[block] = turns;
+}
+
+static int sum_turns(const struct scalars *s) {
+    double sum = 0.0;
+    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++) sum += s->partial[b];
+    return (int)sum;
+}
+
+int scalars_turns(struct scalars *s, double t) {
+    for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, t);
+    return sum_turns(s);
 }
 
 static void add_slopes(void *arg, int first, int last, int block) {
@@ -144,9 +166,10 @@ static void change_sides(void *arg, int first, int last, int block) {
     struct scalars *s = c->s;
     double changed = 0.0;
     for (int i = first; i < last; i++) {
-        double from = s->reached[i], to = from + c->t * s->rate[i];
-        bool acts = to > 0.0 && s->possible[i];
-        s->multiplier[i] = (1.0 - c->eps) * s->at.stiffness[i] * (fmax(0.0, to) - fmax(0.0, from));
+        double to = s->reached[i] + c->t * s->rate[i];
+        bool acts = acts_at(s, i, c->t);
+        double beyond = fmax(0.0, to) - (s->acts[i] ? to : 0.0);
+        s->multiplier[i] = (1.0 - c->eps) * s->at.stiffness[i] * beyond;
         changed += acts != s->acts[i];
         s->reached[i] = to, s->acts[i] = acts;
     }
@@ -154,10 +177,9 @@ static void change_sides(void *arg, int first, int last, int block) {
 }
 
 int scalars_go(struct scalars *s, double eps, double t, double *y) {
-    double changed = 0.0;
     if (eps == 1.0) return 0;
     for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
-    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++) changed += s->partial[b];
+    int changed = sum_turns(s);
     s->op->force(s->self, s->multiplier, y);
-    return (int)changed;
+    return changed;
 }

@@ -31,11 +31,14 @@ void scalars_apply(struct scalars *s, double eps, const double *u, double *y);
 /* Adds the block diagonal of the same. */
 void scalars_diagonal(struct scalars *s, double eps, double *blocks);
 
-/* Aims along u from d; y += eps held u. */
-void scalars_aim(struct scalars *s, double eps, const double *u, double *y);
+/* Aims along u from d. */
+void scalars_aim(struct scalars *s, const double *u);
+/* How many are on another side at d + t u. */
+int scalars_turns(struct scalars *s, double t);
 /* The derivative of the one-sided energy at d + t u by t, and the second one. */
 double scalars_slope(struct scalars *s, double eps, double t, double *curvature);
-/* d += t u; adds the change of the gradient to y. Returns how many changed sides. */
+/* d += t u. Adds to y what the gradient changes by beyond t times what scalars_apply gives, that is
+ * where sides change. Returns how many did. */
 int scalars_go(struct scalars *s, double eps, double t, double *y);
 
 #endif

@@ -51,6 +51,7 @@ static const double *extend(const struct system *sys, const double *x) {
 pdyn_status system_tell_lists(struct system *sys) {
     const pdyn_neighbours *view = neighbours_view(sys->neighbours);
     pdyn_status status = PDYN_OK;
+    if (sys->samples) samples_reach(sys->samples, view);
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
         status = batch_neighbours(sys->batch[b], view);
     sys->lists = view->revision;
@@ -134,9 +135,14 @@ void system_apply(struct system *sys, const double *u, double *y) {
 
 /* ---- the model along a direction ------------------------------------------------------------- */
 
-void system_aim(struct system *sys, const double *u, double *y) {
-    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
-    for (int b = 0; b < sys->batches; b++) batch_aim(sys->batch[b], u, y);
+void system_aim(struct system *sys, const double *u) {
+    for (int b = 0; b < sys->batches; b++) batch_aim(sys->batch[b], u);
+}
+
+int system_turns(struct system *sys) {
+    int turns = 0;
+    for (int b = 0; b < sys->batches; b++) turns += batch_turns(sys->batch[b], 1.0);
+    return turns;
 }
 
 static double one_sided_slope(struct system *sys, double t, double *curvature) {
@@ -153,7 +159,8 @@ static double one_sided_slope(struct system *sys, double t, double *curvature) {
  * to be short of the minimum and beyond. */
 double system_line_minimum(struct system *sys, double descent, double curvature) {
     double bend, start = one_sided_slope(sys, 0.0, &bend);
-    double low = 0.0, high = INFINITY, t = descent / (curvature + bend);
+    double low = 0.0, high = INFINITY, t = descent / curvature;
+    curvature -= bend;
     for (int k = 0; k < 20; k++) {
         double slope = one_sided_slope(sys, t, &bend) - start + t * curvature - descent;
         if (fabs(slope) <= 0.01 * descent) break;

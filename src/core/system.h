@@ -63,15 +63,18 @@ void system_apply(struct system *system, const double *u, double *y);
 /* The model of E around x, minimised from d = 0 along one direction after the other: H, but that
  * one-sided constraints take their sides where d is. */
 
-/* Aims along u; y = what of H u is not one-sided. */
-void system_aim(struct system *system, const double *u, double *y);
+/* Aims along u. */
+void system_aim(struct system *system, const double *u);
+
+/* How many constraints change sides on the whole way along u. */
+int system_turns(struct system *system);
 
 /* How far to go along u to the model's minimum. descent: minus the model's slope here, > 0;
- * curvature: u . y of system_aim. */
+ * curvature: u . H u with the sides as they are. */
 double system_line_minimum(struct system *system, double descent, double curvature);
 
-/* Goes t along u; y, from system_aim, becomes the change of the model's gradient. Returns how many
- * constraints changed sides. */
+/* Goes t along u; y, H u with the sides as they were, becomes the change of the model's gradient.
+ * Returns how many constraints changed sides. */
 int system_go(struct system *system, double t, double *y);
 
 /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */

@@ -1,5 +1,7 @@
 #include "groups.h"
 
+#include "../core/simd.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -126,6 +128,7 @@ pdyn_status groups_create(struct groups *s, struct system *system) {
     if (status != PDYN_OK) return status;
     s->x = NEW_ARRAY(system->context, 3 * s->clusters.count, double);
     s->sum = NEW_ARRAY(system->context, 3 * s->clusters.count, double);
+    s->moved = NEW_ARRAY(system->context, 4 * s->clusters.count, float);
     return s->clusters.count && (!s->x || !s->sum) ? PDYN_NO_MEMORY : PDYN_OK;
 }
 
@@ -137,6 +140,7 @@ void groups_free(struct groups *s) {
     skyline_free(&s->a);
     FREE_ARRAY(context, s->x, 3 * s->clusters.count);
     FREE_ARRAY(context, s->sum, 3 * s->clusters.count);
+    FREE_ARRAY(context, s->moved, 4 * s->clusters.count);
     FREE_ARRAY(context, s->rest, 6 * n);
     clusters_free(&s->clusters);
 }
@@ -159,6 +163,20 @@ static void sum_groups(void *arg, int first, int last, int block) {
     }
 }
 
+WIDE static void sum_groups_single(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct groups *s = arg;
+    for (int g = first; g < last; g++) {
+        v4 sum = {0};
+        for (int k = s->clusters.first[g]; k < s->clusters.first[g + 1]; k++) {
+            v4f r;
+            v4f_load(&r, s->single, s->clusters.member[k]);
+            sum += __builtin_convertvector(r, v4);
+        }
+        memcpy(s->x + 3 * g, &sum, 3 * sizeof *s->x);
+    }
+}
+
 static void move_groups(void *arg, int first, int last, int block) {
     (void)block;
     const struct groups *s = arg;
@@ -166,6 +184,14 @@ static void move_groups(void *arg, int first, int last, int block) {
         const double *x = s->x + 3 * s->clusters.of[s->clusters.member[k]];
         for (int a = 0; a < 3; a++) s->z[3 * (size_t)s->clusters.member[k] + a] += x[a];
     }
+}
+
+void groups_solve_single(struct groups *s, const float *r) {
+    s->single = r, s->left--;
+    pool_for(s->system->context->pool, s->clusters.count, GRAIN, sum_groups_single, s);
+    skyline_solve(&s->a, s->x);
+    for (int g = 0; g < s->clusters.count; g++)
+        for (int a = 0; a < 3; a++) s->moved[4 * g + a] = (float)s->x[3 * g + a];
 }
 
 double groups_add(struct groups *s, const double *r, double *z) {

@@ -11,12 +11,14 @@
 struct groups {
     struct system *system;
     struct clusters clusters;
-    struct skyline a; /* 3 rows for each cluster */
-    double *constant; /* what linear batches give to it, as a.value */
-    double *rest;     /* particles x 6: block diagonal of what is not static */
-    double *sum, *x;  /* as rows: of r over each group; its displacement */
-    int left;         /* products with a's inverse until a is made anew; none: now */
-    const double *r;  /* of the product that runs */
+    struct skyline a;    /* 3 rows for each cluster */
+    double *constant;    /* what linear batches give to it, as a.value */
+    double *rest;        /* particles x 6: block diagonal of what is not static */
+    double *sum, *x;     /* as rows: of r over each group; its displacement */
+    float *moved;        /* clusters x 4: x, as floats */
+    int left;            /* products with a's inverse until a is made anew; none: now */
+    const double *r;     /* of the product that runs, */
+    const float *single; /* or this */
     double *z;
 };
 
@@ -26,6 +28,8 @@ void groups_free(struct groups *groups);
 
 /* Makes and factors the matrix of H as it is linearised, unless the last one is not used up. */
 void groups_prepare(struct groups *groups);
+/* groups->moved = A^-1 P' r, r: particles x 4 */
+void groups_solve_single(struct groups *groups, const float *r);
 /* z += P A^-1 P' r, where P moves all of a group as one; adds r.z of that. */
 double groups_add(struct groups *groups, const double *r, double *z);
 

@@ -1,7 +1,7 @@
 /* Conjugate gradients with a preconditioner that sees further than a particle: the blocks of cg,
  * and a level for what surfaces and solids do as a whole: a factor where all is static
- * (backbone.h), in floats as far as these go (single_cg.h); groups of particles where fluid or
- * contact change what they feel (groups.h), products in floats where these are static. */
+ * (backbone.h), groups of particles where fluid or contact change what they feel (groups.h). In
+ * floats (single_cg.h) as far as these go, beyond that in doubles. */
 #include "backbone.h"
 #include "groups.h"
 #include "jacobi.h"
@@ -17,8 +17,6 @@ struct hybrid {
     struct backbone backbone;
     struct single_cg single;
     struct groups groups;
-    struct single product; /* beside groups: H */
-    float *direction;      /* single_size: p, as floats */
 };
 
 static void release(void *self) {
@@ -26,16 +24,16 @@ static void release(void *self) {
     jacobi_free(&s->jacobi);
     single_cg_free(&s->single);
     backbone_free(&s->backbone);
-    if (s->direction)
-        FREE_ARRAY(s->groups.system->context, s->direction, single_size(s->groups.system));
-    single_free(&s->product);
     groups_free(&s->groups);
     krylov_free(&s->krylov);
 }
 
-/* How much of the blocks, where a level is added to them: a factor holds all that they do once
- * more, groups hold little of it. */
-static const double beside_factor = 0.5, beside_groups = 1.0;
+/* How much of the blocks, in turn with a factor and where a level is added to them: a factor holds
+ * all that they do once more, groups hold little of it. */
+static const double in_turn = 0.6, beside_factor = 0.5, beside_groups = 1.0;
+
+/* Floats are trusted to bring a residual down by as much. */
+static const double trusted = 1e-4;
 
 /* ---- a level beside the blocks --------------------------------------------------------------- */
 
@@ -61,19 +59,33 @@ static double add_groups(void *self) {
     return rz + groups_add(&s->groups, s->krylov.r, s->krylov.z);
 }
 
-/* q = H p, static parts in floats: every round of conjugate gradients begins with what doubles say
- * that the last one left. */
-static void multiply_parts(void *self) {
+/* One of the linear solves, in floats; what it left is what doubles say, where floats are not
+ * trusted with all that is wanted. */
+static bool linear_in_floats(void *self, double size, double target, const pdyn_goal *goal,
+                             int *iterations) {
     struct hybrid *s = self;
-    single_apply_mixed(&s->product, s->krylov.p, s->direction, s->krylov.q);
+    struct krylov *k = &s->krylov;
+    const pdyn_goal rest = {.tolerance = target / size,
+                            .iterations = goal->iterations - *iterations,
+                            .first = goal->first && *iterations == 0};
+    int done;
+    memset(k->d, 0, system_bytes(k->system));
+    enum single_end end = single_cg_solve(&s->single, k->r, size, k->d, &rest, &done);
+    *iterations += done;
+    if (end == SINGLE_EXHAUSTED) return false;
+    if (goal->tolerance >= trusted) single_cg_residual(&s->single, size, k->r);
+    else {
+        system_apply(k->system, k->d, k->q);
+        system_axpy(k->system, -1.0, k->q, k->r);
+    }
+    return true;
 }
 
 static pdyn_status create_groups(struct hybrid *s, struct system *system) {
     pdyn_status status = groups_create(&s->groups, system);
     if (status != PDYN_OK || !s->groups.clusters.count) return status;
-    s->krylov.product = multiply_parts;
-    s->direction = NEW_ARRAY(system->context, single_size(system), float);
-    return s->direction ? single_create(&s->product, system, false) : PDYN_NO_MEMORY;
+    s->krylov.linear = linear_in_floats;
+    return single_cg_create(&s->single, system, &s->jacobi, beside_groups, NULL, &s->groups);
 }
 
 /* ---- the solver ------------------------------------------------------------------------------ */
@@ -89,12 +101,9 @@ static pdyn_status create(void *self, pdyn_model *model) {
     if (status != PDYN_OK) return status;
     if (system->changing) return create_groups(s, system);
     status = backbone_create(&s->backbone, system);
-    return status == PDYN_OK ? single_cg_create(&s->single, system, &s->backbone, &s->jacobi)
-                             : status;
+    if (status != PDYN_OK) return status;
+    return single_cg_create(&s->single, system, &s->jacobi, in_turn, &s->backbone, NULL);
 }
-
-/* Floats are trusted to bring a residual down by as much. */
-static const double trusted = 1e-4;
 
 /* One solve in floats; b, of this size, becomes what doubles see of it, unless it is the last one
  * or no more iterations are wanted. */
@@ -142,12 +151,13 @@ static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
     if (!s->backbone.system) {
-        if (s->product.system) single_prepare(&s->product);
+        if (s->single.system) single_cg_prepare(&s->single);
         krylov_solve(&s->krylov, b, y, goal, iterations);
         return PDYN_OK;
     }
     pdyn_status status = backbone_update(&s->backbone);
     if (status != PDYN_OK) return status;
+    single_cg_prepare(&s->single);
     solve_static(s, b, y, goal, iterations);
     backbone_note(&s->backbone, *iterations);
     return PDYN_OK;

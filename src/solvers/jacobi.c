@@ -57,10 +57,14 @@ static void for_particles(struct jacobi *s, pdyn_range_fn *fn) {
     pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, s);
 }
 
-void jacobi_prepare(struct jacobi *s, double scale) {
+void jacobi_invert(struct jacobi *s, double scale) {
     s->scale = scale;
-    system_diagonal(s->system, s->inverse);
     for_particles(s, invert_blocks);
+}
+
+void jacobi_prepare(struct jacobi *s, double scale) {
+    system_diagonal(s->system, s->inverse);
+    jacobi_invert(s, scale);
 }
 
 double jacobi_apply(struct jacobi *s, const double *r, double *z) {

@@ -18,6 +18,8 @@ void jacobi_free(struct jacobi *jacobi); /* zeroed is fine */
 
 /* Takes the blocks of H as it is linearised. */
 void jacobi_prepare(struct jacobi *jacobi, double scale);
+/* Takes those that have been put into `inverse`. */
+void jacobi_invert(struct jacobi *jacobi, double scale);
 /* z = scale D^-1 r; returns r.z */
 double jacobi_apply(struct jacobi *jacobi, const double *r, double *z);
 

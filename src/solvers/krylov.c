@@ -88,8 +88,7 @@ static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal,
                        (k->patient || !(gain * done < goal->gain * gained));
          done++) {
         double rp = choose_direction(k);
-        if (k->product) k->product(k->self);
-        else system_apply(sys, k->p, k->q);
+        system_apply(sys, k->p, k->q);
         k->curvature = system_dot(sys, k->p, k->q);
         if (!(k->curvature > 0.0)) return; /* the residual is exhausted, or not a number */
         for_particles(k, advance, rp / k->curvature);
@@ -101,11 +100,12 @@ static void solve_linear(struct krylov *k, double target, const pdyn_goal *goal,
 
 /* ---- the model with its sides ---------------------------------------------------------------- */
 
-/* Goes along d to the minimum of the model; b becomes its residual there. Returns how many
- * constraints changed sides. */
+/* Goes along d, H d = b - r, to the minimum of the model; b becomes its residual there. Returns how
+ * many constraints changed sides. */
 static int go_along(struct krylov *k, double *b, double *y) {
     struct system *sys = k->system;
-    system_aim(sys, k->d, k->z);
+    memcpy(k->z, b, system_bytes(sys));
+    system_axpy(sys, -1.0, k->r, k->z);
     double descent = system_dot(sys, b, k->d), curvature = system_dot(sys, k->d, k->z);
     double t = descent > 0.0 ? system_line_minimum(sys, descent, curvature) : 0.0;
     int changed = system_go(sys, t, k->z);
@@ -117,14 +117,21 @@ static int go_along(struct krylov *k, double *b, double *y) {
 void krylov_solve(struct krylov *k, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct system *sys = k->system;
     double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
-    bool solved = false;
+    bool own = k->linear;
     *iterations = 0;
     if (goal->first) k->curvature = 0.0;
-    for (int n = 0; n < ROUNDS && size > target && !solved && *iterations < goal->iterations; n++) {
+    for (int n = 0; n < ROUNDS && size > target && *iterations < goal->iterations; n++) {
         double aim_at = sys->changing ? fmax(target, inner * size) : target;
         memcpy(k->r, b, system_bytes(sys));
-        solve_linear(k, aim_at, goal, iterations);
-        solved = !go_along(k, b, y) && aim_at == target;
+        own = own && k->linear(k->self, size, aim_at, goal, iterations);
+        if (!own) solve_linear(k, aim_at, goal, iterations);
+        system_aim(sys, k->d);
+        if (aim_at == target && !system_turns(sys)) {
+            system_axpy(sys, 1.0, k->d, y);
+            return;
+        }
+        int changed = go_along(k, b, y);
         size = sqrt(system_dot(sys, b, b));
+        if (!changed && size > 2.0 * aim_at) own = false;
     }
 }

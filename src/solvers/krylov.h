@@ -19,11 +19,13 @@ struct krylov {
     double *r, *z, *p, *q, *d; /* particles x 3 */
     double curvature;          /* p.q, q = H p as H was then; 0: p is no direction yet */
     bool patient;              /* of a solver: goes on where iterations gain little */
-    /* Of a solver: before a linear solve; z = P^-1 r, P symmetric positive definite, returns r.z;
-     * and q = H p, where p may be rounded, NULL: as the system has it. */
+    /* Of a solver: before a linear solve; z = P^-1 r, P symmetric positive definite, returns r.z.
+     */
     void (*prepare)(void *self);
     double (*precondition)(void *self);
-    void (*product)(void *self);
+    /* NULL, or a linear solve of its own: d = H^-1 r, |r| = size, and r what is left of it, at most
+     * `target`. false: there is none, r is as it was. */
+    bool (*linear)(void *self, double size, double target, const pdyn_goal *goal, int *iterations);
     void *self;
 };
 

@@ -8,14 +8,7 @@ struct call {
     struct single *s;
     const float *u, *x; /* x: NULL for H u itself */
     float *y;
-    double *doubles; /* NULL: not in doubles */
     int batch;
-};
-
-struct mixed {
-    const struct single *s;
-    double *u, *y;
-    float *room;
 };
 
 /* ---- the product ----------------------------------------------------------------------------- */
@@ -141,6 +134,13 @@ INLINE void add_links(const struct single *s, int patch, const float *u, const f
     }
 }
 
+/* y += what doubles give to particle i */
+INLINE void add_wide(const struct single *s, int i, v4f *y) {
+    v4 wide;
+    memcpy(&wide, s->wide_y + 3 * (size_t)i, sizeof wide);
+    *y += __builtin_convertvector(wide, v4f);
+}
+
 /* The four members' parts of y = H u, or of x - H u; adds to u.H u. */
 INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *product) {
     const struct single *s = c->s;
@@ -153,16 +153,15 @@ INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *
     fours_store(sums, &sum);
     for (int m = 0; m < PATCH; m++) {
         int i = member[m], t = s->touch_start[i];
-        v4f u, y;
+        v4f u, y = {0};
         v4f_load(&u, c->u, i);
-        gather(s->touch + t, s->touch_start[i + 1] - t, s->flux, &y);
+        if (s->rows) gather(s->touch + t, s->touch_start[i + 1] - t, s->flux, &y);
         y += sums[m] + s->self[i] * u;
+        if (s->wide_y && i < s->system->particles) add_wide(s, i, &y);
         y[3] = 0.0F;
         products += u * y;
         if (x) v4f_load(&u, x, i), y = u - y;
-        if (!c->doubles) v4f_store(c->y, i, &y);
-        else if (i < s->system->particles)
-            for (int a = 0; a < 3; a++) c->doubles[3 * (size_t)i + a] = (double)y[a];
+        v4f_store(c->y, i, &y);
     }
     *product += __builtin_convertvector(products, v4);
 }
@@ -181,9 +180,29 @@ WIDE static void subtract_patches(void *arg, int first, int last, int block) {
     for (int k = first; k < last; k++) multiply_patch(c, k, c->x, &product);
 }
 
+WIDE static void widen(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++)
+        for (int a = 0; a < 3; a++) {
+            c->s->wide_u[3 * (size_t)i + a] = (double)c->u[4 * (size_t)i + a];
+            c->s->wide_y[3 * (size_t)i + a] = 0.0;
+        }
+}
+
+/* wide_y = what batches that are left out give */
+static void multiply_wide(struct call *call) {
+    struct single *s = call->s;
+    struct system *sys = s->system;
+    pool_for(sys->context->pool, sys->particles, PARTICLES, widen, call);
+    for (int b = 0; b < sys->batches; b++)
+        if (s->way[b] == LEFT_OUT) batch_apply(sys->batch[b], s->wide_u, s->wide_y);
+}
+
 static void multiply(struct call *call, pdyn_range_fn *patches) {
     struct single *s = call->s;
     struct system *sys = s->system;
+    if (s->wide_u) multiply_wide(call);
     for (call->batch = 0; call->batch < sys->batches; call->batch++)
         if (s->block[call->batch])
             pool_for(sys->context->pool, sys->batch[call->batch]->view.elements, ELEMENTS,
@@ -202,47 +221,30 @@ void single_subtract(struct single *s, const float *u, const float *x, float *y)
     multiply(&(struct call){.s = s, .u = u, .x = x, .y = y}, subtract_patches);
 }
 
-/* What is tied becomes floats, and what these hold; the rest gets its inertia. */
-WIDE static void begin_mixed(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct mixed *m = arg;
-    const struct single *s = m->s;
-    for (int i = first; i < last; i++) {
-        double *u = m->u + 3 * (size_t)i, *y = m->y + 3 * (size_t)i;
-        if (s->tied[i]) {
-            /* as vectors: gcc 12 takes the way there and back of single numbers for none */
-            v4 exact = {u[0], u[1], u[2]};
-            v4f rounded = __builtin_convertvector(exact, v4f);
-            v4f_store(m->room, i, &rounded);
-            exact = __builtin_convertvector(rounded, v4);
-            u[0] = exact[0], u[1] = exact[1], u[2] = exact[2];
-        } else {
-            double w = system_inertia(s->system, i);
-            for (int a = 0; a < 3; a++) y[a] = w * u[a];
-        }
-    }
-}
-
-void single_apply_mixed(struct single *s, double *u, float *room, double *y) {
-    struct system *sys = s->system;
-    pool_for(sys->context->pool, sys->particles, PARTICLES, begin_mixed,
-             &(struct mixed){.s = s, .u = u, .y = y, .room = room});
-    multiply(&(struct call){.s = s, .u = room, .doubles = y}, multiply_patches);
-    for (int b = 0; b < sys->batches; b++)
-        if (s->way[b] == LEFT_OUT) batch_apply(sys->batch[b], u, y);
-}
-
 /* ---- its numbers ----------------------------------------------------------------------------- */
 
 WIDE static void take_inertia(void *arg, int first, int last, int block) {
     (void)block;
     const struct single *s = ((const struct call *)arg)->s;
-    for (int i = first; i < last; i++)
-        s->self[i] = (float)(s->own[i] + system_inertia(s->system, i));
+    for (int i = first; i < last; i++) {
+        double inertia = system_inertia(s->system, i), *D = s->diagonal + 6 * (size_t)i;
+        s->self[i] = (float)(s->own[i] + inertia);
+        memset(D, 0, 6 * sizeof *D);
+        D[0] = D[3] = D[5] = inertia;
+    }
+}
+
+static void take_weights(const struct single *s, const struct batch *b) {
+    for (int r = 0; r < b->rows; r++) {
+        double c = b->view.coefficient[r], weight = b->view.weight[r] * c * c;
+        double *D = s->diagonal + 6 * (size_t)b->view.column[r];
+        s->self[b->view.column[r]] += (float)weight;
+        D[0] += weight, D[3] += weight, D[5] += weight;
+    }
 }
 
 /* B = w I where the components do not couple. */
-static void take_weights(const struct batch *b, int e, float *B) {
+static void take_plain(const struct batch *b, int e, float *B) {
     int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
     memset(B, 0, (b->block_start[e + 1] - b->block_start[e]) * sizeof *B);
     if (b->type->axial) B[3] = (float)b->view.weight[e];
@@ -259,7 +261,7 @@ WIDE static void take_blocks(void *arg, int first, int last, int block) {
         for (size_t k = b->block_start[first]; k < b->block_start[last]; k++)
             to[k] = (float)b->block[k];
     else
-        for (int e = first; e < last; e++) take_weights(b, e, to + b->block_start[e]);
+        for (int e = first; e < last; e++) take_plain(b, e, to + b->block_start[e]);
 }
 
 struct source { /* of links: a batch */
@@ -267,7 +269,13 @@ struct source { /* of links: a batch */
     const double *weight, *block; /* block NULL: B = w I */
 };
 
-INLINE void take_link(const struct single *s, struct source *source, int t, int m) {
+struct sum_of_links { /* of B = m m' + a I: rows x and y, the corner, a */
+    v4 x, y;
+    double zz, plain;
+};
+
+INLINE void take_link(const struct single *s, struct source *source, int t, int m,
+                      struct sum_of_links *sum) {
     const struct origin *from = &s->origin[PATCH * t + m];
     if (from->row < 0) return;
     if (from->batch != source->batch) {
@@ -280,14 +288,25 @@ INLINE void take_link(const struct single *s, struct source *source, int t, int 
     else B[3] = source->weight[from->row];
     v4f single = __builtin_convertvector(B, v4f);
     v4f_store(s->links[t].block, m, &single);
+    sum->x += B[0] * B, sum->y += B[1] * B;
+    sum->zz += B[2] * B[2], sum->plain += B[3];
 }
 
 WIDE static void take_links(void *arg, int first, int last, int block) {
     (void)block;
     const struct single *s = ((const struct call *)arg)->s;
     struct source source = {.batch = -1};
-    for (int t = s->link_start[first]; t < s->link_start[last]; t++)
-        for (int m = 0; m < PATCH; m++) take_link(s, &source, t, m);
+    for (int k = first; k < last; k++)
+        for (int m = 0; m < PATCH; m++) {
+            struct sum_of_links sum = {0};
+            int i = s->member[PATCH * k + m];
+            for (int t = s->link_start[k]; t < s->link_start[k + 1]; t++)
+                take_link(s, &source, t, m, &sum);
+            if (i == s->system->particles) continue;
+            double *D = s->diagonal + 6 * (size_t)i;
+            D[0] += sum.x[0] + sum.plain, D[1] += sum.x[1], D[2] += sum.x[2];
+            D[3] += sum.y[1] + sum.plain, D[4] += sum.y[2], D[5] += sum.zz + sum.plain;
+        }
 }
 
 void single_prepare(struct single *s) {
@@ -295,8 +314,17 @@ void single_prepare(struct single *s) {
     struct call call = {.s = s};
     pool_for(sys->context->pool, sys->particles, PARTICLES, take_inertia, &call);
     pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, take_links, &call);
-    for (; call.batch < sys->batches; call.batch++)
-        if (s->block[call.batch])
-            pool_for(sys->context->pool, sys->batch[call.batch]->view.elements, ELEMENTS,
-                     take_blocks, &call);
+    for (; call.batch < sys->batches; call.batch++) {
+        struct batch *b = sys->batch[call.batch];
+        if (s->way[call.batch] == NUMBERS) stiffness_diagonal(b->stiffness, s->diagonal);
+        if (s->way[call.batch] == WEIGHTS) take_weights(s, b);
+        if (s->way[call.batch] == ROWS)
+            pool_for(sys->context->pool, b->view.elements, ELEMENTS, take_blocks, &call);
+    }
+}
+
+void single_diagonal(const struct single *s, double *blocks) {
+    memcpy(blocks, s->diagonal, 6 * (size_t)s->system->particles * sizeof *blocks);
+    for (int b = 0; b < s->system->batches; b++)
+        if (s->way[b] == LEFT_OUT || s->way[b] == ROWS) batch_diagonal(s->system->batch[b], blocks);
 }

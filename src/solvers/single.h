@@ -1,5 +1,6 @@
 /* H in single precision, laid out for products: less than half of what doubles read. All of it
- * where a scene is static; where parts of it change, inertia and what has a layout of its own.
+ * where a scene is static; where parts of it change, products with these, and with what has no
+ * layout of its own, are those of the batches, in doubles.
  *
  * Good for an inner solve, whose result the next local step looks at in doubles. What neighbours
  * have in common does not round: a product sees differences of them alone, so that small inertia
@@ -9,7 +10,8 @@
  * Particles are taken in patches of four neighbours, side by side in sixteen lanes. Linear batches
  * (stiffness.h) are numbers, of all four for each particle that one of them is tied to, as these
  * have most of their neighbours in common; rows that are differences of two particles are links, a
- * block for each end. What is neither goes through fluxes, B G u, in a pass before. */
+ * block for each end; rows of one particle without a tangent, as pins are, are weights of that.
+ * What is none of these goes through fluxes, B G u, in a pass before. */
 #ifndef PDYN_SINGLE_H
 #define PDYN_SINGLE_H
 
@@ -35,7 +37,7 @@ struct links {
     float block[4 * PATCH]; /* m and a */
 };
 
-enum single_way { LEFT_OUT, NUMBERS, LINKS, ROWS }; /* what a batch becomes */
+enum single_way { LEFT_OUT, NUMBERS, LINKS, WEIGHTS, ROWS }; /* what a batch becomes */
 
 struct origin { /* of a link's block; row < 0: none */
     int batch, row;
@@ -44,24 +46,25 @@ struct origin { /* of a link's block; row < 0: none */
 struct single {
     struct system *system;
     enum single_way *way; /* batches */
-    bool *tied;           /* particles: in a patch */
     int patches, rows, entries;
     int *member;       /* patches x PATCH: particles, or one beyond the last */
     int *number_start; /* patches + 1 */
     struct numbers *numbers;
     int *link_start; /* patches + 1 */
     struct links *links;
-    struct origin *origin;  /* links x PATCH */
-    double *own;            /* particles: the sums of a particle's numbers */
-    float *self;            /* particles + 1: these and inertia */
-    int *row_start;         /* rows + 1: the entries of each, */
-    struct selected *entry; /* entries: particles */
-    int *touch_start;       /* particles + 2: those that select each, */
-    struct selected *touch; /* entries: rows */
-    int *batch_row;         /* batches + 1: the first row of each */
-    float **block;          /* batches: B as in batch.h, where it has neither numbers nor links */
-    float *flux;            /* rows x 4 */
-    double *partial;        /* a sum for each parallel block */
+    struct origin *origin;   /* links x PATCH */
+    double *own;             /* particles: the sums of a particle's numbers */
+    double *diagonal;        /* particles x 6: H's blocks but for rows and what is left out */
+    float *self;             /* particles + 1: these, inertia, and weights */
+    int *row_start;          /* rows + 1: the entries of each, */
+    struct selected *entry;  /* entries: particles */
+    int *touch_start;        /* particles + 2: those that select each, */
+    struct selected *touch;  /* entries: rows */
+    int *batch_row;          /* batches + 1: the first row of each */
+    float **block;           /* batches: B as in batch.h, where it has neither numbers nor links */
+    float *flux;             /* rows x 4 */
+    double *wide_u, *wide_y; /* particles x 3 and one: for batches left out; NULL: there are none */
+    double *partial;         /* a sum for each parallel block */
 };
 
 /* Floats of a vector. */
@@ -69,19 +72,18 @@ static inline size_t single_size(const struct system *system) {
     return 4 * ((size_t)system->particles + 1);
 }
 
-/* Zeroed before; the batches' rows are known. `whole`: all of H, which is static; otherwise
- * products are mixed ones. */
-pdyn_status single_create(struct single *single, struct system *system, bool whole);
+/* Zeroed before; the batches' rows are known. */
+pdyn_status single_create(struct single *single, struct system *system);
 void single_free(struct single *single);
 
 /* Takes the system's linearisation. */
 void single_prepare(struct single *single);
 
+/* The 3 x 3 block diagonal of H, as system_diagonal, taken from what single_prepare met. */
+void single_diagonal(const struct single *single, double *blocks);
+
 /* y = H u; returns u.y. */
 double single_apply(struct single *single, const float *u, float *y);
-/* y = H u for doubles, with all batches; u becomes what floats hold of it where these matter, in
- * `room`, single_size, too. */
-void single_apply_mixed(struct single *single, double *u, float *room, double *y);
 /* y = x - H u; x and y may be one. */
 void single_subtract(struct single *single, const float *u, const float *x, float *y);
 

@@ -17,27 +17,34 @@ static bool is_links(const struct batch *b) {
     return true;
 }
 
-static enum single_way way_of(const struct batch *b, bool whole) {
+/* All of its rows are one particle's, their blocks w I. */
+static bool is_weights(const struct batch *b) {
+    return !b->type->tangent && !b->type->axial && b->single && b->width == 1;
+}
+
+/* Beside what is left out, rows stay where they are: they would go through doubles and floats. */
+static enum single_way way_of(const struct batch *b, bool changing) {
     if (!batch_is_static(b)) return LEFT_OUT;
     if (b->stiffness) return NUMBERS;
     if (is_links(b)) return LINKS;
-    return whole ? ROWS : LEFT_OUT;
+    if (is_weights(b)) return WEIGHTS;
+    return changing ? LEFT_OUT : ROWS;
 }
 
-static bool choose_ways(struct single *s, bool whole) {
+static bool choose_ways(struct single *s) {
     struct system *sys = s->system;
+    bool all = true;
     s->way = NEW_ARRAY(sys->context, sys->batches, enum single_way);
-    s->tied = NEW_ARRAY(sys->context, sys->particles, bool);
-    if ((sys->batches && !s->way) || (sys->particles && !s->tied)) return false;
-    for (int i = 0; i < sys->particles; i++) s->tied[i] = whole;
+    if (sys->batches && !s->way) return false;
     for (int b = 0; b < sys->batches; b++) {
-        s->way[b] = way_of(sys->batch[b], whole);
-        if (s->way[b] != LEFT_OUT) batch_mark_held(sys->batch[b], s->tied);
+        s->way[b] = way_of(sys->batch[b], sys->changing);
+        all &= s->way[b] != LEFT_OUT;
     }
-    int count = 0;
-    for (int i = 0; i < sys->particles; i++) count += s->tied[i];
-    s->patches = (count + PATCH - 1) / PATCH;
-    return true;
+    s->patches = (sys->particles + PATCH - 1) / PATCH;
+    if (all) return true;
+    s->wide_u = sys->samples ? sys->samples->input : NEW_VECTOR(sys->context, sys->particles);
+    s->wide_y = sys->samples ? sys->samples->output : NEW_VECTOR(sys->context, sys->particles);
+    return s->wide_u && s->wide_y;
 }
 
 /* ---- patches and their numbers --------------------------------------------------------------- */
@@ -90,8 +97,7 @@ static int choose_member(struct builder *b, int k, int members) {
             if (more < fewest) best = j, fewest = more;
         }
     if (best >= 0) return best;
-    while (b->next < b->s->system->particles && (b->patch[b->next] >= 0 || !b->s->tied[b->next]))
-        b->next++;
+    while (b->next < b->s->system->particles && b->patch[b->next] >= 0) b->next++;
     return b->next;
 }
 
@@ -281,10 +287,11 @@ static bool allocate(struct single *s) {
     s->batch_row = NEW_ARRAY(c, batches + 1, int);
     s->block = NEW_ARRAY(c, batches, float *);
     s->own = NEW_ARRAY(c, n, double);
+    s->diagonal = NEW_ARRAY(c, 6 * n, double);
     s->self = NEW_ARRAY(c, n + 1, float);
     s->partial = NEW_ARRAY(c, pool_blocks(s->patches, SINGLE_GRAIN), double);
     return s->number_start && s->link_start && s->touch_start && s->batch_row &&
-           (!batches || s->block) && s->self && (!n || s->own) &&
+           (!batches || s->block) && s->self && (!n || (s->own && s->diagonal)) &&
            (!s->patches || (s->member && s->partial));
 }
 
@@ -317,10 +324,10 @@ static bool create_rows(struct single *s) {
     return good;
 }
 
-pdyn_status single_create(struct single *s, struct system *system, bool whole) {
+pdyn_status single_create(struct single *s, struct system *system) {
     s->system = system;
-    bool good = choose_ways(s, whole) && allocate(s) && create_numbers(s) && create_rows(s) &&
-                create_links(s);
+    bool good =
+        choose_ways(s) && allocate(s) && create_numbers(s) && create_rows(s) && create_links(s);
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
@@ -333,7 +340,10 @@ void single_free(struct single *s) {
         if (s->block[b]) FREE_ARRAY(c, s->block[b], batch_block_numbers(s->system->batch[b]));
     FREE_ARRAY(c, s->block, s->system->batches);
     FREE_ARRAY(c, s->way, s->system->batches);
-    FREE_ARRAY(c, s->tied, n);
+    if (!s->system->samples) {
+        FREE_VECTOR(c, s->wide_u, n);
+        FREE_VECTOR(c, s->wide_y, n);
+    }
     FREE_ARRAY(c, s->member, PATCH * (size_t)s->patches);
     FREE_ARRAY(c, s->numbers, s->number_start ? s->number_start[s->patches] : 0);
     FREE_ARRAY(c, s->number_start, s->patches + 1);
@@ -341,6 +351,7 @@ void single_free(struct single *s) {
     FREE_ARRAY(c, s->origin, PATCH * links);
     FREE_ARRAY(c, s->link_start, s->patches + 1);
     FREE_ARRAY(c, s->own, n);
+    FREE_ARRAY(c, s->diagonal, 6 * n);
     FREE_ARRAY(c, s->self, n + 1);
     FREE_ARRAY(c, s->row_start, s->rows + 1);
     FREE_ARRAY(c, s->entry, s->entries);

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double omega = 0.6;
-
 struct single_sums { /* of a block of particles */
     double rz, zq, rp, rr;
 };
@@ -18,18 +16,19 @@ struct call {
     double size, scale; /* of b; of what is added */
 };
 
-pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct backbone *backbone,
-                             struct jacobi *jacobi) {
+pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct jacobi *jacobi,
+                             double omega, struct backbone *backbone, struct groups *groups) {
     pdyn_context *c = system->context;
     float **vector[] = {&s->r, &s->z, &s->p, &s->q, &s->w, &s->t};
     bool good = true;
-    s->system = system, s->backbone = backbone, s->jacobi = jacobi;
-    for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
+    s->system = system, s->jacobi = jacobi, s->omega = omega;
+    s->backbone = backbone, s->groups = groups;
+    for (size_t k = 0; k < (backbone ? 6 : 4); k++)
         good &= (*vector[k] = NEW_ARRAY(c, single_size(system), float)) != NULL;
     s->inverse = NEW_ARRAY(c, 9 * (size_t)system->particles + 1, float);
     s->sums = NEW_ARRAY(c, pool_blocks(system->particles, SYSTEM_GRAIN), struct single_sums);
     good &= s->inverse && (!system->particles || s->sums);
-    return good ? single_create(&s->product, system, true) : PDYN_NO_MEMORY;
+    return good ? single_create(&s->product, system) : PDYN_NO_MEMORY;
 }
 
 void single_cg_free(struct single_cg *s) {
@@ -86,20 +85,51 @@ WIDE static void begin_single(void *arg, int first, int last, int block) {
     }
 }
 
+struct lanes { /* of r.z, z.q, r.p */
+    v4 rz, zq, rp;
+};
+
+/* z += more, of particle i */
+INLINE void end_particle(const struct single_cg *s, int i, const v4f *more, struct lanes *sum) {
+    v4f r, z, p, q;
+    v4f_load(&r, s->r, i), v4f_load(&z, s->z, i);
+    v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
+    z += *more;
+    v4f_store(s->z, i, &z);
+    add_product(&sum->rz, &r, &z), add_product(&sum->zq, &z, &q), add_product(&sum->rp, &r, &p);
+}
+
+INLINE struct single_sums sums_of(const struct lanes *sum) {
+    return (struct single_sums){
+        .rz = v4_sum(&sum->rz), .zq = v4_sum(&sum->zq), .rp = v4_sum(&sum->rp)};
+}
+
 /* z = z1 + t + omega D^-1 w; sums: r.z, z.q, r.p */
 WIDE static void end_turn(void *arg, int first, int last, int block) {
     struct single_cg *s = ((const struct call *)arg)->s;
-    v4 rz = {0}, zq = {0}, rp = {0};
+    struct lanes sum = {0};
     for (int i = first; i < last; i++) {
-        v4f r, z, t, w, p, q, last_part;
-        v4f_load(&r, s->r, i), v4f_load(&z, s->z, i), v4f_load(&t, s->t, i);
-        v4f_load(&w, s->w, i), v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
-        apply_block(s, i, &w, &last_part);
-        z += t + last_part;
-        v4f_store(s->z, i, &z);
-        add_product(&rz, &r, &z), add_product(&zq, &z, &q), add_product(&rp, &r, &p);
+        v4f t, w, more;
+        v4f_load(&t, s->t, i), v4f_load(&w, s->w, i);
+        apply_block(s, i, &w, &more);
+        more += t;
+        end_particle(s, i, &more, &sum);
     }
-    s->sums[block] = (struct single_sums){.rz = v4_sum(&rz), .zq = v4_sum(&zq), .rp = v4_sum(&rp)};
+    s->sums[block] = sums_of(&sum);
+}
+
+/* z = z1 + what its group does; the same sums */
+WIDE static void end_groups(void *arg, int first, int last, int block) {
+    struct single_cg *s = ((const struct call *)arg)->s;
+    const struct groups *groups = s->groups;
+    struct lanes sum = {0};
+    for (int i = first; i < last; i++) {
+        v4f more = {0};
+        int g = groups->clusters.of[i];
+        if (g >= 0) v4f_load(&more, groups->moved, g);
+        end_particle(s, i, &more, &sum);
+    }
+    s->sums[block] = sums_of(&sum);
 }
 
 /* p = z + scale p */
@@ -138,23 +168,31 @@ WIDE static void go_on(void *arg, int first, int last, int block) {
 
 /* ---- conjugate gradients --------------------------------------------------------------------- */
 
-/* From r and z1, the direction that goes on from the last one, in the metric of H as it was along
- * that: also from the last one of the solve before, whose model differed little. Returns r.p. */
-static double next_direction(struct single_cg *s) {
-    struct call call = {0};
+/* From z1 to z. */
+static struct single_sums go_in_turn(struct single_cg *s) {
     single_subtract(&s->product, s->z, s->r, s->w);
     backbone_solve(s->backbone, s->w, s->t);
     single_subtract(&s->product, s->t, s->w, s->w);
-    struct single_sums sums = for_particles(s, end_turn, &call);
-    double rp = sums.rz;
-    if (s->curvature > 0.0) {
-        call.scale = -sums.zq / s->curvature;
-        rp += call.scale * sums.rp;
-        if (!(rp > 0.0)) call.scale = 0.0, rp = sums.rz;
-    }
+    return for_particles(s, end_turn, &(struct call){0});
+}
+
+static struct single_sums add_groups(struct single_cg *s) {
+    groups_solve_single(s->groups, s->r);
+    return for_particles(s, end_groups, &(struct call){0});
+}
+
+/* From r and z1, the direction that goes on from the last one, in the metric of H as it was along
+ * that: also from the last one of the solve before, whose model differed little. Returns r.p. */
+static double next_direction(struct single_cg *s) {
+    struct single_sums sums = s->backbone ? go_in_turn(s) : add_groups(s);
+    struct call call = {.scale = s->curvature > 0.0 ? -sums.zq / s->curvature : 0.0};
+    double rp = sums.rz + call.scale * sums.rp;
+    if (!(rp > 0.0)) call.scale = 0.0, rp = sums.rz;
     for_particles(s, turn_single, &call);
     return rp;
 }
+
+void single_cg_prepare(struct single_cg *s) { single_prepare(&s->product); }
 
 enum single_end single_cg_solve(struct single_cg *s, const double *b, double size, double *y,
                                 const pdyn_goal *goal, int *iterations) {
@@ -164,8 +202,9 @@ enum single_end single_cg_solve(struct single_cg *s, const double *b, double siz
     if (goal->first) s->curvature = 0.0;
     if (!(size > 0.0)) return SINGLE_SOLVED;
     call.scale = 1.0 / size;
-    jacobi_prepare(s->jacobi, omega);
-    single_prepare(&s->product);
+    single_diagonal(&s->product, s->jacobi->inverse);
+    jacobi_invert(s->jacobi, s->omega);
+    if (s->groups) groups_prepare(s->groups);
     for_particles(s, begin_single, &call);
     while (rr > goal->tolerance * goal->tolerance) {
         if (*iterations >= goal->iterations || gain * *iterations < goal->gain * gained)
@@ -179,4 +218,16 @@ enum single_end single_cg_solve(struct single_cg *s, const double *b, double siz
         ++*iterations;
     }
     return SINGLE_SOLVED;
+}
+
+WIDE static void scale_residual(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++)
+        for (int a = 0; a < 3; a++)
+            c->y[3 * (size_t)i + a] = c->size * (double)c->s->r[4 * (size_t)i + a];
+}
+
+void single_cg_residual(struct single_cg *s, double size, double *r) {
+    for_particles(s, scale_residual, &(struct call){.y = r, .size = size});
 }
