@@ -129,7 +129,7 @@ pdyn_status groups_create(struct groups *s, struct system *system) {
     s->x = NEW_ARRAY(system->context, 3 * s->clusters.count, double);
     s->sum = NEW_ARRAY(system->context, 3 * s->clusters.count, double);
     s->moved = NEW_ARRAY(system->context, 4 * s->clusters.count, float);
-    return s->clusters.count && (!s->x || !s->sum) ? PDYN_NO_MEMORY : PDYN_OK;
+    return s->clusters.count && (!s->x || !s->sum || !s->moved) ? PDYN_NO_MEMORY : PDYN_OK;
 }
 
 void groups_free(struct groups *s) {
