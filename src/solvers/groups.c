@@ -6,8 +6,9 @@
 #include <string.h>
 
 /* The matrix is made anew after so many products with its inverse: making it takes as long as some
- * ten of them and of those with H. Until then it is that of another H, which will do. */
-enum { WORTH = 100 };
+ * ten of them and of those with H, and twice that with tets. Until then it is that of another H,
+ * which will do. */
+enum { WORTH = 200 };
 
 enum { GRAIN = 128 }; /* groups: worth waking a thread for */
 
