@@ -61,7 +61,8 @@ void check_model(struct check *check, struct trial *t) {
         batch_local(t->batch, t->x, 0.0, t->y);
         if (batch_linearise(t->batch, 0.0) != PDYN_OK) return;
         clear(t);
-        batch_apply(t->batch, t->w, t->z), batch_apply(t->batch, t->w, t->y);
+        batch_apply(t->batch, t->w, t->z);
+        memcpy(t->y, t->z, (size_t)t->n * sizeof *t->y);
         batch_aim(t->batch, t->w);
         double from = batch_slope(t->batch, 0.0, &unused), to = batch_slope(t->batch, 1.0, &unused);
         int changed = batch_go(t->batch, 1.0, t->y);

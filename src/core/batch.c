@@ -325,9 +325,7 @@ void batch_aim(struct batch *b, const double *u) {
     if (has_sides(b)) scalars_aim(&b->scalars, extend(b, u));
 }
 
-int batch_turns(struct batch *b, double t) {
-    return has_sides(b) ? scalars_turns(&b->scalars, t) : 0;
-}
+int batch_turns(struct batch *b) { return has_sides(b) ? scalars_turns(&b->scalars) : 0; }
 
 double batch_slope(struct batch *b, double t, double *curvature) {
     *curvature = 0.0;

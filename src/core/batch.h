@@ -97,7 +97,7 @@ void batch_velocity(struct batch *batch, double *v);
 
 /* The model along a direction u, see scalars.h. */
 void batch_aim(struct batch *batch, const double *u);
-int batch_turns(struct batch *batch, double t);
+int batch_turns(struct batch *batch);
 double batch_slope(struct batch *batch, double t, double *curvature);
 int batch_go(struct batch *batch, double t, double *y);
 

@@ -134,8 +134,8 @@ static int sum_turns(const struct scalars *s) {
     return (int)sum;
 }
 
-int scalars_turns(struct scalars *s, double t) {
-    for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, t);
+int scalars_turns(struct scalars *s) {
+    for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, 1.0);
     return sum_turns(s);
 }
 

@@ -33,8 +33,8 @@ void scalars_diagonal(struct scalars *s, double eps, double *blocks);
 
 /* Aims along u from d. */
 void scalars_aim(struct scalars *s, const double *u);
-/* How many are on another side at d + t u. */
-int scalars_turns(struct scalars *s, double t);
+/* How many are on another side at d + u. */
+int scalars_turns(struct scalars *s);
 /* The derivative of the one-sided energy at d + t u by t, and the second one. */
 double scalars_slope(struct scalars *s, double eps, double t, double *curvature);
 /* d += t u. Adds to y what the gradient changes by beyond t times what scalars_apply gives, that is

@@ -18,7 +18,7 @@ struct sides {
     struct boxes tree; /* of these */
     const double *x;   /* where they are */
     double reach;      /* m: of pairs */
-    double *clearance; /* points, m: to the next triangle, at most `far` */
+    double *clearance; /* points, m: to the next triangle, at most reach / 2 */
 };
 
 /* Pairs up to `reach` (m) apart will be asked for. *out is NULL where there is no surface. */

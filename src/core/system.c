@@ -141,7 +141,7 @@ void system_aim(struct system *sys, const double *u) {
 
 int system_turns(struct system *sys) {
     int turns = 0;
-    for (int b = 0; b < sys->batches; b++) turns += batch_turns(sys->batch[b], 1.0);
+    for (int b = 0; b < sys->batches; b++) turns += batch_turns(sys->batch[b]);
     return turns;
 }
 

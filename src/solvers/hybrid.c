@@ -59,6 +59,12 @@ static double add_groups(void *self) {
     return rz + groups_add(&s->groups, s->krylov.r, s->krylov.z);
 }
 
+/* b -= H d, as doubles see it */
+static void look(struct krylov *k, double *b) {
+    system_apply(k->system, k->d, k->q);
+    system_axpy(k->system, -1.0, k->q, b);
+}
+
 /* One of the linear solves, in floats; what it left is what doubles say, where floats are not
  * trusted with all that is wanted. */
 static bool linear_in_floats(void *self, double size, double target, const pdyn_goal *goal,
@@ -74,10 +80,7 @@ static bool linear_in_floats(void *self, double size, double target, const pdyn_
     *iterations += done;
     if (end == SINGLE_EXHAUSTED) return false;
     if (goal->tolerance >= trusted) single_cg_residual(&s->single, size, k->r);
-    else {
-        system_apply(k->system, k->d, k->q);
-        system_axpy(k->system, -1.0, k->q, k->r);
-    }
+    else look(k, k->r);
     return true;
 }
 
@@ -109,15 +112,12 @@ static pdyn_status create(void *self, pdyn_model *model) {
  * or no more iterations are wanted. */
 static enum single_end solve_in_floats(struct hybrid *s, double *b, double size, double *y,
                                        const pdyn_goal *goal, bool last, int *iterations) {
-    struct system *sys = s->krylov.system;
-    double *d = s->krylov.d, *q = s->krylov.q;
-    memset(d, 0, system_bytes(sys));
-    enum single_end end = single_cg_solve(&s->single, b, size, d, goal, iterations);
-    system_axpy(sys, 1.0, d, y);
+    struct krylov *k = &s->krylov;
+    memset(k->d, 0, system_bytes(k->system));
+    enum single_end end = single_cg_solve(&s->single, b, size, k->d, goal, iterations);
+    system_axpy(k->system, 1.0, k->d, y);
     if (end == SINGLE_SOLVED && last) return SINGLE_ENOUGH;
-    if (end == SINGLE_ENOUGH) return end;
-    system_apply(sys, d, q);
-    system_axpy(sys, -1.0, q, b);
+    if (end != SINGLE_ENOUGH) look(k, b);
     return end;
 }
 
@@ -150,14 +150,13 @@ static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
+    if (s->single.system) single_cg_prepare(&s->single);
     if (!s->backbone.system) {
-        if (s->single.system) single_cg_prepare(&s->single);
         krylov_solve(&s->krylov, b, y, goal, iterations);
         return PDYN_OK;
     }
     pdyn_status status = backbone_update(&s->backbone);
     if (status != PDYN_OK) return status;
-    single_cg_prepare(&s->single);
     solve_static(s, b, y, goal, iterations);
     backbone_note(&s->backbone, *iterations);
     return PDYN_OK;
