@@ -8,7 +8,9 @@
  *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL:V...  impact or bag, N particles across, mesh M,
  *                                                    at V m/s
  *     coupling ratios DIRECTORY SECONDS              light and heavy, soft and stiff, all steps
- *     coupling solvers DIRECTORY NxKxSTEPSxSOLVERS...   N x N vertices; cg, hybrid, cholesky */
+ *     coupling solvers DIRECTORY NxKxSTEPS...   N x N vertices; cg, hybrid, cholesky
+ *     coupling sizes DIRECTORY SCENE MMxSECONDSxSTEPS...   the same, a scene's water of
+ *                                                    other radii, from so many seconds on */
 #include "coupling.h"
 
 #include <stdarg.h>
@@ -46,11 +48,13 @@ int main(int argc, char **argv) {
     else if (!strcmp(command, "leaks")) leaks(context, argv[2], argc - 3, argv + 3);
     else if (!strcmp(command, "ratios") && argc == 4) ratios(context, argv[2], atof(argv[3]));
     else if (!strcmp(command, "solvers")) solvers(context, argv[2], argc - 3, argv + 3);
+    else if (!strcmp(command, "sizes") && argc > 4)
+        sizes(context, argv[2], argv[3], argc - 4, argv + 4);
     else
         die("usage: coupling momentum DIRECTORY STEPS SECONDS | basin DIRECTORY SECONDS MM... | "
             "lintearia DIRECTORY SECONDS MM... | gate DIRECTORY MMxMPAxMS... | leaks DIRECTORY "
             "NAME:N:M:MS:S:OxL:V... | ratios DIRECTORY SECONDS | solvers DIRECTORY "
-            "NxKxSTEPSxSOLVERS...");
+            "NxKxSTEPS... | sizes DIRECTORY SCENE MMxSECONDSxSTEPS...");
     pdyn_destroy(context);
     return 0;
 }

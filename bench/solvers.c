@@ -1,13 +1,13 @@
-/* Which solver for fluid and cloth: water in the middle of a sheet that is pinned along its border.
- * Each solver has a simulation of its own; they take their steps in turn, all of them to the same
- * residual. */
+/* Which solver for fluid and cloth. Each has a simulation of its own; they take their steps in
+ * turn, all of them to the same residual. `solvers`: water in the middle of a sheet that is pinned
+ * along its border; `sizes`: a scene's file with particles of other sizes. */
 #include "coupling.h"
 
 #include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOLVERS = 3, WARM = 8 }; /* steps before those that are measured */
+enum { SOLVERS = 3 };
 
 static const char *const solver[SOLVERS] = {"cg", "hybrid", "cholesky"};
 
@@ -22,6 +22,14 @@ static const char scene[] =
     " {'type': 'bending', 'bending_rigidity': 1e-4}, {'type': 'pin', 'vertices': {'border':"
     " true}}]}]}";
 
+struct course {
+    const char *file; /* NULL: the scene above */
+    int n;            /* its vertices along an edge */
+    double value;     /* its stretching stiffness, N/m; with a file: radius of particles, mm */
+    double from;      /* s: steps before are not measured */
+    int steps;
+};
+
 struct contestant {
     pdyn_sim *sim;
     double ms, linear, outer, residual, bytes;
@@ -32,62 +40,102 @@ static double bytes_in_use(void) {
     return (double)info.uordblks + (double)info.hblkhd;
 }
 
-static pdyn_step_info note(pdyn_context *context, struct contestant *c, int steps) {
-    pdyn_step_info info = take_step(context, c->sim);
-    c->ms += (info.ms_neighbours + info.ms_local + info.ms_global + info.ms_contact) / steps;
-    c->linear += (double)info.linear_iterations / steps;
-    c->outer += (double)info.outer_iterations / steps;
-    c->residual = info.step_residual > c->residual ? info.step_residual : c->residual;
-    return info;
+/* `cholesky` is for the projective step, which would take more iterations than anybody waits for.
+ */
+static bool is_direct(const char *name) { return !strcmp(name, "cholesky"); }
+
+static pdyn_sim *load_sheet(pdyn_context *context, const struct course *course, const char *name) {
+    char settings[128];
+    snprintf(settings, sizeof settings, "'type': '%s', %s", name,
+             is_direct(name) ? "'step': 'projective', 'outer_iterations': 20"
+                             : "'outer_iterations': 100");
+    return load(context, scene, settings, course->n, course->n, course->value);
 }
 
-static struct contestant enter(pdyn_context *context, const char *name, int n, double stiffness) {
-    char settings[128];
+static pdyn_sim *load_file(pdyn_context *context, const struct course *course, const char *name) {
+    char radius[64], type[32];
+    const char *set[] = {radius, type, "solver.step=projective", "solver.outer_iterations=20"};
+    pdyn_sim *sim;
+    snprintf(radius, sizeof radius, "bodies.water.particles.radius=%g", 1e-3 * course->value);
+    snprintf(type, sizeof type, "solver.type=%s", name);
+    if (pdyn_load(context, course->file, set, is_direct(name) ? 4 : 2, &sim) != PDYN_OK)
+        die("%s", pdyn_last_error(context));
+    return sim;
+}
+
+static struct contestant enter(pdyn_context *context, const struct course *course,
+                               const char *name) {
     struct contestant c = {0};
     double before = bytes_in_use();
-    if (strcmp(name, "cholesky"))
-        snprintf(settings, sizeof settings, "'type': '%s', 'outer_iterations': 100", name);
-    else
-        snprintf(settings, sizeof settings,
-                 "'type': '%s', 'step': 'projective', 'outer_iterations': 20", name);
-    c.sim = load(context, scene, settings, n, n, stiffness);
-    take_step(context, c.sim);
+    c.sim = (course->file ? load_file : load_sheet)(context, course, name);
+    while (pdyn_time(c.sim) < course->from) take_step(context, c.sim);
     c.bytes = bytes_in_use() - before;
     return c;
 }
 
-static void compare(pdyn_context *context, FILE *csv, int n, double stiffness, int steps,
-                    int count) {
-    struct contestant c[SOLVERS];
-    for (int k = 0; k < count; k++) c[k] = enter(context, solver[k], n, stiffness);
-    for (int s = 1; s < WARM; s++)
-        for (int k = 0; k < count; k++) take_step(context, c[k].sim);
-    for (int s = 0; s < steps; s++)
-        for (int k = 0; k < count; k++) note(context, &c[k], steps);
-    int particles = pdyn_get_body(c[0].sim, 0).count;
-    for (int k = 0; k < count; k++) {
-        fprintf(csv, "%s,%d,%d,%g,%.3f,%.2f,%.2f,%.3g,%.1f\n", solver[k], n * n, particles,
-                stiffness, c[k].ms, c[k].linear, c[k].outer, c[k].residual, 1e-6 * c[k].bytes);
-        printf("| %d | %g | %s | %.1f | %.2f | %.1f | %.1f | %.2g | %.0f |\n", n * n, stiffness,
-               solver[k], c[k].ms, c[k].ms / c[0].ms, c[k].linear, c[k].outer, c[k].residual,
-               1e-6 * c[k].bytes);
-        pdyn_free(c[k].sim);
-    }
+static void measure(pdyn_context *context, struct contestant *c, int steps) {
+    pdyn_step_info info = take_step(context, c->sim);
+    c->ms += info.ms_cpu / steps;
+    c->linear += (double)info.linear_iterations / steps;
+    c->outer += (double)info.outer_iterations / steps;
+    c->residual = info.step_residual > c->residual ? info.step_residual : c->residual;
+}
+
+static FILE *begin(const char *directory, const char *name, const char *value) {
+    FILE *csv = open_csv(directory, name);
+    fprintf(csv, "particles,vertices,%s,solver,ms,linear,outer,residual,megabytes\n", value);
+    printf("| particles | vertices | %s | solver | ms a step | over cg's | linear iterations | "
+           "outer | largest residual | MB |\n|---|---|---|---|---|---|---|---|---|---|\n",
+           value);
+    return csv;
+}
+
+static void print(FILE *csv, const struct course *course, const char *name,
+                  const struct contestant *c, double ms) {
+    int particles = pdyn_get_body(c->sim, 0).count, vertices = pdyn_get_body(c->sim, 1).count;
+    fprintf(csv, "%d,%d,%g,%s,%.3f,%.2f,%.2f,%.3g,%.1f\n", particles, vertices, course->value, name,
+            c->ms, c->linear, c->outer, c->residual, 1e-6 * c->bytes);
+    printf("| %d | %d | %g | %s | %.1f | %.2f | %.1f | %.1f | %.2g | %.0f |\n", particles, vertices,
+           course->value, name, c->ms, c->ms / ms, c->linear, c->outer, c->residual,
+           1e-6 * c->bytes);
     fflush(stdout);
 }
 
+static void compare(pdyn_context *context, FILE *csv, const struct course *course) {
+    struct contestant c[SOLVERS];
+    for (int k = 0; k < SOLVERS; k++) c[k] = enter(context, course, solver[k]);
+    for (int s = 0; s < course->steps; s++)
+        for (int k = 0; k < SOLVERS; k++) measure(context, &c[k], course->steps);
+    for (int k = 0; k < SOLVERS; k++) {
+        print(csv, course, solver[k], &c[k], c[0].ms);
+        pdyn_free(c[k].sim);
+    }
+}
+
+static void read_run(const char *run, const char *format, double *first, double *second,
+                     int *steps) {
+    if (sscanf(run, "%lfx%lfx%d", first, second, steps) != 3 || *steps < 1)
+        die("%s: expected %s", run, format);
+}
+
 void solvers(pdyn_context *context, const char *directory, int count, char **runs) {
-    FILE *csv = open_csv(directory, "solvers");
-    fprintf(csv, "solver,vertices,particles,stiffness,ms,linear,outer,residual,megabytes\n");
-    puts("| vertices | K, N/m | solver | ms a step | over cg's | linear iterations | outer | "
-         "largest residual | MB |\n|---|---|---|---|---|---|---|---|---|");
+    FILE *csv = begin(directory, "solvers", "K (N/m)");
     for (int k = 0; k < count; k++) {
-        int n, steps, contestants;
-        double stiffness;
-        if (sscanf(runs[k], "%dx%lfx%dx%d", &n, &stiffness, &steps, &contestants) != 4 ||
-            contestants < 1 || contestants > SOLVERS)
-            die("%s: expected NxKxSTEPSxSOLVERS", runs[k]);
-        compare(context, csv, n, stiffness, steps, contestants);
+        struct course course = {.from = 0.075}; /* eight steps */
+        double n;
+        read_run(runs[k], "NxKxSTEPS", &n, &course.value, &course.steps);
+        course.n = (int)n;
+        compare(context, csv, &course);
+    }
+    fclose(csv);
+}
+
+void sizes(pdyn_context *context, const char *directory, const char *file, int count, char **runs) {
+    FILE *csv = begin(directory, "sizes", "radius (mm)");
+    for (int k = 0; k < count; k++) {
+        struct course course = {.file = file};
+        read_run(runs[k], "MMxSECONDSxSTEPS", &course.value, &course.from, &course.steps);
+        compare(context, csv, &course);
     }
     fclose(csv);
 }

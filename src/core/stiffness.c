@@ -14,6 +14,8 @@ struct call {
 /* Sums run in several lanes, so that no addition waits for the one before. */
 enum { LANES = 4 };
 
+enum { AHEAD = 512 }; /* entries: memory is slow to begin with where they fill more than L2 */
+
 /* sum += K_ij (x_j - x_i) of entry t */
 INLINE void add_entry(const struct stiffness *k, int t, const double *x, const v4 *xi, v4 *sum,
                       v4 *squares) {
@@ -32,9 +34,12 @@ INLINE void multiply_row(const struct call *c, int i, v4 *energy) {
     v4 x, sum[LANES] = {{0}}, squares[LANES] = {{0}};
     int t = k->start[i], end = k->start[i + 1];
     memcpy(&x, c->x + 3 * (size_t)(k->first + i), sizeof x);
-    for (; t + LANES <= end; t += LANES)
+    for (; t + LANES <= end; t += LANES) {
+        __builtin_prefetch(k->value + t + AHEAD);
+        __builtin_prefetch(k->column + t + AHEAD);
         for (int l = 0; l < LANES; l++)
             add_entry(k, t + l, c->x, &x, &sum[l], energy ? &squares[l] : NULL);
+    }
     for (; t < end; t++) add_entry(k, t, c->x, &x, &sum[0], energy ? &squares[0] : NULL);
     v4 all = (sum[0] + sum[1]) + (sum[2] + sum[3]) + k->own[i] * x;
     v4_add_to(c->y + 3 * (size_t)(k->first + i), &all);
