@@ -46,7 +46,7 @@ plot $experiment using 1:2 with points pt 7 lc rgb "black" title "Antoci et al. 
      for [r in runs] sprintf("< awk -F, '$1 == %s && $2 == %s && $3 == %s' %s/gate.csv", part(r, 1), part(r, 2), part(r, 3), out) \
          using 4:(1000*$5) with lines title sprintf("%g mm, %g MPa", 1000 * real(part(r, 1)), 1e-6 * real(part(r, 2)))
 
-set title "Free water and cloth: angular momentum after 0.2 s"
+set title "Free water and cloth: angular momentum"
 set xlabel "h, ms"
 set ylabel "drift"
 set logscale xy
