@@ -40,8 +40,7 @@ static double bytes_in_use(void) {
     return (double)info.uordblks + (double)info.hblkhd;
 }
 
-/* `cholesky` is for the projective step, which would take more iterations than anybody waits for.
- */
+/* These are for the projective step, which is cut short after 20 iterations. */
 static bool is_direct(const char *name) { return !strcmp(name, "cholesky"); }
 
 static pdyn_sim *load_sheet(pdyn_context *context, const struct course *course, const char *name) {
@@ -60,6 +59,7 @@ static pdyn_sim *load_file(pdyn_context *context, const struct course *course, c
     snprintf(type, sizeof type, "solver.type=%s", name);
     if (pdyn_load(context, course->file, set, is_direct(name) ? 4 : 2, &sim) != PDYN_OK)
         die("%s", pdyn_last_error(context));
+    if (pdyn_get_state(sim).bodies < 2) die("%s: expected water and a sheet", course->file);
     return sim;
 }
 
@@ -114,7 +114,8 @@ static void compare(pdyn_context *context, FILE *csv, const struct course *cours
 
 static void read_run(const char *run, const char *format, double *first, double *second,
                      int *steps) {
-    if (sscanf(run, "%lfx%lfx%d", first, second, steps) != 3 || *steps < 1)
+    char rest;
+    if (sscanf(run, "%lfx%lfx%d%c", first, second, steps, &rest) != 3 || *steps < 1)
         die("%s: expected %s", run, format);
 }
 
