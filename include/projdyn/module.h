@@ -280,6 +280,8 @@ typedef struct pdyn_goal { /* when a solve may end: at the first of these */
     double gain;           /* an iteration lowers the model by less than this part of the mean of
                               all; 0: never; solvers that cannot tell ignore it */
     int iterations;        /* so many are done */
+    int least;             /* above 0: so many come first, whatever else is met; the gain of the
+                              very first does not count then */
     bool first;            /* solve of a step, or of an attempt at one: the models of the solves
                               after it differ little from its own */
 } pdyn_goal;
@@ -308,7 +310,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 4u
+#define PDYN_ABI 5u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -6,8 +6,8 @@ enum { ELEMENTS = 1024, PARTICLES = 512 }; /* grains: worth waking a thread for 
 
 struct call {
     struct single *s;
-    const float *u, *x; /* x: NULL for H u itself */
-    float *y;
+    const float *u, *x; /* x: NULL where no rest of it is wanted */
+    float *y, *rest;
     int batch;
 };
 
@@ -141,7 +141,7 @@ INLINE void add_wide(const struct single *s, int i, v4f *y) {
     *y += __builtin_convertvector(wide, v4f);
 }
 
-/* The four members' parts of y = H u, or of x - H u; adds to u.H u. */
+/* The four members' parts of y = H u, and of what that leaves of x; adds to u.H u. */
 INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *product) {
     const struct single *s = c->s;
     const int *member = s->member + PATCH * patch;
@@ -160,8 +160,8 @@ INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *
         if (s->wide_y && i < s->system->particles) add_wide(s, i, &y);
         y[3] = 0.0F;
         products += u * y;
-        if (x) v4f_load(&u, x, i), y = u - y;
         v4f_store(c->y, i, &y);
+        if (x) v4f_load(&u, x, i), u -= y, v4f_store(c->rest, i, &u);
     }
     *product += __builtin_convertvector(products, v4);
 }
@@ -217,8 +217,8 @@ double single_apply(struct single *s, const float *u, float *y) {
     return sum;
 }
 
-void single_subtract(struct single *s, const float *u, const float *x, float *y) {
-    multiply(&(struct call){.s = s, .u = u, .x = x, .y = y}, subtract_patches);
+void single_subtract(struct single *s, const float *u, float *y, const float *x, float *rest) {
+    multiply(&(struct call){.s = s, .u = u, .x = x, .y = y, .rest = rest}, subtract_patches);
 }
 
 /* ---- its numbers ----------------------------------------------------------------------------- */

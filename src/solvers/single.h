@@ -84,7 +84,7 @@ void single_diagonal(const struct single *single, double *blocks);
 
 /* y = H u; returns u.y. */
 double single_apply(struct single *single, const float *u, float *y);
-/* y = x - H u; x and y may be one. */
-void single_subtract(struct single *single, const float *u, const float *x, float *y);
+/* y = H u, and rest = x - H u; x and rest may be one. */
+void single_subtract(struct single *single, const float *u, float *y, const float *x, float *rest);
 
 #endif
