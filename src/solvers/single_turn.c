@@ -1,5 +1,7 @@
 #include "single_turn.h"
 
+#include "../core/fours.h"
+
 #include <math.h>
 
 /* Of a direction's curvature, what those before it must leave. */
@@ -7,14 +9,17 @@ static const double distinct = 1e-5;
 /* What rounding may leave of r.p, of p.q. */
 static const double lost = 1e-3;
 
+enum { RUN = 32 }; /* particles whose products are added up in floats */
+_Static_assert(SYSTEM_GRAIN % 2 == 0 && RUN % 2 == 0, "particles are taken by two");
+
 struct call {
     struct single_cg *s;
     double *y;
     double size, part[SPAN]; /* of each direction */
 };
 
-struct span {                     /* of a particle */
-    v4f along[SPAN], image[SPAN]; /* directions, H times these */
+struct span { /* of two particles: directions, H times these, and r */
+    v8f along[SPAN], image[SPAN + 1];
 };
 
 static void for_particles(struct call *call, pdyn_range_fn *fn) {
@@ -22,15 +27,31 @@ static void for_particles(struct call *call, pdyn_range_fn *fn) {
     pool_for(sys->context->pool, sys->particles, SYSTEM_GRAIN, fn, call);
 }
 
-INLINE void load_span(struct span *at, const struct single_cg *s, int i) {
-    v4f_load(&at->along[0], s->t, i), v4f_load(&at->image[0], s->ht, i);
-    v4f_load(&at->along[1], s->z, i), v4f_load(&at->image[1], s->hz, i);
-    v4f_load(&at->along[2], s->u, i), v4f_load(&at->image[2], s->hu, i);
-    v4f_load(&at->along[3], s->p, i), v4f_load(&at->image[3], s->q, i);
+INLINE void load_two(v8f *to, const float *from, int i) {
+    memcpy(to, from + 4 * (size_t)i, sizeof *to);
+}
+INLINE void store_two(float *to, int i, const v8f *from) {
+    memcpy(to + 4 * (size_t)i, from, sizeof *from);
 }
 
-INLINE void add_product(v4 *sum, const v4f *a, const v4f *b) {
-    *sum += __builtin_convertvector(*a * *b, v4);
+/* Of particles i and i + 1, which beyond the last is 0. */
+INLINE void load_span(struct span *at, const struct single_cg *s, int i) {
+    load_two(&at->along[0], s->t, i), load_two(&at->image[0], s->ht, i);
+    load_two(&at->along[1], s->z, i), load_two(&at->image[1], s->hz, i);
+    load_two(&at->along[2], s->u, i), load_two(&at->image[2], s->hu, i);
+    load_two(&at->along[3], s->p, i), load_two(&at->image[3], s->q, i);
+    load_two(&at->image[SPAN], s->r, i);
+}
+
+INLINE void halves(v4f out[2], const v8f *x) {
+    out[0] = __builtin_shufflevector(*x, *x, 0, 1, 2, 3);
+    out[1] = __builtin_shufflevector(*x, *x, 4, 5, 6, 7);
+}
+
+INLINE void add_eight(v4 *sum, const v8f *x) {
+    v4f half[2];
+    halves(half, x);
+    *sum += __builtin_convertvector(half[0] + half[1], v4);
 }
 
 /* u = omega D^-1 w */
@@ -47,21 +68,29 @@ WIDE static void block_after(void *arg, int first, int last, int block) {
 
 WIDE static void sum_products(void *arg, int first, int last, int block) {
     const struct single_cg *s = ((const struct call *)arg)->s;
-    struct turn_sums *out = s->turn_sums + block;
-    v4 product[SPAN][SPAN] = {0}, slope[SPAN] = {0};
-    for (int i = first; i < last; i++) {
-        struct span at;
-        v4f r;
-        load_span(&at, s, i), v4f_load(&r, s->r, i);
-        for (int a = 0; a < SPAN; a++) {
-            add_product(&slope[a], &r, &at.along[a]);
-            for (int b = a; b < SPAN; b++) add_product(&product[a][b], &at.along[a], &at.image[b]);
+    v4 sum[SPAN][SPAN + 1] = {0};
+    for (int i = first, end; i < last; i = end) {
+        v8f part[SPAN][SPAN + 1] = {0};
+        for (end = i + RUN < last ? i + RUN : last; i < end; i += 2) {
+            struct span at;
+            load_span(&at, s, i);
+            for (int a = 0; a < SPAN; a++)
+                for (int b = a; b <= SPAN; b++) part[a][b] += at.along[a] * at.image[b];
         }
+        for (int a = 0; a < SPAN; a++)
+            for (int b = a; b <= SPAN; b++) add_eight(&sum[a][b], &part[a][b]);
     }
-    for (int a = 0; a < SPAN; a++) {
-        out->slope[a] = v4_sum(&slope[a]);
-        for (int b = a; b < SPAN; b++) out->product[a][b] = v4_sum(&product[a][b]);
-    }
+    for (int a = 0; a < SPAN; a++)
+        for (int b = a; b <= SPAN; b++) s->turn_sums[block].product[a][b] = v4_sum(&sum[a][b]);
+}
+
+/* z = omega D^-1 r of particle i, y += size p */
+INLINE void end_particle(const struct call *c, int i, const v4f *r, const v4f *p) {
+    v4f z;
+    single_cg_block(c->s, i, r, &z);
+    v4f_store(c->s->z, i, &z);
+    v4 step = c->size * __builtin_convertvector(*p, v4);
+    v4_add_to(c->y + 3 * (size_t)i, &step);
 }
 
 /* p, q = parts of all; r -= q, y += size p, z = omega D^-1 r; sums: r.r */
@@ -71,18 +100,18 @@ WIDE static void go_there(void *arg, int first, int last, int block) {
     float part[SPAN];
     v4 rr = {0};
     for (int k = 0; k < SPAN; k++) part[k] = (float)c->part[k];
-    for (int i = first; i < last; i++) {
+    for (int i = first; i < last; i += 2) {
         struct span at;
-        v4f r, z, p = {0}, q = {0};
-        load_span(&at, s, i), v4f_load(&r, s->r, i);
+        v8f p = {0}, q = {0};
+        v4f r[2], step[2];
+        load_span(&at, s, i);
         for (int k = 0; k < SPAN; k++) p += part[k] * at.along[k], q += part[k] * at.image[k];
-        r -= q;
-        single_cg_block(s, i, &r, &z);
-        v4f_store(s->p, i, &p), v4f_store(s->q, i, &q);
-        v4f_store(s->r, i, &r), v4f_store(s->z, i, &z);
-        add_product(&rr, &r, &r);
-        v4 step = c->size * __builtin_convertvector(p, v4);
-        v4_add_to(c->y + 3 * (size_t)i, &step);
+        at.image[SPAN] -= q;
+        store_two(s->p, i, &p), store_two(s->q, i, &q), store_two(s->r, i, &at.image[SPAN]);
+        halves(r, &at.image[SPAN]), halves(step, &p);
+        rr += __builtin_convertvector(r[0] * r[0] + r[1] * r[1], v4);
+        end_particle(c, i, &r[0], &step[0]);
+        if (i + 1 < last) end_particle(c, i + 1, &r[1], &step[1]);
     }
     s->turn_sums[block].rr = v4_sum(&rr);
 }
@@ -92,7 +121,7 @@ WIDE static void go_there(void *arg, int first, int last, int block) {
 static double find_minimum(const struct turn_sums *sums, double part[SPAN]) {
     double L[SPAN][SPAN], d[SPAN], falls = 0.0;
     for (int k = 0; k < SPAN; k++) {
-        double own = sums->product[k][k], y = sums->slope[k];
+        double own = sums->product[k][k], y = sums->product[k][SPAN];
         d[k] = own;
         for (int j = 0; j < k; j++) d[k] -= L[k][j] * L[k][j] * d[j], y -= L[k][j] * d[j] * part[j];
         bool depends = d[k] <= distinct * own;
@@ -114,8 +143,7 @@ static struct turn_sums add_up(const struct single_cg *s) {
     for (int k = 0; k < pool_blocks(s->system->particles, SYSTEM_GRAIN); k++) {
         const struct turn_sums *part = &s->turn_sums[k];
         for (int a = 0; a < SPAN; a++) {
-            all.slope[a] += part->slope[a];
-            for (int b = a; b < SPAN; b++) all.product[a][b] += part->product[a][b];
+            for (int b = a; b <= SPAN; b++) all.product[a][b] += part->product[a][b];
         }
         all.rr += part->rr;
     }
@@ -132,7 +160,7 @@ double single_turn(struct single_cg *s, double size, double *y, bool minimum, do
     for_particles(&call, sum_products);
     struct turn_sums sums = add_up(s);
     double falls = find_minimum(&sums, call.part);
-    bool at_minimum = fabs(sums.slope[LAST]) <= lost * sums.product[LAST][LAST];
+    bool at_minimum = fabs(sums.product[LAST][SPAN]) <= lost * sums.product[LAST][LAST];
     if (!(falls > 0.0 && isfinite(falls)) || (minimum && !at_minimum)) return 0.0;
     for_particles(&call, go_there);
     *rr = add_up(s).rr;

@@ -17,9 +17,9 @@
 
 enum { SPAN = 4, LAST = 3 }; /* directions: t, z, u and the last step, p */
 
-struct turn_sums {              /* of a block of particles */
-    double product[SPAN][SPAN]; /* directions times H times directions: upper triangle */
-    double slope[SPAN];         /* r times directions */
+struct turn_sums {                  /* of a block of particles */
+    double product[SPAN][SPAN + 1]; /* of directions with H times directions, from the diagonal on,
+                                       and with r */
     double rr;
 };
 
