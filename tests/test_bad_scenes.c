@@ -11,8 +11,14 @@
 #define INLETS(text)    BODY("{'particles': {'radius': 0.1,\n" text "}}")
 #define DISC            "'disc': {'center': [0, 0, 0], 'radius': 1}, "
 #define RECTANGLE(size) "'rectangle': {'center': [0, 0, 0], 'size': [" size "]}, "
-#define LETTERS_13      "abcdefghijklm"
-#define LETTERS_65      LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13
+#define ATTACHED(to)                                                                               \
+    BODY("{'name': 'sheet', 'surface': {'grid': {'size': [1, 1], 'vertices': [3, 3]}, "            \
+         "'area_density': 1}},\n {'name': 'b', 'surface': {'grid': {'size': [1, 1], 'vertices': "  \
+         "[2, 2]}, 'area_density': 1}, 'constraints': [\n  {'type': 'attachment', 'to':       " to \
+         ", 'stiffness': 1, 'vertices': {'all': true}}]},\n {'name': 'water', 'particles': "       \
+         "{'radius': 0.1, 'fill': [{'box': " BOX "}]}}")
+#define LETTERS_13 "abcdefghijklm"
+#define LETTERS_65 LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13 LETTERS_13
 
 static const struct {
     const char *text, *error;
@@ -275,7 +281,7 @@ static const struct {
                   "constraint"},
     {CLOTH("{'type': 'sprnig'}"),
      "scene.json:3:27: bodies[0].constraints[0].type: unknown constraint \"sprnig\"; did "
-     "you mean \"spring\"?; known: bending, *"},
+     "you mean \"spring\"?; known: attachment, *"},
     {CLOTH("{'type': 'spring'}"),
      "scene.json:3:18: bodies[0].constraints[0].stretching_stiffness: missing, expected a "
      "number from 0 to 1e+12 N/m"},
@@ -306,6 +312,22 @@ static const struct {
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}, 'constraints': {}}"),
      "scene.json:2:114: bodies[0].constraints: expected an array of constraints, found an "
      "object"},
+    /* other bodies */
+    {ATTACHED("'shee'"),
+     "scene.json:4:38: bodies[1].constraints[0].to: unknown body \"shee\"; did you mean "
+     "\"sheet\"?; known: sheet"},
+    {ATTACHED("'b'"),
+     "scene.json:4:38: bodies[1].constraints[0].to: expected another body that has "
+     "a surface, found this one itself"},
+    {ATTACHED("'water'"),
+     "scene.json:4:38: bodies[1].constraints[0].to: expected another body that "
+     "has a surface, found a body of particles"},
+    {ATTACHED("'boundary'"), "scene.json:4:38: bodies[1].constraints[0].to: unknown body "
+                             "\"boundary\"; known: sheet"},
+    {ATTACHED("3"), "scene.json:4:38: bodies[1].constraints[0].to: expected the name of another "
+                    "body, found 3"},
+    {CLOTH("{'type': 'attachment', 'stiffness': 1, 'vertices': {'all': true}}"),
+     "scene.json:3:18: bodies[0].constraints[0].to: missing, expected the name of another body"},
     /* chosen vertices and paths */
     {CLOTH("{'type': 'pin'}"),
      "scene.json:3:18: bodies[0].constraints[0].vertices: missing, expected an object "

@@ -94,7 +94,7 @@ static void test_describe(void **state) {
         described("cg"), "outer_iterations              20         whole number from 1 to 100000"));
     assert_int_equal(pdyn_describe(context, "fluit", collect, NULL), PDYN_BAD_INPUT);
     assert_message(
-        "no constraint and no solver \"fluit\"; did you mean \"fluid\"?; known: bending, *");
+        "no constraint and no solver \"fluit\"; did you mean \"fluid\"?; known: attachment, *");
     assert_int_equal(pdyn_describe(NULL, NULL, collect, NULL), PDYN_BAD_CALL);
     assert_int_equal(pdyn_describe(context, NULL, NULL, NULL), PDYN_BAD_CALL);
 }

@@ -31,6 +31,7 @@ typedef enum pdyn_param_kind {
     PDYN_VECTOR,   /* double[3] */
     PDYN_VERTICES, /* pdyn_vertices: chosen points of the body */
     PDYN_PATH,     /* pdyn_path: three numbers over time */
+    PDYN_OTHER,    /* pdyn_other: another body that has a surface, by its name */
 } pdyn_param_kind;
 
 typedef struct pdyn_vertices {
@@ -42,6 +43,11 @@ typedef struct pdyn_path { /* piecewise linear; the first and last values hold o
     int count;
     const double *key; /* count x 4: s, three numbers in the parameter's unit; times ascending */
 } pdyn_path;
+
+typedef struct pdyn_other {
+    const char *name;
+    const struct pdyn_body *body; /* rows may select its particles, too */
+} pdyn_other;
 
 typedef struct pdyn_param {
     const char *name;

@@ -49,7 +49,8 @@ static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_BOOL] = ", \"%s\": true",
                                         [PDYN_VECTOR] = ", \"%s\": [%.17g, %.17g, %.17g]",
                                         [PDYN_VERTICES] = ", \"%s\": {\"vertices\": [0, 4]}",
-                                        [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]"};
+                                        [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]",
+                                        [PDYN_OTHER] = ", \"%s\": \"other\""};
 
 /* A default outside of the bounds stands for none: such a parameter is left out. */
 static void write_params(char *text, size_t size, const pdyn_constraint_type *type) {
@@ -66,6 +67,11 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
 #define SHEET(vertices)                                                                            \
     "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": " vertices "},"                  \
     " \"rotate\": [20, 30, 10], \"area_density\": 0.3}"
+/* Beside the others, for types that need another body. */
+#define OTHER                                                                                      \
+    ", {\"name\": \"other\", \"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [4, "    \
+    "3]},"                                                                                         \
+    " \"rotate\": [20, 30, 10], \"translate\": [0, 0.3, 0], \"area_density\": 0.3}}"
 #define WATER(radius)                                                                              \
     "\"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"        \
     " \"maximum\": [0.41, 0.31, 0.31]}}]}"
@@ -73,6 +79,12 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
 #define BLOCK(cells)                                                                               \
     "\"volume\": {\"grid\": {\"size\": [0.4, 0.2, 0.3], \"cells\": " cells "},"                    \
     " \"rotate\": [20, 30, 10], \"density\": 300}"
+
+static bool needs_other(const pdyn_constraint_type *type) {
+    for (const pdyn_param *p = type->params; p->name; p++)
+        if (p->kind == PDYN_OTHER) return true;
+    return false;
+}
 
 void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_kind kind,
                  enum trial_size size, const char *solver, const char *step) {
@@ -88,8 +100,9 @@ void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_ki
     snprintf(text, 4096,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
              " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
-             " \"bodies\": [{\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}]}",
-             solver, step, effort[size], bodies[kind][size], type->name, params);
+             " \"bodies\": [{\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}%s]}",
+             solver, step, effort[size], bodies[kind][size], type->name, params,
+             needs_other(type) ? OTHER : "");
 }
 
 /* ---- trials ---------------------------------------------------------------------------------- */

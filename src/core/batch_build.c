@@ -17,16 +17,28 @@ static pdyn_status fault(const struct batch *b, const char *format, ...) {
                         b->type->name, b->view.body->name, what);
 }
 
-/* Rows select particles of their body; those that know neighbours, of the whole system. */
+/* Whether a parameter names the body of this particle. */
+static bool is_of_other(const struct batch *b, int particle) {
+    for (const pdyn_param *p = b->type->params; p->name; p++) {
+        if (p->kind != PDYN_OTHER) continue;
+        const pdyn_body *body = ((const pdyn_other *)((const char *)b->params + p->offset))->body;
+        if (body && particle >= body->first && particle < body->first + body->count) return true;
+    }
+    return false;
+}
+
+/* Rows select particles of their body and of those that parameters name; those that know
+ * neighbours, of the whole system. */
 static pdyn_status check_rows(const struct batch *b) {
     const pdyn_batch *v = &b->view;
     const pdyn_neighbours *l = v->neighbours;
     int low = l ? 0 : v->body->first;
     int high = l ? l->particles - l->samples : v->body->first + v->body->count;
     for (int k = 0; k < b->entries; k++) {
-        if (v->column[k] < low || v->column[k] >= high)
+        int i = v->column[k];
+        if ((i < low || i >= high) && !is_of_other(b, i))
             return fault(b, "element %d selects particle %d, expected %d to %d",
-                         b->entry_element[k], v->column[k], low, high - 1);
+                         b->entry_element[k], i, low, high - 1);
         if (!isfinite(v->coefficient[k]))
             return fault(b, "element %d has a coefficient that is not finite", b->entry_element[k]);
     }

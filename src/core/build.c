@@ -129,6 +129,24 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
+static const pdyn_body *find_body(const struct pdyn_sim *sim, const char *name) {
+    int b = 0;
+    while (strcmp(sim->body[b].name, name) != 0) b++;
+    return &sim->body[b];
+}
+
+/* What constraints name becomes what they see. */
+static void find_others(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints; k++) {
+            const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
+            for (const pdyn_param *p = c->type->params; p->name; p++) {
+                pdyn_other *other = (pdyn_other *)((char *)c->params + p->offset);
+                if (p->kind == PDYN_OTHER && other->name) other->body = find_body(sim, other->name);
+            }
+        }
+}
+
 /* Where particles begin is known to the state from now on. */
 static void forget_start(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
@@ -410,6 +428,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = allocate_state(sim, &all);
     points_free(sim->context, &all);
     if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) find_others(sim);
     if (status == PDYN_OK) status = emit_create(sim);
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);

@@ -1,6 +1,6 @@
 #include "closest.h"
 
-#include "projdyn/vec3.h"
+#include "projdyn/closest3.h"
 
 static void difference(double *y, const double *a, const double *b) {
     for (int k = 0; k < 3; k++) y[k] = a[k] - b[k];
@@ -12,40 +12,12 @@ static double squared_length(pair_points x, const double c[4]) {
     return vec3_dot(u, u);
 }
 
-static double clamped_ratio(double a, double b) {
-    return a <= 0.0 || b <= 0.0 ? 0.0 : a < b ? a / b : 1.0;
-}
-
 /* ---- vertex and face ------------------------------------------------------------------------- */
 
-/* The closest point of edge (i, j) of the face, where it is closer than what c says. */
-static void try_edge(pair_points x, int i, int j, double *best, double c[4]) {
-    double ab[3], ap[3], w[4] = {1.0, 0.0, 0.0, 0.0};
-    difference(ab, x[j], x[i]);
-    difference(ap, x[0], x[i]);
-    w[j] = -clamped_ratio(vec3_dot(ap, ab), vec3_dot(ab, ab));
-    w[i] = -1.0 - w[j];
-    double d = squared_length(x, w);
-    if (d >= *best) return;
-    *best = d;
-    for (int k = 0; k < 4; k++) c[k] = w[k];
-}
-
-/* Inside the face by the signs of three areas; else on one of its edges. */
 double closest_vertex_face(pair_points x, double c[4]) {
-    double ab[3], ac[3], ap[3], best = INFINITY;
-    difference(ab, x[2], x[1]);
-    difference(ac, x[3], x[1]);
-    difference(ap, x[0], x[1]);
-    double bb = vec3_dot(ab, ab), bc = vec3_dot(ab, ac), cc = vec3_dot(ac, ac);
-    double pb = vec3_dot(ap, ab), pc = vec3_dot(ap, ac);
-    double area = bb * cc - bc * bc, v = cc * pb - bc * pc, w = bb * pc - bc * pb;
-    if (v > 0.0 && w > 0.0 && v + w < area && area > 1e-14 * bb * cc) {
-        c[0] = 1.0, c[2] = -v / area, c[3] = -w / area, c[1] = -1.0 - c[2] - c[3];
-        return squared_length(x, c);
-    }
-    for (int k = 0; k < 3; k++) try_edge(x, 1 + k, 1 + (k + 1) % 3, &best, c);
-    return best;
+    double w[3], d = closest3_triangle(x[0], x + 1, w);
+    c[0] = 1.0, c[1] = -w[0], c[2] = -w[1], c[3] = -w[2];
+    return d;
 }
 
 /* ---- edges ----------------------------------------------------------------------------------- */
@@ -60,10 +32,10 @@ static double closest_parallel(pair_points x, const double *p, const double *q, 
                                double c[4]) {
     double pp = vec3_dot(p, p), qq = vec3_dot(q, q), pq = vec3_dot(p, q), best = INFINITY;
     double pr = vec3_dot(p, r), qr = vec3_dot(q, r), w[4];
-    const double ends[4][2] = {{0.0, clamped_ratio(qr, qq)},
-                               {1.0, clamped_ratio(qr + pq, qq)},
-                               {clamped_ratio(-pr, pp), 0.0},
-                               {clamped_ratio(pq - pr, pp), 1.0}};
+    const double ends[4][2] = {{0.0, closest3_clamped(qr, qq)},
+                               {1.0, closest3_clamped(qr + pq, qq)},
+                               {closest3_clamped(-pr, pp), 0.0},
+                               {closest3_clamped(pq - pr, pp), 1.0}};
     for (int k = 0; k < 4; k++) {
         double d = set_edges(x, ends[k][0], ends[k][1], w);
         if (d >= best) continue;
@@ -83,9 +55,9 @@ double closest_edge_edge(pair_points x, double c[4]) {
     double pp = vec3_dot(p, p), qq = vec3_dot(q, q), pq = vec3_dot(p, q);
     double pr = vec3_dot(p, r), qr = vec3_dot(q, r), area = pp * qq - pq * pq;
     if (!(area > 1e-8 * pp * qq)) return closest_parallel(x, p, q, r, c);
-    double s = clamped_ratio(pq * qr - pr * qq, area), t = pq * s + qr;
-    if (t <= 0.0) s = clamped_ratio(-pr, pp), t = 0.0;
-    else if (t >= qq) s = clamped_ratio(pq - pr, pp), t = 1.0;
+    double s = closest3_clamped(pq * qr - pr * qq, area), t = pq * s + qr;
+    if (t <= 0.0) s = closest3_clamped(-pr, pp), t = 0.0;
+    else if (t >= qq) s = closest3_clamped(pq - pr, pp), t = 1.0;
     else t /= qq;
     return set_edges(x, s, t, c);
 }

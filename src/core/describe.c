@@ -40,7 +40,8 @@ static void table(const struct sink *to, const pdyn_param *params) {
                                         [PDYN_BOOL] = "true or false",
                                         [PDYN_VECTOR] = "3 numbers",
                                         [PDYN_VERTICES] = "choice of vertices",
-                                        [PDYN_PATH] = "[[time, x, y, z], ...]"};
+                                        [PDYN_PATH] = "[[time, x, y, z], ...]",
+                                        [PDYN_OTHER] = "name of another body"};
     for (const pdyn_param *p = params; p->name; p++) {
         char def[64] = "", value[128] = "";
         if (p->required) text_append(def, sizeof def, "required");

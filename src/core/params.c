@@ -268,6 +268,18 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
     return PDYN_OK;
 }
 
+/* Whether there is such a body is known when all are read (scene.c). */
+static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
+                              const struct mesh *surface, void *field) {
+    (void)param, (void)surface;
+    if (!json_is_string(at->value)) return json_expected(at, "the name of another body");
+    char *name = NEW_ARRAY(at->file->context, json_string_length(at->value) + 1, char);
+    if (!name) return PDYN_NO_MEMORY;
+    strcpy(name, json_string_value(at->value));
+    *(pdyn_other *)field = (pdyn_other){.name = name};
+    return PDYN_OK;
+}
+
 static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
                              const struct mesh *surface, void *field) {
     (void)surface;
@@ -310,6 +322,11 @@ static void default_path(const pdyn_param *param, void *field) {
     *(pdyn_path *)field = (pdyn_path){0};
 }
 
+static void default_other(const pdyn_param *param, void *field) {
+    (void)param;
+    *(pdyn_other *)field = (pdyn_other){0};
+}
+
 static const struct {
     pdyn_status (*read)(const struct json_at *at, const pdyn_param *param,
                         const struct mesh *surface, void *field);
@@ -321,6 +338,7 @@ static const struct {
     [PDYN_VECTOR] = {read_vector, default_vector},
     [PDYN_VERTICES] = {read_vertices, default_vertices},
     [PDYN_PATH] = {read_path, default_path},
+    [PDYN_OTHER] = {read_other, default_other},
 };
 
 pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
@@ -341,7 +359,9 @@ void params_free(pdyn_context *context, const pdyn_param *table, void *params) {
         void *field = (char *)params + p->offset;
         pdyn_vertices *vertices = p->kind == PDYN_VERTICES ? field : NULL;
         pdyn_path *path = p->kind == PDYN_PATH ? field : NULL;
+        pdyn_other *other = p->kind == PDYN_OTHER ? field : NULL;
         if (vertices) FREE_ARRAY(context, vertices->index, vertices->count);
         if (path) FREE_ARRAY(context, path->key, 4 * (size_t)path->count);
+        if (other && other->name) FREE_ARRAY(context, other->name, strlen(other->name) + 1);
     }
 }

@@ -17,9 +17,9 @@ static inline bool params_has_default(const pdyn_param *param) {
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
                               const char *const *others);
 
-/* Fills `params` by the table. A missing object gives all defaults. Chosen vertices and paths are
- * allocated: params_free gives them back, after a failure too. surface: the rest shape in which
- * vertices are chosen, NULL for a body of particles. */
+/* Fills `params` by the table. A missing object gives all defaults. Chosen vertices, paths and
+ * names are allocated: params_free gives them back, after a failure too. surface: the rest shape in
+ * which vertices are chosen, NULL for a body of particles. */
 pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
                         const struct mesh *surface, void *params);
 void params_free(pdyn_context *context, const pdyn_param *table, void *params);

@@ -9,6 +9,41 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- bodies that constraints name ------------------------------------------------------------ */
+
+/* Of the names of the other bodies that have a surface. */
+static pdyn_status check_other(const struct reader *r, const struct json_at *at, int own,
+                               const char *name) {
+    const char *names[READER_NAMES];
+    int count = 0;
+    for (int b = 0; b < r->scene->bodies; b++) {
+        const struct scene_body *body = &r->scene->body[b];
+        bool fits = b != own && body->is_surface;
+        if (fits && !strcmp(body->name, name)) return PDYN_OK;
+        if (!strcmp(body->name, name))
+            return json_fail(at, "expected another body that has a surface, found %s",
+                             b == own ? "this one itself" : "a body of particles");
+        if (fits && count < READER_NAMES) names[count++] = body->name;
+    }
+    return reader_fail_word(at, "body", names, count);
+}
+
+static pdyn_status check_others(struct reader *r, const struct json_at *at, int own) {
+    const struct scene_body *body = &r->scene->body[own];
+    struct json_at array = json_member(at, "constraints");
+    for (int k = 0; k < body->constraints; k++) {
+        const struct scene_constraint *c = &body->constraint[k];
+        struct json_at constraint = json_element(&array, (size_t)k);
+        for (const pdyn_param *p = c->type->params; p->name; p++) {
+            struct json_at name = json_member(&constraint, p->name);
+            if (p->kind != PDYN_OTHER || !name.value) continue;
+            pdyn_status status = check_other(r, &name, own, json_string_value(name.value));
+            if (status != PDYN_OK) return status;
+        }
+    }
+    return PDYN_OK;
+}
+
 static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
     int count;
     pdyn_status status = reader_count(array, "an array of bodies", &count);
@@ -17,7 +52,8 @@ static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
     r->scene->body = NEW_ARRAY(r->context, count, struct scene_body);
     if (!r->scene->body) return PDYN_NO_MEMORY;
     r->scene->bodies = count;
-    return reader_each(r, array, scene_read_body);
+    status = reader_each(r, array, scene_read_body);
+    return status == PDYN_OK ? reader_each(r, array, check_others) : status;
 }
 
 static pdyn_status read_solids(struct reader *r, const struct json_at *array) {

@@ -28,7 +28,8 @@ static const size_t kind_size[] = {[PDYN_REAL] = sizeof(double),
                                    [PDYN_BOOL] = sizeof(bool),
                                    [PDYN_VECTOR] = 3 * sizeof(double),
                                    [PDYN_VERTICES] = sizeof(pdyn_vertices),
-                                   [PDYN_PATH] = sizeof(pdyn_path)};
+                                   [PDYN_PATH] = sizeof(pdyn_path),
+                                   [PDYN_OTHER] = sizeof(pdyn_other)};
 
 /* What is wrong with a parameter, given those before it; NULL: nothing. */
 static const char *param_fault(const pdyn_constraint_type *type, const pdyn_param *p) {

@@ -1,0 +1,105 @@
+/* Springs from chosen points of a body to another one: seams, strings, what hangs from what. Each
+ * goes to the point of the other's surface that is closest at the start, u = x - sum w_k y_k with
+ * the corners y of the triangle there, and keeps a length. */
+#include "projdyn/closest3.h"
+#include "projdyn/module.h"
+
+struct params {
+    pdyn_other to;
+    pdyn_vertices vertices;
+    double stiffness, length, damping;
+};
+
+static const pdyn_param params[] = {
+    {"to", PDYN_OTHER, offsetof(struct params, to), true, 0, 0, 0, "",
+     "the body at the other ends of the springs"},
+    {"vertices", PDYN_VERTICES, offsetof(struct params, vertices), true, 0, 0, 0, "",
+     "the points of this body where springs begin"},
+    {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), true, 0, 0, 1e15, "N/m",
+     "of each spring: force per change of its length"},
+    {"length", PDYN_REAL, offsetof(struct params, length), false, 1, 0, 1e3, "1",
+     "of a spring at rest, over the distance at the start; 0 pulls together, as a seam"},
+    {"damping", PDYN_REAL, offsetof(struct params, damping), false, 0, 0, 1e6, "s",
+     "force grows with change of length + damping x rate of change"},
+    {0}};
+
+enum { ENDS = 4 }; /* the point, the corners of the other's triangle */
+
+static int elements(const void *par, const pdyn_body *body) {
+    (void)body;
+    return ((const struct params *)par)->vertices.count;
+}
+
+/* The triangle closest to x, weights of its corners and the distance. */
+static int closest_triangle(const pdyn_body *body, const double *x, double w[3], double *distance) {
+    double best = INFINITY, trial[3];
+    int closest = 0;
+    for (int t = 0; t < body->triangles; t++) {
+        const int *c = body->triangle + 3 * t;
+        const double *const corner[3] = {body->rest + 3 * c[0], body->rest + 3 * c[1],
+                                         body->rest + 3 * c[2]};
+        double d = closest3_triangle(x, corner, trial);
+        if (!(d < best)) continue;
+        best = d, closest = t;
+        for (int k = 0; k < 3; k++) w[k] = trial[k];
+    }
+    *distance = sqrt(best);
+    return closest;
+}
+
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    const struct params *q = par;
+    const pdyn_body *other = q->to.body;
+    for (int e = first; e < last; e++) {
+        int own = q->vertices.index[e], *column = b->column + ENDS * e;
+        double w[3] = {1.0}, distance, *coefficient = b->coefficient + ENDS * e;
+        int t = closest_triangle(other, b->body->rest + 3 * own, w, &distance);
+        column[0] = b->body->first + own, coefficient[0] = 1.0;
+        for (int k = 0; k < 3; k++) {
+            column[1 + k] = other->first + other->triangle[3 * t + k];
+            coefficient[1 + k] = -w[k];
+        }
+        ((double *)b->data)[e] = q->length * distance;
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    const double *length = b->data;
+    for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
+}
+
+static void axial(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
+    (void)par;
+    const double *length = b->data;
+    for (int e = first; e < last; e++, axis += 4) vec3_axis_length(axis, b->u + 3 * e, length[e]);
+}
+
+static double damping(const void *par) { return ((const struct params *)par)->damping; }
+
+static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
+}
+
+const pdyn_constraint_type pdyn_constraint_attachment = {
+    .name = "attachment",
+    .summary = "springs from chosen points to the surface of another body",
+    .flags = PDYN_ON_SURFACE | PDYN_SEVERAL,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .data_size = sizeof(double),
+    .elements = elements,
+    .rows = 1,
+    .width = ENDS,
+    .select = select,
+    .weight = weight,
+    .project = project,
+    .axial = axial,
+    .damping = damping,
+    .hold = hold,
+};

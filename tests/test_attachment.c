@@ -1,0 +1,146 @@
+/* Springs between bodies: what hangs from them, what they conserve, and seams. */
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+static const char settings[] = "\"duration\": 1e6, \"frame_interval\": 1e3, \"time_step\": "
+                               "{\"fixed\": %g}, \"gravity\": [0, %g, 0], \"solver\": {\"type\": "
+                               "\"%s\", \"tolerance\": 1e-9, \"outer_iterations\": 100}";
+
+static pdyn_sim *load(pdyn_context *context, double h, double gravity, const char *solver,
+                      const char *bodies) {
+    char text[4096], head[512];
+    snprintf(head, sizeof head, settings, h, gravity, solver);
+    snprintf(text, sizeof text, "{%s, \"bodies\": [%s]}", head, bodies);
+    return test_load(context, text);
+}
+
+/* Four vertices on a spring each, below the inside and the sides of the triangles of a sheet that
+ * gives way; the body that is named comes after the one that names it. */
+static const char hanging[] =
+    "{\"name\": \"load\", \"surface\": {\"grid\": {\"size\": [0.5, 0.5], \"vertices\": [2, 2]}, "
+    "\"translate\": [0.1, -0.5, 0.07], \"area_density\": 4}, \"constraints\": [{\"type\": "
+    "\"attachment\", \"to\": \"roof\", \"vertices\": {\"all\": true}, \"stiffness\": 1000}]}, "
+    "{\"name\": \"roof\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [3, 3]}, "
+    "\"area_density\": 1}, \"constraints\": [{\"type\": \"pin\", \"vertices\": {\"all\": true}, "
+    "\"stiffness\": 1e4}]}";
+
+/* Each spring is longer by its weight over its stiffness, and the pins of the roof give way by all
+ * of the weight, at the place where it hangs. */
+static void test_weight(void **state) {
+    (void)state;
+    static const char *const solvers[] = {"auto", "cholesky", "cg"};
+    const double g = 9.81, k = 1000.0, pin = 1e4;
+    for (size_t n = 0; n < sizeof solvers / sizeof *solvers; n++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = load(context, 10.0, -g, solvers[n], hanging);
+        const double *rest = sim->body[1].rest;
+        double given = 0.0, turn[2] = {0.0}, weight = 0.0;
+        for (int step = 0; step < 20; step++) test_step(context, sim);
+        for (int i = 0; i < 4; i++) { /* the sheet above is no longer level: a little to the side */
+            double force = g * sim->body[0].mass[i], x = sim->body[0].rest[3 * i];
+            double slack = fabs(sim->x[3 * i + 1] - sim->body[0].rest[3 * i + 1]) - force / k;
+            assert_true(slack > 0.0 && slack < 2.0 * 9.0 * force / pin);
+            weight += force, turn[0] += force * x;
+        }
+        for (int i = 0; i < 9; i++) {
+            double force =
+                pin * (rest[3 * i + 1] - sim->x[3 * (4 + i) + 1]) - g * sim->body[1].mass[i];
+            given += force, turn[1] += force * rest[3 * i];
+        }
+        assert_true(fabs(given - weight) < 1e-6 * weight);
+        assert_true(fabs(turn[1] - turn[0]) < 0.01 * weight);
+        pdyn_free(sim);
+        assert_int_equal(pdyn_bytes_in_use(context), 0);
+        pdyn_destroy(context);
+    }
+}
+
+/* Rows of a scene: two free sheets, the springs half as long as the way between them. */
+static const char pulled[] =
+    "{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [5, 4]}, \"area_density\": 0.3}, "
+    "\"constraints\": [{\"type\": \"triangle\", \"stretching_stiffness\": 1000}, {\"type\": "
+    "\"attachment\", \"to\": \"body1\", \"vertices\": {\"border\": true}, \"stiffness\": 50, "
+    "\"length\": 0.5, \"damping\": %g}]}, "
+    "{\"surface\": {\"grid\": {\"size\": [0.8, 0.7], \"vertices\": [4, 6]}, \"rotate\": [20, 30, "
+    "10], \"translate\": [0.1, 0.4, 0], \"area_density\": 0.2}, \"constraints\": [{\"type\": "
+    "\"spring\", \"stretching_stiffness\": 800}]}";
+
+static void momentum(const pdyn_sim *sim, double p[6]) {
+    memset(p, 0, 6 * sizeof *p);
+    for (int i = 0; i < sim->system.particles; i++) {
+        double turn[3];
+        vec3_cross(turn, sim->x + 3 * i, sim->v + 3 * i);
+        vec3_add(p, sim->system.mass[i], sim->v + 3 * i);
+        vec3_add(p + 3, sim->system.mass[i], turn);
+    }
+}
+
+/* After 0.1 s with steps of this length: the momentum, and about the origin. */
+static void pull(double h, double damping, double p[6]) {
+    char bodies[2048];
+    pdyn_context *context = test_context(2);
+    snprintf(bodies, sizeof bodies, pulled, damping);
+    pdyn_sim *sim = load(context, h, 0.0, "auto", bodies);
+    while (sim->time < 0.1 - 0.5 * h) test_step(context, sim);
+    momentum(sim, p);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* What one body gets the other gives; the spin that implicit steps make up goes with their length.
+ */
+static void test_momentum(void **state) {
+    (void)state;
+    for (int damped = 0; damped < 2; damped++) {
+        double long_steps[6], short_steps[6];
+        pull(4e-3, damped ? 0.05 : 0.0, long_steps);
+        pull(5e-4, damped ? 0.05 : 0.0, short_steps);
+        assert_true(vec3_length(long_steps) < 1e-13 && vec3_length(short_steps) < 1e-13);
+        assert_true(vec3_length(short_steps + 3) < 0.25 * vec3_length(long_steps + 3));
+    }
+}
+
+/* Two sheets with a gap of 5 cm between borders with other vertices: drawn together. */
+static void test_seam(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load(
+        context, 0.01, 0.0, "auto",
+        "{\"name\": \"a\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [6, 6]}, "
+        "\"area_density\": 0.3}, \"constraints\": [{\"type\": \"triangle\", "
+        "\"stretching_stiffness\": 1000}]}, {\"surface\": {\"grid\": {\"size\": [1, 1], "
+        "\"vertices\": [7, 9]}, \"translate\": [1.05, 0, 0], \"area_density\": 0.3}, "
+        "\"constraints\": [{\"type\": \"triangle\", \"stretching_stiffness\": 1000}, {\"type\": "
+        "\"attachment\", \"to\": \"a\", \"length\": 0, \"stiffness\": 100, \"damping\": 0.05, "
+        "\"vertices\": {\"box\": {\"minimum\": [0.5, -1, -1], \"maximum\": [0.6, 1, 1]}}}]}");
+    const pdyn_batch *seam = &sim->system.batch[2]->view;
+    assert_int_equal(seam->elements, 9);
+    for (int e = 0; e < 9; e++) assert_true(fabs(vec3_length(seam->u + 3 * e)) < 1e-15);
+    for (int n = 0; n < 500; n++) test_step(context, sim);
+    for (int e = 0; e < 9; e++) {
+        double gap[3] = {0};
+        for (int k = 4 * e; k < 4 * e + 4; k++)
+            vec3_add(gap, seam->coefficient[k], sim->x + 3 * seam->column[k]);
+        assert_true(vec3_length(gap) < 1e-3);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    char text[4096], head[512];
+    snprintf(head, sizeof head, settings, 0.01, -9.81, "auto");
+    snprintf(text, sizeof text, "{%s, \"bodies\": [%s]}", head, hanging);
+    test_failing_scene(text);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_weight),
+                                       cmocka_unit_test(test_momentum), cmocka_unit_test(test_seam),
+                                       cmocka_unit_test(test_memory)};
+    return cmocka_run_group_tests_name("attachment", tests, NULL, NULL);
+}
