@@ -363,6 +363,22 @@ static const char *coupled =
                                                                    "\"maximum\": [1.4, 1, 1.4]}, "
                                                                    "\"open\": [\"+y\"]}]}";
 
+/* Bodies and constraints by number, and none beyond the last. */
+static void test_numbers(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, coupled);
+    const pdyn_state s = pdyn_get_state(sim);
+    for (int b = 0; b < s.bodies; b++) assert_non_null(pdyn_get_body(sim, b).name);
+    for (int k = 0; k < s.constraints; k++) assert_non_null(pdyn_get_constraint(sim, k).type);
+    assert_null(pdyn_get_body(sim, -1).name);
+    assert_null(pdyn_get_body(sim, s.bodies).name);
+    assert_null(pdyn_get_constraint(sim, -1).type);
+    assert_null(pdyn_get_constraint(sim, s.constraints).type);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* No allocation in a warmed-up step. */
 static void test_no_allocation(void **state) {
     (void)state;
@@ -385,14 +401,14 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall),         cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_hydrostatic_rest),  cmocka_unit_test(test_stiff_column),
-        cmocka_unit_test(test_cut_short),         cmocka_unit_test(test_deep_water),
-        cmocka_unit_test(test_wall_pressure),     cmocka_unit_test(test_long_step),
-        cmocka_unit_test(test_pin_reaction),      cmocka_unit_test(test_pin_path),
-        cmocka_unit_test(test_threads),           cmocka_unit_test(test_one_length),
-        cmocka_unit_test(test_divergence),        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_free_fall),        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_hydrostatic_rest), cmocka_unit_test(test_stiff_column),
+        cmocka_unit_test(test_cut_short),        cmocka_unit_test(test_deep_water),
+        cmocka_unit_test(test_wall_pressure),    cmocka_unit_test(test_long_step),
+        cmocka_unit_test(test_pin_reaction),     cmocka_unit_test(test_pin_path),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_one_length),
+        cmocka_unit_test(test_divergence),       cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_no_allocation),    cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

@@ -173,13 +173,14 @@ typedef struct pdyn_body_info {
     int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, counted from the body's first particle */
 } pdyn_body_info;
-PDYN_API pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body);
+PDYN_API pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body); /* all 0: there is none */
 
 typedef struct pdyn_constraint_info {
     const char *type, *body;
     int elements;
     double energy; /* J, at the end of the last step */
 } pdyn_constraint_info;
+/* All 0: there is none. */
 PDYN_API pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint);
 
 /* Saves the state in one file, or brings a simulation that was loaded from the same scene to a

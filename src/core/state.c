@@ -32,6 +32,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
 }
 
 pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
+    if (body < 0 || body >= sim->bodies) return (pdyn_body_info){0};
     const pdyn_body *b = &sim->body[body];
     return (pdyn_body_info){.name = b->name,
                             .first = b->first,
@@ -44,6 +45,7 @@ pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
 }
 
 pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
+    if (constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
     const struct batch *b = sim->system.batch[constraint];
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
