@@ -23,7 +23,6 @@ picture() { # NAME SCENE TIME [HIDDEN]
 }
 if [ $# = 0 ]; then
     picture soft_ball scenes/soft_ball.json 0.4
-    picture slung_load scenes/slung_load.json 4
     picture flag_in_stream scenes/flag_in_stream.json 0.6 water
     picture dragged_cloth scenes/dragged_cloth.json 0.6 water
     set -- template rigid balloon grains
