@@ -13,17 +13,21 @@ typedef float v4f __attribute__((vector_size(16)));
 typedef v4f v4f_anywhere __attribute__((aligned(4), may_alias)); /* in an array of floats */
 
 /* Sanitizers do not know the loader's choice between versions of a function. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define WIDE
+#if !defined(__x86_64__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SIMD_PLAIN
 #elif defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SIMD_PLAIN
+#endif
+#endif
+
+/* By features for clang, as what versions before 18 make of levels is never chosen. */
+#if defined(SIMD_PLAIN)
 #define WIDE
-#endif
-#endif
-#if !defined(WIDE) && defined(__x86_64__)
+#elif defined(__clang__)
+#define WIDE __attribute__((target_clones("avx512f", "fma", "default")))
+#else
 #define WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#elif !defined(WIDE)
-#define WIDE
 #endif
 
 /* What WIDE functions call has to become part of them. */

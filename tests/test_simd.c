@@ -1,0 +1,26 @@
+/* What is compiled for wide registers runs on machines that have them, whatever the compiler: seen
+ * by what a product and a sum in one instruction do not round. */
+#include "support.h"
+
+#include "../src/core/simd.h"
+
+#ifndef SIMD_PLAIN
+WIDE static void take_rest(double x, double square, double *rest) { *rest = x * x - square; }
+#endif
+
+static void test_chosen(void **state) {
+    (void)state;
+#ifdef SIMD_PLAIN
+    skip();
+#else
+    volatile double x = 1.0 + 0x1p-30, square = x * x;
+    double rest;
+    take_rest(x, square, &rest);
+    assert_int_equal(rest != 0.0, __builtin_cpu_supports("fma") != 0);
+#endif
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_chosen)};
+    return cmocka_run_group_tests_name("simd", tests, NULL, NULL);
+}
