@@ -1,7 +1,6 @@
 #include "pool.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
@@ -13,13 +12,26 @@ static void relax(void) {
 #endif
 }
 
+/* Of the blocks of a job: those of one thread first, the same ones in every job of that size, so
+ * that it finds in its cache what it left there; then what others have not begun. */
+struct share {
+    _Alignas(64) atomic_int next; /* block to take */
+    int end;
+};
+
+struct worker {
+    struct pool *pool;
+    pthread_t thread;
+    int number; /* whose share it is; that of the caller is 0 */
+};
+
 struct pool {
     int threads;
-    pthread_t *worker; /* threads - 1: the caller works too */
+    struct worker *worker; /* threads - 1: the caller works too */
+    struct share *share;   /* threads */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
     atomic_uint job; /* number of the current job; workers wait for it to move */
-    atomic_int next; /* next block to take */
     atomic_int busy; /* workers still in the current job */
     bool stop;
     int count, grain, blocks;
@@ -27,17 +39,22 @@ struct pool {
     void *arg;
 };
 
-static void work(struct pool *pool) {
+static void work_on(struct pool *pool, struct share *share) {
     for (;;) {
-        int block = atomic_fetch_add_explicit(&pool->next, 1, memory_order_relaxed);
-        if (block >= pool->blocks) return;
+        int block = atomic_fetch_add_explicit(&share->next, 1, memory_order_relaxed);
+        if (block >= share->end) return;
         int first = block * pool->grain;
         int last = pool->count - first > pool->grain ? first + pool->grain : pool->count;
         pool->fn(pool->arg, first, last, block);
     }
 }
 
-/* Waits for a job other than `seen`: spins a moment, then sleeps. */
+static void work(struct pool *pool, int number) {
+    for (int k = 0; k < pool->threads; k++)
+        work_on(pool, &pool->share[(number + k) % pool->threads]);
+}
+
+/* Waits for a job other than `seen`. */
 static unsigned wait_job(struct pool *pool, unsigned seen) {
     for (int i = 0; i < SPINS; i++, relax())
         if (atomic_load_explicit(&pool->job, memory_order_acquire) != seen)
@@ -49,11 +66,12 @@ static unsigned wait_job(struct pool *pool, unsigned seen) {
 }
 
 static void *worker_main(void *arg) {
-    struct pool *pool = arg;
+    const struct worker *worker = arg;
+    struct pool *pool = worker->pool;
     for (unsigned seen = 0;;) {
         seen = wait_job(pool, seen);
         if (pool->stop) return NULL;
-        work(pool);
+        work(pool, worker->number);
         if (atomic_fetch_sub(&pool->busy, 1) == 1) {
             pthread_mutex_lock(&pool->lock);
             pthread_cond_signal(&pool->done);
@@ -64,7 +82,12 @@ static void *worker_main(void *arg) {
 
 static void post(struct pool *pool) {
     pthread_mutex_lock(&pool->lock);
-    atomic_store(&pool->next, 0);
+    for (int k = 0; k < pool->threads; k++) {
+        struct share *share = &pool->share[k];
+        int begin = (int)((long long)pool->blocks * k / pool->threads);
+        atomic_store_explicit(&share->next, begin, memory_order_relaxed);
+        share->end = (int)((long long)pool->blocks * (k + 1) / pool->threads);
+    }
     atomic_store(&pool->busy, pool->threads - 1);
     atomic_fetch_add_explicit(&pool->job, 1, memory_order_release);
     pthread_cond_broadcast(&pool->wake);
@@ -88,7 +111,7 @@ void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *
     }
     pool->count = count, pool->grain = grain, pool->blocks = blocks, pool->fn = fn, pool->arg = arg;
     post(pool);
-    work(pool);
+    work(pool, 0);
     wait_done(pool);
 }
 
@@ -100,22 +123,26 @@ struct pool *pool_create(int threads) {
     pthread_cond_init(&pool->done, NULL);
     pool->threads = 1;
     pool->worker = calloc((size_t)threads, sizeof *pool->worker);
-    while (pool->worker && pool->threads < threads &&
-           !pthread_create(&pool->worker[pool->threads - 1], NULL, worker_main, pool))
+    pool->share = aligned_alloc(sizeof *pool->share, (size_t)threads * sizeof *pool->share);
+    while (pool->worker && pool->share && pool->threads < threads) {
+        struct worker *w = &pool->worker[pool->threads - 1];
+        *w = (struct worker){.pool = pool, .number = pool->threads};
+        if (pthread_create(&w->thread, NULL, worker_main, w)) break;
         pool->threads++;
-    if (pool->threads == threads && pool->worker) return pool;
+    }
+    if (pool->threads == threads && pool->worker && pool->share) return pool;
     pool_destroy(pool);
     return NULL;
 }
 
 void pool_destroy(struct pool *pool) {
-    pool->stop = true;
-    post(pool);
-    for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i], NULL);
+    pool->stop = true, pool->blocks = 0;
+    if (pool->threads > 1) post(pool);
+    for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i].thread, NULL);
     pthread_cond_destroy(&pool->wake);
     pthread_cond_destroy(&pool->done);
     pthread_mutex_destroy(&pool->lock);
-    free(pool->worker);
+    free(pool->worker), free(pool->share);
     free(pool);
 }
 
