@@ -1,7 +1,7 @@
 /* The factor against dense elimination, and what its solvers promise beyond conformance. */
 #include "support.h"
 
-#include "../src/solvers/backbone.h"
+#include "../src/solvers/factor.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,23 +59,9 @@ static void solve_dense(double *A, int n, double *x) {
         }
 }
 
-static void solve_either(struct factor *factor, bool single, int particles, const double *x,
-                         double *y) {
-    if (!single) {
-        assert_int_equal(factor_solve(factor, x, y), PDYN_OK);
-        return;
-    }
-    float *v = calloc(4 * (size_t)particles, sizeof *v);
-    assert_non_null(v);
-    for (int k = 0; k < 3 * particles; k++) v[k / 3 * 4 + k % 3] = (float)x[k];
-    factor_solve_single(factor, v, v);
-    for (int k = 0; k < 3 * particles; k++) y[k] = (double)v[k / 3 * 4 + k % 3];
-    free(v);
-}
-
 /* Solves with the factor for two lengths of step, the layout found once. `lasting`: see
- * factor_analyse; `single`: see panels_build. Returns the solutions, 2 x particles x 3. */
-static double *factor_twice(int threads, int n, bool lasting, bool single, bool compare) {
+ * factor_analyse. Returns the solutions, 2 x particles x 3. */
+static double *factor_twice(int threads, int n, bool lasting, bool compare) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = hang(context, n, "\"time_step\": {\"fixed\": 0.01}");
     struct system *sys = &sim->system;
@@ -85,7 +71,7 @@ static double *factor_twice(int threads, int n, bool lasting, bool single, bool 
     double *y = calloc(2 * (size_t)size, sizeof *y), *x = calloc((size_t)size, sizeof *x);
     assert_true(y && x);
     assert_int_equal(matrix_pattern(&matrix, sys, sys->batch, 1), PDYN_OK);
-    factor_start(&factor, context, single);
+    factor_start(&factor, context);
     assert_int_equal(factor_analyse(&factor, &matrix, lasting), PDYN_OK);
     for (int k = 0; k < 2; k++) {
         uint64_t seed = 3;
@@ -93,12 +79,12 @@ static double *factor_twice(int threads, int n, bool lasting, bool single, bool 
         matrix_values(&matrix, sys, sys->batch);
         assert_int_equal(factor_numbers(&factor, &matrix), PDYN_OK);
         for (int i = 0; i < size; i++) x[i] = test_random(&seed);
-        solve_either(&factor, single, sys->particles, x, y + k * size);
+        assert_int_equal(factor_solve(&factor, x, y + k * size), PDYN_OK);
         if (!compare) continue;
         double *A = dense(&matrix), norm = 0.0;
         solve_dense(A, sys->particles, x);
         for (int i = 0; i < size; i++) norm += x[i] * x[i];
-        assert_true(test_distance(x, y + k * size, size) < (single ? 1e-5 : 1e-11) * sqrt(norm));
+        assert_true(test_distance(x, y + k * size, size) < 1e-11 * sqrt(norm));
         free(A);
     }
     if (compare) assert_true(n < 30 || (factor.panels.tasks > 4 && factor.panels.tops > 4));
@@ -115,59 +101,24 @@ static double *factor_twice(int threads, int n, bool lasting, bool single, bool 
 static void test_factor(void **state) {
     (void)state;
     for (int n = 2; n <= 32; n += n < 5 ? 1 : 9)
-        for (int k = 0; k < 4; k++) free(factor_twice(1, n, k % 2, k / 2, true));
+        for (int k = 0; k < 2; k++) free(factor_twice(1, n, k, true));
 }
 
 static void test_factor_threads(void **state) {
     (void)state;
     static const int threads[] = {2, 3, 8};
     size_t bytes = 2 * 3 * 40 * 40 * sizeof(double);
-    for (int single = 0; single < 2; single++) {
-        double *one = factor_twice(1, 40, true, single, false);
-        for (int k = 0; k < 3; k++) {
-            double *other = factor_twice(threads[k], 40, true, single, false);
-            assert_memory_equal(one, other, bytes);
-            free(other);
-        }
-        free(one);
+    double *one = factor_twice(1, 40, true, false);
+    for (int k = 0; k < 3; k++) {
+        double *other = factor_twice(threads[k], 40, true, false);
+        assert_memory_equal(one, other, bytes);
+        free(other);
     }
+    free(one);
 }
 
-/* Bending is left out of the factor where springs are much stiffer, and pins never are; the product
- * is that with the inverse of what is in it. */
-static void test_backbone(void **state) {
-    (void)state;
-    enum { N = 9, SIZE = 3 * N * N };
-    for (int stiff = 0; stiff < 2; stiff++) {
-        pdyn_context *context = test_context(1);
-        pdyn_sim *sim =
-            hang_stiff(context, N, stiff ? 10.0 : 1e-4,
-                       "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
-        struct backbone b = {0};
-        double r[SIZE], x[SIZE], z[SIZE] = {0}, product = 0.0, *A;
-        uint64_t seed = 5;
-        test_step(context, sim);
-        assert_int_equal(backbone_create(&b, &sim->system), PDYN_OK);
-        assert_int_equal(backbone_update(&b), PDYN_OK);
-        assert_int_equal(sim->system.batches, 3);
-        assert_true(b.rows[0] && b.rows[2]);
-        assert_true(stiff == (b.rows[1] != NULL));
-        for (int i = 0; i < SIZE; i++) r[i] = x[i] = test_random(&seed);
-        A = dense(&b.matrix);
-        solve_dense(A, N * N, x);
-        for (int i = 0; i < SIZE; i++) product += r[i] * x[i];
-        assert_true(fabs(backbone_add(&b, r, z) - product) < 1e-5 * product);
-        assert_true(test_distance(x, z, SIZE) < 1e-5 * test_distance(x, (double[SIZE]){0}, SIZE));
-        free(A);
-        backbone_free(&b);
-        pdyn_free(sim);
-        assert_int_equal(pdyn_bytes_in_use(context), 0);
-        pdyn_destroy(context);
-    }
-}
-
-/* A hanging sheet is solved by factor and blocks in a fraction of the iterations that blocks alone
- * need, to the same place. */
+/* A hanging sheet is solved by a coarse level and blocks in a fraction of the iterations that
+ * blocks alone need, to the same place. */
 static void test_hybrid(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -213,31 +164,26 @@ static void solve_in_parts(pdyn_sim *sim, int part, const double *b, double *y) 
     free(rest), free(more), free(product);
 }
 
-/* A solve goes on where the one before ended: several short ones are one long one. */
+/* A solve of cg goes on where the one before ended: several short ones are one long one.
+ * (test_single.c has that of hybrid.) */
 static void test_goes_on(void **state) {
     (void)state;
-    static const char *const solver[] = {"cg", "hybrid"};
-    static const double apart[] = {1e-9, 1e-5}; /* hybrid solves in floats */
     enum { N = 3 * 17 * 17 };
-    for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(1);
-        char text[256];
-        double b[N], whole[N + 1], parts[N + 1]; /* vectors of the system have room for a fourth */
-        uint64_t seed = 1;
-        snprintf(text, sizeof text,
-                 "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"%s\"}", solver[k]);
-        pdyn_sim *sim = hang(context, 17, text);
-        for (int step = 0; step < 3; step++) test_step(context, sim);
-        for (int i = 0; i < N; i++) b[i] = test_random(&seed);
-        assert_int_equal(system_linearise(&sim->system, 0.0), PDYN_OK);
-        solve_in_parts(sim, 12, b, whole);
-        solve_in_parts(sim, 3, b, parts);
-        double size = test_distance(whole, (double[N]){0}, N);
-        if (!(test_distance(whole, parts, N) < apart[k] * size))
-            fail_msg("%s: %g apart", solver[k], test_distance(whole, parts, N) / size);
-        pdyn_free(sim);
-        pdyn_destroy(context);
-    }
+    pdyn_context *context = test_context(1);
+    double b[N], whole[N + 1], parts[N + 1]; /* vectors of the system have room for a fourth */
+    uint64_t seed = 1;
+    pdyn_sim *sim =
+        hang(context, 17, "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
+    for (int step = 0; step < 3; step++) test_step(context, sim);
+    for (int i = 0; i < N; i++) b[i] = test_random(&seed);
+    assert_int_equal(system_linearise(&sim->system, 0.0), PDYN_OK);
+    solve_in_parts(sim, 12, b, whole);
+    solve_in_parts(sim, 3, b, parts);
+    double size = test_distance(whole, (double[N]){0}, N);
+    if (!(test_distance(whole, parts, N) < 1e-9 * size))
+        fail_msg("%g apart", test_distance(whole, parts, N) / size);
+    pdyn_free(sim);
+    pdyn_destroy(context);
 }
 
 /* Steps of two lengths in turn, as before frames: an old factor still serves, and nothing is
@@ -322,10 +268,13 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_factor),        cmocka_unit_test(test_factor_threads),
-        cmocka_unit_test(test_backbone),      cmocka_unit_test(test_accelerations),
-        cmocka_unit_test(test_hybrid),        cmocka_unit_test(test_goes_on),
-        cmocka_unit_test(test_changing_step), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_factor),
+        cmocka_unit_test(test_factor_threads),
+        cmocka_unit_test(test_accelerations),
+        cmocka_unit_test(test_hybrid),
+        cmocka_unit_test(test_goes_on),
+        cmocka_unit_test(test_changing_step),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }

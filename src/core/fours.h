@@ -32,6 +32,8 @@ INLINE void fours_store(void *to, const fours *x) {
 INLINE void fours_subtract(fours *out, const fours *x, const fours *y) {
     out->low = x->low - y->low, out->high = x->high - y->high;
 }
+/* sum += x */
+INLINE void fours_add(fours *sum, const fours *x) { sum->low += x->low, sum->high += x->high; }
 /* out = x y */
 INLINE void fours_multiply(fours *out, const fours *x, const fours *y) {
     out->low = x->low * y->low, out->high = x->high * y->high;
@@ -48,13 +50,6 @@ INLINE void fours_add_each(fours *sum, const fours *x, int k, const fours *y) {
     else if (k == 2) high = SHUFFLE(x->high, x->high, EACH_TWO(2));
     else high = SHUFFLE(x->high, x->high, EACH_TWO(3));
     sum->low += low * y->low, sum->high += high * y->high;
-}
-/* Four k, four times. */
-INLINE void fours_all(fours *out, const fours *x, int k) {
-    const v8f *half = k < 2 ? &x->low : &x->high;
-    if (k % 2) out->low = SHUFFLE(*half, *half, TWO(4, 4));
-    else out->low = SHUFFLE(*half, *half, TWO(0, 0));
-    out->high = out->low;
 }
 /* The sums of the fours of x[0], x[1], x[2], x[3] */
 INLINE void fours_sums(fours *out, const fours x[4]) {

@@ -14,7 +14,7 @@ enum { BACKTRACKS = 6 };
 static const double worth = 0.3;
 /* Iterations of a step's first linear solve where all is static, at least: at s, a few stiff points
  * such as pins are most of the gradient, and one iteration does away with that. */
-enum { LEAST = 3 };
+enum { LEAST = 5 };
 
 struct rule {      /* what a step along the direction has to meet */
     double bound;  /* J: E ends below it */

@@ -15,7 +15,7 @@ static void release(void *self) {
 
 static void prepare(void *self) {
     struct cg *cg = self;
-    jacobi_prepare(&cg->jacobi, 1.0);
+    jacobi_prepare(&cg->jacobi);
 }
 
 static double precondition(void *self) {

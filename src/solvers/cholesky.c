@@ -20,7 +20,7 @@ static void release(void *self) {
 static pdyn_status create(void *self, pdyn_model *model) {
     struct cholesky *c = self;
     struct system *system = model_system(model);
-    factor_start(&c->factor, system->context, false);
+    factor_start(&c->factor, system->context);
     return hessian_create(&c->hessian, system);
 }
 

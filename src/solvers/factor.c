@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-void factor_start(struct factor *f, pdyn_context *context, bool single) {
-    f->context = context, f->single = single;
+void factor_start(struct factor *f, pdyn_context *context) {
+    f->context = context;
     cholmod_start(&f->common);
     f->common.print = 0;
 }
@@ -57,7 +57,7 @@ pdyn_status factor_analyse(struct factor *f, const struct matrix *m, bool lastin
     cholmod_free_factor(&f->factor, &f->common);
     f->factor = cholmod_analyze(&A, &f->common);
     if (!f->factor) return fail(f, "analyse");
-    return f->coupled ? PDYN_OK : panels_build(&f->panels, f->context, f->factor, f->single);
+    return f->coupled ? PDYN_OK : panels_build(&f->panels, f->context, f->factor);
 }
 
 pdyn_status factor_numbers(struct factor *f, const struct matrix *m) {
@@ -90,8 +90,4 @@ pdyn_status factor_solve(struct factor *f, const double *b, double *y) {
     if (f->coupled) return solve_coupled(f, b, y);
     panels_solve(&f->panels, b, y);
     return PDYN_OK;
-}
-
-void factor_solve_single(struct factor *f, const float *b, float *y) {
-    panels_solve_single(&f->panels, b, y);
 }

@@ -12,15 +12,13 @@ struct factor {
     pdyn_context *context;
     int unknowns; /* 3 particles where these couple, else particles */
     bool coupled;
-    bool single; /* panels in floats */
     cholmod_common common;
     cholmod_factor *factor; /* its numbers are in the panels, unless coupled */
     struct panels panels;
     cholmod_dense *solution, *work, *scratch; /* coupled */
 };
 
-/* single: see panels_build; for `panels` alone. */
-void factor_start(struct factor *factor, pdyn_context *context, bool single);
+void factor_start(struct factor *factor, pdyn_context *context);
 void factor_free(struct factor *factor); /* zeroed or started */
 
 /* Chooses the order of the unknowns by the pattern. `lasting`: it will be solved with often, so a
@@ -30,7 +28,5 @@ pdyn_status factor_analyse(struct factor *factor, const struct matrix *matrix, b
 pdyn_status factor_numbers(struct factor *factor, const struct matrix *matrix);
 /* y = A^-1 b, particles x 3 both */
 pdyn_status factor_solve(struct factor *factor, const double *b, double *y);
-/* The same in floats, particles x 4, of a factor started for that. */
-void factor_solve_single(struct factor *factor, const float *b, float *y);
 
 #endif

@@ -1,9 +1,7 @@
 /* Conjugate gradients with a preconditioner that sees further than a particle: the blocks of cg,
- * and a level for what surfaces and solids do as a whole: a factor where all is static
- * (backbone.h), groups of particles where fluid or contact change what they feel (groups.h). In
- * floats (single_cg.h) as far as these go, beyond that in doubles. */
-#include "backbone.h"
-#include "groups.h"
+ * and a coarse level for what surfaces and solids do as a whole (coarse.h). In floats (single_cg.h)
+ * as far as these go, beyond that in doubles. */
+#include "coarse.h"
 #include "jacobi.h"
 #include "krylov.h"
 #include "single_cg.h"
@@ -14,50 +12,36 @@
 struct hybrid {
     struct krylov krylov;
     struct jacobi jacobi;
-    struct backbone backbone;
     struct single_cg single;
-    struct groups groups;
+    struct coarse coarse;
 };
 
 static void release(void *self) {
     struct hybrid *s = self;
     jacobi_free(&s->jacobi);
     single_cg_free(&s->single);
-    backbone_free(&s->backbone);
-    groups_free(&s->groups);
+    coarse_free(&s->coarse);
     krylov_free(&s->krylov);
 }
-
-/* How much of the blocks, in turn with a factor and where a level is added to them: a factor holds
- * all that they do once more, groups hold little of it. */
-static const double in_turn = 0.6, beside_factor = 0.5, beside_groups = 1.0;
 
 /* Floats are trusted to bring a residual down by as much. */
 static const double trusted = 1e-4;
 
-/* ---- a level beside the blocks --------------------------------------------------------------- */
+/* ---- in doubles ------------------------------------------------------------------------------ */
 
-static void prepare_backbone(void *self) {
-    jacobi_prepare(&((struct hybrid *)self)->jacobi, beside_factor);
+static void prepare(void *self) {
+    struct hybrid *s = self;
+    jacobi_prepare(&s->jacobi);
+    coarse_prepare(&s->coarse, false);
 }
 
-static double add_backbone(void *self) {
+static double precondition(void *self) {
     struct hybrid *s = self;
     double rz = jacobi_apply(&s->jacobi, s->krylov.r, s->krylov.z);
-    return rz + backbone_add(&s->backbone, s->krylov.r, s->krylov.z);
+    return rz + coarse_add(&s->coarse, s->krylov.r, s->krylov.z);
 }
 
-static void prepare_groups(void *self) {
-    struct hybrid *s = self;
-    jacobi_prepare(&s->jacobi, beside_groups);
-    groups_prepare(&s->groups);
-}
-
-static double add_groups(void *self) {
-    struct hybrid *s = self;
-    double rz = jacobi_apply(&s->jacobi, s->krylov.r, s->krylov.z);
-    return rz + groups_add(&s->groups, s->krylov.r, s->krylov.z);
-}
+/* ---- in floats ------------------------------------------------------------------------------- */
 
 /* b -= H d, as doubles see it */
 static void look(struct krylov *k, double *b) {
@@ -82,30 +66,6 @@ static bool linear_in_floats(void *self, double size, double target, const pdyn_
     if (goal->tolerance >= trusted) single_cg_residual(&s->single, size, k->r);
     else look(k, k->r);
     return true;
-}
-
-static pdyn_status create_groups(struct hybrid *s, struct system *system) {
-    pdyn_status status = groups_create(&s->groups, system);
-    if (status != PDYN_OK || !s->groups.clusters.count) return status;
-    s->krylov.linear = linear_in_floats;
-    return single_cg_create(&s->single, system, &s->jacobi, beside_groups, NULL, &s->groups);
-}
-
-/* ---- the solver ------------------------------------------------------------------------------ */
-
-static pdyn_status create(void *self, pdyn_model *model) {
-    struct hybrid *s = self;
-    struct system *system = model_system(model);
-    pdyn_status status = krylov_create(&s->krylov, system->context, system);
-    s->krylov.self = s, s->krylov.patient = system->changing;
-    s->krylov.prepare = system->changing ? prepare_groups : prepare_backbone;
-    s->krylov.precondition = system->changing ? add_groups : add_backbone;
-    if (status == PDYN_OK) status = jacobi_create(&s->jacobi, system);
-    if (status != PDYN_OK) return status;
-    if (system->changing) return create_groups(s, system);
-    status = backbone_create(&s->backbone, system);
-    if (status != PDYN_OK) return status;
-    return single_cg_create(&s->single, system, &s->jacobi, in_turn, &s->backbone, NULL);
 }
 
 /* One solve in floats; b, of this size, becomes what doubles see of it, unless it is the last one
@@ -148,32 +108,38 @@ static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal
     *iterations += done;
 }
 
+/* ---- the solver ------------------------------------------------------------------------------ */
+
+static pdyn_status create(void *self, pdyn_model *model) {
+    struct hybrid *s = self;
+    struct system *system = model_system(model);
+    pdyn_status status = krylov_create(&s->krylov, system->context, system);
+    s->krylov.self = s, s->krylov.patient = system->changing;
+    s->krylov.prepare = prepare, s->krylov.precondition = precondition;
+    if (status == PDYN_OK) status = jacobi_create(&s->jacobi, system);
+    if (status == PDYN_OK) status = coarse_create(&s->coarse, system);
+    if (status != PDYN_OK || (system->changing && !s->coarse.p.nodes)) return status;
+    if (system->changing) s->krylov.linear = linear_in_floats;
+    return single_cg_create(&s->single, system, &s->jacobi, &s->coarse);
+}
+
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct hybrid *s = self;
     if (s->single.system) single_cg_prepare(&s->single);
-    if (!s->backbone.system) {
-        krylov_solve(&s->krylov, b, y, goal, iterations);
-        return PDYN_OK;
-    }
-    pdyn_status status = backbone_update(&s->backbone);
-    if (status != PDYN_OK) return status;
-    solve_static(s, b, y, goal, iterations);
-    backbone_note(&s->backbone, *iterations);
+    if (s->krylov.system->changing) krylov_solve(&s->krylov, b, y, goal, iterations);
+    else solve_static(s, b, y, goal, iterations);
     return PDYN_OK;
 }
 
 static pdyn_status persist(void *self, pdyn_archive *archive) {
-    struct hybrid *s = self;
-    if (s->backbone.system) backbone_persist(&s->backbone, archive);
-    else groups_persist(&s->groups, archive);
+    coarse_persist(&((struct hybrid *)self)->coarse, archive);
     return PDYN_OK;
 }
 
 const pdyn_global_solver pdyn_solver_hybrid = {
     .name = "hybrid",
-    .summary = "conjugate gradients preconditioned by 3 x 3 blocks and by a factor: of the "
-               "projective step's matrix, in single precision, or where fluid and contact change, "
-               "of groups of particles; for cloth with the newton step",
+    .summary = "conjugate gradients preconditioned by 3 x 3 blocks and by a coarse level, what H "
+               "makes of some hundred nodes of surfaces and solids; for cloth with the newton step",
     .state_size = sizeof(struct hybrid),
     .create = create,
     .solve = solve,

@@ -22,7 +22,6 @@ static void invert_blocks(void *arg, int first, int last, int block) {
         double *D = s->inverse + 6 * (size_t)i;
         if (!s->held[i]) soften(D, system_inertia(s->system, i));
         block_invert(D);
-        for (int a = 0; a < 6; a++) D[a] *= s->scale;
     }
 }
 
@@ -57,14 +56,11 @@ static void for_particles(struct jacobi *s, pdyn_range_fn *fn) {
     pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, s);
 }
 
-void jacobi_invert(struct jacobi *s, double scale) {
-    s->scale = scale;
-    for_particles(s, invert_blocks);
-}
+void jacobi_invert(struct jacobi *s) { for_particles(s, invert_blocks); }
 
-void jacobi_prepare(struct jacobi *s, double scale) {
+void jacobi_prepare(struct jacobi *s) {
     system_diagonal(s->system, s->inverse);
-    jacobi_invert(s, scale);
+    jacobi_invert(s);
 }
 
 double jacobi_apply(struct jacobi *s, const double *r, double *z) {

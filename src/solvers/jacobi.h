@@ -8,7 +8,6 @@ struct jacobi {
     struct system *system;
     double *inverse; /* particles x 6 */
     bool *held;      /* particles: some rows hold it */
-    double scale;    /* in `inverse` */
     const double *r; /* of the product that runs */
     double *z;
 };
@@ -17,10 +16,10 @@ pdyn_status jacobi_create(struct jacobi *jacobi, struct system *system);
 void jacobi_free(struct jacobi *jacobi); /* zeroed is fine */
 
 /* Takes the blocks of H as it is linearised. */
-void jacobi_prepare(struct jacobi *jacobi, double scale);
+void jacobi_prepare(struct jacobi *jacobi);
 /* Takes those that have been put into `inverse`. */
-void jacobi_invert(struct jacobi *jacobi, double scale);
-/* z = scale D^-1 r; returns r.z */
+void jacobi_invert(struct jacobi *jacobi);
+/* z = D^-1 r; returns r.z */
 double jacobi_apply(struct jacobi *jacobi, const double *r, double *z);
 
 #endif

@@ -16,6 +16,12 @@
 
 #include <suitesparse/cholmod.h>
 
+enum { TILE = 4 }; /* rows */
+enum {
+    PANELS_WORTH = 50000
+}; /* numbers of a factor that has tasks; a panel of the top is shared
+      above a quarter of it */
+
 struct panel {
     int first, columns; /* its columns of L */
     int rows, row;      /* how many below; the first of these in `place` */
@@ -39,23 +45,41 @@ struct panels {
     int *column_of;      /* columns + rows; places of them used: the column that each stands for */
     struct task *task;   /* panels; tasks of them used, in the order of their panels */
     int *top;            /* panels; tops of them used: those in no task */
-    bool single;         /* the next three are floats, or else doubles */
-    void *value;         /* values: all T */
-    void *work;          /* places x 4: the vector, then what tasks give to the top */
-    void *scratch;       /* (tasks + 1) x widest x 4: a panel's part of the vector */
+    double *value;       /* values: all T */
+    double *work;        /* places x 4: the vector, then what tasks give to the top */
+    double *scratch;     /* (tasks + 1) x widest x 4: a panel's part of the vector */
 };
 
-/* Takes the layout of a supernodal factor; frees what was there. `single`: solves in floats, for
- * preconditioners: half as much to read, and errors of some 6e-8 sqrt(condition) in the norm of A,
- * as of a backward stable substitution. */
-pdyn_status panels_build(struct panels *panels, pdyn_context *context, const cholmod_factor *factor,
-                         bool single);
+/* Takes the layout of a supernodal factor; frees what was there. */
+pdyn_status panels_build(struct panels *panels, pdyn_context *context,
+                         const cholmod_factor *factor);
 /* Takes its numbers. */
 pdyn_status panels_fill(struct panels *panels, const cholmod_factor *factor);
 /* y = A^-1 b, both columns x 3 in the order of the particles; they may be one. */
 void panels_solve(struct panels *panels, const double *b, double *y);
-/* The same in floats, columns x 4, if built for that. */
-void panels_solve_single(struct panels *panels, const float *b, float *y);
 void panels_free(struct panels *panels);
+
+/* ---- tiles ----------------------------------------------------------------------------------- */
+
+static inline int tiles_of(int rows) { return (rows + TILE - 1) / TILE; }
+
+/* Tiles of a panel: of the triangle D^-1 first, these have no columns right of it. */
+static inline int panel_tiles(const struct panel *p) {
+    return tiles_of(p->columns) + tiles_of(p->rows);
+}
+
+static inline int tile_columns(const struct panel *p, int tile) {
+    return TILE * (tile + 1) < p->columns ? TILE * (tile + 1) : p->columns;
+}
+
+/* Numbers before a tile. */
+static inline size_t tile_start(const struct panel *p, int tile) {
+    size_t triangle = (size_t)(p->columns + TILE - 1) / TILE, t = (size_t)tile;
+    if (t < triangle) return TILE * TILE / 2 * t * (t + 1);
+    return TILE * TILE / 2 * triangle * (triangle - 1) +
+           TILE * (size_t)p->columns * (t - triangle + 1);
+}
+
+static inline size_t panel_values(const struct panel *p) { return tile_start(p, panel_tiles(p)); }
 
 #endif

@@ -6,8 +6,8 @@ enum { ELEMENTS = 1024, PARTICLES = 512 }; /* grains: worth waking a thread for 
 
 struct call {
     struct single *s;
-    const float *u, *x; /* x: NULL where no rest of it is wanted */
-    float *y, *rest;
+    const float *u;
+    float *y;
     int batch;
 };
 
@@ -120,7 +120,8 @@ INLINE void sum_numbers(const struct single *s, int patch, const float *u, fours
 /* sum += B (own - u of the other end), but for fourth lanes; own: of the members */
 INLINE void add_links(const struct single *s, int patch, const float *u, const fours *own,
                       fours *sum) {
-    fours at, B, along;
+    fours at, B, along, plain;
+    fours_zero(&plain);
     for (int t = s->link_start[patch]; t < s->link_start[patch + 1]; t++) {
         const struct links *l = s->links + t;
         __builtin_prefetch(l + AHEAD);
@@ -130,8 +131,9 @@ INLINE void add_links(const struct single *s, int patch, const float *u, const f
         fours_multiply(&along, &B, &at);
         fours_sum_each(&along, &along);
         fours_add_product(sum, &along, &B);
-        fours_add_each(sum, &B, 3, &at);
+        fours_add_each(&plain, &B, 3, &at);
     }
+    fours_add(sum, &plain);
 }
 
 /* y += what doubles give to particle i */
@@ -141,8 +143,8 @@ INLINE void add_wide(const struct single *s, int i, v4f *y) {
     *y += __builtin_convertvector(wide, v4f);
 }
 
-/* The four members' parts of y = H u, and of what that leaves of x; adds to u.H u. */
-INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *product) {
+/* The four members' parts of y = H u; adds to u.H u. */
+INLINE void multiply_patch(const struct call *c, int patch, v4 *product) {
     const struct single *s = c->s;
     const int *member = s->member + PATCH * patch;
     fours own, sum;
@@ -161,7 +163,6 @@ INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *
         y[3] = 0.0F;
         products += u * y;
         v4f_store(c->y, i, &y);
-        if (x) v4f_load(&u, x, i), u -= y, v4f_store(c->rest, i, &u);
     }
     *product += __builtin_convertvector(products, v4);
 }
@@ -169,15 +170,8 @@ INLINE void multiply_patch(const struct call *c, int patch, const float *x, v4 *
 WIDE static void multiply_patches(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     v4 product = {0};
-    for (int k = first; k < last; k++) multiply_patch(c, k, NULL, &product);
+    for (int k = first; k < last; k++) multiply_patch(c, k, &product);
     c->s->partial[block] = v4_sum(&product);
-}
-
-WIDE static void subtract_patches(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    v4 product = {0};
-    for (int k = first; k < last; k++) multiply_patch(c, k, c->x, &product);
 }
 
 WIDE static void widen(void *arg, int first, int last, int block) {
@@ -199,26 +193,18 @@ static void multiply_wide(struct call *call) {
         if (s->way[b] == LEFT_OUT) batch_apply(sys->batch[b], s->wide_u, s->wide_y);
 }
 
-static void multiply(struct call *call, pdyn_range_fn *patches) {
-    struct single *s = call->s;
-    struct system *sys = s->system;
-    if (s->wide_u) multiply_wide(call);
-    for (call->batch = 0; call->batch < sys->batches; call->batch++)
-        if (s->block[call->batch])
-            pool_for(sys->context->pool, sys->batch[call->batch]->view.elements, ELEMENTS,
-                     multiply_elements, call);
-    pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, patches, call);
-}
-
 double single_apply(struct single *s, const float *u, float *y) {
+    struct system *sys = s->system;
+    struct call call = {.s = s, .u = u, .y = y};
     double sum = 0.0;
-    multiply(&(struct call){.s = s, .u = u, .y = y}, multiply_patches);
+    if (s->wide_u) multiply_wide(&call);
+    for (call.batch = 0; call.batch < sys->batches; call.batch++)
+        if (s->block[call.batch])
+            pool_for(sys->context->pool, sys->batch[call.batch]->view.elements, ELEMENTS,
+                     multiply_elements, &call);
+    pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, multiply_patches, &call);
     for (int k = 0; k < pool_blocks(s->patches, SINGLE_GRAIN); k++) sum += s->partial[k];
     return sum;
-}
-
-void single_subtract(struct single *s, const float *u, float *y, const float *x, float *rest) {
-    multiply(&(struct call){.s = s, .u = u, .x = x, .y = y, .rest = rest}, subtract_patches);
 }
 
 /* ---- its numbers ----------------------------------------------------------------------------- */

@@ -84,7 +84,5 @@ void single_diagonal(const struct single *single, double *blocks);
 
 /* y = H u; returns u.y. */
 double single_apply(struct single *single, const float *u, float *y);
-/* y = H u, and rest = x - H u; x and rest may be one. */
-void single_subtract(struct single *single, const float *u, float *y, const float *x, float *rest);
 
 #endif

@@ -1,7 +1,6 @@
 #include "single_cg.h"
 
 #include "blocks.h"
-#include "single_turn.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,35 +14,32 @@ struct call {
     const double *b;
     double *y;
     double size, scale; /* of b; of what is added */
+    bool coarse;
 };
 
 pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct jacobi *jacobi,
-                             double omega, struct backbone *backbone, struct groups *groups) {
+                             struct coarse *coarse) {
     pdyn_context *c = system->context;
-    float **vector[] = {&s->r, &s->z, &s->p, &s->q, &s->w, &s->t, &s->u, &s->hz, &s->ht, &s->hu};
+    float **vector[] = {&s->r, &s->z, &s->p, &s->q};
     int blocks = pool_blocks(system->particles, SYSTEM_GRAIN);
     bool good = true;
-    s->system = system, s->jacobi = jacobi, s->omega = omega;
-    s->backbone = backbone, s->groups = groups;
-    for (size_t k = 0; k < (backbone ? 10 : 4); k++)
+    s->system = system, s->jacobi = jacobi, s->coarse = coarse;
+    for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
         good &= (*vector[k] = NEW_ARRAY(c, single_size(system), float)) != NULL;
     s->inverse = NEW_ARRAY(c, 9 * (size_t)system->particles + 1, float);
     s->sums = NEW_ARRAY(c, blocks, struct single_sums);
-    if (backbone) s->turn_sums = NEW_ARRAY(c, blocks, struct turn_sums);
-    good &= s->inverse && (!blocks || (s->sums && (!backbone || s->turn_sums)));
+    good &= s->inverse && (!blocks || s->sums);
     return good ? single_create(&s->product, system) : PDYN_NO_MEMORY;
 }
 
 void single_cg_free(struct single_cg *s) {
     if (!s->system) return;
     pdyn_context *c = s->system->context;
-    float *vector[] = {s->r, s->z, s->p, s->q, s->w, s->t, s->u, s->hz, s->ht, s->hu};
-    int blocks = pool_blocks(s->system->particles, SYSTEM_GRAIN);
+    float *vector[] = {s->r, s->z, s->p, s->q};
     for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
         FREE_ARRAY(c, vector[k], single_size(s->system));
     FREE_ARRAY(c, s->inverse, 9 * (size_t)s->system->particles + 1);
-    FREE_ARRAY(c, s->sums, blocks);
-    FREE_ARRAY(c, s->turn_sums, blocks);
+    FREE_ARRAY(c, s->sums, pool_blocks(s->system->particles, SYSTEM_GRAIN));
     single_free(&s->product);
 }
 
@@ -64,7 +60,7 @@ INLINE void add_product(v4 *sum, const v4f *a, const v4f *b) {
     *sum += __builtin_convertvector(*a * *b, v4);
 }
 
-/* r = scale b, z = omega D^-1 r */
+/* r = scale b, z = D^-1 r */
 WIDE static void begin_single(void *arg, int first, int last, int block) {
     (void)block;
     static const int packed[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
@@ -81,19 +77,35 @@ WIDE static void begin_single(void *arg, int first, int last, int block) {
     }
 }
 
-/* z += what its group does; sums: r.z, z.q, r.p */
-WIDE static void end_groups(void *arg, int first, int last, int block) {
-    struct single_cg *s = ((const struct call *)arg)->s;
-    const struct groups *groups = s->groups;
+/* z += what particle i's nodes do */
+INLINE void follow_nodes(const struct single_cg *s, int i, v4f *z) {
+    const struct sparse *P = &s->coarse->p.particles;
+    for (int k = P->start[i]; k < P->start[i + 1]; k++) {
+        v4f node;
+        v4f_load(&node, s->coarse->moved, P->entry[k].column);
+        *z += P->entry[k].value * node;
+    }
+}
+
+/* z = D^-1 r of particle i */
+INLINE void divide_by_block(const struct single_cg *s, int i, const v4f *r, v4f *z) {
+    v4f column[3];
+    for (int a = 0; a < 3; a++)
+        memcpy(&column[a], s->inverse + 9 * (size_t)i + 3 * a, sizeof column[a]);
+    *z = (*r)[0] * column[0] + (*r)[1] * column[1] + (*r)[2] * column[2];
+    (*z)[3] = 0.0F;
+}
+
+/* z += what its nodes do, if they do; sums: r.z, z.q, r.p */
+WIDE static void end_coarse(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct single_cg *s = c->s;
     v4 rz = {0}, zq = {0}, rp = {0};
     for (int i = first; i < last; i++) {
-        v4f r, z, p, q, more = {0};
-        int g = groups->clusters.of[i];
-        if (g >= 0) v4f_load(&more, groups->moved, g);
+        v4f r, z, p, q;
         v4f_load(&r, s->r, i), v4f_load(&z, s->z, i);
         v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
-        z += more;
-        v4f_store(s->z, i, &z);
+        if (c->coarse) follow_nodes(s, i, &z), v4f_store(s->z, i, &z);
         add_product(&rz, &r, &z), add_product(&zq, &z, &q), add_product(&rp, &r, &p);
     }
     s->sums[block] = (struct single_sums){.rz = v4_sum(&rz), .zq = v4_sum(&zq), .rp = v4_sum(&rp)};
@@ -113,7 +125,7 @@ WIDE static void turn_single(void *arg, int first, int last, int block) {
     }
 }
 
-/* r -= scale q, y += size scale p, z = omega D^-1 r; sums: r.r */
+/* r -= scale q, y += size scale p, z = D^-1 r; sums: r.r */
 WIDE static void go_on(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct single_cg *s = c->s;
@@ -124,7 +136,7 @@ WIDE static void go_on(void *arg, int first, int last, int block) {
         v4f r, z, p, q;
         v4f_load(&r, s->r, i), v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
         r -= scale * q;
-        single_cg_block(s, i, &r, &z);
+        divide_by_block(s, i, &r, &z);
         v4f_store(s->r, i, &r), v4f_store(s->z, i, &z);
         add_product(&rr, &r, &r);
         v4 step = length * __builtin_convertvector(p, v4);
@@ -135,12 +147,12 @@ WIDE static void go_on(void *arg, int first, int last, int block) {
 
 /* ---- conjugate gradients --------------------------------------------------------------------- */
 
-/* From r and z = omega D^-1 r, the direction that goes on from the last one, in the metric of H as
+/* From r and z = D^-1 r, the direction that goes on from the last one, in the metric of H as
  * it was along that: also from the last one of the solve before, whose model differed little.
  * Returns r.p. */
-static double next_direction(struct single_cg *s) {
-    groups_solve_single(s->groups, s->r);
-    struct single_sums sums = for_particles(s, end_groups, &(struct call){0});
+static double next_direction(struct single_cg *s, bool coarse) {
+    if (coarse) coarse_solve_single(s->coarse, s->r);
+    struct single_sums sums = for_particles(s, end_coarse, &(struct call){.coarse = coarse});
     struct call call = {.scale = s->curvature > 0.0 ? -sums.zq / s->curvature : 0.0};
     double rp = sums.rz + call.scale * sums.rp;
     if (!(rp > 0.0)) call.scale = 0.0, rp = sums.rz;
@@ -150,41 +162,40 @@ static double next_direction(struct single_cg *s) {
 
 /* Goes along it. Returns r.p, by half of which the model falls, for the p that is added; 0: floats
  * are at their end. */
-static double go_with_groups(struct single_cg *s, struct call *call, double *rr) {
-    double rp = next_direction(s);
+static double go_along(struct single_cg *s, struct call *call, bool coarse, double *rr) {
+    double rp = next_direction(s, coarse);
     s->curvature = single_apply(&s->product, s->p, s->q);
     if (!(s->curvature > 0.0)) return 0.0;
     call->scale = rp / s->curvature;
     *rr = for_particles(s, go_on, call).rr;
-    return rp * call->scale;
+    return isfinite(*rr) ? rp * call->scale : 0.0;
 }
 
 /* ---- solves ---------------------------------------------------------------------------------- */
 
 void single_cg_prepare(struct single_cg *s) { single_prepare(&s->product); }
 
-/* With groups, p goes on from the solve before as it is. With a factor, only where that was cut
- * short, for it takes a product with the new H. */
 static void begin(struct single_cg *s, struct call *call, const pdyn_goal *goal) {
     single_diagonal(&s->product, s->jacobi->inverse);
-    jacobi_invert(s->jacobi, s->omega);
+    jacobi_invert(s->jacobi);
     for_particles(s, begin_single, call);
-    if (s->groups) {
-        groups_prepare(s->groups);
-    } else if (s->cut && !goal->first) {
-        single_apply(&s->product, s->p, s->q);
-    } else {
-        memset(s->p, 0, single_size(s->system) * sizeof *s->p);
-        memset(s->q, 0, single_size(s->system) * sizeof *s->q);
-    }
-    s->cut = false;
+    coarse_prepare(s->coarse, goal->first);
+    if (goal->first) s->curvature = 0.0;
 }
 
 /* `gain` of the last iteration, `gained` by those that count. */
 static bool is_enough(const pdyn_goal *goal, int iterations, double gain, double gained) {
     int count = goal->least > 0 ? iterations - 1 : iterations;
-    return iterations >= goal->iterations ||
-           (iterations >= goal->least && gain * count < goal->gain * gained);
+    return iterations >= goal->least && gain * count < goal->gain * gained;
+}
+
+/* Most of what few iterations leave is stiff motion between nodes: a step by blocks alone, which
+ * takes a product but no solve with the coarse level, does away with much of it. Where H changes, a
+ * product is dear. */
+static enum single_end cut_short(struct single_cg *s, struct call *call) {
+    double rr;
+    if (!s->system->changing) go_along(s, call, false, &rr);
+    return SINGLE_ENOUGH;
 }
 
 enum single_end single_cg_solve(struct single_cg *s, const double *b, double size, double *y,
@@ -192,15 +203,13 @@ enum single_end single_cg_solve(struct single_cg *s, const double *b, double siz
     struct call call = {.b = b, .y = y, .size = size};
     double rr = 1.0, gained = 0.0, gain = INFINITY;
     *iterations = 0;
-    if (goal->first) s->curvature = 0.0;
     if (!(size > 0.0)) return SINGLE_SOLVED;
     call.scale = 1.0 / size;
     begin(s, &call, goal);
     while (*iterations < goal->least || rr > goal->tolerance * goal->tolerance) {
-        s->cut = *iterations >= goal->iterations;
+        if (*iterations >= goal->iterations) return cut_short(s, &call);
         if (is_enough(goal, *iterations, gain, gained)) return SINGLE_ENOUGH;
-        gain = s->backbone ? single_turn(s, size, y, *iterations > 0, &rr)
-                           : go_with_groups(s, &call, &rr);
+        gain = go_along(s, &call, true, &rr);
         if (!(gain > 0.0)) return SINGLE_EXHAUSTED;
         if (*iterations > 0 || goal->least == 0) gained += gain;
         ++*iterations;

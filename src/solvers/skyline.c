@@ -4,62 +4,174 @@
 
 #include <math.h>
 
-pdyn_status skyline_create(struct skyline *s, pdyn_context *context, int rows, const int *first) {
-    s->context = context, s->rows = rows;
-    s->first = NEW_ARRAY(context, rows, int);
-    s->start = NEW_ARRAY(context, rows + 1, size_t);
-    if ((rows && !s->first) || !s->start) return PDYN_NO_MEMORY;
-    for (int i = 0; i < rows; i++) {
-        s->first[i] = first[i];
-        s->start[i + 1] = s->start[i] + (size_t)(i - first[i] + 1);
+enum { FOUR = 4 }; /* columns of L that are found at once */
+
+pdyn_status skyline_create(struct skyline *s, pdyn_context *context, int nodes, const int *first) {
+    s->context = context, s->nodes = nodes;
+    s->first = NEW_ARRAY(context, nodes, int);
+    s->start = NEW_ARRAY(context, nodes + 1, size_t);
+    s->origin = NEW_ARRAY(context, 3 * nodes, ptrdiff_t);
+    if ((nodes && !(s->first && s->origin)) || !s->start) return PDYN_NO_MEMORY;
+    for (int i = nodes - 1; i >= 0; i--) {
+        bool beyond = i + 1 < nodes && first[i] > s->first[i + 1];
+        s->first[i] = beyond ? s->first[i + 1] : first[i];
     }
-    s->value = NEW_ARRAY(context, s->start[rows], double);
-    return s->value || !rows ? PDYN_OK : PDYN_NO_MEMORY;
+    for (int i = 0; i < nodes; i++) s->start[i + 1] = s->start[i] + (size_t)(i - s->first[i] + 1);
+    s->value = NEW_ARRAY(context, skyline_size(s), double);
+    if (nodes && !s->value) return PDYN_NO_MEMORY;
+    for (int r = 0; r < 3 * nodes; r++)
+        s->origin[r] = skyline_row(s, r / 3, r % 3) - s->value - 3 * s->first[r / 3];
+    return PDYN_OK;
 }
 
 void skyline_free(struct skyline *s) {
     if (!s->context) return;
-    if (s->start) FREE_ARRAY(s->context, s->value, s->start[s->rows]);
-    FREE_ARRAY(s->context, s->start, s->rows + 1);
-    FREE_ARRAY(s->context, s->first, s->rows);
+    if (s->start) FREE_ARRAY(s->context, s->value, skyline_size(s));
+    FREE_ARRAY(s->context, s->start, s->nodes + 1);
+    FREE_ARRAY(s->context, s->first, s->nodes);
+    FREE_ARRAY(s->context, s->origin, 3 * s->nodes);
 }
 
-/* The product of rows i and j of L before column j. */
-INLINE double skyline_rows(const struct skyline *s, int i, int j) {
-    int from = s->first[i] > s->first[j] ? s->first[i] : s->first[j];
-    if (from >= j) return 0.0;
-    return simd_dot(skyline_at(s, i, from), skyline_at(s, j, from), j - from);
+/* ---- the factor ------------------------------------------------------------------------------ */
+
+/* out = the sums of four */
+INLINE void sums_of(v4 *out, const v4 x[FOUR]) {
+    v4 a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6) +
+           __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7);
+    v4 b = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6) +
+           __builtin_shufflevector(x[2], x[3], 1, 5, 3, 7);
+    *out = __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
+}
+
+/* sum = the products of three rows with four, so many numbers of each */
+INLINE void multiply_rows(v4 sum[3][FOUR], double *const row[3], const double *const other[FOUR],
+                          int count) {
+    for (int p = 0; p < 3; p++)
+        for (int q = 0; q < FOUR; q++) sum[p][q] = (v4){0};
+    for (int m = 0; m < count; m += 4) {
+        v4 x[3], y;
+        for (int p = 0; p < 3; p++) memcpy(&x[p], row[p] + m, sizeof x[p]);
+        for (int q = 0; q < FOUR; q++) {
+            memcpy(&y, other[q] + m, sizeof y);
+            for (int p = 0; p < 3; p++) sum[p][q] += x[p] * y;
+        }
+    }
+}
+
+/* Columns k, .. of three rows of L, from what A has there and L left of them. other: the rows of L
+ * that end in these columns. */
+INLINE void find_four(double *const row[3], const double *const other[FOUR], int k) {
+    v4 sum[3][FOUR];
+    multiply_rows(sum, row, other, k);
+    for (int p = 0; p < 3; p++) {
+        double own[FOUR];
+        v4 rest, found;
+        sums_of(&rest, sum[p]);
+        for (int q = 0; q < FOUR; q++) {
+            own[q] = row[p][k + q] - rest[q];
+            for (int r = 0; r < q; r++) own[q] -= own[r] * other[q][k + r];
+            own[q] *= other[q][k + q];
+        }
+        found = (v4){own[0], own[1], own[2], own[3]};
+        memcpy(row[p] + k, &found, sizeof found);
+    }
+}
+
+/* Scalar row r of L, from the column where block row i begins. */
+INLINE double *row_from(const struct skyline *s, int i, int r) {
+    return s->value + s->origin[r] + 3 * s->first[i];
+}
+
+/* Columns k to n + 2 of three rows, their diagonal block and at most three before it. */
+INLINE bool find_last(const struct skyline *s, int i, double *const row[3], int k, int n) {
+    int f = 3 * s->first[i];
+    double sum[3][2 * FOUR];
+    bool good = true;
+    for (int c = k; c < n + 3; c += FOUR) {
+        v4 part[3][FOUR], all;
+        const double *other[FOUR];
+        for (int q = 0; q < FOUR; q++) other[q] = row_from(s, i, f + (c + q < n + 3 ? c + q : c));
+        multiply_rows(part, row, other, k);
+        for (int p = 0; p < 3; p++)
+            sums_of(&all, part[p]), memcpy(sum[p] + c - k, &all, sizeof all);
+    }
+    for (int p = 0; p < 3; p++)
+        for (int m = k; m <= n + p; m++) {
+            const double *other = row_from(s, i, f + m);
+            double rest = row[p][m] - sum[p][m - k];
+            for (int r = k; r < m; r++) rest -= row[p][r] * other[r];
+            if (m < n + p) row[p][m] = rest * other[m];
+            else good &= rest > 0.0, row[p][m] = rest > 0.0 ? 1.0 / sqrt(rest) : 0.0;
+        }
+    return good;
 }
 
 WIDE static bool factor_rows(const struct skyline *s) {
     bool good = true;
-    for (int i = 0; i < s->rows; i++) {
-        double *row = s->value + s->start[i];
-        for (int j = s->first[i]; j < i; j++) {
-            double *at = row + (j - s->first[i]);
-            *at = (*at - skyline_rows(s, i, j)) * *skyline_at(s, j, j);
+    for (int i = 0; i < s->nodes; i++) {
+        int k = 0, f = 3 * s->first[i], n = 3 * i - f;
+        double *row[3];
+        for (int p = 0; p < 3; p++) row[p] = row_from(s, i, 3 * i + p);
+        for (; k + FOUR <= n; k += FOUR) {
+            const double *other[FOUR];
+            for (int q = 0; q < FOUR; q++) other[q] = row_from(s, i, f + k + q);
+            find_four(row, other, k);
         }
-        double *own = row + (i - s->first[i]), pivot = *own - skyline_rows(s, i, i);
-        good &= pivot > 0.0;
-        *own = pivot > 0.0 ? 1.0 / sqrt(pivot) : 0.0;
+        good &= find_last(s, i, row, k, n);
     }
     return good;
 }
 
-WIDE static void substitute(const struct skyline *s, double *x) {
-    for (int i = 0; i < s->rows; i++) {
-        const double *row = s->value + s->start[i];
-        int f = s->first[i], n = i - f;
-        x[i] = (x[i] - simd_dot(row, x + f, n)) * row[n];
+bool skyline_factor(struct skyline *s) { return factor_rows(s); }
+
+/* ---- solves ---------------------------------------------------------------------------------- */
+
+/* x = L^-1 x in block row i */
+INLINE void go_forward(const double *const row[3], const double *x, int n, double *own) {
+    v4 sum[3] = {{0}}, a, b;
+    double rest[3] = {0};
+    int k = 0;
+    for (; k + 4 <= n; k += 4) {
+        memcpy(&b, x + k, sizeof b);
+        for (int p = 0; p < 3; p++) memcpy(&a, row[p] + k, sizeof a), sum[p] += a * b;
     }
-    for (int i = s->rows - 1; i >= 0; i--) {
-        const double *row = s->value + s->start[i];
-        int f = s->first[i], n = i - f;
-        x[i] *= row[n];
-        for (int k = 0; k < n; k++) x[f + k] -= x[i] * row[k];
+    for (; k < n; k++)
+        for (int p = 0; p < 3; p++) rest[p] += row[p][k] * x[k];
+    for (int p = 0; p < 3; p++) {
+        own[p] -= v4_sum(&sum[p]) + rest[p];
+        for (int q = 0; q < p; q++) own[p] -= row[p][n + q] * own[q];
+        own[p] *= row[p][n + p];
     }
 }
 
-bool skyline_factor(struct skyline *s) { return factor_rows(s); }
+/* x = L^-T x there, which leaves its part of those before it */
+INLINE void go_back(const double *const row[3], double *x, int n, double *own) {
+    v4 a, b;
+    int k = 0;
+    for (int p = 2; p >= 0; p--) {
+        for (int q = p + 1; q < 3; q++) own[p] -= row[q][n + p] * own[q];
+        own[p] *= row[p][n + p];
+    }
+    double known[3] = {own[0], own[1], own[2]};
+    for (; k + 4 <= n; k += 4) {
+        memcpy(&b, x + k, sizeof b);
+        for (int p = 0; p < 3; p++) memcpy(&a, row[p] + k, sizeof a), b -= known[p] * a;
+        memcpy(x + k, &b, sizeof b);
+    }
+    for (; k < n; k++)
+        for (int p = 0; p < 3; p++) x[k] -= known[p] * row[p][k];
+}
+
+WIDE static void substitute(const struct skyline *s, double *x) {
+    const double *row[3];
+    for (int i = 0; i < s->nodes; i++) {
+        for (int p = 0; p < 3; p++) row[p] = skyline_row(s, i, p);
+        go_forward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
+    }
+    for (int i = s->nodes - 1; i >= 0; i--) {
+        for (int p = 0; p < 3; p++) row[p] = skyline_row(s, i, p);
+        go_back(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
+    }
+}
 
 void skyline_solve(const struct skyline *s, double *x) { substitute(s, x); }

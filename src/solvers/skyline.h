@@ -1,6 +1,6 @@
-/* A small symmetric positive definite matrix in rows, each from its first entry to the diagonal:
- * where the order of the unknowns keeps entries near the diagonal, its Cholesky factor has the same
- * room, and all loops run along rows. */
+/* A small symmetric positive definite matrix of 3 x 3 blocks, in block rows from the first block of
+ * each to the diagonal: where the order of the unknowns keeps blocks near the diagonal, its
+ * Cholesky factor has the same room, and all loops run along rows. */
 #ifndef PDYN_SKYLINE_H
 #define PDYN_SKYLINE_H
 
@@ -8,26 +8,31 @@
 
 struct skyline {
     pdyn_context *context;
-    int rows;
-    int *first;    /* rows: the first column of each */
-    size_t *start; /* rows + 1: where its entries begin, up to the diagonal */
-    double *value;
+    int nodes;         /* block rows */
+    int *first;        /* nodes: the first block column of each; those of later rows are no lower */
+    size_t *start;     /* nodes + 1: which block is the first one of each, up to the diagonal */
+    ptrdiff_t *origin; /* nodes x 3: where column 0 of each row would be in `value` */
+    double *value; /* block rows, each of them three rows up to the end of the diagonal block; what
+                      is beyond the diagonal counts for nothing */
 };
 
-/* Takes the first column of every row; all values are 0. */
-pdyn_status skyline_create(struct skyline *skyline, pdyn_context *context, int rows,
+/* Takes the first block column of every block row, or an earlier one; all values are 0. */
+pdyn_status skyline_create(struct skyline *skyline, pdyn_context *context, int nodes,
                            const int *first);
 void skyline_free(struct skyline *skyline);
 
-/* The entry of row i and column j, first[i] <= j <= i. */
-static inline double *skyline_at(const struct skyline *s, int i, int j) {
-    return s->value + s->start[i] + (size_t)(j - s->first[i]);
+/* Numbers in `value`. */
+static inline size_t skyline_size(const struct skyline *s) { return 9 * s->start[s->nodes]; }
+
+/* Row p of block row i, beginning at its first block. */
+static inline double *skyline_row(const struct skyline *s, int i, int p) {
+    return s->value + 9 * s->start[i] + (size_t)p * 3 * (size_t)(i - s->first[i] + 1);
 }
 
 /* A becomes L, with the inverse of its diagonal. false: A was not positive definite; then that is 0
  * where there was no pivot. */
 bool skyline_factor(struct skyline *skyline);
-/* x = A^-1 x, with the factor */
+/* x = A^-1 x, with the factor; nodes x 3 */
 void skyline_solve(const struct skyline *skyline, double *x);
 
 #endif

@@ -1,0 +1,101 @@
+#include "sparse.h"
+
+#include <math.h>
+#include <string.h>
+
+pdyn_status sparse_create(struct sparse *m, pdyn_context *context, int rows, int columns,
+                          const int *counts) {
+    *m = (struct sparse){.context = context, .rows = rows, .columns = columns};
+    m->start = NEW_ARRAY(context, rows + 1, int);
+    if (!m->start) return PDYN_NO_MEMORY;
+    for (int i = 0; i < rows; i++) m->start[i + 1] = m->start[i] + counts[i];
+    m->room = (size_t)m->start[rows];
+    m->entry = NEW_ARRAY(context, m->room, struct entry);
+    return m->entry || !m->room ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void sparse_free(struct sparse *m) {
+    if (!m->context) return;
+    FREE_ARRAY(m->context, m->entry, m->room);
+    FREE_ARRAY(m->context, m->start, m->rows + 1);
+    *m = (struct sparse){0};
+}
+
+pdyn_status sparse_transpose(const struct sparse *a, struct sparse *out) {
+    int *counts = NEW_ARRAY(a->context, a->columns, int);
+    if (a->columns && !counts) return PDYN_NO_MEMORY;
+    for (int k = 0; k < a->start[a->rows]; k++) counts[a->entry[k].column]++;
+    pdyn_status status = sparse_create(out, a->context, a->columns, a->rows, counts);
+    if (status == PDYN_OK) {
+        memcpy(counts, out->start, (size_t)a->columns * sizeof *counts);
+        for (int i = 0; i < a->rows; i++)
+            for (int k = a->start[i]; k < a->start[i + 1]; k++)
+                out->entry[counts[a->entry[k].column]++] = (struct entry){i, a->entry[k].value};
+    }
+    FREE_ARRAY(a->context, counts, a->columns);
+    return status;
+}
+
+/* ---- the product ----------------------------------------------------------------------------- */
+
+struct row { /* of a product: as it grows */
+    int count;
+    int *place; /* columns: where in `entry`, or -1 */
+    struct entry *entry;
+};
+
+static void add_row(struct row *row, const struct sparse *b, int k, float scale) {
+    for (int m = b->start[k]; m < b->start[k + 1]; m++) {
+        int column = b->entry[m].column;
+        if (row->place[column] < 0) {
+            row->place[column] = row->count;
+            row->entry[row->count++] = (struct entry){column, 0.0F};
+        }
+        row->entry[row->place[column]].value += scale * b->entry[m].value;
+    }
+}
+
+/* Leaves the row empty. Returns how many of its entries count; `to`: NULL, or where these go. */
+static int take_row(struct row *row, float least, struct entry *to) {
+    int kept = 0;
+    for (int k = 0; k < row->count; k++) {
+        row->place[row->entry[k].column] = -1;
+        if (!(fabsf(row->entry[k].value) > least)) continue;
+        if (to) to[kept] = row->entry[k];
+        kept++;
+    }
+    row->count = 0;
+    return kept;
+}
+
+/* counts: NULL, or of each row's entries, which are not stored then. */
+static void multiply(const struct sparse *a, const struct sparse *b, float least, struct row *row,
+                     int *counts, struct sparse *out) {
+    for (int i = 0; i < a->rows; i++) {
+        for (int k = a->start[i]; k < a->start[i + 1]; k++)
+            add_row(row, b, a->entry[k].column, a->entry[k].value);
+        if (counts) counts[i] = take_row(row, least, NULL);
+        else take_row(row, least, out->entry + out->start[i]);
+    }
+}
+
+pdyn_status sparse_multiply(const struct sparse *a, const struct sparse *b, float least,
+                            struct sparse *out) {
+    pdyn_context *c = a->context;
+    struct row row = {.place = NEW_ARRAY(c, b->columns, int),
+                      .entry = NEW_ARRAY(c, b->columns, struct entry)};
+    int *counts = NEW_ARRAY(c, a->rows, int);
+    pdyn_status status = (b->columns && (!row.place || !row.entry)) || (a->rows && !counts)
+                             ? PDYN_NO_MEMORY
+                             : PDYN_OK;
+    if (status == PDYN_OK) {
+        for (int j = 0; j < b->columns; j++) row.place[j] = -1;
+        multiply(a, b, least, &row, counts, out);
+        status = sparse_create(out, c, a->rows, b->columns, counts);
+        if (status == PDYN_OK) multiply(a, b, least, &row, NULL, out);
+    }
+    FREE_ARRAY(c, row.place, b->columns);
+    FREE_ARRAY(c, row.entry, b->columns);
+    FREE_ARRAY(c, counts, a->rows);
+    return status;
+}

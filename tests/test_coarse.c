@@ -1,0 +1,301 @@
+/* The coarse level of hybrid against plain sums and dense elimination, and what it is there for. */
+#include "support.h"
+
+#include "../src/solvers/coarse.h"
+
+#include <string.h>
+
+/* ---- skyline --------------------------------------------------------------------------------- */
+
+/* A random matrix with a dominant diagonal: x from A x, in block rows of random length. */
+static void test_skyline(void **state) {
+    (void)state;
+    enum { NODES = 20, N = 3 * NODES };
+    uint64_t seed = 7;
+    pdyn_context *context = test_context(1);
+    double A[N][N] = {{0}}, x[N], b[N] = {0};
+    int first[NODES];
+    struct skyline s = {0};
+    for (int i = 0; i < NODES; i++) first[i] = (int)(0.5 * (1.0 + test_random(&seed)) * i);
+    assert_int_equal(skyline_create(&s, context, NODES, first), PDYN_OK);
+    for (int i = 0; i < N; i++) {
+        x[i] = test_random(&seed);
+        for (int j = 3 * first[i / 3]; j < i; j++) A[i][j] = A[j][i] = test_random(&seed);
+        A[i][i] = N;
+        for (int j = 3 * s.first[i / 3]; j <= i; j++)
+            skyline_row(&s, i / 3, i % 3)[j - 3 * s.first[i / 3]] = A[i][j];
+    }
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++) b[i] += A[i][j] * x[j];
+    assert_true(skyline_factor(&s));
+    skyline_solve(&s, b);
+    assert_true(test_distance(b, x, N) < 1e-13);
+    skyline_free(&s);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+/* ---- sparse matrices ------------------------------------------------------------------------- */
+
+enum { WIDTH = 7 };
+
+/* Some entries of a dense matrix. */
+static void make_sparse(pdyn_context *context, float dense[WIDTH][WIDTH], uint64_t *seed,
+                        struct sparse *out) {
+    int counts[WIDTH] = {0};
+    for (int i = 0; i < WIDTH; i++)
+        for (int j = 0; j < WIDTH; j++) {
+            dense[i][j] = test_random(seed) > 0.2 ? (float)test_random(seed) : 0.0F;
+            counts[i] += dense[i][j] != 0.0F;
+        }
+    assert_int_equal(sparse_create(out, context, WIDTH, WIDTH, counts), PDYN_OK);
+    for (int i = 0; i < WIDTH; i++)
+        for (int j = WIDTH - 1, k = out->start[i]; j >= 0; j--)
+            if (dense[i][j] != 0.0F) out->entry[k++] = (struct entry){j, dense[i][j]};
+}
+
+/* Transposes and products, as dense ones are. */
+static void test_sparse(void **state) {
+    (void)state;
+    uint64_t seed = 5;
+    pdyn_context *context = test_context(1);
+    float a[WIDTH][WIDTH], b[WIDTH][WIDTH];
+    struct sparse A, B, back, product;
+    make_sparse(context, a, &seed, &A), make_sparse(context, b, &seed, &B);
+    assert_int_equal(sparse_transpose(&A, &back), PDYN_OK);
+    assert_int_equal(sparse_multiply(&back, &B, 0.1F, &product), PDYN_OK);
+    for (int i = 0; i < WIDTH; i++) {
+        float row[WIDTH] = {0};
+        for (int k = product.start[i]; k < product.start[i + 1]; k++)
+            row[product.entry[k].column] += product.entry[k].value;
+        for (int j = 0; j < WIDTH; j++) {
+            float want = 0.0F;
+            for (int k = 0; k < WIDTH; k++) want += a[k][i] * b[k][j];
+            assert_true(fabsf(row[j] - (fabsf(want) > 0.1F ? want : 0.0F)) < 1e-6F);
+        }
+    }
+    sparse_free(&A), sparse_free(&B), sparse_free(&back), sparse_free(&product);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+/* ---- groups ---------------------------------------------------------------------------------- */
+
+/* Two sheets, of springs and of triangles, which have one row and more an element; bending is one
+ * matrix on the first and rows on the second, which is curved. */
+static const char sheets[] =
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"bodies\": ["
+    "{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [17, 17]}, \"area_density\": 0.2},"
+    " \"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": 4000},"
+    " {\"type\": \"bending\", \"bending_rigidity\": 1e-3},"
+    " {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 16]}}]},"
+    "{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [9, 9], \"sag\": 0.2},"
+    " \"translate\": [3, 0, 0], \"area_density\": 0.2}, \"constraints\": ["
+    " {\"type\": \"triangle\", \"stretching_stiffness\": 400},"
+    " {\"type\": \"bending\", \"bending_rigidity\": 1e-3},"
+    " {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 8]}}]}]}";
+
+/* Few nodes; all but pins follow some, by weights that add up to 1 where no pin is near. */
+static void check_nodes(const struct interpolation *p, int particles) {
+    int whole = 0;
+    assert_true(p->nodes > particles / 160 && p->nodes < particles / 12);
+    assert_true(p->followers.rows == p->nodes && p->particles.rows == particles);
+    for (int i = 0; i < particles; i++) {
+        double sum = 0.0;
+        for (int k = p->particles.start[i]; k < p->particles.start[i + 1]; k++) {
+            assert_true(p->particles.entry[k].value > 0.0F);
+            sum += (double)p->particles.entry[k].value;
+        }
+        assert_true(sum < 1.0 + 1e-6);
+        whole += sum > 1.0 - 1e-6;
+    }
+    assert_true(whole > particles * 9 / 10 && whole < particles);
+}
+
+/* y += scale B x, for the B between the rows of entries k and m, of nodes' vectors. */
+static void add_block(const struct batch *b, int k, int m, double scale, const double *x,
+                      double *y) {
+    double B[9];
+    batch_block(b, k, m, B);
+    for (int p = 0; p < 3; p++)
+        for (int q = 0; q < 3; q++) y[p] += scale * B[3 * p + q] * x[q];
+}
+
+/* y += A x, from what each element of a batch counts for nodes. */
+static void add_batch(const struct coarse *c, int batch, const double *x, double *y) {
+    const struct batch *b = c->system->batch[batch];
+    const struct sparse *terms = &c->batch[batch].terms, *rows = &c->batch[batch].rows;
+    const pdyn_batch *v = &b->view;
+    for (int i = 0; terms->start && i < c->a.nodes; i++)
+        for (int j = c->a.first[i]; j <= i; j++) {
+            size_t block = c->a.start[i] + (size_t)(j - c->a.first[i]);
+            for (int t = terms->start[block]; t < terms->start[block + 1]; t++) {
+                int k = v->row_entry[v->element_row[terms->entry[t].column]];
+                double value = (double)terms->entry[t].value;
+                add_block(b, k, k, value, x + 3 * j, y + 3 * i);
+                if (j < i) add_block(b, k, k, value, x + 3 * i, y + 3 * j);
+            }
+        }
+    for (int k = 0; rows->start && k < b->entries; k++)
+        for (int m = v->row_entry[v->element_row[b->entry_element[k]]];
+             m < v->row_entry[v->element_row[b->entry_element[k] + 1]]; m++) {
+            int r = b->entry_row[k], l = b->entry_row[m];
+            if (k != v->row_entry[r] || m != v->row_entry[l]) continue;
+            for (int t = rows->start[r]; t < rows->start[r + 1]; t++)
+                for (int u = rows->start[l]; u < rows->start[l + 1]; u++)
+                    add_block(b, k, m, (double)rows->entry[t].value * (double)rows->entry[u].value,
+                              x + 3 * rows->entry[u].column, y + 3 * rows->entry[t].column);
+        }
+}
+
+/* y = A x */
+static void multiply_coarse(const struct coarse *c, const double *x, double *y) {
+    double h = c->system->h;
+    memset(y, 0, 3 * (size_t)c->a.nodes * sizeof *y);
+    for (int b = 0; b < c->system->batches; b++) add_batch(c, b, x, y);
+    for (int i = 0; i < c->a.nodes; i++)
+        for (int j = c->a.first[i]; j <= i; j++) {
+            size_t block = c->a.start[i] + (size_t)(j - c->a.first[i]);
+            double number = c->stiffness[block] + c->mass[block] / (h * h);
+            for (int p = 0; p < 3; p++) {
+                y[3 * i + p] += number * x[3 * j + p];
+                if (j < i) y[3 * j + p] += number * x[3 * i + p];
+            }
+        }
+}
+
+/* What x of particles is to nodes, P' x, compared with what it should be. */
+static void check_restricted(const struct coarse *c, const double *x, const double *have,
+                             double tolerance) {
+    const struct sparse *back = &c->p.followers;
+    for (int k = 0; k < 3 * c->p.nodes; k++) {
+        double want = 0.0, size = 0.0;
+        for (int m = back->start[k / 3]; m < back->start[k / 3 + 1]; m++) {
+            double part = (double)back->entry[m].value *
+                          x[3 * (size_t)back->entry[m].column + (size_t)(k % 3)];
+            want += part, size += fabs(part);
+        }
+        if (!(fabs(want - have[k]) < tolerance * size)) fail_msg("%g, %g", want, have[k]);
+    }
+}
+
+/* z = P A^-1 P' r: A is what elements count for nodes, and about P' H P. */
+static void test_galerkin(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, sheets);
+    struct system *sys = &sim->system;
+    size_t n = (size_t)sys->particles;
+    double *r = calloc(3 * n + 1, sizeof *r), *z = calloc(3 * n + 1, sizeof *z),
+           *y = calloc(3 * n + 1, sizeof *y), rz = 0.0;
+    struct coarse c = {0};
+    uint64_t seed = 3;
+    for (int step = 0; step < 3; step++) test_step(context, sim);
+    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(coarse_create(&c, sys), PDYN_OK);
+    check_nodes(&c.p, (int)n);
+    for (size_t k = 0; k < 3 * n; k++) r[k] = test_random(&seed);
+    coarse_prepare(&c, true);
+    double product = coarse_add(&c, r, z);
+    for (size_t k = 0; k < 3 * n; k++) rz += r[k] * z[k];
+    assert_true(fabs(product / rz - 1.0) < 1e-12);
+    double *sum = calloc(3 * (size_t)c.p.nodes, sizeof *sum);
+    assert_non_null(sum);
+    check_restricted(&c, r, c.sum, 1e-12);
+    multiply_coarse(&c, c.x, sum);
+    assert_true(test_distance(sum, c.sum, 3 * c.p.nodes) < 1e-9);
+    system_apply(sys, z, y);
+    double ratio = system_dot(sys, z, y) / rz;
+    if (!(fabs(ratio - 1.0) < 0.02)) fail_msg("z.H z is %g of z.P A P' z", ratio);
+    coarse_free(&c);
+    free(r), free(z), free(y), free(sum);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+/* ---- fluid and cloth ------------------------------------------------------------------------- */
+
+/* Water that falls on a part of a stiff sheet; %s: settings of the solver. */
+static const char pool[] =
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"solver\": {%s\"tolerance\": 0.1,"
+    " \"linear_tolerance\": 0.03, \"outer_iterations\": 50}, \"bodies\": [{\"particles\":"
+    " {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": [-0.1, 0.012, -0.1],"
+    " \"maximum\": [0.1, 0.052, 0.1]}}]}, \"constraints\": [{\"type\": \"fluid\","
+    " \"stiffness\": 3500, \"projection_tolerance\": 1e-3}]}, {\"surface\": {\"grid\":"
+    " {\"size\": [1, 1], \"vertices\": [49, 49]}, \"area_density\": 0.3}, \"constraints\": ["
+    "{\"type\": \"spring\", \"stretching_stiffness\": 40000}, {\"type\": \"bending\","
+    " \"bending_rigidity\": 1e-4}, {\"type\": \"pin\", \"vertices\": {\"border\": true}}]}]}";
+
+static pdyn_sim *load_pool(pdyn_context *context, const char *settings) {
+    char text[2048];
+    snprintf(text, sizeof text, pool, settings);
+    return test_load(context, text);
+}
+
+/* Once the water lies there, fewer iterations than blocks alone need, to the same residual and
+ * place. */
+static void test_coupled(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim[2] = {load_pool(context, "\"type\": \"cg\", "), load_pool(context, "")};
+    long linear[2] = {0};
+    assert_string_equal(pdyn_solver_type(sim[1]), "hybrid");
+    for (int k = 0; k < 2; k++)
+        for (int step = 0; step < 20; step++) {
+            pdyn_step_info info = test_step(context, sim[k]);
+            assert_true(info.step_residual <= 0.1);
+            if (step >= 10) linear[k] += info.linear_iterations;
+        }
+    if (!(4 * linear[1] < 3 * linear[0])) fail_msg("%ld, %ld iterations", linear[0], linear[1]);
+    assert_true(test_distance(sim[0]->x, sim[1]->x, 3 * sim[0]->system.particles) < 5e-2);
+    pdyn_free(sim[0]), pdyn_free(sim[1]);
+    pdyn_destroy(context);
+}
+
+/* Where nothing is static, hybrid is cg. */
+static void test_without_nodes(void **state) {
+    (void)state;
+    static const char *const solver[] = {"solver.type=cg", "solver.type=hybrid"};
+    uint64_t hash[2];
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = NULL;
+        assert_int_equal(pdyn_load_text(context,
+                                        "{\"duration\": 1, \"time_step\": {\"fixed\": 0.005},"
+                                        " \"bodies\": [{\"particles\": {\"radius\": 0.02, \"fill\":"
+                                        " [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
+                                        " [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\":"
+                                        " \"fluid\", \"stiffness\": 1000}]}], \"solids\":"
+                                        " [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
+                                        " [0.4, 0.4, 0.4]}}]}",
+                                        "water", &solver[k], 1, &sim),
+                         PDYN_OK);
+        for (int step = 0; step < 5; step++) test_step(context, sim);
+        hash[k] = pdyn_state_hash(sim);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+static void test_failing_allocator(void **state) {
+    (void)state;
+    test_failing_scene(
+        "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"bodies\": [{\"particles\": "
+        "{\"radius\":"
+        " 0.05, \"fill\": [{\"box\": {\"minimum\": [-0.1, 0.06, -0.1], \"maximum\": [0.1, 0.16,"
+        " 0.1]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1000}]}, {\"surface\":"
+        " {\"grid\": {\"size\": [1, 1], \"vertices\": [5, 5]}, \"area_density\": 0.3},"
+        " \"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": 400}, {\"type\":"
+        " \"pin\", \"vertices\": {\"border\": true}}]}]}");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_skyline),       cmocka_unit_test(test_sparse),
+        cmocka_unit_test(test_galerkin),      cmocka_unit_test(test_coupled),
+        cmocka_unit_test(test_without_nodes), cmocka_unit_test(test_failing_allocator),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
