@@ -4,12 +4,14 @@
 #include <math.h>
 #include <string.h>
 
-/* Nodes at most; and of so many particles at most one, as more are left to 3 x 3 blocks for less;
- * where the matrix is made for every step, fewer. */
+/* Nodes at most; and of so many particles at most one, as more are left to 3 x 3 blocks for less.
+ * Where the matrix is made for every step: fewer; but a few cost little, and stiff sheets need
+ * them however small. */
 enum { MOST_NODES = 400, PARTICLES_OF_NODE = 12, PARTICLES_OF_NODE_STATIC = 40 };
+enum { FEW_NODES = 120, PARTICLES_OF_FEW = 4 };
 
-/* A node that moves a row by less than this part of what the strongest one does is left to that one:
- * half of the terms, for a matrix that is as good. */
+/* A node that moves a row by less than this part of what the strongest one does is left to that
+ * one: half of the terms, for a matrix that is as good. */
 static const float feeble = 0.25F;
 
 /* A matrix that stands for rows adds little to a body below this part of the others' trace: then it
@@ -250,12 +252,19 @@ static int find_worth(const struct coarse *s) {
     return 1 + (int)(WORTH_STATIC * find_cost(s) / (terms_of_iteration * sys->particles));
 }
 
+static int smaller(int a, int b) { return a < b ? a : b; }
+
+static int most_nodes(const struct system *sys) {
+    if (sys->changing) return smaller(sys->particles / PARTICLES_OF_NODE, MOST_NODES);
+    int few = smaller(sys->particles / PARTICLES_OF_FEW, FEW_NODES);
+    int many = smaller(sys->particles / PARTICLES_OF_NODE_STATIC, MOST_NODES);
+    return few < many ? many : few;
+}
+
 pdyn_status coarse_create(struct coarse *s, struct system *system) {
     pdyn_context *c = system->context;
     s->system = system;
-    int sparing = system->changing ? PARTICLES_OF_NODE : PARTICLES_OF_NODE_STATIC;
-    int most = system->particles / sparing < MOST_NODES ? system->particles / sparing : MOST_NODES;
-    pdyn_status status = interpolation_create(&s->p, system, most);
+    pdyn_status status = interpolation_create(&s->p, system, most_nodes(system));
     if (status == PDYN_OK && s->p.nodes) status = create_matrix(s);
     if (status != PDYN_OK || !s->p.nodes) return status;
     s->worth = find_worth(s);
