@@ -42,7 +42,7 @@ static pdyn_status check_rows(const struct batch *b) {
         if (!isfinite(v->coefficient[k]))
             return fault(b, "element %d has a coefficient that is not finite", b->entry_element[k]);
     }
-    for (int e = 0; e < v->elements && !b->type->begin; e++) /* begin weighs anew, by h */
+    for (int e = 0; e < v->elements; e++)
         if (!(v->weight[e] >= 0.0 && isfinite(v->weight[e])))
             return fault(b, "element %d has the weight %g, expected a finite one of at least 0", e,
                          v->weight[e]);
@@ -206,7 +206,8 @@ static pdyn_status create_rows(struct batch *b) {
     FREE_ARRAY(b->context, row_width, b->rows);
     if (status != PDYN_OK) return status;
     b->type->select(b->params, v, 0, v->elements);
-    b->type->weight(b->params, v, 0, v->elements);
+    /* Where a type has `begin`, its weights may depend on h: they are 0 until the first step. */
+    if (!b->type->begin) b->type->weight(b->params, v, 0, v->elements);
     status = check_rows(b);
     if (status != PDYN_OK) return status;
     b->single = is_single(v), b->width = common_width(v, b->rows);
