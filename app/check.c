@@ -31,6 +31,7 @@ static void describe(const pdyn_context *context, const pdyn_sim *sim) {
     printf(state.moving ? ", %d of them on solids that move\n" : "\n", state.moving);
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
+    printf("integrator %s\n", pdyn_integrator(sim));
     printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));
     printf("memory %.0f MB\n", 1e-6 * (double)pdyn_peak_bytes(context));
 }

@@ -256,6 +256,9 @@ static json_t *compose_meta(const struct run *run) {
         json_t *value = json_object_get(run->report, told[k]);
         if (json_is_string(value) || json_is_number(value)) json_object_set(about, told[k], value);
     }
+    const json_t *step = json_object_get(run->report, "time_step");
+    json_t *integrator = json_object_get(step, "integrator");
+    if (json_is_string(integrator)) json_object_set(about, "integrator", integrator);
     for (int f = 0; f < run->frames; f++)
         json_array_append_new(times, json_real(replay_time(&run->body[0], f)));
     json_t *boundary = run->boundary.count ? json_pack("{s:i, s:o}", "count", run->boundary.count,

@@ -27,17 +27,17 @@ COLUMNS = (
     "time_s,h_s,outer_iterations,linear_iterations,particles,density_error_mean,density_error_max,"
     "step_residual,kinetic_J,potential_J,constraint_J,momentum_x,momentum_y,momentum_z,"
     "pin_reaction_x_N,pin_reaction_y_N,pin_reaction_z_N,ms_neighbours,ms_local,ms_global,ms_contact,"
-    "retries,ms_cpu"
+    "retries,ms_cpu,impacts"
 ).split(",")
 REPORT = """version scene name threads particles.fluid particles.cloth particles.boundary
 particles.start particles.peak particles.end particles.emitted particles.removed bodies
 constraints solver.type solver.step solver.reason steps simulated_s wall_s ms_per_step
-ms.neighbours ms.local ms.global ms.contact ms.output retries outer_iterations.mean outer_iterations.max
+ms.neighbours ms.local ms.global ms.contact ms.output impacts.mean impacts.max retries outer_iterations.mean outer_iterations.max
 linear_iterations.mean linear_iterations.max density_error.mean density_error.worst_mean
 density_error.mean_max density_error.max step_residual.mean step_residual.max
 energy.start.kinetic energy.start.potential energy.start.constraint energy.start.total
 energy.end.kinetic energy.end.potential energy.end.constraint energy.end.total momentum.start
-momentum.end pin_reaction_N pin_reaction peak_memory_bytes peak_rss_bytes state_hash time_step.min
+momentum.end pin_reaction_N pin_reaction peak_memory_bytes peak_rss_bytes state_hash time_step.integrator time_step.min
 time_step.mean time_step.max interrupted failed""".split()
 CELL = {"particles": (1, "vertex"), "surface": (5, "triangle")}  # VTK's number, meshio's name
 

@@ -11,7 +11,8 @@ static pdyn_sim *load(pdyn_context *context, double h, double mass, double angle
                       const char *more) {
     char text[1024];
     snprintf(text, sizeof text,
-             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"fixed\": %.17g}, "
+             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"fixed\": %.17g, "
+             "\"integrator\": \"euler\"}, "
              "\"solver\": {\"tolerance\": 1e-10, \"linear_tolerance\": 1e-6%s}, \"bodies\": "
              "[{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [4, 3]}, \"rotate\": "
              "[%.17g, 0, 0], \"area_density\": %.17g}, \"constraints\": [{\"type\": \"triangle\", "

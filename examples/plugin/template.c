@@ -56,7 +56,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 static const pdyn_constraint_type type = {
     .name = "floor",
     .summary = "holds points above a height",
-    .flags = PDYN_ANCHORED, /* it pushes without being pushed */
+    .flags = PDYN_ANCHORED | PDYN_ONE_SIDED, /* pushes without being pushed, and only upwards */
     .params_size = sizeof(struct params),
     .params = params,
     .elements = elements,

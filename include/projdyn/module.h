@@ -206,6 +206,8 @@ enum {                        /* pdyn_constraint_type.flags */
        PDYN_SEVERAL = 32,     /* a body may have several of them */
        PDYN_ON_VOLUME = 64,   /* needs a body with tetrahedra */
        PDYN_LOSSY = 16,       /* its energy is what it takes in a step, none that it stores */
+       PDYN_ONE_SIDED = 128,  /* it pushes on one side only: where it begins to, that is an impact,
+                                 whose force is not expected to last */
 };
 
 typedef struct pdyn_constraint_type {
@@ -239,7 +241,7 @@ typedef struct pdyn_constraint_type {
      * the same. NULL: it is. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
     /* At the beginning of every step, with u = G x and p = G v there: data and weights may change.
-     * NULL: nothing does. */
+     * `weight` is called after it, and not before the first step. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
     /* s: damping in proportion to stiffness, stress = stiffness (strain + damping x its rate).
      * Above 0, core has a second batch of the same rows, its weights times damping / h, which
@@ -279,10 +281,13 @@ typedef struct pdyn_model {
     double (*dot)(struct pdyn_model *model, const double *a, const double *b);
     /* H assembled, as it is now; valid until the next call. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
+    /* The length of a residual: the root of the sum over bodies of |r|^2 / |M g|^2, so that no body
+     * hides another. */
+    double (*norm)(struct pdyn_model *model, const double *r);
 } pdyn_model;
 
 typedef struct pdyn_goal { /* when a solve may end: at the first of these */
-    double tolerance;      /* the model's gradient has fallen by this factor */
+    double tolerance;      /* the model's gradient has fallen by this factor, in the model's norm */
     double gain;           /* an iteration lowers the model by less than this part of the mean of
                               all; 0: never; solvers that cannot tell ignore it */
     int iterations;        /* so many are done */

@@ -109,11 +109,12 @@ typedef struct pdyn_step_info {
     bool frame;           /* the step ended exactly at a frame */
     int outer_iterations; /* local/global iterations */
     int linear_iterations;
+    int impacts;               /* one-sided constraints that stopped an approach; 0 with "euler" */
     int retries;               /* attempts that were taken back: the step became shorter */
     int particles;             /* live ones, of bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;
-    double step_residual; /* |grad E| / |M g| at the end of the step */
+    double step_residual; /* |grad E| / |M g| of the body where it is largest, at the end */
     double kinetic_energy, potential_energy, constraint_energy; /* J */
     double momentum[3];                                         /* kg m/s */
     double
@@ -131,7 +132,7 @@ typedef struct pdyn_iteration {
     int iteration;         /* 0: the starting point of the step */
     int linear_iterations; /* in this iteration */
     double energy;         /* J, the minimised function */
-    double residual;       /* |grad E| / |M g| */
+    double residual;       /* |grad E| / |M g| of the body where it is largest */
     double damping;        /* eps: 0 newton, 1 projective */
     const double *x;       /* particles x 3 */
 } pdyn_iteration;
@@ -144,7 +145,8 @@ PDYN_API double pdyn_duration(const pdyn_sim *sim);       /* s, of the scene */
 PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
-PDYN_API const char *pdyn_step_type(const pdyn_sim *sim); /* "projective" or "newton" */
+PDYN_API const char *pdyn_integrator(const pdyn_sim *sim); /* "bdf2" or "euler" */
+PDYN_API const char *pdyn_step_type(const pdyn_sim *sim);  /* "projective" or "newton" */
 PDYN_API uint64_t
 pdyn_state_hash(const pdyn_sim *sim); /* FNV-1a over the bits of the live x and v */
 
@@ -172,6 +174,7 @@ typedef struct pdyn_body_info {
     double rest_density; /* kg/m^3, of a body of particles; 0 for a surface */
     int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, counted from the body's first particle */
+    double residual;     /* |grad E| / |M g| of its particles, at the end of the last step */
 } pdyn_body_info;
 PDYN_API pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body); /* all 0: there is none */
 

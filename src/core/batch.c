@@ -16,6 +16,11 @@ struct call { /* the arguments of a parallel loop over a batch */
     double number; /* eps, or the length of a step */
 };
 
+struct impacts { /* the same, of a loop over its impacts */
+    struct batch *batch;
+    const struct velocity_change *change;
+};
+
 static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *fn,
                       const double *in, double *out, double number) {
     struct call call = {batch, in, out, number};
@@ -87,6 +92,10 @@ WIDE static void scatter_rows(void *arg, int first, int last, int block) {
     }
 }
 
+void batch_scatter(struct batch *b, double *y) {
+    for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, y, 0.0);
+}
+
 /* ---- local step ------------------------------------------------------------------------------ */
 
 /* flux = w (u - p) in row r; adds to twice the energy. */
@@ -142,7 +151,7 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
     }
     for_range(b, b->view.elements, BATCH_GRAIN, local_rows, x, NULL, 0.0);
     for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) b->energy += b->partial[k];
-    for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, gradient, 0.0);
+    batch_scatter(b, gradient);
     return PDYN_OK;
 }
 
@@ -316,7 +325,7 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     }
     bool axes = b->type->axial && batch_has_blocks(b);
     for_range(b, b->view.elements, BATCH_GRAIN, axes ? apply_axes : apply_rows, u, NULL, 0.0);
-    for_range(b, b->touch_count, PARTICLES, scatter_rows, NULL, y, 0.0);
+    batch_scatter(b, y);
 }
 
 static bool has_sides(const struct batch *b) { return b->op && b->eps < 1.0; }
@@ -337,6 +346,57 @@ int batch_go(struct batch *b, double t, double *y) {
     int changed = scalars_go(&b->scalars, b->eps, t, begin_output(b, y));
     end_output(b, y);
     return changed;
+}
+
+/* flux = its impact part, row by row. */
+static void keep_impacts(void *arg, int first, int last, int block) {
+    const struct impacts *c = arg;
+    struct batch *b = c->batch;
+    const pdyn_batch *v = &b->view;
+    double count = 0.0, h = c->change->h;
+    for (int r = v->element_row[first]; r < v->element_row[last]; r++) {
+        v4 flux, slowed;
+        double softness = 0.0;
+        v4_load(&flux, b->flux, r);
+        gather_row(b, r, c->change->slowed, &slowed);
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            softness += v->coefficient[k] * v->coefficient[k] / c->change->mass[v->column[k]];
+        double force = sqrt(v4_dot(&flux, &flux)), part = 0.0;
+        double weight = v->weight[b->entry_element[v->row_entry[r]]];
+        if (force > 0.0)
+            part = impact_part(v4_dot(&flux, &slowed) / force, h * force * softness,
+                               h * h * weight * softness);
+        flux *= part;
+        v4_store(b->flux, r, &flux);
+        count += part > 0.5;
+    }
+    b->partial[block] = count;
+}
+
+static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
+    double *a = change->scratch;
+    int particles = b->samples ? b->samples->particles : b->scalars.particles;
+    memset(a, 0, 3 * (size_t)particles * sizeof *a);
+    scalars_forces(&b->scalars, begin_output(b, a));
+    end_output(b, a);
+    for (int k = 0; k < 3 * particles; k++) a[k] /= change->mass[k / 3];
+    scalars_rate_acceleration(&b->scalars, extend(b, a));
+    scalars_rate_slowed(&b->scalars, extend(b, change->slowed));
+    int count = scalars_impacts(&b->scalars, change->mass[b->view.body->first], change->h,
+                                begin_output(b, force));
+    end_output(b, force);
+    return count;
+}
+
+int batch_impacts(struct batch *b, const struct velocity_change *change, double *force) {
+    struct impacts impacts = {b, change};
+    double count = 0.0;
+    if (b->op) return operator_impacts(b, change, force);
+    if (!(b->type->flags & PDYN_ONE_SIDED)) return 0;
+    pool_for(b->context->pool, b->view.elements, BATCH_GRAIN, keep_impacts, &impacts);
+    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) count += b->partial[k];
+    batch_scatter(b, force);
+    return (int)count;
 }
 
 void batch_velocity(struct batch *b, double *v) {

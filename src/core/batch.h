@@ -92,6 +92,20 @@ pdyn_status batch_linearise(struct batch *batch, double eps);
 /* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
 void batch_apply(struct batch *batch, const double *u, double *y);
 
+struct velocity_change {  /* in a step of effective length h, s */
+    const double *slowed; /* particles x 3: velocities before it less those after it, m/s */
+    const double *mass;   /* particles, kg */
+    double h;
+    double *scratch; /* particles x 3 */
+};
+
+/* Of a type with one side: force += the impact part (scalars.h) of its forces at the last local
+ * step, N, as gradients of its energy. Returns how many constraints or rows have an impact. The
+ * rows' flux is lost. */
+int batch_impacts(struct batch *batch, const struct velocity_change *change, double *force);
+/* Rows tier: y += G' flux */
+void batch_scatter(struct batch *batch, double *y);
+
 /* Operator tier: changes velocities after a step, where the type does. */
 void batch_velocity(struct batch *batch, double *v);
 

@@ -55,23 +55,33 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
     return PDYN_OK;
 }
 
+/* All vectors of the simulation, particles x 3; those of the state a step earlier are the last. */
+enum { VECTORS = 15, HISTORY_VECTORS = 2 };
+
+static void list_vectors(struct pdyn_sim *sim, double **vector[VECTORS]) {
+    double **all[VECTORS] = {&sim->x,         &sim->v,        &sim->x_next,
+                             &sim->gradient,  &sim->trial,    &sim->trial_gradient,
+                             &sim->direction, &sim->negative, &sim->constraint_acceleration,
+                             &sim->system.s,  &sim->x_base,   &sim->v_base,
+                             &sim->rest,      &sim->x_before, &sim->v_before};
+    memcpy(vector, all, sizeof all);
+}
+
 static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all) {
     pdyn_context *c = sim->context;
+    double **vector[VECTORS];
     int n = sim->system.particles = all->count;
-    double **vectors[] = {&sim->x,         &sim->v,        &sim->x_next,
-                          &sim->gradient,  &sim->trial,    &sim->trial_gradient,
-                          &sim->direction, &sim->negative, &sim->correction,
-                          &sim->system.s};
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
-        if (!(*vectors[k] = NEW_VECTOR(c, n))) return PDYN_NO_MEMORY;
-    sim->rest = NEW_VECTOR(c, n);
+    int count = sim->scene.settings.integrator->history ? VECTORS : VECTORS - HISTORY_VECTORS;
+    list_vectors(sim, vector);
+    for (int k = 0; k < count; k++)
+        if (!(*vector[k] = NEW_VECTOR(c, n))) return PDYN_NO_MEMORY;
     sim->density = NEW_ARRAY(c, n, double);
     sim->pressure = NEW_ARRAY(c, n, double);
     sim->pressure_before = NEW_ARRAY(c, n, double);
     sim->system.mass = NEW_ARRAY(c, n, double);
     sim->system.partial = NEW_ARRAY(c, pool_blocks(n, SYSTEM_GRAIN), double);
-    if (!sim->rest || !sim->density || !sim->pressure || !sim->pressure_before ||
-        !sim->system.mass || !sim->system.partial)
+    if (!sim->density || !sim->pressure || !sim->pressure_before || !sim->system.mass ||
+        !sim->system.partial)
         return PDYN_NO_MEMORY;
     memcpy(sim->x, all->x, 3 * (size_t)n * sizeof *sim->x);
     memcpy(sim->rest, all->x, 3 * (size_t)n * sizeof *sim->rest);
@@ -103,6 +113,16 @@ static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
     body->edge_share = t->edge_share;
     body->tets = from->tets.count, body->tet = from->tets.corner;
     body->tet_volume = from->tets.volume;
+    return PDYN_OK;
+}
+
+static pdyn_status list_bodies(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    sys->body = NEW_ARRAY(sim->context, sim->bodies, struct system_body);
+    if (!sys->body) return PDYN_NO_MEMORY;
+    sys->bodies = sim->bodies;
+    for (int b = 0; b < sys->bodies; b++)
+        sys->body[b] = (struct system_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0};
     return PDYN_OK;
 }
 
@@ -427,6 +447,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     pdyn_status status = place_bodies(sim, &all);
     if (status == PDYN_OK) status = allocate_state(sim, &all);
     points_free(sim->context, &all);
+    if (status == PDYN_OK) status = list_bodies(sim);
     if (status == PDYN_OK) status = fill_bodies(sim);
     if (status == PDYN_OK) find_others(sim);
     if (status == PDYN_OK) status = emit_create(sim);
@@ -475,7 +496,7 @@ static void free_system(struct pdyn_sim *sim) {
     contact_free(sys->contact);
     drag_free(sys->drag);
     FREE_ARRAY(c, sys->batch, sys->capacity);
-    FREE_VECTOR(c, sys->s, sys->particles);
+    FREE_ARRAY(c, sys->body, sys->bodies);
     FREE_ARRAY(c, sys->mass, sys->particles);
     FREE_ARRAY(c, sys->partial, pool_blocks(sys->particles, SYSTEM_GRAIN));
 }
@@ -489,12 +510,9 @@ void pdyn_free(pdyn_sim *sim) {
     }
     acceleration_free(&sim->acceleration);
     model_free(&sim->model);
-    double *vectors[] = {sim->x,         sim->v,        sim->x_next,
-                         sim->gradient,  sim->trial,    sim->trial_gradient,
-                         sim->direction, sim->negative, sim->correction,
-                         sim->rest};
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
-        FREE_VECTOR(c, vectors[k], sim->system.particles);
+    double **vector[VECTORS];
+    list_vectors(sim, vector);
+    for (int k = 0; k < VECTORS; k++) FREE_VECTOR(c, *vector[k], sim->system.particles);
     FREE_ARRAY(c, sim->density, sim->system.particles);
     FREE_ARRAY(c, sim->pressure, sim->system.particles);
     FREE_ARRAY(c, sim->pressure_before, sim->system.particles);

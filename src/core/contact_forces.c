@@ -48,7 +48,7 @@ static double energy_touching(const void *par, const pdyn_batch *b, int first, i
 const pdyn_constraint_type contact_touching = {
     .name = "contact",
     .summary = "keeps surfaces and solids apart",
-    .flags = PDYN_ANCHORED,
+    .flags = PDYN_ANCHORED | PDYN_ONE_SIDED,
     .data_size = sizeof(struct touching),
     .rows = 1,
     .width = 4,

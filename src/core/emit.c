@@ -23,10 +23,13 @@ static void fill_vacant(struct pdyn_sim *sim, int b) {
 }
 
 static void rest_at_origin(struct pdyn_sim *sim, int i) {
+    sim->pressure[i] = 0.0;
     memset(sim->x + 3 * i, 0, 3 * sizeof *sim->x);
     memset(sim->v + 3 * i, 0, 3 * sizeof *sim->v);
-    memset(sim->correction + 3 * i, 0, 3 * sizeof *sim->correction);
-    sim->pressure[i] = 0.0;
+    memset(sim->constraint_acceleration + 3 * i, 0, 3 * sizeof *sim->constraint_acceleration);
+    if (!sim->x_before) return;
+    memset(sim->x_before + 3 * i, 0, 3 * sizeof *sim->x_before);
+    memset(sim->v_before + 3 * i, 0, 3 * sizeof *sim->v_before);
 }
 
 static void remove_particle(struct pdyn_sim *sim, int b, int i) {
@@ -37,11 +40,22 @@ static void remove_particle(struct pdyn_sim *sim, int b, int i) {
     e->removed++;
 }
 
+/* A particle that appears has been in free fall until then. */
+static void fall_until_now(struct pdyn_sim *sim, int i) {
+    const double *g = sim->scene.settings.gravity, h = sim->history;
+    for (int a = 0; sim->x_before && a < 3; a++) {
+        int k = 3 * i + a;
+        sim->v_before[k] = sim->v[k] - h * g[a];
+        sim->x_before[k] = sim->x[k] - h * sim->v[k] + 0.5 * h * h * g[a];
+    }
+}
+
 static void add_particle(struct pdyn_sim *sim, int b, const double x[3], const double v[3]) {
     struct emit *e = sim->emit;
     int i = e->slot[sim->body[b].first + --e->vacant[b]];
     memcpy(sim->x + 3 * i, x, 3 * sizeof *x);
     memcpy(sim->v + 3 * i, v, 3 * sizeof *v);
+    fall_until_now(sim, i);
     sim->density[i] = sim->body[b].rest_density;
     e->live[i] = true;
     e->emitted++;

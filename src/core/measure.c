@@ -6,11 +6,16 @@
 
 #include <string.h>
 
-double measure_weight(const struct pdyn_sim *sim) {
-    double g = vec3_length(sim->scene.settings.gravity), sum = 0.0;
-    for (int i = 0; i < sim->system.particles; i++)
-        if (emit_is_live(sim, i)) sum += sim->system.mass[i] * sim->system.mass[i];
-    return sum > 0.0 ? (g > 0.0 ? g : 9.81) * sqrt(sum) : 1.0; /* before the first particle */
+void measure_weights(struct pdyn_sim *sim) {
+    double g = vec3_length(sim->scene.settings.gravity);
+    for (int b = 0; b < sim->system.bodies; b++) {
+        struct system_body *body = &sim->system.body[b];
+        double sum = 0.0;
+        for (int i = body->first; i < body->first + body->count; i++)
+            if (emit_is_live(sim, i)) sum += sim->system.mass[i] * sim->system.mass[i];
+        /* 1 before the first particle */
+        body->weight = sum > 0.0 ? (g > 0.0 ? g : 9.81) * sqrt(sum) : 1.0;
+    }
 }
 
 /* What an operator knows about its particles at the end of a step. */

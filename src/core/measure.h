@@ -4,9 +4,9 @@
 
 #include "sim.h"
 
-/* |M g| in N, with 9.81 m/s^2 where the scene has no gravity: what a step residual is relative to.
- */
-double measure_weight(const struct pdyn_sim *sim);
+/* The weights of bodies, |M g| in N over their live particles, with 9.81 m/s^2 where the scene has
+ * no gravity: what step residuals are relative to. */
+void measure_weights(struct pdyn_sim *sim);
 
 /* PDYN_DIVERGED where x_next cannot be a state. */
 pdyn_status measure_finite(struct pdyn_sim *sim);

@@ -39,7 +39,8 @@ static void take_trial(struct pdyn_sim *sim) {
 /* The direction to the minimum of E's model. */
 static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
-    double enough = 0.5 * set->tolerance / p->residual; /* for the step, to first order */
+    /* for the step, to first order */
+    double enough = 0.5 * set->tolerance / system_norm(&sim->system, sim->gradient);
     bool far = p->outer == 0 && !sim->system.changing && enough < set->linear_tolerance;
     const pdyn_goal goal = {.tolerance = fmax(set->linear_tolerance, enough),
                             .gain = worth,
@@ -171,13 +172,13 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
 
 /* ---- where the minimisation starts ----------------------------------------------------------- */
 
-/* s, and what the constraints did in the last step, x - s, scaled to this one: it is likely to be
- * needed again. (Leaving out gravity instead would look as good in density and destroy the motion
- * of unconverged steps.) */
-static void repeat_correction(struct pdyn_sim *sim, double h, double *x) {
-    double ratio = sim->last_h > 0.0 ? h / sim->last_h : 0.0;
+/* s, and the constraints' acceleration of the last step: it is likely to be needed again. (Leaving
+ * out gravity instead would look as good in density and destroy the motion of unconverged steps.)
+ */
+static void repeat_acceleration(struct pdyn_sim *sim, double *x) {
+    double h = sim->system.h;
     memcpy(x, sim->system.s, system_bytes(&sim->system));
-    system_axpy(&sim->system, ratio * ratio, sim->correction, x);
+    system_axpy(&sim->system, h * h, sim->constraint_acceleration, x);
 }
 
 /* The local step at x, in contact as far on the way there as it is free. */
@@ -209,13 +210,13 @@ static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
     return status == PDYN_OK ? start_after(sim, 0.0, energy) : status;
 }
 
-/* With positions, the correction is taken where it lowers E. That of a step that was cut short
+/* With positions, that acceleration is taken where it lowers E. That of a step that was cut short
  * would hand on its error, even so. */
-static pdyn_status start_positions(struct pdyn_sim *sim, double h, double *energy) {
+static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
     double warm;
     pdyn_status status = start_inertia(sim, energy);
     if (status != PDYN_OK || sim->last_h == 0.0 || sim->unfinished) return status;
-    repeat_correction(sim, h, sim->trial);
+    repeat_acceleration(sim, sim->trial);
     status = start_at(sim, sim->trial, &warm, sim->trial_gradient);
     if (status != PDYN_OK) return status;
     if (!(warm < *energy)) return start_at(sim, sim->x_next, energy, sim->gradient);
@@ -226,12 +227,12 @@ static pdyn_status start_positions(struct pdyn_sim *sim, double h, double *energ
 
 /* With multipliers, the solver keeps what is needed. Only a fluid that moves less than its
  * constraints move it, at rest, starts where these put it: there it is solved already. */
-static pdyn_status start_multipliers(struct pdyn_sim *sim, double h, double *energy) {
+static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
     struct system *sys = &sim->system;
-    double ratio = sim->last_h > 0.0 ? h / sim->last_h : 0.0;
-    double moved = h * h * system_dot(sys, sim->v, sim->v);
-    double corrected = pow(ratio, 4.0) * system_dot(sys, sim->correction, sim->correction);
-    if (moved < corrected) repeat_correction(sim, h, sim->x_next);
+    double moved = system_dot(sys, sim->v, sim->v);
+    double pushed = sys->h * sys->h *
+                    system_dot(sys, sim->constraint_acceleration, sim->constraint_acceleration);
+    if (moved < pushed) repeat_acceleration(sim, sim->x_next);
     if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
     return system_local(sys, sim->x_next, energy, sim->gradient);
 }
@@ -276,17 +277,17 @@ static pdyn_status say_not_finite(const struct pdyn_sim *sim) {
 }
 
 /* Local and global steps in turn until the step residual is small enough. */
-pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *p) {
+pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
-    double weight = measure_weight(sim);
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
-    pdyn_status status = sim->solver->keeps_multipliers ? start_multipliers(sim, h, &p->energy)
-                                                        : start_positions(sim, h, &p->energy);
+    measure_weights(sim);
+    pdyn_status status = sim->solver->keeps_multipliers ? start_multipliers(sim, &p->energy)
+                                                        : start_positions(sim, &p->energy);
     p->before = p->energy;
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
-        p->residual = sqrt(system_dot(&sim->system, sim->gradient, sim->gradient)) / weight;
+        p->residual = system_residual(&sim->system, sim->gradient);
         if (!isfinite(p->energy) || !isfinite(p->residual)) return say_not_finite(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;

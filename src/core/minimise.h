@@ -5,13 +5,14 @@
 #include "sim.h"
 
 struct progress {
-    double energy, residual; /* at the iterate */
-    double before;           /* the energy an iteration earlier */
-    int outer, linear;       /* iterations */
+    double energy;     /* at the iterate */
+    double residual;   /* the largest of all bodies there */
+    double before;     /* the energy an iteration earlier */
+    int outer, linear; /* iterations */
 };
 
 /* From s, in sim->x_next, to the minimum, as far as the scene's settings say. The last local step
- * is then that of x_next, its gradient sim->gradient. h: s. */
-pdyn_status minimise(struct pdyn_sim *sim, double h, struct progress *progress);
+ * is then that of x_next, its gradient sim->gradient. */
+pdyn_status minimise(struct pdyn_sim *sim, struct progress *progress);
 
 #endif

@@ -13,6 +13,10 @@ static double dot(pdyn_model *model, const double *a, const double *b) {
     return system_dot(model_system(model), a, b);
 }
 
+static double norm(pdyn_model *model, const double *r) {
+    return system_norm(model_system(model), r);
+}
+
 static pdyn_status matrix(pdyn_model *view, pdyn_matrix *out) {
     struct model *model = (struct model *)view;
     struct hessian *h = &model->hessian;
@@ -37,7 +41,8 @@ void model_create(struct model *model, struct system *system, const pdyn_service
                                      .product = product,
                                      .diagonal = diagonal,
                                      .dot = dot,
-                                     .matrix = matrix},
+                                     .matrix = matrix,
+                                     .norm = norm},
                             .system = system};
 }
 

@@ -35,7 +35,8 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *pat
     X(ms_global, ms_global)                                                                        \
     X(ms_contact, ms_contact)                                                                      \
     X(retries, retries)                                                                            \
-    X(ms_cpu, ms_cpu)
+    X(ms_cpu, ms_cpu)                                                                              \
+    X(impacts, impacts)
 enum {
 #define STEP_INDEX(column, member) STEP_##column,
     STEP_NUMBERS(STEP_INDEX)
@@ -45,16 +46,19 @@ enum {
 void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]);
 
 /* A run so far. */
+struct report_tally {
+    double sum, min, max;
+};
 struct report {
     double opened_ms, output_ms; /* wall clock: when the run began, and what its files took */
-    long steps;
+    long steps, unsolved;        /* unsolved: with a residual above the tolerance */
     pdyn_step_info start, end;
-    struct report_tally {
-        double sum, min, max;
-    } tally[STEP_COLUMNS]; /* over all steps */
+    struct report_tally tally[STEP_COLUMNS]; /* over all steps */
+    struct report_tally *residual;           /* bodies */
 };
-void report_open(struct report *report, pdyn_sim *sim);
-void report_step(struct report *report, const pdyn_step_info *info);
+pdyn_status report_open(struct report *report, pdyn_sim *sim);
+void report_close(struct report *report, const pdyn_sim *sim);
+void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_info *info);
 /* interrupted, failed: see pdyn_writer_report. What is not finite becomes null. */
 pdyn_status report_write(const struct report *report, const pdyn_sim *sim, const char *path,
                          bool interrupted, const char *failed);

@@ -10,6 +10,7 @@ static void persist_numbers(struct pdyn_sim *sim, struct archive *a) {
     ARCHIVE(a, sim->frame);
     ARCHIVE(a, sim->steps);
     ARCHIVE(a, sim->last_h);
+    ARCHIVE(a, sim->history);
     ARCHIVE(a, sim->damping);
     ARCHIVE(a, sim->unfinished);
     ARCHIVE(a, sim->warned);
@@ -17,9 +18,10 @@ static void persist_numbers(struct pdyn_sim *sim, struct archive *a) {
 
 static void persist_particles(struct pdyn_sim *sim, struct archive *a) {
     size_t n = (size_t)sim->system.particles;
-    double *vectors[] = {sim->x, sim->v, sim->correction};
+    double *vectors[] = {sim->x, sim->v, sim->constraint_acceleration, sim->x_before,
+                         sim->v_before};
     double *numbers[] = {sim->density, sim->pressure, sim->pressure_before};
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+    for (size_t k = 0; k < sizeof vectors / sizeof *vectors && vectors[k]; k++)
         archive_bytes(a, vectors[k], 3 * n * sizeof(double));
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         archive_bytes(a, numbers[k], n * sizeof(double));

@@ -13,14 +13,29 @@
 
 /* ---- a run so far ---------------------------------------------------------------------------- */
 
+static const struct report_tally nothing = {.min = INFINITY, .max = -INFINITY};
+
+static void count(struct report_tally *tally, double number) {
+    tally->sum += number;
+    tally->min = fmin(tally->min, number);
+    tally->max = fmax(tally->max, number);
+}
+
 /* Without a step taken there is no constraint energy and no pin reaction. */
-void report_open(struct report *report, pdyn_sim *sim) {
+pdyn_status report_open(struct report *report, pdyn_sim *sim) {
     *report = (struct report){.opened_ms = clock_ms()};
-    for (int k = 0; k < STEP_COLUMNS; k++)
-        report->tally[k] = (struct report_tally){.min = INFINITY, .max = -INFINITY};
+    report->residual = NEW_ARRAY(sim->context, sim->bodies, struct report_tally);
+    if (!report->residual) return PDYN_NO_MEMORY;
+    for (int k = 0; k < STEP_COLUMNS; k++) report->tally[k] = nothing;
+    for (int b = 0; b < sim->bodies; b++) report->residual[b] = nothing;
     report->start.time = pdyn_time(sim);
     measure_step(sim, &report->start);
     report->end = report->start;
+    return PDYN_OK;
+}
+
+void report_close(struct report *report, const pdyn_sim *sim) {
+    FREE_ARRAY(sim->context, report->residual, sim->bodies);
 }
 
 void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]) {
@@ -30,15 +45,12 @@ void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]) {
     memcpy(number, numbers, sizeof numbers);
 }
 
-void report_step(struct report *report, const pdyn_step_info *info) {
+void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_info *info) {
     double number[STEP_COLUMNS];
     step_numbers(info, number);
-    for (int k = 0; k < STEP_COLUMNS; k++) {
-        struct report_tally *tally = &report->tally[k];
-        tally->sum += number[k];
-        tally->min = fmin(tally->min, number[k]);
-        tally->max = fmax(tally->max, number[k]);
-    }
+    for (int k = 0; k < STEP_COLUMNS; k++) count(&report->tally[k], number[k]);
+    for (int b = 0; b < sim->bodies; b++) count(&report->residual[b], sim->system.body[b].residual);
+    report->unsolved += info->step_residual > sim->scene.settings.tolerance;
     report->end = *info;
     report->steps++;
 }
@@ -69,9 +81,13 @@ static json_t *mean(const struct report *report, int column) {
     return real(report->tally[column].sum / (double)report->steps);
 }
 
+static json_t *mean_max_of(const struct report *report, const struct report_tally *tally) {
+    return json_pack("{s:o, s:o}", "mean", real(tally->sum / (double)report->steps), "max",
+                     real(tally->max));
+}
+
 static json_t *mean_max(const struct report *report, int column) {
-    return json_pack("{s:o, s:o}", "mean", mean(report, column), "max",
-                     real(report->tally[column].max));
+    return mean_max_of(report, &report->tally[column]);
 }
 
 /* ---- the scene ------------------------------------------------------------------------------- */
@@ -93,20 +109,22 @@ static json_t *particles(const struct report *report, const pdyn_sim *sim) {
                      (json_int_t)(e ? e->removed : 0));
 }
 
-static json_t *body(const pdyn_body_info *info) {
+static json_t *body(const pdyn_body_info *info, json_t *residual) {
     if (info->triangles)
-        return json_pack("{s:s, s:s, s:i, s:i}", "name", info->name, "kind", "surface", "count",
-                         info->count, "triangles", info->triangles);
-    return json_pack("{s:s, s:s, s:i, s:o, s:o}", "name", info->name, "kind", "particles", "count",
-                     info->count, "radius_m", real(info->radius), "rest_density",
-                     real(info->rest_density));
+        return json_pack("{s:s, s:s, s:i, s:i, s:o}", "name", info->name, "kind", "surface",
+                         "count", info->count, "triangles", info->triangles, "step_residual",
+                         residual);
+    return json_pack("{s:s, s:s, s:i, s:o, s:o, s:o}", "name", info->name, "kind", "particles",
+                     "count", info->count, "radius_m", real(info->radius), "rest_density",
+                     real(info->rest_density), "step_residual", residual);
 }
 
-static json_t *bodies(const pdyn_sim *sim) {
+static json_t *bodies(const struct report *report, const pdyn_sim *sim) {
     json_t *list = json_array();
     for (int b = 0; list && b < sim->bodies; b++) {
         pdyn_body_info info = pdyn_get_body(sim, b);
-        if (json_array_append_new(list, body(&info))) return json_decref(list), NULL;
+        json_t *residual = mean_max_of(report, &report->residual[b]);
+        if (json_array_append_new(list, body(&info, residual))) return json_decref(list), NULL;
     }
     return list;
 }
@@ -140,9 +158,10 @@ static json_t *density_error(const struct report *report) {
                      real(report->tally[STEP_density_error_max].max));
 }
 
-static json_t *time_step(const struct report *report) {
-    return json_pack("{s:o, s:o, s:o}", "min", real(report->tally[STEP_h_s].min), "mean",
-                     mean(report, STEP_h_s), "max", real(report->tally[STEP_h_s].max));
+static json_t *time_step(const struct report *report, const pdyn_sim *sim) {
+    return json_pack("{s:s, s:o, s:o, s:o}", "integrator", pdyn_integrator(sim), "min",
+                     real(report->tally[STEP_h_s].min), "mean", mean(report, STEP_h_s), "max",
+                     real(report->tally[STEP_h_s].max));
 }
 
 static json_t *energy(const pdyn_step_info *info) {
@@ -159,22 +178,23 @@ static double peak_rss_bytes(void) {
 }
 
 static json_t *describe_scene(const struct report *report, const pdyn_sim *sim) {
-    return json_pack(
-        "{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version", pdyn_version(),
-        "scene", text(sim->context, sim->scene.file), "name", text(sim->context, sim->scene.name),
-        "threads", pdyn_thread_count(sim->context), "particles", particles(report, sim), "bodies",
-        bodies(sim), "constraints", constraints(sim), "solver", "type", pdyn_solver_type(sim),
-        "step", pdyn_step_type(sim), "reason", text(sim->context, pdyn_solver_reason(sim)));
+    return json_pack("{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version",
+                     pdyn_version(), "scene", text(sim->context, sim->scene.file), "name",
+                     text(sim->context, sim->scene.name), "threads",
+                     pdyn_thread_count(sim->context), "particles", particles(report, sim), "bodies",
+                     bodies(report, sim), "constraints", constraints(sim), "solver", "type",
+                     pdyn_solver_type(sim), "step", pdyn_step_type(sim), "reason",
+                     text(sim->context, pdyn_solver_reason(sim)));
 }
 
 static json_t *describe_run(const struct report *report, const pdyn_sim *sim) {
     double wall_ms = clock_ms() - report->opened_ms;
-    return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "steps", (json_int_t)report->steps,
-                     "simulated_s", real(pdyn_time(sim)), "wall_s", real(1e-3 * wall_ms),
-                     "ms_per_step", real(wall_ms / (double)report->steps), "ms",
-                     milliseconds(report), "time_step", time_step(report), "peak_memory_bytes",
-                     (json_int_t)pdyn_peak_bytes(sim->context), "peak_rss_bytes",
-                     (json_int_t)peak_rss_bytes());
+    return json_pack(
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "steps", (json_int_t)report->steps,
+        "unsolved_steps", (json_int_t)report->unsolved, "simulated_s", real(pdyn_time(sim)),
+        "wall_s", real(1e-3 * wall_ms), "ms_per_step", real(wall_ms / (double)report->steps), "ms",
+        milliseconds(report), "time_step", time_step(report, sim), "peak_memory_bytes",
+        (json_int_t)pdyn_peak_bytes(sim->context), "peak_rss_bytes", (json_int_t)peak_rss_bytes());
 }
 
 static json_t *describe_result(const struct report *report, const pdyn_sim *sim) {
@@ -182,8 +202,9 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
     const double *pin = end->pin_reaction;
     char hash[17];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
-                     "retries", real(report->tally[STEP_retries].sum), "outer_iterations",
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
+                     "impacts", mean_max(report, STEP_impacts), "retries",
+                     real(report->tally[STEP_retries].sum), "outer_iterations",
                      mean_max(report, STEP_outer_iterations), "linear_iterations",
                      mean_max(report, STEP_linear_iterations), "density_error",
                      density_error(report), "step_residual", mean_max(report, STEP_step_residual),

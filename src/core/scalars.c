@@ -43,6 +43,13 @@ static void for_all(struct scalars *s, int count, pdyn_range_fn *fn, const doubl
     pool_for(s->context->pool, count, GRAIN, fn, &call);
 }
 
+/* The sum of what each block counted. */
+static int sum_counts(const struct scalars *s) {
+    double sum = 0.0;
+    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++) sum += s->partial[b];
+    return (int)sum;
+}
+
 static void take_sides(void *arg, int first, int last, int block) {
     (void)block;
     struct scalars *s = ((const struct call *)arg)->s;
@@ -128,15 +135,9 @@ static void count_turns(void *arg, int first, int last, int block) {
     c->s->partial[block] = turns;
 }
 
-static int sum_turns(const struct scalars *s) {
-    double sum = 0.0;
-    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++) sum += s->partial[b];
-    return (int)sum;
-}
-
 int scalars_turns(struct scalars *s) {
     for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, 1.0);
-    return sum_turns(s);
+    return sum_counts(s);
 }
 
 static void add_slopes(void *arg, int first, int last, int block) {
@@ -179,7 +180,64 @@ static void change_sides(void *arg, int first, int last, int block) {
 int scalars_go(struct scalars *s, double eps, double t, double *y) {
     if (eps == 1.0) return 0;
     for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
-    int changed = sum_turns(s);
+    int changed = sum_counts(s);
     s->op->force(s->self, s->multiplier, y);
     return changed;
+}
+
+/* ---- impacts --------------------------------------------------------------------------------- */
+
+static void take_forces(void *arg, int first, int last, int block) {
+    (void)block;
+    struct scalars *s = ((const struct call *)arg)->s;
+    for (int i = first; i < last; i++)
+        s->multiplier[i] = s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
+}
+
+void scalars_forces(struct scalars *s, double *y) {
+    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+    s->op->force(s->self, s->multiplier, y);
+}
+
+void scalars_rate_slowed(struct scalars *s, const double *slowed) {
+    s->op->rate(s->self, s->acts, slowed, s->rate);
+}
+
+void scalars_rate_acceleration(struct scalars *s, const double *acceleration) {
+    s->op->rate(s->self, s->acts, acceleration, s->reached);
+}
+
+struct impacts {
+    struct scalars *s;
+    double mass, h;
+};
+
+/* rate: of what was slowed down; reached: of the acceleration by all forces. These may cancel where
+ * each of them is large, and one alone does not know how light the other things are that it moves:
+ * the larger of both counts. */
+static double impact_of(const struct impacts *c, int i) {
+    const struct scalars *s = c->s;
+    if (!s->acts[i]) return 0.0;
+    double value = s->at.value[i], force = s->at.stiffness[i] * value;
+    double change = c->h * fmax(s->reached[i], force * s->at.squares[i] / c->mass);
+    return impact_part(s->rate[i], change, c->h * change / value);
+}
+
+static void take_impacts(void *arg, int first, int last, int block) {
+    const struct impacts *c = arg;
+    struct scalars *s = c->s;
+    double count = 0.0;
+    for (int i = first; i < last; i++) {
+        double part = impact_of(c, i);
+        s->multiplier[i] = part * s->at.stiffness[i] * s->at.value[i];
+        count += part > 0.5;
+    }
+    s->partial[block] = count;
+}
+
+int scalars_impacts(struct scalars *s, double mass, double h, double *y) {
+    struct impacts impacts = {s, mass, h};
+    pool_for(s->context->pool, s->at.count, GRAIN, take_impacts, &impacts);
+    s->op->force(s->self, s->multiplier, y);
+    return sum_counts(s);
 }

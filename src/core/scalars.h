@@ -19,7 +19,10 @@ struct scalars {
     double *multiplier; /* count: scratch */
     bool *acts;         /* count: C_i is positive where d is */
     bool *possible;     /* count: C_i can act at all */
-    double *partial;    /* two sums for each parallel block */
+    int remembered;
+    double
+        *before; /* remembered: multipliers k_i C_i of the first constraints, a step earlier, N */
+    double *partial; /* two sums for each parallel block */
 };
 
 /* Begins at d = 0 after a local step; grows with the number of constraints. */
@@ -40,5 +43,24 @@ double scalars_slope(struct scalars *s, double eps, double t, double *curvature)
 /* d += t u. Adds to y what the gradient changes by beyond t times what scalars_apply gives, that is
  * where sides change. Returns how many did. */
 int scalars_go(struct scalars *s, double eps, double t, double *y);
+
+/* The part of a force that is an impact: what of its impulse went into stopping an approach, as far
+ * as the constraint is too stiff for its oscillation to be resolved. stopped: by how much the rate
+ * at which the constraint is violated fell in a step of length h; change: by how much the force
+ * makes it fall in h; stiff: (h omega)^2 of its oscillation. */
+static inline double impact_part(double stopped, double change, double stiff) {
+    if (!(stopped > 0.0 && change > 0.0)) return 0.0;
+    return (stopped < change ? stopped / change : 1.0) * stiff / (1.0 + stiff);
+}
+
+/* y += the forces of all constraints as they are, N. */
+void scalars_forces(struct scalars *s, double *y);
+/* The rates of constraints by velocities before a step less those after it, m/s, and by these
+ * forces over the masses, m/s^2: particles x 3. */
+void scalars_rate_slowed(struct scalars *s, const double *slowed);
+void scalars_rate_acceleration(struct scalars *s, const double *acceleration);
+/* y += the impact parts of the forces, from these rates. mass: kg, of a particle of the
+ * constraints' body; h: s. Returns how many are impacts for the greater part. */
+int scalars_impacts(struct scalars *s, double mass, double h, double *y);
 
 #endif

@@ -85,20 +85,22 @@ struct scene_contact {
 extern const pdyn_param scene_contact_params[]; /* ends with a name of NULL */
 
 struct acceleration_type;
+struct integrator;
 
-struct scene_settings {      /* the scene's own "solver" and "time_step" and general values */
-    double gravity[3];       /* m/s^2 */
-    double duration;         /* s */
-    double frame_interval;   /* s */
-    double h_fixed;          /* s; 0: adaptive by the CFL condition */
-    double h_min, h_max;     /* s */
-    double cfl;              /* particle radii that a particle may travel in a step */
-    int retries;             /* of a step that cannot be taken */
-    double tolerance;        /* step residual at which a step is solved */
-    int outer_iterations;    /* cap */
-    double linear_tolerance; /* |r| / |r_0| of the linear solve */
-    int linear_iterations;   /* cap */
-    bool newton;             /* step: "newton", otherwise "projective" */
+struct scene_settings {    /* the scene's own "solver" and "time_step" and general values */
+    double gravity[3];     /* m/s^2 */
+    double duration;       /* s */
+    double frame_interval; /* s */
+    double h_fixed;        /* s; 0: adaptive by the CFL condition */
+    double h_min, h_max;   /* s */
+    double cfl;            /* particle radii that a particle may travel in a step */
+    const struct integrator *integrator;
+    int retries;                                  /* of a step that cannot be taken */
+    double tolerance;                             /* step residual at which a step is solved */
+    int outer_iterations;                         /* cap */
+    double linear_tolerance;                      /* |r| / |r_0| of the linear solve */
+    int linear_iterations;                        /* cap */
+    bool newton;                                  /* step: "newton", otherwise "projective" */
     const struct acceleration_type *acceleration; /* of the projective step */
     char solver_type[32];                         /* "auto" or a registered solver */
 };

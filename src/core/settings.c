@@ -1,6 +1,7 @@
 /* How a scene is solved: its parameters and their reading. A default outside the bounds means:
  * absent. */
 #include "accelerate.h"
+#include "integrator.h"
 #include "params.h"
 #include "reader.h"
 #include "registry.h"
@@ -57,12 +58,24 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     return status;
 }
 
+static pdyn_status read_integrator(const struct json_at *time_step, struct scene_settings *set) {
+    const char *names[READER_NAMES];
+    struct json_at at = json_member(time_step, "integrator");
+    int chosen = 0;
+    for (int k = 0; k < integrator_count; k++) names[k] = integrators[k].name;
+    pdyn_status status = reader_choice(&at, "integrator", names, integrator_count, &chosen);
+    set->integrator = &integrators[chosen];
+    return status;
+}
+
 static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
-    static const char *const none[] = {NULL}, *const excluded[] = {"maximum", "minimum", "cfl"};
+    static const char *const others[] = {"integrator", NULL}, *const excluded[] = {
+                                                                  "maximum", "minimum", "cfl"};
     struct scene_settings *set = &r->scene->settings;
     pdyn_status status =
-        at->value ? params_check_keys(at, settings_time_step_params, none) : PDYN_OK;
+        at->value ? params_check_keys(at, settings_time_step_params, others) : PDYN_OK;
     if (status == PDYN_OK) status = params_read(at, settings_time_step_params, NULL, set);
+    if (status == PDYN_OK) status = read_integrator(at, set);
     if (status != PDYN_OK) return status;
     for (int k = 0; set->h_fixed > 0.0 && k < 3; k++) {
         struct json_at other = json_member(at, excluded[k]);

@@ -5,6 +5,7 @@
 #include "accelerate.h"
 #include "batch.h"
 #include "context.h"
+#include "integrator.h"
 #include "mesh.h"
 #include "motion.h"
 #include "neighbours.h"
@@ -36,11 +37,16 @@ struct pdyn_sim {
     double *x_next;          /* particles x 3: the iterate */
     double *gradient;        /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
-    double *correction; /* particles x 3: x - s of the last step, its constraints' work */
-    bool unfinished;    /* the last step was cut short: its correction is not one to repeat */
-    double last_h;      /* s; 0 before the first step */
-    double damping;     /* eps, kept from step to step */
-    bool anchored;      /* some constraint can take momentum from the system */
+    double *x_before, *v_before; /* particles x 3: the state a step earlier, m, m/s; NULL where the
+                                    integrator needs none */
+    double *x_base, *v_base; /* particles x 3: from where the inertia of this step moves, m, m/s */
+    double *constraint_acceleration; /* particles x 3: by the constraints in the last step, m/s^2 */
+    bool unfinished;                 /* the last step was cut short: that is not one to repeat */
+    double last_h;                   /* s, length of the last step; 0 before the first */
+    int impacts;                     /* constraints in the last step */
+    double history; /* s, between x_before and x; 0: nothing is to be built upon that */
+    double damping; /* eps, kept from step to step */
+    bool anchored;  /* some constraint can take momentum from the system */
 
     struct emit *emit; /* particles that come and go; NULL where none does */
 

@@ -7,6 +7,7 @@ double pdyn_duration(const pdyn_sim *sim) { return sim->scene.settings.duration;
 double pdyn_frame_interval(const pdyn_sim *sim) { return sim->scene.settings.frame_interval; }
 const char *pdyn_solver_type(const pdyn_sim *sim) { return sim->solver->name; }
 const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim->solver_reason; }
+const char *pdyn_integrator(const pdyn_sim *sim) { return sim->scene.settings.integrator->name; }
 const char *pdyn_step_type(const pdyn_sim *sim) {
     return sim->scene.settings.newton ? "newton" : "projective";
 }
@@ -41,7 +42,8 @@ pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
                             .radius = b->radius,
                             .rest_density = b->rest_density,
                             .triangles = b->triangles,
-                            .triangle = b->triangle};
+                            .triangle = b->triangle,
+                            .residual = sim->system.body[body].residual};
 }
 
 pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {

@@ -1,27 +1,27 @@
-/* One time step: predict, minimise E (minimise.c), then the new velocity. Implicit Euler as a
- * minimisation (Bouaziz et al. 2014). */
+/* One time step: predict (integrator.h), minimise E (minimise.c), then the new velocity. */
 #include "clock.h"
 #include "emit.h"
 #include "measure.h"
 #include "minimise.h"
 #include "sim.h"
 #include "timestep.h"
+#include "velocities.h"
 
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* s = x + h v + h^2 g, and the iterate starts there. */
+/* s = x^ + H v^ + H^2 g, and the iterate starts there. */
 static void predict(struct pdyn_sim *sim, double h) {
     const double *g = sim->scene.settings.gravity;
-    sim->system.h = h;
+    double H = sim->system.h = sim->scene.settings.integrator->begin(sim, h);
     sim->system.time = sim->time + h;
     for (int k = 0; k < 3 * sim->system.particles; k++)
-        sim->system.s[k] = sim->x[k] + h * sim->v[k] + h * h * g[k % 3];
+        sim->system.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
     emit_hold(sim);
     memcpy(sim->x_next, sim->system.s, system_bytes(&sim->system));
-    system_begin(&sim->system, sim->x, sim->v);
+    system_begin(&sim->system, sim->x_base, sim->v_base);
 }
 
 /* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
@@ -53,69 +53,22 @@ static pdyn_status keep_momentum(struct pdyn_sim *sim) {
     return system_local(sys, sim->x_next, &energy, sim->gradient);
 }
 
-/* v = (x_next - x) / h. Positions can meet a momentum up to their rounding; velocities take the
- * rest, so that it does not add up over many steps. */
-static void take_velocities(struct pdyn_sim *sim, double h) {
-    const double *g = sim->scene.settings.gravity;
-    double excess[3] = {0}, mass = 0.0;
-    for (int i = 0; i < sim->system.particles; i++) {
-        double m = emit_is_live(sim, i) ? sim->system.mass[i] : 0.0;
-        mass += m;
-        for (int k = 3 * i; k < 3 * i + 3; k++) {
-            double v = (sim->x_next[k] - sim->x[k]) / h;
-            excess[k % 3] += m * (v - sim->v[k] - h * g[k % 3]);
-            sim->v[k] = v;
-        }
-    }
-    if (sim->anchored) return;
-    for (int k = 0; k < 3 * sim->system.particles; k++)
-        if (emit_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
+static void remember_state(struct pdyn_sim *sim, double h) {
+    sim->history = h;
+    if (!sim->x_before) return;
+    memcpy(sim->x_before, sim->x, system_bytes(&sim->system));
+    memcpy(sim->v_before, sim->v, system_bytes(&sim->system));
 }
 
-/* The mean velocity of what moves freely; 0 where something can take momentum away. */
-static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
-    double mass = 0.0;
-    mean[0] = mean[1] = mean[2] = 0.0;
-    for (int i = 0; i < sim->system.particles && !sim->anchored; i++) {
-        if (!emit_is_live(sim, i)) continue;
-        mass += sim->system.mass[i];
-        vec3_add(mean, sim->system.mass[i], sim->v + 3 * i);
-    }
-    for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
-}
-
-/* A step that was cut short leaves a force, the gradient of E. Convex constraints give energy away
- * in an implicit step but for the work of that force on the way, less what goes with the change of
- * velocities (theory.md). The motion relative to the mean pays for what is left of it. */
-static void pay_for_work(struct pdyn_sim *sim, double h) {
-    const struct system *sys = &sim->system;
-    double gained = 0.0, kinetic = 0.0, mean[3];
-    mean_velocity(sim, mean);
-    for (int i = 0; i < sys->particles; i++) {
-        const double *v = sim->v + 3 * i, m = 0.5 * sys->mass[i];
-        double change[3], own = vec3_distance(v, mean);
-        if (!emit_is_live(sim, i)) continue;
-        for (int a = 0; a < 3; a++)
-            change[a] = (sim->x_next[3 * i + a] - sys->s[3 * i + a]) / h +
-                        h * sim->scene.settings.gravity[a];
-        gained += h * vec3_dot(sim->gradient + 3 * i, v) - m * vec3_dot(change, change);
-        kinetic += m * own * own;
-    }
-    if (!(gained > 0.0)) return;
-    double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
-    for (int k = 0; k < 3 * sys->particles; k++)
-        if (emit_is_live(sim, k / 3)) sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
-}
-
-/* New velocities, then viscosity; the iterate becomes the state. */
+/* The iterate becomes the state. */
 static void accept(struct pdyn_sim *sim, double h) {
     struct system *sys = &sim->system;
-    take_velocities(sim, h);
-    if (sim->unfinished && sim->scene.settings.newton && !sim->solver->keeps_multipliers)
-        pay_for_work(sim, h);
-    for (int k = 0; k < 3 * sys->particles; k++) sim->correction[k] = sim->x_next[k] - sys->s[k];
+    remember_state(sim, h);
+    velocities_take(sim, h);
+    for (int k = 0; k < 3 * sys->particles; k++)
+        sim->constraint_acceleration[k] = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
     memcpy(sim->x, sim->x_next, system_bytes(sys));
-    for (int b = 0; b < sys->batches; b++) batch_velocity(sys->batch[b], sim->v);
+    velocities_change(sim, h);
     sim->last_h = h;
     sim->steps++;
 }
@@ -129,7 +82,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     motion_carry(sim, sim->system.time);
     struct contact *contact = sim->system.contact;
     if (contact) status = contact_begin(contact, sim->system.time);
-    if (status == PDYN_OK) status = minimise(sim, h, progress);
+    if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     return status == PDYN_OK ? measure_finite(sim) : status;
 }
@@ -137,6 +90,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
 /* After an attempt that failed: solids go back, and nothing that led there is built upon. */
 static pdyn_status take_back(struct pdyn_sim *sim) {
     motion_carry(sim, sim->time);
+    sim->history = 0.0;
     if (sim->solver->forget) sim->solver->forget(sim->solver_state);
     if (sim->scene.settings.newton) sim->damping = 1.0;
     return sim->system.contact ? contact_take_back(sim->system.contact, sim->x) : PDYN_OK;
@@ -182,6 +136,10 @@ static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct 
     return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
 }
 
+/* Up to this residual, a tenth of what the weight is for every particle, a step that did not reach its
+ * tolerance, as positions have no more digits for one, is as good as one that did. */
+static const double harmless = 0.1;
+
 static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     struct progress progress;
     struct moment end;
@@ -191,7 +149,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     pdyn_status status = attempt_all(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
     measure_fetch(sim);
-    sim->unfinished = progress.residual > sim->scene.settings.tolerance;
+    sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, harmless);
     accept(sim, end.h);
     timestep_check(sim, end.h, progress.residual);
 
@@ -202,6 +160,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
                              .frame = end.frame,
                              .outer_iterations = progress.outer,
                              .linear_iterations = progress.linear,
+                             .impacts = sim->impacts,
                              .retries = retries,
                              .step_residual = progress.residual};
     measure_step(sim, info);

@@ -4,6 +4,7 @@
 #include "projdyn/vec3.h"
 #include "simd.h"
 
+#include <math.h>
 #include <string.h>
 
 struct call {
@@ -202,6 +203,55 @@ WIDE static void dot_block(void *arg, int first, int last, int block) {
 double system_dot(struct system *sys, const double *a, const double *b) {
     for_particles(sys, dot_block, a, b, NULL, 0.0);
     return system_partial_sum(sys);
+}
+
+/* ---- residuals ------------------------------------------------------------------------------- */
+
+int system_body_of(const struct system *sys, int particle) {
+    int low = 0, high = sys->bodies;
+    while (high - low > 1) {
+        int middle = low + (high - low) / 2;
+        if (sys->body[middle].first <= particle) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+WIDE double system_norm_part(const struct system *sys, const double *r, int first, int last) {
+    double sum = 0.0;
+    for (int b = system_body_of(sys, first), end; first < last; first = end, b++) {
+        const struct system_body *body = &sys->body[b];
+        end = body->first + body->count < last ? body->first + body->count : last;
+        const double *own = r + 3 * (size_t)first;
+        sum += simd_dot(own, own, 3 * (end - first)) / (body->weight * body->weight);
+    }
+    return sum;
+}
+
+static void norm_block(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    c->system->partial[block] = system_norm_part(c->system, c->a, first, last);
+}
+
+double system_norm(struct system *sys, const double *r) {
+    for_particles(sys, norm_block, r, NULL, NULL, 0.0);
+    return sqrt(system_partial_sum(sys));
+}
+
+double system_residual(struct system *sys, const double *gradient) {
+    double largest = 0.0;
+    for (int b = 0; b < sys->bodies; b++) {
+        struct system_body *body = &sys->body[b];
+        const double *own = gradient + 3 * (size_t)body->first;
+        struct call call = {sys, own, own, NULL, 0.0};
+        pool_for(sys->context->pool, body->count, SYSTEM_GRAIN, dot_block, &call);
+        double sum = 0.0;
+        for (int k = 0; k < pool_blocks(body->count, SYSTEM_GRAIN); k++) sum += sys->partial[k];
+        body->residual = sqrt(sum) / body->weight;
+        /* not fmax, which would lose what is no number */
+        if (!(body->residual <= largest)) largest = body->residual;
+    }
+    return largest;
 }
 
 WIDE static void axpy_block(void *arg, int first, int last, int block) {

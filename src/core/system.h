@@ -14,12 +14,18 @@
 
 enum { SYSTEM_GRAIN = 2048 }; /* particles: vector operations worth waking a thread for */
 
+struct system_body {  /* its residual is |grad E| / |M g|, over its own particles */
+    int first, count; /* its particles */
+    double weight;    /* |M g|, N, in this step */
+    double residual;  /* at the last measurement */
+};
+
 struct system {
     pdyn_context *context;
     int particles;
     double *mass;     /* particles, kg */
     double *s;        /* the inertial prediction, m */
-    double h;         /* s, of the current step */
+    double h;         /* s, effective length of the current step (integrator.h) */
     unsigned weights; /* moves when weights do by themselves, not with h */
     double time;      /* s, at its end */
     const double *x;  /* where the last local step was */
@@ -32,11 +38,13 @@ struct system {
     struct samples *samples;       /* of surfaces in these; NULL: none */
     unsigned lists;                /* revision of the lists */
     bool changing;                 /* some batch changes its selector from step to step */
-    double *partial;               /* sums of parallel blocks of SYSTEM_GRAIN particles */
+    int bodies;
+    struct system_body *body; /* bodies, ascending; they have all particles */
+    double *partial;          /* sums of parallel blocks of SYSTEM_GRAIN particles */
     double ms_neighbours, ms_local;
 };
 
-/* A step of length h begins at x and v. */
+/* A step of effective length h begins at x and v, the base of integrator.h. */
 void system_begin(struct system *system, const double *x, const double *v);
 
 /* x with the samples, *all, and lists that are complete there. */
@@ -82,6 +90,19 @@ void system_diagonal(struct system *system, double *blocks);
 
 /* Sums of 3-vectors' products over all particles, the same bits for any number of threads. */
 double system_dot(struct system *system, const double *a, const double *b);
+
+/* The length of a residual, N: the root of the sum of squares over bodies, each relative to its
+ * weight. Where it is below a number, so is the residual of every body. */
+double system_norm(struct system *system, const double *r);
+
+/* What particles from `first` to before `last` add to its square. */
+double system_norm_part(const struct system *system, const double *r, int first, int last);
+
+/* The body of a particle. */
+int system_body_of(const struct system *system, int particle);
+
+/* Measures the residual of every body from the gradient of E; returns the largest. */
+double system_residual(struct system *system, const double *gradient);
 
 /* The sum of what each block of a loop over the particles left in `partial`. */
 double system_partial_sum(const struct system *system);

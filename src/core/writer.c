@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { ROW = 1024 }; /* bytes, enough for the numbers of a step */
+enum { ROW = 1024, ROW_BODY = 80 }; /* bytes, enough for the numbers of a step, and of a body */
 
 struct pdyn_writer {
     pdyn_sim *sim;
@@ -21,6 +21,8 @@ struct pdyn_writer {
     bool ply;
     FILE *metrics; /* unbuffered: a row reaches the file at once */
     long metrics_size;
+    char *row; /* row_size: of metrics.csv */
+    size_t row_size;
     int frames, capacity;
     double *time; /* capacity: of the frames, s */
     struct report report;
@@ -189,9 +191,9 @@ static pdyn_status remove_frames(pdyn_writer *writer, const char *name) {
 /* ---- metrics --------------------------------------------------------------------------------- */
 
 /* A row is there as a whole or not at all, also on a full disk. */
-static pdyn_status write_row(pdyn_writer *writer, const char *row) {
-    size_t length = strlen(row);
-    if (fwrite(row, 1, length, writer->metrics) == length) {
+static pdyn_status write_row(pdyn_writer *writer) {
+    size_t length = strlen(writer->row);
+    if (fwrite(writer->row, 1, length, writer->metrics) == length) {
         writer->metrics_size += (long)length;
         return PDYN_OK;
     }
@@ -204,7 +206,7 @@ static pdyn_status write_row(pdyn_writer *writer, const char *row) {
 
 static pdyn_status open_metrics(pdyn_writer *writer) {
 #define STEP_HEADER(column, member) "," #column
-    static const char header[] = STEP_NUMBERS(STEP_HEADER) "\n";
+    static const char header[] = STEP_NUMBERS(STEP_HEADER);
 #undef STEP_HEADER
     const char *path = path_of(writer, "metrics.csv");
     writer->metrics = fopen(path, "wbe");
@@ -212,30 +214,39 @@ static pdyn_status open_metrics(pdyn_writer *writer) {
         return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot create the file: %s",
                             path, strerror(errno));
     setvbuf(writer->metrics, NULL, _IONBF, 0);
-    return write_row(writer, header + 1);
+    *writer->row = '\0';
+    text_append(writer->row, writer->row_size, "%s", header + 1);
+    for (int b = 0; b < writer->sim->bodies; b++)
+        text_append(writer->row, writer->row_size, ",residual_%s", writer->sim->body[b].name);
+    text_append(writer->row, writer->row_size, "\n");
+    return write_row(writer);
 }
 
 /* A number that is not finite leaves its column empty. */
+static void add_number(pdyn_writer *writer, double number) {
+    text_append(writer->row, writer->row_size, *writer->row ? "," : "");
+    if (isfinite(number)) text_append(writer->row, writer->row_size, "%.9g", number);
+}
+
 static pdyn_status add_row(pdyn_writer *writer, const pdyn_step_info *info) {
     double number[STEP_COLUMNS];
-    char row[ROW] = "";
     struct text_locale locale;
     if (!text_begin(&locale)) return context_no_memory(writer->context);
     step_numbers(info, number);
-    for (int k = 0; k < STEP_COLUMNS; k++) {
-        text_append(row, sizeof row, k ? "," : "");
-        if (isfinite(number[k])) text_append(row, sizeof row, "%.9g", number[k]);
-    }
-    text_append(row, sizeof row, "\n");
+    *writer->row = '\0';
+    for (int k = 0; k < STEP_COLUMNS; k++) add_number(writer, number[k]);
+    for (int b = 0; b < writer->sim->bodies; b++)
+        add_number(writer, writer->sim->system.body[b].residual);
+    text_append(writer->row, writer->row_size, "\n");
     text_end(&locale);
-    return write_row(writer, row);
+    return write_row(writer);
 }
 
 pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
     if (!writer || !info) return PDYN_BAD_CALL;
     double start = clock_ms();
     pdyn_status status = add_row(writer, info);
-    report_step(&writer->report, info);
+    report_step(&writer->report, writer->sim, info);
     writer->report.output_ms += clock_ms() - start;
     return status;
 }
@@ -250,7 +261,10 @@ static void persist_writer(pdyn_writer *writer, struct archive *a) {
     ARCHIVE(a, writer->ply);
     ARCHIVE(a, writer->metrics_size);
     ARCHIVE(a, run_ms);
+    struct report_tally *residual = report->residual;
     ARCHIVE(a, *report);
+    report->residual = residual;
+    archive_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
     ARCHIVE(a, writer->frames);
     report->opened_ms = clock_ms() - run_ms;
 }
@@ -335,9 +349,7 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
         status = remove_frames(writer, part_name(writer, p));
         if (status == PDYN_OK) status = write_series(writer, p, 0);
     }
-    if (status == PDYN_OK) status = open_metrics(writer);
-    report_open(&writer->report, writer->sim);
-    return status;
+    return status == PDYN_OK ? open_metrics(writer) : status;
 }
 
 static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
@@ -352,7 +364,10 @@ static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
     writer->sim = sim;
     writer->context = sim->context;
     writer->ply = ply;
-    pdyn_status status = begin(writer, directory);
+    writer->row_size = ROW + ROW_BODY * (size_t)sim->bodies;
+    writer->row = NEW_ARRAY(sim->context, writer->row_size, char);
+    pdyn_status status = writer->row ? report_open(&writer->report, sim) : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) status = begin(writer, directory);
     if (status == PDYN_OK) *out = writer;
     else pdyn_writer_close(writer);
     return status;
@@ -377,6 +392,8 @@ void pdyn_writer_close(pdyn_writer *writer) {
     if (!writer) return;
     pdyn_context *context = writer->context;
     if (writer->metrics) fclose(writer->metrics);
+    report_close(&writer->report, writer->sim);
+    FREE_ARRAY(context, writer->row, writer->row_size);
     FREE_ARRAY(context, writer->time, writer->capacity);
     FREE_ARRAY(context, writer->path, writer->path_size);
     FREE_ARRAY(context, writer, 1);

@@ -60,21 +60,21 @@ static bool linear_in_floats(void *self, double size, double target, const pdyn_
                             .first = goal->first && *iterations == 0};
     int done;
     memset(k->d, 0, system_bytes(k->system));
-    enum single_end end = single_cg_solve(&s->single, k->r, size, k->d, &rest, &done);
+    enum single_end end = single_cg_solve(&s->single, k->r, k->d, &rest, &done);
     *iterations += done;
     if (end == SINGLE_EXHAUSTED) return false;
-    if (goal->tolerance >= trusted) single_cg_residual(&s->single, size, k->r);
+    if (goal->tolerance >= trusted) single_cg_residual(&s->single, k->r);
     else look(k, k->r);
     return true;
 }
 
-/* One solve in floats; b, of this size, becomes what doubles see of it, unless it is the last one
+/* One solve in floats; b becomes what doubles see of it, unless it is the last one
  * or no more iterations are wanted. */
-static enum single_end solve_in_floats(struct hybrid *s, double *b, double size, double *y,
+static enum single_end solve_in_floats(struct hybrid *s, double *b, double *y,
                                        const pdyn_goal *goal, bool last, int *iterations) {
     struct krylov *k = &s->krylov;
     memset(k->d, 0, system_bytes(k->system));
-    enum single_end end = single_cg_solve(&s->single, b, size, k->d, goal, iterations);
+    enum single_end end = single_cg_solve(&s->single, b, k->d, goal, iterations);
     system_axpy(k->system, 1.0, k->d, y);
     if (end == SINGLE_SOLVED && last) return SINGLE_ENOUGH;
     if (end != SINGLE_ENOUGH) look(k, b);
@@ -86,7 +86,7 @@ static enum single_end solve_in_floats(struct hybrid *s, double *b, double size,
 static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal *goal,
                          int *iterations) {
     struct system *sys = s->krylov.system;
-    double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
+    double size = system_norm(sys, b), target = goal->tolerance * size;
     pdyn_goal rest = *goal;
     bool failed = false;
     for (*iterations = 0; size > target && rest.iterations > 0; rest.first = false) {
@@ -94,10 +94,10 @@ static void solve_static(struct hybrid *s, double *b, double *y, const pdyn_goal
         double before = size;
         bool last = target / size >= trusted && !failed;
         rest.tolerance = fmax(target / size, trusted);
-        enum single_end end = solve_in_floats(s, b, size, y, &rest, last, &done);
+        enum single_end end = solve_in_floats(s, b, y, &rest, last, &done);
         *iterations += done, rest.iterations -= done;
         if (end == SINGLE_ENOUGH) return;
-        size = sqrt(system_dot(sys, b, b));
+        size = system_norm(sys, b);
         failed = size > 2.0 * rest.tolerance * before;
         if (end == SINGLE_EXHAUSTED || !(size < 0.5 * before)) break;
     }

@@ -46,7 +46,7 @@ WIDE static void next_direction(void *arg, int first, int last, int block) {
     c->k->system->partial[block] = simd_dot(r, p + 3 * first, 3 * (last - first));
 }
 
-/* d += scale p, r -= scale q; partial: r.r */
+/* d += scale p, r -= scale q; partial: of |r|, as system_norm */
 WIDE static void advance(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     const double *p = c->k->p, *q = c->k->q;
@@ -55,8 +55,7 @@ WIDE static void advance(void *arg, int first, int last, int block) {
         d[k] += c->scale * p[k];
         r[k] -= c->scale * q[k];
     }
-    r += 3 * first;
-    c->k->system->partial[block] = simd_dot(r, r, 3 * (last - first));
+    c->k->system->partial[block] = system_norm_part(c->k->system, r, first, last);
 }
 
 static void for_particles(struct krylov *k, pdyn_range_fn *fn, double scale) {
@@ -116,7 +115,7 @@ static int go_along(struct krylov *k, double *b, double *y) {
 
 void krylov_solve(struct krylov *k, double *b, double *y, const pdyn_goal *goal, int *iterations) {
     struct system *sys = k->system;
-    double size = sqrt(system_dot(sys, b, b)), target = goal->tolerance * size;
+    double size = system_norm(sys, b), target = goal->tolerance * size;
     bool own = k->linear;
     *iterations = 0;
     if (goal->first) k->curvature = 0.0;
@@ -131,7 +130,7 @@ void krylov_solve(struct krylov *k, double *b, double *y, const pdyn_goal *goal,
             return;
         }
         int changed = go_along(k, b, y);
-        size = sqrt(system_dot(sys, b, b));
+        size = system_norm(sys, b);
         if (!changed && size > 2.0 * aim_at) own = false;
     }
 }

@@ -125,24 +125,36 @@ WIDE static void turn_single(void *arg, int first, int last, int block) {
     }
 }
 
-/* r -= scale q, y += size scale p, z = D^-1 r; sums: r.r */
-WIDE static void go_on(void *arg, int first, int last, int block) {
-    const struct call *c = arg;
+/* r -= scale q, y += size scale p, z = D^-1 r of particles first to last of one body; rr += r.r */
+INLINE void advance(const struct call *c, int first, int last, v4 *rr) {
     struct single_cg *s = c->s;
     float scale = (float)c->scale;
     double length = c->size * c->scale;
-    v4 rr = {0};
     for (int i = first; i < last; i++) {
         v4f r, z, p, q;
         v4f_load(&r, s->r, i), v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
         r -= scale * q;
         divide_by_block(s, i, &r, &z);
         v4f_store(s->r, i, &r), v4f_store(s->z, i, &z);
-        add_product(&rr, &r, &r);
+        add_product(rr, &r, &r);
         v4 step = length * __builtin_convertvector(p, v4);
         v4_add_to(c->y + 3 * (size_t)i, &step);
     }
-    s->sums[block] = (struct single_sums){.rr = v4_sum(&rr)};
+}
+
+/* The same of all bodies; sums: of |r|, as system_norm */
+WIDE static void go_on(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    const struct system *sys = c->s->system;
+    double sum = 0.0;
+    for (int b = system_body_of(sys, first), end; first < last; first = end, b++) {
+        const struct system_body *body = &sys->body[b];
+        v4 rr = {0};
+        end = body->first + body->count < last ? body->first + body->count : last;
+        advance(c, first, end, &rr);
+        sum += v4_sum(&rr) / (body->weight * body->weight);
+    }
+    c->s->sums[block] = (struct single_sums){.rr = sum};
 }
 
 /* ---- conjugate gradients --------------------------------------------------------------------- */
@@ -198,19 +210,22 @@ static enum single_end cut_short(struct single_cg *s, struct call *call) {
     return SINGLE_ENOUGH;
 }
 
-enum single_end single_cg_solve(struct single_cg *s, const double *b, double size, double *y,
+enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
                                 const pdyn_goal *goal, int *iterations) {
-    struct call call = {.b = b, .y = y, .size = size};
-    double rr = 1.0, gained = 0.0, gain = INFINITY;
+    s->length = sqrt(system_dot(s->system, b, b));
+    struct call call = {.b = b, .y = y, .size = s->length};
+    double relative = s->length / system_norm(s->system, b), rr = 1.0, gained = 0.0,
+           gain = INFINITY;
     *iterations = 0;
-    if (!(size > 0.0)) return SINGLE_SOLVED;
-    call.scale = 1.0 / size;
+    if (!(s->length > 0.0)) return SINGLE_SOLVED;
+    call.scale = 1.0 / s->length;
     begin(s, &call, goal);
     while (*iterations < goal->least || rr > goal->tolerance * goal->tolerance) {
         if (*iterations >= goal->iterations) return cut_short(s, &call);
         if (is_enough(goal, *iterations, gain, gained)) return SINGLE_ENOUGH;
         gain = go_along(s, &call, true, &rr);
         if (!(gain > 0.0)) return SINGLE_EXHAUSTED;
+        rr *= relative * relative;
         if (*iterations > 0 || goal->least == 0) gained += gain;
         ++*iterations;
     }
@@ -225,6 +240,6 @@ WIDE static void scale_residual(void *arg, int first, int last, int block) {
             c->y[3 * (size_t)i + a] = c->size * (double)c->s->r[4 * (size_t)i + a];
 }
 
-void single_cg_residual(struct single_cg *s, double size, double *r) {
-    for_particles(s, scale_residual, &(struct call){.y = r, .size = size});
+void single_cg_residual(struct single_cg *s, double *r) {
+    for_particles(s, scale_residual, &(struct call){.y = r, .size = s->length});
 }

@@ -15,7 +15,8 @@ struct single_cg {
     struct jacobi *jacobi; /* D */
     struct coarse *coarse;
     struct single product; /* H */
-    float *r, *z, *p, *q;  /* single_size: p the last direction, q = H p */
+    float *r, *z, *p, *q;  /* single_size: r over |b|; p the last direction, q = H p */
+    double length;         /* |b|, N */
     float *inverse;        /* particles x 9: D^-1, with room to load the last column as four */
     double curvature;      /* p.q, with H as it was then; 0: p is no direction yet */
     struct single_sums *sums;
@@ -34,11 +35,11 @@ enum single_end {
 
 /* Takes the system's linearisation, before solves. */
 void single_cg_prepare(struct single_cg *s);
-/* As pdyn_global_solver.solve, but b, of this size, stays. */
-enum single_end single_cg_solve(struct single_cg *s, const double *b, double size, double *y,
+/* As pdyn_global_solver.solve, but b stays. */
+enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
                                 const pdyn_goal *goal, int *iterations);
 
 /* Of the last solve, as floats have it. */
-void single_cg_residual(struct single_cg *s, double size, double *r);
+void single_cg_residual(struct single_cg *s, double *r);
 
 #endif

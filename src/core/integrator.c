@@ -1,0 +1,62 @@
+#include "integrator.h"
+
+#include "sim.h"
+
+#include <string.h>
+
+/* base = x_n + part (x_n - x_(n-1)), and the same of the velocities. */
+static void extrapolate(struct pdyn_sim *sim, double part) {
+    for (int k = 0; k < 3 * sim->system.particles; k++) {
+        sim->x_base[k] = sim->x[k] + part * (sim->x[k] - sim->x_before[k]);
+        sim->v_base[k] = sim->v[k] + part * (sim->v[k] - sim->v_before[k]);
+    }
+}
+
+static double begin_euler(struct pdyn_sim *sim, double h) {
+    memcpy(sim->x_base, sim->x, system_bytes(&sim->system));
+    memcpy(sim->v_base, sim->v, system_bytes(&sim->system));
+    return h;
+}
+
+/* Zero-stable as long as steps grow by less than 1 + sqrt(2) (Hairer, Norsett, Wanner, Solving
+ * Ordinary Differential Equations I, section III.5). One longer step is Euler's, which leaves the
+ * order at two. */
+static const double most_growth = 2.0;
+
+/* The backward differentiation formula of order two, for steps of any lengths. */
+static double begin_bdf2(struct pdyn_sim *sim, double h) {
+    double w = sim->history > 0.0 ? h / sim->history : INFINITY;
+    if (w > most_growth) return begin_euler(sim, h);
+    extrapolate(sim, w * w / (1.0 + 2.0 * w));
+    return h * (1.0 + w) / (1.0 + 2.0 * w);
+}
+
+/* ---- impacts --------------------------------------------------------------------------------- */
+
+/* A formula of two states takes the jump of v in an impact for an acceleration that goes on: what
+ * falls on a floor would bounce. So the impulse of an impact, H a, counts as the displacement H^2 a
+ * over h, as with Euler, and v_before gets it as well, as if it had been there before. Both are
+ * sums of constraints' forces, so that momentum stays. */
+int integrator_impacts(struct pdyn_sim *sim, double h) {
+    struct system *sys = &sim->system;
+    double H = sys->h, *force = sim->trial_gradient, *slowed = sim->trial;
+    struct velocity_change change = {slowed, sys->mass, H, sim->direction};
+    int count = 0;
+    if (!sim->v_before) return 0;
+    memset(force, 0, system_bytes(sys));
+    memcpy(slowed, sim->v_before, system_bytes(sys));
+    system_axpy(sys, -1.0, sim->v, slowed);
+    for (int b = 0; b < sys->batches; b++) count += batch_impacts(sys->batch[b], &change, force);
+    for (int k = 0; k < 3 * sys->particles; k++) {
+        double impulse = -H * force[k] / sys->mass[k / 3];
+        sim->v[k] -= (1.0 - H / h) * impulse;
+        sim->v_before[k] += H / h * impulse;
+    }
+    return count;
+}
+
+const struct integrator integrators[] = {
+    {"bdf2", "second order; one implicit step from two states", begin_bdf2, true},
+    {"euler", "first order; implicit, as published", begin_euler, false},
+};
+const int integrator_count = sizeof integrators / sizeof *integrators;

@@ -1,0 +1,185 @@
+/* Time integration: free fall, the order of convergence, steps that change in length, impacts. */
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { EULER, BDF2, INTEGRATORS };
+static const char *const integrator[INTEGRATORS] = {"euler", "bdf2"};
+
+/* ---- free fall ------------------------------------------------------------------------------- */
+
+/* The formulas of both in one dimension; before: the length of the step before, 0 for none. */
+struct fall {
+    double x, v, x_before, v_before, before;
+};
+
+static void fall(struct fall *f, int kind, double h, double g) {
+    double w = f->before > 0.0 ? h / f->before : INFINITY;
+    bool bdf2 = kind == BDF2 && w <= 2.0;
+    double c = bdf2 ? w * w / (1.0 + 2.0 * w) : 0.0;
+    double H = bdf2 ? h * (1.0 + w) / (1.0 + 2.0 * w) : h;
+    double x = f->x + c * (f->x - f->x_before), v = f->v + c * (f->v - f->v_before);
+    f->x_before = f->x, f->v_before = f->v, f->before = h;
+    f->v = v + H * g, f->x = x + H * f->v;
+}
+
+/* A sheet falls as a point does, whatever its constraints, in steps of changing length; its
+ * momentum is exact. */
+static void test_free_fall(void **state) {
+    (void)state;
+    static const double step[] = {0.01, 0.01, 0.0025, 0.0025, 0.004, 0.01, 0.01};
+    for (int kind = 0; kind < INTEGRATORS; kind++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{\"duration\": 100, \"frame_interval\": 100, \"time_step\": {\"fixed\": 0.01, "
+                 "\"integrator\": \"%s\"}, \"bodies\": [{\"velocity\": [0, 2, 0], \"surface\": "
+                 "{\"grid\": {\"size\": [1, 1], \"vertices\": [9, 9]}, \"area_density\": 0.3}, "
+                 "\"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": 2000}]}]}",
+                 integrator[kind]);
+        pdyn_context *context = test_context(2);
+        pdyn_sim *sim = test_load(context, text);
+        struct fall f = {.x = sim->x[1], .v = 2.0};
+        for (int n = 0; n < 49; n++) {
+            sim->scene.settings.h_fixed = step[n % 7];
+            pdyn_step_info info = test_step(context, sim);
+            fall(&f, kind, info.h, -9.81);
+            for (int i = 0; i < sim->system.particles; i++)
+                assert_true(fabs(sim->x[3 * i + 1] - f.x) < 1e-11);
+            assert_true(fabs(info.momentum[1] - 0.3 * (2.0 - 9.81 * info.time)) < 1e-11);
+        }
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
+/* ---- order ----------------------------------------------------------------------------------- */
+
+/* A triangle on springs turns, breathes and falls: where a corner is after 0.8 s, in steps of h; of
+ * `ratio` times h between 0.3 and 0.5 s. */
+static void swing(int kind, double damping, double h, double ratio, double end[3]) {
+    static const double start[9] = {0.0, 2.0, 0.5, -1.5, -1.0, 0.0, 1.0, -1.0, -0.5};
+    char text[1024];
+    test_write_text("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0.5 0.8 0\nf 1 2 3\n");
+    snprintf(text, sizeof text,
+             "{\"duration\": 100, \"frame_interval\": 0.1, \"time_step\": {\"fixed\": %.17g, "
+             "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 1e-11, \"linear_tolerance\": "
+             "1e-6, \"outer_iterations\": 100}, \"bodies\": [{\"surface\": {\"mesh\": "
+             "\"triangle.obj\", \"area_density\": 1}, \"constraints\": [{\"type\": \"spring\", "
+             "\"stretching_stiffness\": 10, \"damping\": %g}]}]}",
+             h, integrator[kind], damping);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    memcpy(sim->v, start, sizeof start);
+    while (pdyn_time(sim) < 0.8 - 1e-9) {
+        double t = pdyn_time(sim);
+        sim->scene.settings.h_fixed = t > 0.3 - 1e-9 && t < 0.5 - 1e-9 ? ratio * h : h;
+        test_step(context, sim);
+    }
+    memcpy(end, sim->x + 3, 3 * sizeof *end);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("triangle.obj");
+}
+
+static double order_of(int kind, double damping, double ratio) {
+    double exact[3], end[2][3];
+    swing(BDF2, damping, 0.1 / 2048, 1.0, exact);
+    for (int k = 0; k < 2; k++) swing(kind, damping, 0.1 / (16 << k), ratio, end[k]);
+    double coarse = vec3_distance(end[0], exact), fine = vec3_distance(end[1], exact);
+    print_message("%s, damping %g, ratio %g: %.3g and %.3g m, order %.2f\n", integrator[kind],
+                  damping, ratio, coarse, fine, log2(coarse / fine));
+    return log2(coarse / fine);
+}
+
+/* Halving the steps, some of which are four times as long or as short as others: the error falls by
+ * four with BDF2, by two with Euler. */
+static void test_order(void **state) {
+    (void)state;
+    static const double ratio[] = {1.0, 4.0, 0.25};
+    for (int k = 0; k < 3; k++) {
+        double first = order_of(EULER, 0.0, ratio[k]), second = order_of(BDF2, 0.0, ratio[k]);
+        assert_true(first > 0.8 && first < 1.3);
+        assert_true(second > 1.75 && second < 2.4);
+    }
+    /* a damper knows the rate of strain of what does not turn to second order */
+    assert_true(order_of(BDF2, 0.02, 1.0) > 1.1);
+}
+
+/* ---- impacts --------------------------------------------------------------------------------- */
+
+/* A sheet falls flat on a floor with 3.6 m/s, in steps that all count as solved, and stays there;
+ * one that loses nothing would rise by 0.66 m. */
+static void test_no_bounce(void **state) {
+    (void)state;
+    for (int kind = 0; kind < INTEGRATORS; kind++)
+        for (int k = 0; k < 2; k++) {
+            char text[1024];
+            snprintf(text, sizeof text,
+                     "{\"duration\": 1, \"frame_interval\": 0.1, \"time_step\": {\"fixed\": %g, "
+                     "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 5, "
+                     "\"outer_iterations\": 200}, \"contact\": {\"thickness\": 0.01}, \"bodies\": "
+                     "[{\"velocity\": [0, -3.6, 0], \"surface\": {\"grid\": {\"size\": [0.5, 0.5], "
+                     "\"vertices\": [6, 6]}, \"translate\": [0, 0.05, 0], \"area_density\": 0.3}, "
+                     "\"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": 1000}]}], "
+                     "\"solids\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1, 1, 1]}}]}",
+                     k ? 0.01 : 0.005, integrator[kind]);
+            pdyn_context *context = test_context(1);
+            pdyn_sim *sim = test_load(context, text);
+            double highest = 0.0;
+            int impacts = 0;
+            while (pdyn_time(sim) < 0.3) {
+                pdyn_step_info info = test_step(context, sim);
+                impacts += info.impacts;
+                for (int i = 0; info.time > 0.05 && i < sim->system.particles; i++)
+                    highest = fmax(highest, sim->x[3 * i + 1]);
+            }
+            if (!(highest < 0.08)) fail_msg("%s: up to %g m", integrator[kind], highest);
+            assert_true((impacts > 0) == (kind == BDF2));
+            pdyn_free(sim);
+            pdyn_destroy(context);
+        }
+}
+
+/* A lump of water falls on a floor: its energy never rises, and it does not jump up again. */
+static void test_splash(void **state) {
+    (void)state;
+    for (int kind = 0; kind < INTEGRATORS; kind++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{\"duration\": 1, \"frame_interval\": 0.1, \"time_step\": {\"maximum\": 0.004, "
+                 "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 0.05}, \"bodies\": "
+                 "[{\"particles\": {\"radius\": 0.02, \"fill\": [{\"velocity\": [0, -4, 0], "
+                 "\"box\": {\"minimum\": [0.4, 0.05, 0.4], \"maximum\": [0.6, 0.25, 0.6]}}]}, "
+                 "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e7}]}], \"solids\": "
+                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [1, 1, 1]}}]}",
+                 integrator[kind]);
+        pdyn_context *context = test_context(2);
+        pdyn_sim *sim = test_load(context, text);
+        double energy = INFINITY, mean = 0.0;
+        while (pdyn_time(sim) < 0.09) {
+            pdyn_step_info info = test_step(context, sim);
+            double all = info.kinetic_energy + info.potential_energy + info.constraint_energy;
+            assert_true(all < energy * (1.0 + 1e-3));
+            energy = fmin(energy, all);
+        }
+        for (int i = 0; i < sim->system.particles; i++)
+            mean += sim->x[3 * i + 1] / sim->system.particles;
+        print_message("%s: mean height %.4f m, energy %.4g J\n", integrator[kind], mean, energy);
+        assert_true(mean < 0.015);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_free_fall),
+        cmocka_unit_test(test_order),
+        cmocka_unit_test(test_no_bounce),
+        cmocka_unit_test(test_splash),
+    };
+    return cmocka_run_group_tests_name("integrator", tests, test_enter_directory,
+                                       test_leave_directory);
+}
