@@ -142,8 +142,8 @@ static void print_verdict(const struct contest *contest) {
 }
 
 static void print_table(const struct contest *contest) {
-    printf("%s: %d steps, %d rounds in turn, %s\n\n", contest->scene.scene, contest->steps,
-           contest->rounds,
+    printf("%s: %d steps of %s, %d rounds in turn, %s\n\n", contest->scene.scene, contest->steps,
+           contest->contender->integrator, contest->rounds,
            contest->scene.threads == 1 ? "one thread, ms of the processor" : "ms of the clock");
     print_rows(
         contest,

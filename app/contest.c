@@ -35,6 +35,7 @@ static bool keep_result(struct contender *c, const pdyn_sim *sim, double bytes) 
     if (!c->x) return false;
     memcpy(c->x, state.x, size);
     c->particles = state.particles, c->bytes = bytes;
+    snprintf(c->integrator, sizeof c->integrator, "%s", pdyn_integrator(sim));
     return true;
 }
 

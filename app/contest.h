@@ -10,6 +10,7 @@ struct contender {
     double *step_ms;      /* steps: those of each step */
     double outer, linear; /* iterations, sums over the steps */
     double residual;      /* step residual, sum over the steps */
+    char integrator[16];  /* the scene's */
     double bytes;         /* held when the steps are done */
     int particles;
     double *x;   /* particles x 3, when the steps are done */

@@ -60,7 +60,7 @@ void front_print(const struct trade *trade, FILE *file) {
     fprintf(file, "  settings\n");
     for (int k = 0; sorted && sorted[k]; k++)
         if (sorted[k]->front) print_row(trade, sorted[k], file);
-    fprintf(file, "The reference itself, in %%:");
+    fprintf(file, "The reference itself (%s), in %%:", trade->reference);
     for (int m = 0; m < TRACK_MEASURES; m++)
         fprintf(file, " %s %.4f%s", track_names[m], 100.0 * trade->unsure[m],
                 m + 1 < TRACK_MEASURES ? "," : "; ~: below twice that\n");

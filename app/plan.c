@@ -33,6 +33,12 @@ static void scale_step(struct setting *d, const json_t *scene, double factor) {
     setting_add(d, "time_step.cfl=%.9g", factor * scene_number(step, "cfl", 1.0));
 }
 
+static const char *integrator_of(const json_t *scene) {
+    const char *name =
+        json_string_value(json_object_get(json_object_get(scene, "time_step"), "integrator"));
+    return name ? name : "bdf2";
+}
+
 /* Steps solved to a residual. */
 static void solve_to(struct setting *d, double tolerance) {
     setting_add(d, "solver.tolerance=%g", tolerance);
@@ -87,6 +93,24 @@ static bool grid_solved(struct plan *plan, const json_t *scene) {
     return good;
 }
 
+/* The integrator that the scene does not use. */
+static bool try_integrator(struct plan *plan, const json_t *scene) {
+    static const struct {
+        double factor, tolerance;
+    } points[] = {{4, 1}, {2, 1}, {1, 1}, {1, 0.1}, {0.5, 1}, {0.5, 0.1}, {0.25, 1}, {0.125, 1}};
+    const char *other = strcmp(integrator_of(scene), "euler") ? "euler" : "bdf2";
+    bool good = true;
+    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
+        struct setting d = {0};
+        scale_step(&d, scene, points[k].factor);
+        setting_add(&d, "time_step.integrator=%s", other);
+        solve_to(&d, points[k].tolerance);
+        good = keep(plan, &d, "%s, h x %g, to residual %g", other, points[k].factor,
+                    points[k].tolerance);
+    }
+    return good;
+}
+
 /* A push travels one spacing with a linear iteration. */
 static bool grid_short(struct plan *plan, const json_t *scene, double finer) {
     static const double factors[] = {4, 2, 1, 0.5};
@@ -114,7 +138,8 @@ static bool try_fixed(struct plan *plan, const json_t *scene, double finer) {
     for (int k = 0; k < 6 && good; k++) {
         double ms = 1e3 * factors[k / 2] * longest;
         struct setting d = {0};
-        setting_add(&d, "time_step={\"fixed\": %.9g}", 1e-3 * ms);
+        setting_add(&d, "time_step={\"fixed\": %.9g, \"integrator\": \"%s\"}", 1e-3 * ms,
+                    integrator_of(scene));
         keep_viscous(&d, scene, factors[k / 2]);
         if (k % 2) solve_to(&d, 1.0);
         else cut_short(&d, 2, linear);
@@ -184,11 +209,13 @@ static bool as_it_is(struct plan *plan, const json_t *scene) {
 static bool make_references(struct plan *plan, const json_t *scene) {
     bool good = true;
     for (int k = 0; k < PLAN_REFERENCES; k++) {
-        struct setting d = {0};
-        scale_step(&d, scene, 0.25 / (double)(1 << k));
-        solve_to(&d, 0.01);
-        plan->reference[k] = d;
-        good &= !d.failed;
+        struct setting *d = &plan->reference[k];
+        double factor = 0.25 / (double)(1 << k);
+        scale_step(d, scene, factor);
+        setting_add(d, "time_step.integrator=bdf2"); /* converges faster */
+        solve_to(d, 0.01);
+        if (asprintf(&d->name, "bdf2, h x %g, to residual 0.01", factor) < 0) d->name = NULL;
+        good &= d->name && !d->failed;
     }
     return good;
 }
@@ -196,8 +223,9 @@ static bool make_references(struct plan *plan, const json_t *scene) {
 bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double finer) {
     *plan = (struct plan){0};
     return as_it_is(plan, scene) && grid_short(plan, scene, finer) && grid_solved(plan, scene) &&
-           try_fixed(plan, scene, finer) && try_projections(plan, scene) &&
-           try_solvers(plan, solver) && try_steps(plan) && make_references(plan, scene);
+           try_integrator(plan, scene) && try_fixed(plan, scene, finer) &&
+           try_projections(plan, scene) && try_solvers(plan, solver) && try_steps(plan) &&
+           make_references(plan, scene);
 }
 
 void plan_free(struct plan *plan) {

@@ -11,7 +11,7 @@ enum { PLAN_REFERENCES = 6 };
 struct plan {
     int count, capacity;
     struct setting *setting;                   /* count; the first is the scene as it is */
-    struct setting reference[PLAN_REFERENCES]; /* solved steps of 1/4, 1/8, ... of the length */
+    struct setting reference[PLAN_REFERENCES]; /* BDF2, solved, 1/4, 1/8, ... of the length */
 };
 
 /* scene: JSON with overrides done; solver: the one it uses; finer: how many times, than the scene

@@ -207,8 +207,8 @@ static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struc
 
 static void summarise(const pdyn_sim *sim, const char *output, const struct totals *t) {
     double wall = wall_seconds() - t->begun;
-    printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n", t->steps,
-           pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
+    printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
+           t->steps, pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
            pdyn_integrator(sim), pdyn_solver_type(sim), pdyn_step_type(sim));
     printf("density error %.4f%% (mean), %.4f%% (worst step)\n",
            t->steps ? 100.0 * t->density_mean / (double)t->steps : 0.0, 100.0 * t->density_worst);

@@ -146,6 +146,7 @@ static int judge(struct study *s, const struct track *reference) {
 static int judge_all(struct study *s) {
     struct track reference = {0}, coarse = {0};
     s->trade.count = s->plan.count;
+    s->trade.reference = s->plan.reference[s->references - 1].name;
     s->trade.tried = calloc((size_t)s->plan.count, sizeof *s->trade.tried);
     if (!s->trade.tried) return report_no_memory();
     int code = read_run(&s->farm, &s->reference[s->references - 1], &reference);

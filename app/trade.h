@@ -22,7 +22,8 @@ struct tried {
 struct trade {
     int count, by;                     /* by: the measure that decides */
     struct tried *tried;               /* count */
-    double unsure[TRACK_MEASURES + 1]; /* the reference's own errors */
+    const char *reference;             /* its settings */
+    double unsure[TRACK_MEASURES + 1]; /* its own errors */
     double per_second;                 /* frames */
 };
 

@@ -348,24 +348,41 @@ int batch_go(struct batch *b, double t, double *y) {
     return changed;
 }
 
-/* flux = its impact part, row by row. */
+/* change->scratch = acceleration against which the constraints push, of all forces of the batch as
+ * they are: their gradients over the masses. */
+static void find_acceleration(struct batch *b, const struct velocity_change *change) {
+    double *a = change->scratch;
+    int n = 3 * change->particles;
+    memset(a, 0, (size_t)n * sizeof *a);
+    if (b->op) {
+        scalars_forces(&b->scalars, begin_output(b, a));
+        end_output(b, a);
+    } else batch_scatter(b, a);
+    for (int k = 0; k < n; k++) a[k] /= change->mass[k / 3];
+}
+
+/* flux = its impact part, row by row. As in scalars.c, the larger of two changes counts: by this
+ * row alone, and by all, for many contacts of a point share what stops it. */
 static void keep_impacts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
     struct batch *b = c->batch;
     const pdyn_batch *v = &b->view;
     double count = 0.0, h = c->change->h;
     for (int r = v->element_row[first]; r < v->element_row[last]; r++) {
-        v4 flux, slowed;
-        double softness = 0.0;
+        v4 flux, slowed, acceleration;
+        double softness = 0.0, part = 0.0;
         v4_load(&flux, b->flux, r);
         gather_row(b, r, c->change->slowed, &slowed);
+        gather_row(b, r, c->change->scratch, &acceleration);
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
             softness += v->coefficient[k] * v->coefficient[k] / c->change->mass[v->column[k]];
-        double force = sqrt(v4_dot(&flux, &flux)), part = 0.0;
+        double force = sqrt(v4_dot(&flux, &flux));
         double weight = v->weight[b->entry_element[v->row_entry[r]]];
-        if (force > 0.0)
-            part = impact_part(v4_dot(&flux, &slowed) / force, h * force * softness,
+        if (force > 0.0) {
+            double all = v4_dot(&flux, &acceleration) / force;
+            part = impact_part(v4_dot(&flux, &slowed) / force, h * fmax(all, force * softness),
                                h * h * weight * softness);
+        }
         flux *= part;
         v4_store(b->flux, r, &flux);
         count += part > 0.5;
@@ -373,14 +390,17 @@ static void keep_impacts(void *arg, int first, int last, int block) {
     b->partial[block] = count;
 }
 
+static int row_impacts(struct batch *b, const struct velocity_change *change, double *force) {
+    struct impacts impacts = {b, change};
+    double count = 0.0;
+    pool_for(b->context->pool, b->view.elements, BATCH_GRAIN, keep_impacts, &impacts);
+    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) count += b->partial[k];
+    batch_scatter(b, force);
+    return (int)count;
+}
+
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
-    double *a = change->scratch;
-    int particles = b->samples ? b->samples->particles : b->scalars.particles;
-    memset(a, 0, 3 * (size_t)particles * sizeof *a);
-    scalars_forces(&b->scalars, begin_output(b, a));
-    end_output(b, a);
-    for (int k = 0; k < 3 * particles; k++) a[k] /= change->mass[k / 3];
-    scalars_rate_acceleration(&b->scalars, extend(b, a));
+    scalars_rate_acceleration(&b->scalars, extend(b, change->scratch));
     scalars_rate_slowed(&b->scalars, extend(b, change->slowed));
     int count = scalars_impacts(&b->scalars, change->mass[b->view.body->first], change->h,
                                 begin_output(b, force));
@@ -389,14 +409,9 @@ static int operator_impacts(struct batch *b, const struct velocity_change *chang
 }
 
 int batch_impacts(struct batch *b, const struct velocity_change *change, double *force) {
-    struct impacts impacts = {b, change};
-    double count = 0.0;
-    if (b->op) return operator_impacts(b, change, force);
-    if (!(b->type->flags & PDYN_ONE_SIDED)) return 0;
-    pool_for(b->context->pool, b->view.elements, BATCH_GRAIN, keep_impacts, &impacts);
-    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) count += b->partial[k];
-    batch_scatter(b, force);
-    return (int)count;
+    if (!b->op && !(b->type->flags & PDYN_ONE_SIDED)) return 0;
+    find_acceleration(b, change);
+    return b->op ? operator_impacts(b, change, force) : row_impacts(b, change, force);
 }
 
 void batch_velocity(struct batch *b, double *v) {

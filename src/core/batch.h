@@ -94,7 +94,8 @@ void batch_apply(struct batch *batch, const double *u, double *y);
 
 struct velocity_change {  /* in a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before it less those after it, m/s */
-    const double *mass;   /* particles, kg */
+    int particles;
+    const double *mass; /* particles, kg */
     double h;
     double *scratch; /* particles x 3 */
 };

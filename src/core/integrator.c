@@ -40,7 +40,7 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
 int integrator_impacts(struct pdyn_sim *sim, double h) {
     struct system *sys = &sim->system;
     double H = sys->h, *force = sim->trial_gradient, *slowed = sim->trial;
-    struct velocity_change change = {slowed, sys->mass, H, sim->direction};
+    struct velocity_change change = {slowed, sys->particles, sys->mass, H, sim->direction};
     int count = 0;
     if (!sim->v_before) return 0;
     memset(force, 0, system_bytes(sys));

@@ -1,0 +1,221 @@
+/* The shipped scenes: each runs for a while, some coarser than they are, and is looked at. Its
+ * steps are solved, it moves as much as it should, what falls freely has the momentum of gravity,
+ * and no particle of a fluid is beyond the walls that hold it. PROJDYN_SHIPPED=1 prints what was
+ * found. */
+#include "support.h"
+
+#include <string.h>
+
+enum { SETS = 4 };
+
+struct shipped {
+    const char *name;
+    double seconds;         /* that are run */
+    double kinetic[2];      /* J: between these it is at the end, */
+    double lowest[2];       /* and the lowest point of all bodies, m, between these */
+    double fall;            /* s: so long all bodies fall freely; 0: they do not */
+    double low[3], high[3]; /* m: fluid stays within; all 0: not asked */
+    const char *set[SETS];  /* overrides */
+};
+
+#define TOP 9 /* open: it may splash */
+
+static const struct shipped shipped[] = {
+    {.name = "balloon",
+     .seconds = 0.2,
+     .kinetic = {0.319, 0.797},
+     .lowest = {-0.0183, 0.0217},
+     .fall = 0.005},
+    {.name = "cloth_on_mesh",
+     .seconds = 0.36,
+     .kinetic = {0.363, 0.908},
+     .lowest = {0.226, 0.277},
+     .fall = 0.05},
+    {.name = "cloth_on_sphere",
+     .seconds = 0.36,
+     .kinetic = {0.0164, 0.0411},
+     .lowest = {-0.247, -0.202},
+     .fall = 0.05},
+    {.name = "column",
+     .seconds = 0.1,
+     .kinetic = {0.869, 2.17},
+     .lowest = {-0.0144, 0.0256},
+     .low = {0, 0, 0},
+     .high = {0.2, TOP, 0.2}},
+    {.name = "curtain",
+     .seconds = 0.4,
+     .kinetic = {2.14, 5.35},
+     .lowest = {-0.0179, 0.0221},
+     .low = {0, 0, 0},
+     .high = {0.7, TOP, 0.18}},
+    {.name = "dam_break",
+     .seconds = 0.4,
+     .kinetic = {98.4, 246},
+     .lowest = {-0.0215, 0.0185},
+     .low = {0, 0, 0},
+     .high = {1.6, TOP, 0.5}},
+    {.name = "double_dam_break",
+     .seconds = 0.3,
+     .kinetic = {159, 399},
+     .lowest = {-0.0163, 0.0237},
+     .low = {0, 0, 0},
+     .high = {1.2, TOP, 0.8}},
+    {.name = "dragged_cloth",
+     .seconds = 0.2,
+     .kinetic = {0.0558, 0.139},
+     .lowest = {-0.0165, 0.0235},
+     .low = {0, 0, 0},
+     .high = {0.6, TOP, 0.24}},
+    {.name = "flag", .seconds = 0.8, .kinetic = {0.0462, 0.115}, .lowest = {1.35, 1.65}},
+    {.name = "flag",
+     .seconds = 0.3,
+     .kinetic = {0.197, 0.492},
+     .lowest = {1.02, 1.24},
+     .set = {"solver.type=cg"}},
+    {.name = "flag_in_stream",
+     .seconds = 0.5,
+     .kinetic = {2.6, 6.5},
+     .lowest = {-0.0191, 0.0209},
+     .low = {0, 0, 0},
+     .high = {0.5, TOP, 0.15}},
+    {.name = "hammock", .seconds = 0.8, .kinetic = {1.55, 3.89}, .lowest = {-0.349, -0.285}},
+    {.name = "hanging_cloth", .seconds = 1, .kinetic = {0.0284, 0.071}, .lowest = {1.21, 1.48}},
+    {.name = "inlet",
+     .seconds = 0.5,
+     .kinetic = {3.46, 8.66},
+     .lowest = {-0.0193, 0.0207},
+     .low = {0, 0, 0},
+     .high = {0.8, 0.5, 0.4}},
+    {.name = "paddle",
+     .seconds = 0.5,
+     .kinetic = {1.21, 3.01},
+     .lowest = {-0.0134, 0.0266},
+     .low = {-0.3, 0, -0.3},
+     .high = {0.3, TOP, 0.3}},
+    {.name = "slung_load", .seconds = 1, .kinetic = {3.12, 7.8}, .lowest = {-0.952, -0.779}},
+    {.name = "soft_ball",
+     .seconds = 0.2,
+     .kinetic = {61.6, 154},
+     .lowest = {-0.0175, 0.0225},
+     .low = {0, 0, 0},
+     .high = {1.4, TOP, 0.6}},
+    {.name = "stacked_sheets",
+     .seconds = 0.36,
+     .kinetic = {0.0101, 0.0252},
+     .lowest = {-0.0165, 0.0235},
+     .fall = 0.05},
+    {.name = "three_dragons",
+     .seconds = 0.3,
+     .kinetic = {3.93e+03, 9.81e+03},
+     .lowest = {-0.0156, 0.0244},
+     .low = {0, 0, 0},
+     .high = {4, TOP, 2},
+     .set = {"bodies.water.particles.radius=0.05"}},
+    {.name = "twist", .seconds = 0.3, .kinetic = {0.00154, 0.00384}, .lowest = {0.81, 0.99}},
+    {.name = "water_on_cloth",
+     .seconds = 0.3,
+     .kinetic = {1.31, 3.27},
+     .lowest = {0.17, 0.21},
+     .low = {-0.55, 0, -0.55},
+     .high = {0.55, TOP, 0.55},
+     .set = {"bodies.water.particles.radius=0.01", "bodies.sheet.surface.grid.vertices=[47, 47]"}},
+};
+
+struct found {
+    int steps, unsolved;
+    double kinetic, lowest;
+};
+
+static pdyn_sim *load(pdyn_context *context, const struct shipped *s, double *tolerance) {
+    char path[1024];
+    pdyn_sim *sim = NULL;
+    int sets = 0;
+    while (sets < SETS && s->set[sets]) sets++;
+    snprintf(path, sizeof path, "%s/scenes/%s.json", getenv("PROJDYN_SOURCE_ROOT"), s->name);
+    if (pdyn_load(context, path, s->set, sets, &sim) != PDYN_OK)
+        fail_msg("%s", pdyn_last_error(context));
+    *tolerance = sim->scene.settings.tolerance;
+    return sim;
+}
+
+static double mass_of(const pdyn_state *state) {
+    double mass = 0.0;
+    for (int i = 0; i < state->particles; i++) mass += state->mass[i];
+    return mass;
+}
+
+/* The vertical momentum of free fall is exact. */
+static void check_fall(const struct shipped *s, const pdyn_state *state, const double *start,
+                       const pdyn_step_info *info) {
+    double expected = *start - 9.81 * info->time * mass_of(state);
+    if (info->time < s->fall && fabs(info->momentum[1] - expected) > 1e-9 * fabs(expected))
+        fail_msg("%s, %g s: momentum %.12g, expected %.12g kg m/s", s->name, info->time,
+                 info->momentum[1], expected);
+}
+
+static void check_walls(const struct shipped *s, const pdyn_sim *sim, const pdyn_state *state) {
+    for (int b = 0; b < state->bodies && s->low[0] < s->high[0]; b++) {
+        pdyn_body_info body = pdyn_get_body(sim, b);
+        for (int i = body.first; body.radius > 0.0 && i < body.first + body.count; i++)
+            for (int a = 0; a < 3; a++) {
+                double x = state->x[3 * i + a];
+                if (state->live && !state->live[i]) continue;
+                if (!(x > s->low[a] - body.radius && x < s->high[a] + body.radius))
+                    fail_msg("%s: particle %d leaked to %g m along axis %d", s->name, i, x, a);
+            }
+    }
+}
+
+static double lowest_of(const pdyn_state *state) {
+    double low = INFINITY;
+    for (int i = 0; i < state->particles; i++)
+        if (!state->live || state->live[i]) low = fmin(low, state->x[3 * i + 1]);
+    return low;
+}
+
+static void run(const struct shipped *s, struct found *found) {
+    pdyn_options options = pdyn_default_options();
+    pdyn_context *context;
+    pdyn_step_info info;
+    double tolerance, start = 0.0;
+    assert_int_equal(pdyn_create(&options, &context), PDYN_OK);
+    pdyn_sim *sim = load(context, s, &tolerance);
+    pdyn_state state = pdyn_get_state(sim);
+    for (int i = 0; i < state.particles; i++) start += state.mass[i] * state.v[3 * i + 1];
+    *found = (struct found){0};
+    while (pdyn_time(sim) < s->seconds - 1e-9) {
+        if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+        found->steps++, found->unsolved += info.step_residual > tolerance;
+        check_fall(s, &state, &start, &info);
+    }
+    check_walls(s, sim, &state);
+    found->kinetic = info.kinetic_energy, found->lowest = lowest_of(&state);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static void check(const struct shipped *s) {
+    struct found f;
+    run(s, &f);
+    if (getenv("PROJDYN_SHIPPED"))
+        printf("%-18s %4d steps, %d unsolved, kinetic %.4g J, lowest %.4f m\n", s->name, f.steps,
+               f.unsolved, f.kinetic, f.lowest);
+    else if (f.unsolved > 1 && 100 * f.unsolved > f.steps)
+        fail_msg("%s: %d of %d steps are unsolved", s->name, f.unsolved, f.steps);
+    else if (!(f.kinetic >= s->kinetic[0] && f.kinetic <= s->kinetic[1]))
+        fail_msg("%s: kinetic energy %g J, expected %g to %g", s->name, f.kinetic, s->kinetic[0],
+                 s->kinetic[1]);
+    else if (!(f.lowest >= s->lowest[0] && f.lowest <= s->lowest[1]))
+        fail_msg("%s: lowest point at %g m, expected %g to %g", s->name, f.lowest, s->lowest[0],
+                 s->lowest[1]);
+}
+
+static void test_shipped(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof shipped / sizeof *shipped; k++) check(&shipped[k]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_shipped)};
+    return cmocka_run_group_tests_name("shipped", tests, NULL, NULL);
+}
