@@ -10,7 +10,8 @@
 static const double side = 0.4, area_density = 0.3; /* m, kg/m^2 */
 
 static const char scene[] =
-    "{'duration': 1000, 'frame_interval': 0.1, 'time_step': {'maximum': %.17g}, 'solver': {"
+    "{'duration': 1000, 'frame_interval': 0.1, 'time_step': {'integrator': 'euler', 'maximum': "
+    "%.17g}, 'solver': {"
     "'tolerance': 0.02, 'outer_iterations': 60}, 'contact': {'thickness': 0.002}, 'bodies': ["
     "{'name': 'water', 'particles': {'radius': %.17g, 'fill': [{'box': {'minimum': [-0.08, -0.08,"
     " -0.08], 'maximum': [0.08, -0.02, 0.08]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': "

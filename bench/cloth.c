@@ -36,7 +36,8 @@ static pdyn_sim *load(pdyn_context *context, int n, double stiffness, const char
     char text[2048];
     pdyn_sim *sim;
     snprintf(text, sizeof text,
-             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"fixed\": %.17g}, "
+             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"integrator\": "
+             "\"euler\", \"fixed\": %.17g}, "
              "\"solver\": {%s}, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], "
              "\"vertices\": [%d, %d]}, \"area_density\": 0.2}, \"constraints\": [{\"type\": "
              "\"spring\", \"stretching_stiffness\": %g}, {\"type\": \"bending\", "

@@ -37,7 +37,8 @@ static void write_scene(const struct setting *s, int cells, double seconds, char
     double d = 1.0 / (cells + 1), scale = 30.0 * d;
     double step = (strcmp(s->time_step, "fixed") ? 5e-3 : 2.5e-3) * scale;
     snprintf(text, size,
-             "{\"duration\": %g, \"frame_interval\": %g, \"time_step\": {\"%s\": %.17g}, "
+             "{\"duration\": %g, \"frame_interval\": %g, \"time_step\": {\"integrator\": "
+             "\"euler\", \"%s\": %.17g}, "
              "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": "
              "%.17g, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, "
              "%.17g]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": %g, "

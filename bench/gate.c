@@ -39,7 +39,8 @@ static void write_plane(const char *path, const struct mesh *m, double slice) {
 }
 
 static const char scene[] =
-    "{'duration': 1000, 'frame_interval': 0.02, 'time_step': {'maximum': %g}, 'solver': "
+    "{'duration': 1000, 'frame_interval': 0.02, 'time_step': {'integrator': 'euler', 'maximum': "
+    "%g}, 'solver': "
     "{'tolerance': 0.1, 'outer_iterations': 40}, 'bodies': [{'name': 'water', 'particles': "
     "{'radius': %.17g, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [%g, %g, %.17g]}}]}, "
     "'constraints': [{'type': 'fluid', 'stiffness': %.17g}]}, {'name': 'gate', 'surface': {'mesh': "

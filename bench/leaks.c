@@ -153,7 +153,8 @@ static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct r
 }
 
 #define SOLVER                                                                                     \
-    "'time_step': {'fixed': %g}, 'contact': {'thickness': 0.002}, 'solver': {'tolerance': 0.5, "   \
+    "'time_step': {'integrator': 'euler', 'fixed': %g}, 'contact': {'thickness': 0.002}, "         \
+    "'solver': {'tolerance': 0.5, "                                                                \
     "'outer_iterations': %d, 'linear_iterations': %d}"
 
 /* A cube of 0.3 m and n^3 particles falls on the middle of a sheet. */

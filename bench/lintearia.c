@@ -153,7 +153,8 @@ static pdyn_sim *load_slice(pdyn_context *context, const char *directory, const 
     fill(slice, area, boxes, sizeof boxes);
     return load(
         context,
-        "{'duration': 1000, 'frame_interval': 0.1, 'time_step': {'maximum': %g}, 'solver': "
+        "{'duration': 1000, 'frame_interval': 0.1, 'time_step': {'integrator': 'euler', 'maximum': "
+        "%g}, 'solver': "
         "{'tolerance': 0.05, 'outer_iterations': 60}, 'bodies': [{'name': 'water', 'particles': "
         "{'radius': %.17g, 'fill': [%s]}, 'constraints': [{'type': 'fluid', 'viscosity': 0.1, "
         "'stiffness': %.17g}]}, {'name': 'sheet', 'surface': {'mesh': '%s', 'area_density': %g}, "

@@ -9,7 +9,8 @@
 #include <string.h>
 
 static const char scene[] =
-    "{'duration': 1000, 'gravity': [0, 0, 0], 'time_step': {'fixed': %.17g}, 'solver': {%s},"
+    "{'duration': 1000, 'gravity': [0, 0, 0], 'time_step': {'integrator': 'euler', 'fixed': "
+    "%.17g}, 'solver': {%s},"
     " 'bodies': [{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box':"
     " {'minimum': [-0.05, 0.025, -0.05], 'maximum': [0.05, 0.105, 0.05]},"
     " 'velocity': [0.1, -1, 0.05]}]}, 'constraints': [{'type': 'fluid', 'stiffness': %g,"

@@ -6,7 +6,8 @@
 #include <math.h>
 
 static const char scene[] =
-    "{'duration': 1000, 'time_step': {'fixed': %g}, 'contact': {'thickness': 0.002}, 'bodies': ["
+    "{'duration': 1000, 'time_step': {'integrator': 'euler', 'fixed': %g}, 'contact': "
+    "{'thickness': 0.002}, 'bodies': ["
     "{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': [-0.06, -0.06, "
     "-0.06], 'maximum': [0.06, 0.02, 0.06]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': "
     "%g}]}, {'name': 'sheet', 'surface': {'grid': {'size': [0.3, 0.3], 'vertices': [16, 16], "

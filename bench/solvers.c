@@ -13,7 +13,8 @@ static const char *const solver[SOLVERS] = {"cg", "hybrid", "cholesky"};
 
 /* 1 m x 1 m, 0.3 kg/m^2; water 0.4 m x 0.4 m, 0.04 m deep, of particles 20 mm apart. */
 static const char scene[] =
-    "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.01}, 'solver': {%s,"
+    "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'integrator': 'euler', 'fixed': "
+    "0.01}, 'solver': {%s,"
     " 'tolerance': 0.1, 'linear_tolerance': 0.1}, 'bodies': [{'name': 'water', 'particles':"
     " {'radius': 0.01, 'fill': [{'box': {'minimum': [-0.2, 0.012, -0.2], 'maximum': [0.2, 0.052,"
     " 0.2]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': 3500, 'projection_tolerance':"

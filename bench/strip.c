@@ -56,7 +56,8 @@ pdyn_sim *strip_load(pdyn_context *context, const char *directory, const struct 
     pdyn_sim *sim;
     write_mesh(directory, s);
     snprintf(text, sizeof text,
-             "{\"duration\": 1e6, \"frame_interval\": 1e3, \"time_step\": {\"fixed\": %.17g}, "
+             "{\"duration\": 1e6, \"frame_interval\": 1e3, \"time_step\": {\"integrator\": "
+             "\"euler\", \"fixed\": %.17g}, "
              "\"gravity\": [%.17g, %.17g, %.17g], \"solver\": {\"type\": \"%s\", "
              "\"tolerance\": %.17g, \"outer_iterations\": 200}, \"bodies\": [{\"name\": "
              "\"strip\", \"surface\": {\"mesh\": \"%s/%s.obj\", \"area_density\": %.17g}, "

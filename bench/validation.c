@@ -34,7 +34,8 @@ static void write_scene(const struct water *water, char *text, size_t size) {
     const double d = water->spacing, *tank = water->tank;
     const int *n = water->cells;
     snprintf(text, size,
-             "{\"duration\": %.17g, \"frame_interval\": %.17g, \"time_step\": {\"%s\": %.17g}, "
+             "{\"duration\": %.17g, \"frame_interval\": %.17g, \"time_step\": {\"integrator\": "
+             "\"euler\", \"%s\": %.17g}, "
              "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
              "\"particles\": {\"radius\": %.17g, \"rest_density\": %d, \"fill\": [{\"box\": "
              "{\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}}]}, \"constraints\": "

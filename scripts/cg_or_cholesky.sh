@@ -19,7 +19,7 @@ bending() { awk -v n="$1" -v K="$2" 'BEGIN { printf "%.9g", 1e-3 * K / (n - 1) ^
 measure() { # n, K h^2/m, linear tolerance: three steps of three iterations, cg first
     K=$(stiffness "$1" "$2") rounds=2
     [ "$1" -lt 200 ] || rounds=1
-    build/app/projdyn compare scenes/hanging_cloth.json --solver cg,cholesky --csv --steps 3 --rounds $rounds \
+    build/app/projdyn compare scenes/hanging_cloth.json --set time_step.integrator=euler --solver cg,cholesky --csv --steps 3 --rounds $rounds \
         --set time_step.fixed=$step --set frame_interval=1 --set solver.step=projective --set solver.tolerance=0 \
         --set solver.outer_iterations=3 --set solver.linear_tolerance="$3" --set solver.linear_iterations=3000 \
         --set bodies.sheet.surface.grid.vertices="[$1, $1]" --set bodies.sheet.constraints.pin.vertices.vertices="[0, $(($1 - 1))]" \

@@ -15,7 +15,7 @@ map() { # NAME SCENE PATH OF THE WEIGHT, OPTIONS...
     shift 3
     for h in 1e-4 1e-3 1e-2 1e-1 1; do
         end=$(awk -v h=$h 'BEGIN { print 20 * h }')
-        build/app/projdyn sweep "$scene" --quiet -o "$out/$name-$h" --set solver.type=auto --set solver.tolerance=0.1 \
+        build/app/projdyn sweep "$scene" --quiet -o "$out/$name-$h" --set time_step.integrator=euler --set solver.type=auto --set solver.tolerance=0.1 \
             --set solver.outer_iterations=20 --set solver.linear_tolerance=0.1 --set solver.step=projective,newton \
             --set "$path=1,1e2,1e4,1e6,1e8,1e10,1e12" --set duration="$end" --set frame_interval="$end" \
             --set time_step="{\"fixed\": $h}" "$@" || true
