@@ -18,7 +18,7 @@ build/bench/time_stepping sloshing "8 4 2" >"$out/sloshing.md"
 
 # A row for each scene: steps, ms of the processor a step, outer and linear iterations, unsolved steps, energy gained.
 scenes="hanging_cloth flag slung_load twist cloth_on_sphere stacked_sheets dam_break paddle inlet balloon curtain hammock
-    flag_in_stream soft_ball dragged_cloth"
+    flag_in_stream soft_ball dragged_cloth cloth_on_mesh double_dam_break column water_on_cloth"
 measure() { # SCENE INTEGRATOR
     dir=$out/$1-$2
     build/app/projdyn run "scenes/$1.json" --set "time_step.integrator=$2" --threads 1 --no-frames --quiet -o "$dir"

@@ -79,8 +79,8 @@ static const struct {
      "scene.json:2:32: time_step: \"cfl\" has no meaning beside \"fixed\""},
     {TOP("'time_step': {'fixed': 0}"),
      "scene.json:2:25: time_step.fixed: expected a number from 1e-09 to 1000 s, found 0"},
-    {TOP("'time_step': {'max': 0.1}"),
-     "scene.json:2:16: time_step: unknown key \"max\"; known: integrator, maximum, minimum, cfl, fixed"},
+    {TOP("'time_step': {'max': 0.1}"), "scene.json:2:16: time_step: unknown key \"max\"; known: "
+                                       "integrator, maximum, minimum, cfl, fixed"},
     {TOP("'solver': {'type': 'choleski'}"),
      "scene.json:2:21: solver.type: unknown solver \"choleski\"; did you mean "
      "\"cholesky\"?; known: auto, *"},

@@ -217,7 +217,7 @@ int system_body_of(const struct system *sys, int particle) {
     return low;
 }
 
-WIDE double system_norm_part(const struct system *sys, const double *r, int first, int last) {
+double system_norm_part(const struct system *sys, const double *r, int first, int last) {
     double sum = 0.0;
     for (int b = system_body_of(sys, first), end; first < last; first = end, b++) {
         const struct system_body *body = &sys->body[b];
