@@ -25,6 +25,7 @@ if [ $# = 0 ]; then
     picture soft_ball scenes/soft_ball.json 0.4
     picture flag_in_stream scenes/flag_in_stream.json 0.6 water
     picture dragged_cloth scenes/dragged_cloth.json 0.6 water
+    picture flag scenes/flag.json 1.6
     set -- template rigid balloon grains
 fi
 for name in "$@"; do
