@@ -266,15 +266,50 @@ static void test_failing_allocator(void **state) {
         "\"vertices\": {\"vertices\": [0, 4]}}]}]}");
 }
 
+/* ---- bodies ---------------------------------------------------------------------------------- */
+
+#define SHEET_AND(more)                                                                            \
+    "{\"duration\": 1, \"frame_interval\": 0.1, \"time_step\": {\"fixed\": 0.01}, \"bodies\": "    \
+    "[{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [17, 17]}, \"translate\": [0, "    \
+    "1.5, "                                                                                        \
+    "0], \"area_density\": 0.2}, \"constraints\": [{\"type\": \"spring\", "                        \
+    "\"stretching_stiffness\": 4000}, {\"type\": \"bending\", \"bending_rigidity\": 1e-3}, "       \
+    "{\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 16]}}]}" more "}"
+
+/* A tank of water that is far away, 700 times as heavy as a hanging sheet, does not hide how far
+ * the sheet is solved: it moves as it does alone. */
+static void test_far_tank(void **state) {
+    (void)state;
+    static const char *const text[] = {
+        SHEET_AND("]"),
+        SHEET_AND(
+            ", {\"particles\": {\"radius\": 0.05, \"fill\": [{\"box\": {\"minimum\": [3, 0, 0], "
+            "\"maximum\": [3.4, 0.4, 0.4]}}]}, \"constraints\": [{\"type\": \"fluid\", "
+            "\"stiffness\": 1e5}]}], \"solids\": [{\"box\": {\"minimum\": [3, 0, 0], \"maximum\": "
+            "[3.4, 1, 0.4]}}]")};
+    enum { VERTICES = 17 * 17 };
+    double x[2][3 * VERTICES];
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = test_load(context, text[k]);
+        for (int step = 0; step < 40; step++) {
+            pdyn_step_info info = test_step(context, sim);
+            assert_true(pdyn_get_body(sim, 0).residual <= info.step_residual);
+        }
+        memcpy(x[k], sim->x, sizeof x[k]);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    double apart = test_distance(x[0], x[1], 3 * VERTICES) / sqrt(VERTICES);
+    if (!(apart < 5e-4)) fail_msg("%g m apart", apart);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_factor),
-        cmocka_unit_test(test_factor_threads),
-        cmocka_unit_test(test_accelerations),
-        cmocka_unit_test(test_hybrid),
-        cmocka_unit_test(test_goes_on),
-        cmocka_unit_test(test_changing_step),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_factor),        cmocka_unit_test(test_factor_threads),
+        cmocka_unit_test(test_accelerations), cmocka_unit_test(test_far_tank),
+        cmocka_unit_test(test_hybrid),        cmocka_unit_test(test_goes_on),
+        cmocka_unit_test(test_changing_step), cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }

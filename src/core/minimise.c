@@ -75,12 +75,19 @@ static double next_part(double part, double least) {
     return part > least && 0.5 * part < least ? least : 0.5 * part;
 }
 
+/* Close to the minimum, E is not known well enough to tell: projections end at a tolerance, sums
+ * are rounded. There slopes tell (Hager and Zhang 2005, approximate Wolfe conditions), while E
+ * rises by no more than this part of it. */
+static const double unsure = 1e-6;
+
 static bool is_good(const struct rule *rule, const struct taken *step, double energy, double slope,
                     bool free, bool last) {
     bool falls =
         energy <= rule->bound + rule->armijo * fmin(slope, 0.0) + 1e-13 * fabs(rule->bound);
-    return falls && (last || !free || rule->uphill == 0.0 ||
-                     step->slope_after <= -rule->uphill * step->slope);
+    bool flatter = rule->uphill > 0.0 && free && step->slope < 0.0 &&
+                   fabs(step->slope_after) <= -rule->uphill * step->slope;
+    if (!falls) return flatter && energy <= rule->bound + unsure * fabs(rule->bound);
+    return last || !free || rule->uphill == 0.0 || step->slope_after <= -rule->uphill * step->slope;
 }
 
 /* x_next + direction, halved until it meets the rule. step->length: what was taken, 0 for none. In

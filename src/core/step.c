@@ -136,9 +136,9 @@ static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct 
     return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
 }
 
-/* Up to this residual, a tenth of what the weight is for every particle, a step that did not reach
- * its tolerance, as positions have no more digits for one, is as good as one that did. */
-static const double harmless = 0.1;
+/* Up to this residual, half of what the weight is for every particle, a step that did not reach its
+ * tolerance is still one to build upon. */
+static const double harmless = 0.5;
 
 static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     struct progress progress;
