@@ -91,7 +91,7 @@ void system_diagonal(struct system *system, double *blocks);
 /* Sums of 3-vectors' products over all particles, the same bits for any number of threads. */
 double system_dot(struct system *system, const double *a, const double *b);
 
-/* The length of a residual, N: the root of the sum of squares over bodies, each relative to its
+/* The length of a residual: the root of the sum of squares over bodies, each relative to its
  * weight. Where it is below a number, so is the residual of every body. */
 double system_norm(struct system *system, const double *r);
 

@@ -262,6 +262,7 @@ static void persist_writer(pdyn_writer *writer, struct archive *a) {
     ARCHIVE(a, writer->metrics_size);
     ARCHIVE(a, run_ms);
     struct report_tally *residual = report->residual;
+    report->residual = NULL; /* no address goes into a file */
     ARCHIVE(a, *report);
     report->residual = residual;
     archive_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);

@@ -13,7 +13,7 @@ struct call {
     struct single_cg *s;
     const double *b;
     double *y;
-    double size, scale; /* of b; of what is added */
+    double scale; /* of what is added */
     bool coarse;
 };
 
@@ -125,11 +125,11 @@ WIDE static void turn_single(void *arg, int first, int last, int block) {
     }
 }
 
-/* r -= scale q, y += size scale p, z = D^-1 r of particles first to last of one body; rr += r.r */
+/* r -= scale q, y += |b| scale p, z = D^-1 r of particles first to last of one body; rr += r.r */
 INLINE void advance(const struct call *c, int first, int last, v4 *rr) {
     struct single_cg *s = c->s;
     float scale = (float)c->scale;
-    double length = c->size * c->scale;
+    double length = s->length * c->scale;
     for (int i = first; i < last; i++) {
         v4f r, z, p, q;
         v4f_load(&r, s->r, i), v4f_load(&p, s->p, i), v4f_load(&q, s->q, i);
@@ -213,7 +213,7 @@ static enum single_end cut_short(struct single_cg *s, struct call *call) {
 enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
                                 const pdyn_goal *goal, int *iterations) {
     s->length = sqrt(system_dot(s->system, b, b));
-    struct call call = {.b = b, .y = y, .size = s->length};
+    struct call call = {.b = b, .y = y};
     double relative = s->length / system_norm(s->system, b), rr = 1.0, gained = 0.0,
            gain = INFINITY;
     *iterations = 0;
@@ -237,9 +237,9 @@ WIDE static void scale_residual(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     for (int i = first; i < last; i++)
         for (int a = 0; a < 3; a++)
-            c->y[3 * (size_t)i + a] = c->size * (double)c->s->r[4 * (size_t)i + a];
+            c->y[3 * (size_t)i + a] = c->s->length * (double)c->s->r[4 * (size_t)i + a];
 }
 
 void single_cg_residual(struct single_cg *s, double *r) {
-    for_particles(s, scale_residual, &(struct call){.y = r, .size = s->length});
+    for_particles(s, scale_residual, &(struct call){.y = r});
 }
