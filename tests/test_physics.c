@@ -358,6 +358,11 @@ static void test_numbers(void **state) {
     assert_null(pdyn_get_body(sim, s.bodies).name);
     assert_null(pdyn_get_constraint(sim, -1).type);
     assert_null(pdyn_get_constraint(sim, s.constraints).type);
+    assert_string_equal(pdyn_get_parameter(sim, 0, 0).name, "stiffness");
+    assert_null(pdyn_get_parameter(sim, -1, 0).name);
+    assert_null(pdyn_get_parameter(sim, s.constraints, 0).name);
+    assert_null(pdyn_get_parameter(sim, 0, -1).name);
+    assert_null(pdyn_get_parameter(sim, 0, 99).name);
     pdyn_free(sim);
     pdyn_destroy(context);
 }

@@ -98,6 +98,21 @@ static void test_tables(void **state) {
     t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
 }
 
+static void test_alternatives(void **state) {
+    (void)state;
+    static const pdyn_param params[] = {
+        {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), false, 1, 0, 1, "N/m", "its"},
+        {"length", PDYN_REAL, offsetof(struct params, length), false, 1, 0, 1, "m", "its"},
+        {0}};
+    pdyn_constraint_type t = good;
+    t.alternatives = (const char *const[]){"stiffness", NULL};
+    refuse_type(t, "an alternative is not a parameter, or a required one");
+    t.params = params, t.alternatives = (const char *const[]){"stiffness", "width", NULL};
+    refuse_type(t, "an alternative is not a parameter, or a required one");
+    t.alternatives = (const char *const[]){"stiffness", "length", NULL};
+    refuse_type(t, "more than one alternative has a default");
+}
+
 static void test_parameters(void **state) {
     (void)state;
     const size_t length = offsetof(struct params, length);
@@ -108,6 +123,50 @@ static void test_parameters(void **state) {
     refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 0, 2, 1, "", ""}, "not ordered");
     refuse_param((pdyn_param){"stiffness", PDYN_REAL, length, false, 0, 0, 1, "", ""}, "twice");
     refuse_param((pdyn_param){"l", PDYN_INT, 4, false, 0, 0, 1, "", ""}, "overlaps");
+}
+
+/* ---- parameters computed from the scene ------------------------------------------------------ */
+
+static pdyn_param_fault resolved;
+static pdyn_scene_info seen;
+
+static pdyn_param_fault resolve(void *par, const pdyn_scene_info *scene) {
+    struct params *p = par;
+    seen = *scene;
+    p->stiffness *= 0.5;
+    return resolved;
+}
+
+static void test_resolve(void **state) {
+    (void)state;
+    static pdyn_constraint_type type;
+    static const pdyn_constraint_type *const types[] = {&type, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
+    static const char scene[] =
+        "{\"duration\": 1, \"gravity\": [0, 0, -10], \"bodies\": [{\"surface\": {\"grid\": "
+        "{\"size\": [1, 1], \"vertices\": [3, 3]}, \"area_density\": 1}, \"constraints\": [\n"
+        "{\"type\": \"mine\", \"stiffness\": 1}]}]}";
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = NULL;
+    type = good, type.resolve = resolve;
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    resolved = (pdyn_param_fault){"too soft", "stiffness"};
+    assert_int_equal(pdyn_load_text(context, scene, "s", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_string_equal(pdyn_last_error(context),
+                        "s:2:31: bodies[0].constraints[0].stiffness: too soft");
+    resolved.param = NULL;
+    assert_int_equal(pdyn_load_text(context, scene, "s", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_string_equal(pdyn_last_error(context), "s:2:1: bodies[0].constraints[0]: too soft");
+    resolved.message = NULL;
+    sim = test_load(context, scene);
+    pdyn_parameter_info p = pdyn_get_parameter(sim, 0, 0);
+    assert_string_equal(p.name, "stiffness");
+    assert_string_equal(p.unit, "N/m");
+    assert_true(p.value == 0.5);
+    assert_null(pdyn_get_parameter(sim, 0, 1).name);
+    assert_true(seen.gravity[2] == -10.0 && seen.radius == 0.0 && fabs(seen.head - 1.0) < 1e-12);
+    pdyn_free(sim);
+    pdyn_destroy(context);
 }
 
 /* ---- rows that make no sense ----------------------------------------------------------------- */
@@ -269,9 +328,10 @@ static void test_model(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plugins),    cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_parameters), cmocka_unit_test(test_rows),
-        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_model),
+        cmocka_unit_test(test_plugins),      cmocka_unit_test(test_tables),
+        cmocka_unit_test(test_alternatives), cmocka_unit_test(test_resolve),
+        cmocka_unit_test(test_parameters),   cmocka_unit_test(test_rows),
+        cmocka_unit_test(test_not_finite),   cmocka_unit_test(test_model),
     };
     return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
 }

@@ -60,6 +60,21 @@ typedef struct pdyn_param {
     const char *doc;
 } pdyn_param;
 
+/* The scene around a constraint, from which parameters may be computed. */
+typedef struct pdyn_scene_info {
+    double gravity[3];   /* m/s^2 */
+    double radius;       /* m, of the body's particles; 0 for a surface */
+    double rest_density; /* kg/m^3, of the body's particles; 0 for a surface */
+    double head;         /* m, along gravity: the largest height + speed^2 / (2 |gravity|) of the
+                            body at its start, above the lowest point of all bodies and solids; 0
+                            without gravity */
+} pdyn_scene_info;
+
+typedef struct pdyn_param_fault {
+    const char *message; /* NULL: no fault */
+    const char *param;   /* name of the parameter at fault; NULL: none in particular */
+} pdyn_param_fault;
+
 /* ---- what a module sees of a body ----------------------------------------------------------- */
 
 typedef struct pdyn_body {
@@ -215,7 +230,14 @@ typedef struct pdyn_constraint_type {
     unsigned flags;
     size_t params_size;
     const pdyn_param *params; /* ends with a name of NULL */
-    size_t data_size;         /* bytes of the type's own data per element */
+    /* Names of parameters of which a scene gives at most one: none is required and at most one has
+     * a default. Ends with NULL. NULL: no such parameters. */
+    const char *const *alternatives;
+    /* Computes parameters from other parameters and from the scene. Core calls it once, when the
+     * scene is read; a fault is an error of the scene, at the parameter it names. NULL: nothing to
+     * compute. */
+    pdyn_param_fault (*resolve)(void *params, const pdyn_scene_info *scene);
+    size_t data_size; /* bytes of the type's own data per element */
     /* Number of elements on this body. */
     int (*elements)(const void *params, const pdyn_body *body);
     /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. A row
@@ -321,7 +343,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 5u
+#define PDYN_ABI 6u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -186,6 +186,14 @@ typedef struct pdyn_constraint_info {
 /* All 0: there is none. */
 PDYN_API pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint);
 
+typedef struct pdyn_parameter_info {
+    const char *name, *unit; /* unit "1": a ratio */
+    double value;
+} pdyn_parameter_info;
+/* The numbers among a constraint's parameters, as the simulation uses them: given, by default, or
+ * computed from others. parameter: counted from 0. All 0: there is none. */
+PDYN_API pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter);
+
 /* Saves the state in one file, or brings a simulation that was loaded from the same scene to a
  * saved one: what follows has the same bits as without the interruption. The scene may have another
  * duration. The file appears whole or not at all. PDYN_BAD_INPUT: this is no saved state, or one of

@@ -67,9 +67,17 @@ static void describe_all(const pdyn_context *context, const struct sink *to) {
         line(to, "  %-12s %s\n", solver->name, solver->summary);
 }
 
+static void alternatives(const struct sink *to, const char *const *names) {
+    if (!names || !*names) return;
+    line(to, "\na scene gives at most one of: %s", *names);
+    while (*++names) line(to, ", %s", *names);
+    line(to, "\n");
+}
+
 static void describe_constraint(const struct sink *to, const pdyn_constraint_type *type) {
     heading(to, "constraint", type->name, type->summary);
     table(to, type->params);
+    alternatives(to, type->alternatives);
     if (type->flags & PDYN_ON_SURFACE) line(to, "\nworks on a body with a surface\n");
     if (type->flags & PDYN_ON_VOLUME) line(to, "\nworks on a volume of tetrahedra\n");
     if (type->flags & PDYN_ON_PARTICLES) line(to, "\nworks on a body of particles\n");

@@ -44,6 +44,17 @@ pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *ta
     return PDYN_OK;
 }
 
+pdyn_status params_check_alternatives(const struct json_at *object, const char *const *names) {
+    const char *given = NULL;
+    for (; names && *names; names++) {
+        struct json_at at = json_member(object, *names);
+        if (at.value && given)
+            return json_fail_at_key(&at, "\"%s\" has no meaning beside \"%s\"", *names, given);
+        if (at.value) given = *names;
+    }
+    return PDYN_OK;
+}
+
 /* ---- numbers --------------------------------------------------------------------------------- */
 
 void params_describe_bounds(char *text, size_t size, const char *what, double min, double max,

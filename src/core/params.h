@@ -17,6 +17,9 @@ static inline bool params_has_default(const pdyn_param *param) {
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
                               const char *const *others);
 
+/* Checks that `object` has at most one of the keys in `names`, which ends with NULL; NULL: none. */
+pdyn_status params_check_alternatives(const struct json_at *object, const char *const *names);
+
 /* Fills `params` by the table. A missing object gives all defaults. Chosen vertices, paths and
  * names are allocated: params_free gives them back, after a failure too. surface: the rest shape in
  * which vertices are chosen, NULL for a body of particles. */

@@ -1,4 +1,5 @@
 #include "archive.h"
+#include "head.h"
 #include "inlet.h"
 #include "near.h"
 #include "params.h"
@@ -43,6 +44,34 @@ static pdyn_status check_others(struct reader *r, const struct json_at *at, int 
     }
     return PDYN_OK;
 }
+
+/* ---- parameters that follow from the scene --------------------------------------------------- */
+
+static pdyn_status resolve(const struct reader *r, const struct json_at *at,
+                           const struct scene_body *body, const struct scene_constraint *c) {
+    pdyn_scene_info info = {.radius = body->radius,
+                            .rest_density = body->rest_density,
+                            .head = scene_head(r->scene, body)};
+    memcpy(info.gravity, r->scene->settings.gravity, sizeof info.gravity);
+    pdyn_param_fault fault = c->type->resolve(c->params, &info);
+    if (!fault.message) return PDYN_OK;
+    struct json_at param = json_member(at, fault.param ? fault.param : "");
+    return json_fail(fault.param ? &param : at, "%s", fault.message);
+}
+
+static pdyn_status resolve_all(struct reader *r, const struct json_at *at, int index) {
+    const struct scene_body *body = &r->scene->body[index];
+    struct json_at array = json_member(at, "constraints");
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < body->constraints && status == PDYN_OK; k++) {
+        struct json_at constraint = json_element(&array, (size_t)k);
+        if (body->constraint[k].type->resolve)
+            status = resolve(r, &constraint, body, &body->constraint[k]);
+    }
+    return status;
+}
+
+/* ---- the parts of a scene -------------------------------------------------------------------- */
 
 static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
     int count;
@@ -132,7 +161,7 @@ static pdyn_status read_all(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_solids(r, &solids);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
     if (status == PDYN_OK) status = read_contact(r, &contact);
-    return status;
+    return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
 
 static pdyn_status take_fingerprint(struct reader *r, const json_t *root) {

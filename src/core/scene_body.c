@@ -227,6 +227,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     constraint->type = type;
     status = check_type(r, &name, body, index);
     if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
+    if (status == PDYN_OK) status = params_check_alternatives(at, type->alternatives);
     if (status != PDYN_OK) return status;
     r->operator_used |= type->op != NULL;
     constraint->params = context_array(r->context, type->params_size, 1);

@@ -52,6 +52,22 @@ pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
 
+/* A number outside of its bounds stands for none (params.h). */
+static bool has_value(const pdyn_param *p, const double *value) {
+    return p->kind == PDYN_REAL && *value >= p->min && *value <= p->max;
+}
+
+pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
+    if (constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
+    const struct batch *b = sim->system.batch[constraint];
+    for (const pdyn_param *p = b->type->params; p->name; p++) {
+        const double *value = (const double *)((const char *)b->params + p->offset);
+        if (has_value(p, value) && parameter-- == 0)
+            return (pdyn_parameter_info){p->name, p->unit, *value};
+    }
+    return (pdyn_parameter_info){0};
+}
+
 /* A vector's bits, of all live particles. */
 static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
     size_t one = 3 * sizeof *vector;

@@ -1,4 +1,5 @@
 /* What can be told from the tables of a plug-in before anything of it runs. */
+#include "params.h"
 #include "registry.h"
 
 #include <math.h>
@@ -60,6 +61,22 @@ static pdyn_status check_params(pdyn_context *context, const pdyn_constraint_typ
     return PDYN_OK;
 }
 
+static const pdyn_param *find_param(const pdyn_constraint_type *type, const char *name) {
+    const pdyn_param *p = type->params;
+    while (p->name && strcmp(p->name, name) != 0) p++;
+    return p->name ? p : NULL;
+}
+
+static const char *alternatives_fault(const pdyn_constraint_type *type) {
+    int defaults = 0;
+    for (const char *const *name = type->alternatives; name && *name; name++) {
+        const pdyn_param *p = find_param(type, *name);
+        if (!p || p->required) return "an alternative is not a parameter, or a required one";
+        defaults += params_has_default(p);
+    }
+    return defaults > 1 ? "more than one alternative has a default" : NULL;
+}
+
 /* ---- types ----------------------------------------------------------------------------------- */
 
 static const char *operator_fault(const pdyn_operator *op) {
@@ -74,6 +91,7 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     if (!t->shape && (t->rows < 1 || t->width < 1)) return "without shape, it needs rows and width";
     if ((t->flags & (PDYN_ON_SURFACE | PDYN_ON_VOLUME)) && (t->flags & PDYN_ON_PARTICLES))
         return "no body is both a surface and particles";
+    if (alternatives_fault(t)) return alternatives_fault(t);
     if (t->tangent && t->axial) return "it has tangent and axial, expected one of them at most";
     if (!t->damping != !t->hold) return "damping and hold need each other";
     if (t->op && !(t->flags & PDYN_ON_PARTICLES))

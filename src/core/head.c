@@ -1,0 +1,45 @@
+#include "head.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+
+struct heights {            /* of points that were added */
+    double up[3], gravity;  /* against gravity, of length 1; m/s^2 */
+    double lowest, highest; /* m; the highest with speed^2 / (2 gravity) */
+};
+
+static void add(struct heights *h, const double *x, double radius, double speed) {
+    double height = vec3_dot(h->up, x);
+    h->lowest = fmin(h->lowest, height - radius);
+    h->highest = fmax(h->highest, height + radius + 0.5 * speed * speed / h->gravity);
+}
+
+static void add_mesh(struct heights *h, const struct mesh *mesh, double speed) {
+    for (int i = 0; i < mesh->vertices; i++) add(h, mesh->vertex + 3 * (size_t)i, 0.0, speed);
+}
+
+static void add_body(struct heights *h, const struct scene_body *body) {
+    const struct points *start = &body->start, *v = &body->start_v;
+    if (body->is_surface) add_mesh(h, &body->mesh, vec3_length(body->velocity));
+    for (int i = 0; i < start->count; i++)
+        add(h, start->x + 3 * (size_t)i, body->radius,
+            i < v->count ? vec3_length(v->x + 3 * (size_t)i) : 0.0);
+    for (int k = 0; k < body->inlets; k++) {
+        const struct scene_inlet *inlet = &body->inlet[k];
+        for (int i = 0; i < inlet->layer.count; i++)
+            add(h, inlet->layer.x + 3 * (size_t)i, body->radius, inlet->speed);
+    }
+}
+
+double scene_head(const struct scene *scene, const struct scene_body *body) {
+    const double *g = scene->settings.gravity;
+    struct heights own = {.gravity = vec3_length(g), .lowest = INFINITY, .highest = -INFINITY};
+    if (own.gravity == 0.0) return 0.0;
+    vec3_add(own.up, -1.0 / own.gravity, g);
+    struct heights all = own;
+    add_body(&own, body);
+    for (int b = 0; b < scene->bodies; b++) add_body(&all, &scene->body[b]);
+    for (int s = 0; s < scene->solids; s++) add_mesh(&all, &scene->solid[s].mesh, 0.0);
+    return own.highest - all.lowest;
+}
