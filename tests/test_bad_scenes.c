@@ -300,6 +300,29 @@ static const struct {
     {FLUID("{'type': 'bending'}"),
      "scene.json:3:27: bodies[0].constraints[0].type: \"bending\" works on a surface, "
      "found a body of particles"},
+    {FLUID("{'type': 'fluid',\n 'stiffness': 1e5, 'compression': 0.001}"),
+     "scene.json:4:20: bodies[0].constraints[0]: \"compression\" has no meaning beside "
+     "\"stiffness\""},
+    {FLUID("{'type': 'fluid',\n 'sound_speed': 50, 'compression': 0.001}"),
+     "scene.json:4:2: bodies[0].constraints[0]: \"sound_speed\" has no meaning beside "
+     "\"compression\""},
+    {FLUID("{'type': 'fluid', 'stiffness': 1e6, 'sound_speed': 50}"),
+     "scene.json:3:54: bodies[0].constraints[0]: \"sound_speed\" has no meaning beside "
+     "\"stiffness\""},
+    {FLUID("{'type': 'fluid', 'compression': 0}"),
+     "scene.json:3:51: bodies[0].constraints[0].compression: expected a number from 1e-09 to 0.5, "
+     "found 0"},
+    {FLUID("{'type': 'fluid', 'sound_speed': '50'}"),
+     "scene.json:3:51: bodies[0].constraints[0].sound_speed: expected a number from 0.001 to "
+     "1000000 m/s, found \"50\""},
+    {"{'duration': 1, 'gravity': [0, 0, 0], 'bodies': [{'particles': {'radius': 0.1, 'fill': [{"
+     "'box': " BOX "}]},\n 'constraints': [{'type': 'fluid',\n  'compression': 0.001}]}]}",
+     "scene.json:3:18: bodies[0].constraints[0].compression: without gravity no pressure "
+     "compresses the fluid; give \"sound_speed\" or \"stiffness\""},
+    {"{'duration': 1, 'gravity': [0, -1e6, 0], 'bodies': [{'particles': {'radius': 0.1, 'fill': [{"
+     "'box': " BOX "}]},\n 'constraints': [{'type': 'fluid',\n  'compression': 1e-9}]}]}",
+     "scene.json:3:18: bodies[0].constraints[0].compression: expected a value that gives a "
+     "stiffness of at most 1e+15 N/m"},
     {FLUID("{'type': 'fluid', 'viscosity': true}"),
      "scene.json:3:49: bodies[0].constraints[0].viscosity: expected a number from 0 to 1, "
      "found true"},

@@ -87,6 +87,8 @@ static void test_describe(void **state) {
         assert_non_null(strstr(fluid, p->name));
         assert_non_null(strstr(fluid, p->doc));
     }
+    assert_non_null(
+        strstr(described("fluid"), "at most one of: stiffness, compression, sound_speed\n"));
     assert_non_null(strstr(described("spring"),
                            "stretching_stiffness   N/m    required   number from 0 to 1e+12"));
     assert_non_null(strstr(described("pin"), "choice of vertices"));
@@ -146,6 +148,22 @@ static void check_parameter(const json_t *object, const pdyn_param *p) {
     assert_number(entry, "maximum", p->name, p->max, isfinite(p->max));
 }
 
+/* Every pair of alternatives is excluded: {"not": {"required": [a, b]}}. */
+static void check_alternatives(const json_t *object, const char *const *names) {
+    const json_t *excluded = json_object_get(object, "allOf");
+    size_t count = 0, found = 0;
+    while (names && names[count]) count++;
+    for (size_t k = 0; k < json_array_size(excluded); k++) {
+        const json_t *pair = json_object_get(json_array_get(excluded, k), "not");
+        pair = json_object_get(pair, "required");
+        for (size_t a = 0; a < count; a++)
+            for (size_t b = 0; b < a; b++)
+                found += is_listed(pair, names[a]) && is_listed(pair, names[b]);
+    }
+    assert_int_equal(found, count ? count * (count - 1) / 2 : 0);
+    assert_int_equal(json_array_size(excluded), found);
+}
+
 /* As many keys as the table has, and `others` besides. */
 static void check_table(const json_t *object, const pdyn_param *table, size_t others) {
     size_t count = others;
@@ -165,6 +183,7 @@ static void test_schema(void **state) {
         char name[64];
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
         check_table(definition(name), (*t)->params, 1);
+        check_alternatives(definition(name), (*t)->alternatives);
     }
     const json_t *others = json_object_get(definition("constraint_of_plugin"), "properties");
     others = json_object_get(json_object_get(json_object_get(others, "type"), "not"), "enum");

@@ -24,8 +24,13 @@
 enum { MOST_ROWS = 2048 }; /* of one constraint */
 
 static const pdyn_param params[] = {
-    {"stiffness", PDYN_REAL, offsetof(struct fluid_params, stiffness), false, 1e6, 0, 1e15, "N/m",
+    {"stiffness", PDYN_REAL, offsetof(struct fluid_params, stiffness), false, 1e6, 0,
+     FLUID_STIFFEST, "N/m",
      "weight of the density constraint: force per distance from the uncompressed state"},
+    {"compression", PDYN_REAL, offsetof(struct fluid_params, compression), false, 0, 1e-9, 0.5, "1",
+     "relative density error at the bottom of the fluid at rest; instead of stiffness"},
+    {"sound_speed", PDYN_REAL, offsetof(struct fluid_params, sound_speed), false, 0, 1e-3, 1e6,
+     "m/s", "speed of sound in the fluid; instead of stiffness"},
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",
      "how much of the velocity difference to the neighbours a step takes away (XSPH)"},
     {"projection_tolerance", PDYN_REAL, offsetof(struct fluid_params, projection_tolerance), false,
@@ -34,6 +39,8 @@ static const pdyn_param params[] = {
      "boundary points have density constraints too: right pressures in narrow vessels, for more "
      "time and friction"},
     {0}};
+
+static const char *const alternatives[] = {"stiffness", "compression", "sound_speed", NULL};
 
 static int elements(const void *par, const pdyn_body *body) {
     (void)par;
@@ -160,6 +167,8 @@ const pdyn_constraint_type pdyn_constraint_fluid = {
     .flags = PDYN_ON_PARTICLES,
     .params_size = sizeof(struct fluid_params),
     .params = params,
+    .alternatives = alternatives,
+    .resolve = fluid_resolve,
     .elements = elements,
     .shape = shape,
     .select = select,

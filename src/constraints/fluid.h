@@ -8,10 +8,17 @@
 
 #include <math.h>
 
+#define FLUID_STIFFEST 1e15 /* N/m */
+
 struct fluid_params {
-    double stiffness, viscosity, projection_tolerance;
+    double stiffness;                /* N/m */
+    double compression, sound_speed; /* 1, m/s; 0 where the scene gives none, until resolved */
+    double viscosity, projection_tolerance;
     bool wall_pressure;
 };
+
+/* Computes two of stiffness, compression and sound_speed from the third (fluid_stiffness.c). */
+pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene);
 
 extern const pdyn_operator fluid_operator;
 

@@ -1,0 +1,34 @@
+/* The stiffness w of a fluid and the two quantities it can be given by (docs/theory.md):
+ *
+ *     bulk modulus     K = w / (c d)              d: particle spacing
+ *     speed of sound   sqrt(K / rho)
+ *     compression      rho g D / K                D: head of the fluid
+ *
+ * c = |grad C|^2 d^2 on a cubic lattice; settled particles away from walls have the same within 1 %
+ * (measured in a tank of 20 x 20 x 20). */
+#include "fluid.h"
+
+#include "projdyn/vec3.h"
+
+/* (6 * 1.5^2 + 12 * 36 (1 - sqrt(1/2))^4 + 8 * 36 (1 - sqrt(3/4))^4) / (2 pi)^2: the cubic spline
+ * of support 2 d, over neighbours at d, sqrt(2) d and sqrt(3) d */
+static const double lattice_squares = 0.42484;
+
+pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
+    struct fluid_params *p = params;
+    double length = lattice_squares * 2.0 * scene->radius, rho = scene->rest_density;
+    double pressure = rho * vec3_length(scene->gravity) * scene->head;
+    const char *given = p->compression > 0.0 ? "compression" : "sound_speed";
+    if (p->compression > 0.0 && !(pressure > 0.0))
+        return (pdyn_param_fault){"without gravity no pressure compresses the fluid; give "
+                                  "\"sound_speed\" or \"stiffness\"",
+                                  given};
+    if (p->compression > 0.0) p->stiffness = length * pressure / p->compression;
+    else if (p->sound_speed > 0.0) p->stiffness = length * rho * p->sound_speed * p->sound_speed;
+    if (p->stiffness > FLUID_STIFFEST)
+        return (pdyn_param_fault){"expected a value that gives a stiffness of at most 1e+15 N/m",
+                                  given};
+    p->compression = length * pressure / p->stiffness;
+    p->sound_speed = sqrt(p->stiffness / (length * rho));
+    return (pdyn_param_fault){0};
+}
