@@ -10,6 +10,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+static void print_parameters(const pdyn_sim *sim, int constraint) {
+    pdyn_parameter_info p;
+    for (int k = 0; (p = pdyn_get_parameter(sim, constraint, k)).name; k++)
+        printf(", %s %.6g%s%s", p.name, p.value, strcmp(p.unit, "1") ? " " : "",
+               strcmp(p.unit, "1") ? p.unit : "");
+}
+
 static void describe(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
     for (int b = 0; b < state.bodies; b++) {
@@ -24,8 +31,10 @@ static void describe(const pdyn_context *context, const pdyn_sim *sim) {
     }
     for (int k = 0; k < state.constraints; k++) {
         pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);
-        printf("constraint %s on %s: %d elements\n", constraint.type, constraint.body,
+        printf("constraint %s on %s: %d elements", constraint.type, constraint.body,
                constraint.elements);
+        print_parameters(sim, k);
+        putchar('\n');
     }
     printf("boundary: %d points", state.boundary);
     printf(state.moving ? ", %d of them on solids that move\n" : "\n", state.moving);

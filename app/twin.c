@@ -38,13 +38,15 @@ static bool pins_numbers(const json_t *body) {
 
 /* ---- what can -------------------------------------------------------------------------------- */
 
-/* w / d and viscosity d^2 / h stay what they are (docs/scene.md, fluid). */
+/* w / d and viscosity d^2 / h stay what they are (docs/scene.md, fluid). A stiffness that is given
+ * as a compression or a speed of sound follows the radius by itself. */
 static void coarsen_fluid(const json_t *scene, size_t b, double factor, struct setting *twin) {
     size_t body, k;
     const json_t *fluid = scene_fluid(scene, &body, &k);
     if (!fluid || body != b) return;
-    setting_add(twin, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
-                factor * scene_stiffness(fluid));
+    if (!json_object_get(fluid, "compression") && !json_object_get(fluid, "sound_speed"))
+        setting_add(twin, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
+                    factor * scene_stiffness(fluid));
     setting_add(twin, "bodies.%zu.constraints.%zu.viscosity=%.9g", b, k,
                 scene_viscosity(fluid) / (factor * factor));
 }

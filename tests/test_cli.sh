@@ -109,6 +109,11 @@ fi
 expect "check" 0 "solver hybrid" "$program" check "$scene"
 expect "check names the bodies" 0 "body sheet: 625 vertices, 1152 triangles" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"
+expect "check tells the stiffness of a fluid" 0 "elements, stiffness 1e+06 N/m, compression 0.000" "$program" check "$scene"
+expect "check computes it from the speed of sound" 0 "stiffness 1699.36 N/m" "$program" check "$scene" \
+    --set bodies.water.constraints.fluid.sound_speed=10
+expect "check of two that exclude each other" 2 "no meaning beside \"stiffness\"" "$program" check "$scene" \
+    --set bodies.water.constraints.fluid.stiffness=1e5 --set bodies.water.constraints.fluid.compression=0.001
 expect "check counts the constraints" 0 "constraint pin on sheet: 96 elements" "$program" check "$scene"
 expect "list" 0 "bending" "$program" list
 expect "list one" 0 "N/m" "$program" list spring

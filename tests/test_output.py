@@ -294,6 +294,10 @@ class Output(unittest.TestCase):
         self.assertEqual((report["particles"]["fluid"], report["particles"]["cloth"]),
                          (counts["particles"], counts["surface"]))
         self.assertTrue(all(count > 0 for count in report["constraints"].values()))
+        fluid = next(c for c in report["parameters"] if c["type"] == "fluid")
+        self.assertEqual(fluid["body"], "water")
+        self.assertGreater(fluid["numbers"]["stiffness"], 0)
+        self.assertGreater(fluid["numbers"]["sound_speed"], 0)
         for moment in report["energy"].values():
             parts = moment["kinetic"] + moment["potential"] + moment["constraint"]
             self.assertAlmostEqual(parts, moment["total"], delta=1e-9 * (1 + abs(parts)))

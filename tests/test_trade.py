@@ -174,6 +174,12 @@ class Twin(unittest.TestCase):
         self.assertIn("constraints.0.stiffness=%.9g" % (1.25 * fluid.get("stiffness", 1e6)), self.said)
         self.assertIn("constraints.0.viscosity=%.9g" % (fluid.get("viscosity", 0.02) / 1.25**2), self.said)
 
+    def test_compression_follows_the_radius(self):
+        said = trade("--twin", "1.25", "--by", "energy", "--budget", "1000s", "--set",
+                     "bodies.water.constraints.fluid.compression=0.001")
+        self.assertIn("bodies.0.particles.radius=0.0625", said)
+        self.assertNotIn("stiffness", said)
+
     def test_same_iterations(self):
         names = {row["name"] for row in self.rows}
         self.assertIn("h x 1, 2 x 10 iterations", names)  # 8 of the twin

@@ -142,6 +142,24 @@ static json_t *constraints(const pdyn_sim *sim) {
     return object;
 }
 
+static json_t *parameters_of(const pdyn_sim *sim, int constraint) {
+    pdyn_constraint_info info = pdyn_get_constraint(sim, constraint);
+    json_t *numbers = json_object();
+    pdyn_parameter_info p;
+    for (int k = 0; numbers && (p = pdyn_get_parameter(sim, constraint, k)).name; k++)
+        if (json_object_set_new(numbers, p.name, real(p.value))) return json_decref(numbers), NULL;
+    return json_pack("{s:s, s:s, s:o}", "type", info.type, "body", info.body, "numbers", numbers);
+}
+
+/* The numbers that each constraint works with, computed ones too. */
+static json_t *parameters(const pdyn_sim *sim) {
+    json_t *list = json_array();
+    int count = pdyn_get_state(sim).constraints;
+    for (int k = 0; list && k < count; k++)
+        if (json_array_append_new(list, parameters_of(sim, k))) return json_decref(list), NULL;
+    return list;
+}
+
 /* ---- the run --------------------------------------------------------------------------------- */
 
 static json_t *milliseconds(const struct report *report) {
@@ -178,13 +196,13 @@ static double peak_rss_bytes(void) {
 }
 
 static json_t *describe_scene(const struct report *report, const pdyn_sim *sim) {
-    return json_pack("{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version",
+    return json_pack("{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version",
                      pdyn_version(), "scene", text(sim->context, sim->scene.file), "name",
                      text(sim->context, sim->scene.name), "threads",
                      pdyn_thread_count(sim->context), "particles", particles(report, sim), "bodies",
-                     bodies(report, sim), "constraints", constraints(sim), "solver", "type",
-                     pdyn_solver_type(sim), "step", pdyn_step_type(sim), "reason",
-                     text(sim->context, pdyn_solver_reason(sim)));
+                     bodies(report, sim), "constraints", constraints(sim), "parameters",
+                     parameters(sim), "solver", "type", pdyn_solver_type(sim), "step",
+                     pdyn_step_type(sim), "reason", text(sim->context, pdyn_solver_reason(sim)));
 }
 
 static json_t *describe_run(const struct report *report, const pdyn_sim *sim) {
