@@ -52,13 +52,19 @@ static pdyn_sim *load_sheet(pdyn_context *context, const struct course *course, 
     return load(context, scene, settings, course->n, course->n, course->value);
 }
 
+/* The same stiffness at every size: by its `compression` that of the scene falls with the spacing.
+ */
+static const char stiffness[] =
+    "bodies.water.constraints.fluid={\"type\": \"fluid\", \"stiffness\": 1e4, \"viscosity\": 0.2}";
+
 static pdyn_sim *load_file(pdyn_context *context, const struct course *course, const char *name) {
     char radius[64], type[32];
-    const char *set[] = {radius, type, "solver.step=projective", "solver.outer_iterations=20"};
+    const char *set[] = {radius, type, stiffness, "solver.step=projective",
+                         "solver.outer_iterations=20"};
     pdyn_sim *sim;
     snprintf(radius, sizeof radius, "bodies.water.particles.radius=%g", 1e-3 * course->value);
     snprintf(type, sizeof type, "solver.type=%s", name);
-    if (pdyn_load(context, course->file, set, is_direct(name) ? 4 : 2, &sim) != PDYN_OK)
+    if (pdyn_load(context, course->file, set, is_direct(name) ? 5 : 3, &sim) != PDYN_OK)
         die("%s", pdyn_last_error(context));
     if (pdyn_get_state(sim).bodies < 2) die("%s: expected water and a sheet", course->file);
     return sim;

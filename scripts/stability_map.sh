@@ -17,8 +17,8 @@ map() { # NAME SCENE PATH OF THE WEIGHT, OPTIONS...
         end=$(awk -v h=$h 'BEGIN { print 20 * h }')
         build/app/projdyn sweep "$scene" --quiet -o "$out/$name-$h" --set time_step.integrator=euler --set solver.type=auto --set solver.tolerance=0.1 \
             --set solver.outer_iterations=20 --set solver.linear_tolerance=0.1 --set solver.step=projective,newton \
-            --set "$path=1,1e2,1e4,1e6,1e8,1e10,1e12" --set duration="$end" --set frame_interval="$end" \
-            --set time_step="{\"fixed\": $h}" "$@" || true
+            "$@" --set "$path=1,1e2,1e4,1e6,1e8,1e10,1e12" --set duration="$end" --set frame_interval="$end" \
+            --set time_step="{\"fixed\": $h}" || true
         # sweep.csv: the settings as given, with "" where they have quotes; then columns by name
         /usr/bin/python3 - "$name" "$h" "$path" "$out/$name-$h/sweep.csv" >>"$csv" <<'PYTHON'
 import csv, sys
@@ -29,7 +29,8 @@ for row in csv.DictReader(open(file)):
 PYTHON
     done
 }
-map fluid scenes/dam_break.json bodies.water.constraints.fluid.stiffness --set bodies.water.particles.radius=0.05
+map fluid scenes/dam_break.json bodies.water.constraints.fluid.stiffness --set bodies.water.particles.radius=0.05 \
+    --set bodies.water.constraints.fluid='{"type": "fluid", "viscosity": 0.02}' # without its compression
 map cloth scenes/hanging_cloth.json bodies.sheet.constraints.spring.stretching_stiffness \
     --set bodies.sheet.surface.grid.vertices='[9, 9]' --set bodies.sheet.constraints.pin.vertices.vertices='[0, 8]'
 map coupled tests/pour.json bodies.water.constraints.fluid.stiffness --set bodies.water.particles.radius=0.05 \
