@@ -1,0 +1,81 @@
+/* How exactly the surface between water and what it touches is met. Each command writes CSV files
+ * into DIRECTORY and prints a table as markdown:
+ *
+ *     interface displaced DIRECTORY SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...
+ *         water that a pinned sheet displaces; SHAPE: level, tilted, curved; MM: particle spacing
+ *         d; WIDTH of the sheet and EDGE of its mesh in d
+ *
+ * Options, anywhere: --set PATH=VALUE changes every scene, as for projdyn run; --threads N (1). */
+#include "interface.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct command {
+    const char *name, *arguments;
+    void (*run)(const struct job *job);
+    int count; /* of arguments, at least */
+};
+
+static const struct command commands[] = {
+    {"displaced", "SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...", displaced, 4},
+};
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+double job_number(const struct job *job, int argument, double otherwise) {
+    char *end;
+    if (argument >= job->count) return otherwise;
+    double value = strtod(job->argument[argument], &end);
+    if (*end || end == job->argument[argument])
+        die("expected a number, found %s", job->argument[argument]);
+    return value;
+}
+
+static void usage(void) {
+    fprintf(stderr, "usage: interface COMMAND DIRECTORY ... [--set PATH=VALUE] [--threads N]\n");
+    for (int k = 0; k < COMMANDS; k++)
+        fprintf(stderr, "    %s DIRECTORY %s\n", commands[k].name, commands[k].arguments);
+    exit(2);
+}
+
+static void add_set(struct job *job, const char *text) {
+    static const char tolerance[] = "solver.tolerance=";
+    if (job->sets == SETS) die("too many --set");
+    job->set[job->sets++] = text;
+    if (!strncmp(text, tolerance, sizeof tolerance - 1))
+        job->tolerance = atof(text + sizeof tolerance - 1);
+}
+
+/* Takes the options out of the arguments; returns how many are left. */
+static int take_options(struct job *job, int argc, char **argv, int *threads) {
+    int left = 0;
+    for (int k = 0; k < argc; k++) {
+        bool set = !strcmp(argv[k], "--set"), many = !strcmp(argv[k], "--threads");
+        if ((set || many) && k + 1 == argc) usage();
+        if (set) add_set(job, argv[++k]);
+        else if (many) *threads = atoi(argv[++k]);
+        else argv[left++] = argv[k];
+    }
+    return left;
+}
+
+static void report(void *user, pdyn_log_level level, const char *message) {
+    (void)user;
+    if (level == PDYN_LOG_WARNING) fprintf(stderr, "interface: %s\n", message);
+}
+
+int main(int argc, char **argv) {
+    struct job job = {.tolerance = 0.1};
+    pdyn_options options = pdyn_default_options();
+    const struct command *command = NULL;
+    options.threads = 1, options.log = report;
+    argc = take_options(&job, argc, argv, &options.threads);
+    for (int k = 0; argc > 2 && k < COMMANDS; k++)
+        if (!strcmp(argv[1], commands[k].name)) command = &commands[k];
+    if (!command || argc - 3 < command->count) usage();
+    job.directory = argv[2], job.count = argc - 3, job.argument = argv + 3;
+    if (pdyn_create(&options, &job.context) != PDYN_OK) die("no context");
+    command->run(&job);
+    pdyn_destroy(job.context);
+    return 0;
+}

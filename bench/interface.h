@@ -1,0 +1,96 @@
+/* What the measurements of the interface between water and what it touches share. A scene is a JSON
+ * text in which ' stands for "; body 0 is the water, body 1 what is in it. Lengths are in m, and d
+ * is the particle spacing (two radii) everywhere. */
+#ifndef INTERFACE_H
+#define INTERFACE_H
+
+#include "bench.h"
+
+static const double density = 1000.0; /* kg/m^3, of water */
+
+enum { SETS = 32 };
+
+/* A command: where its files go, what every scene is changed by, its arguments. */
+struct job {
+    pdyn_context *context;
+    const char *directory;
+    const char *set[SETS]; /* "path=value" */
+    int sets;
+    double tolerance; /* of the solver: a step above it is unsolved */
+    int count;
+    char **argument;
+};
+
+double job_number(const struct job *job, int argument, double otherwise);
+
+/* DIRECTORY/NAME, to be written; `path` gets 4096 bytes. */
+FILE *job_file(const struct job *job, const char *name, char *path);
+
+/* ---- scenes ---------------------------------------------------------------------------------- */
+
+struct scene {
+    char text[65536];
+    size_t length;
+};
+
+void scene_put(struct scene *s, const char *format, ...) PDYN_PRINTF(2, 3);
+/* Steps of at most 5 ms or a radius, contact of a thickness in m (0: none); up to the bodies. */
+void scene_start(struct scene *s, double contact);
+/* Water of spacing d, so stiff that it is 0.1 % too dense under `depth`; `fill` is the JSON of one
+ * entry of `fill`. */
+void scene_water(struct scene *s, double d, double depth, const char *fill, ...) PDYN_PRINTF(4, 5);
+/* A surface that is to follow the water. Ends before its constraints. */
+void scene_sheet(struct scene *s, const char *mesh, double area_density);
+/* A tank open at the top with a corner at the origin; ends the scene. */
+void scene_tank(struct scene *s, double x, double y, double z);
+pdyn_sim *scene_load(const struct job *job, const struct scene *s);
+
+/* ---- files for scenes ------------------------------------------------------------------------ */
+
+/* Particles on the lattice of a box with a corner at the origin, those that `keep` wants (NULL:
+ * all); as PLY. Returns their number. */
+int lattice_write(FILE *file, double d, const int cells[3],
+                  bool (*keep)(const void *user, const double x[3]), const void *user);
+
+/* A rectangle of along x across cells, bent to `place` of its two parameters from 0 to 1; as OBJ.
+ */
+void sheet_write(FILE *file, int along, int across,
+                 void (*place)(const void *user, double s, double t, double x[3]),
+                 const void *user);
+
+/* ---- measures -------------------------------------------------------------------------------- */
+
+struct sample {
+    double n, sum, squares;
+};
+void sample_add(struct sample *s, double value);
+double sample_mean(const struct sample *s);
+double sample_deviation(const struct sample *s); /* standard deviation */
+
+/* Of a body: weight in N, area of its triangles in m^2, mean position of its points in m. */
+double body_weight(const pdyn_sim *sim, int body);
+double body_area(const pdyn_sim *sim, int body);
+void body_middle(const pdyn_sim *sim, int body, double x[3]);
+
+/* Height of the water's surface, m: `low` and the volume of the particles above `low` over the
+ * area of a frame, which is what is within `outer` but not within `inner` of the middle (in x and
+ * z, half widths; inner < 0: all). A particle counts as a cube with the edges d. */
+struct frame {
+    double middle[2], outer[2], inner[2], low;
+};
+double surface_height(const pdyn_sim *sim, const struct frame *f);
+
+/* Linear least squares, y = sum over k < terms of c_k x_k. */
+enum { TERMS = 4 };
+struct regression {
+    int terms;
+    double matrix[TERMS][TERMS], right[TERMS];
+};
+void regression_add(struct regression *r, const double x[], double y);
+void regression_solve(struct regression *r, double c[]);
+
+/* ---- commands -------------------------------------------------------------------------------- */
+
+void displaced(const struct job *job);
+
+#endif

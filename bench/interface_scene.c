@@ -1,0 +1,111 @@
+/* Scenes of the measurements of the interface: JSON text and the files that it names. */
+#include "interface.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+static void put(struct scene *s, const char *format, va_list args) {
+    size_t left = sizeof s->text - s->length;
+    int length = vsnprintf(s->text + s->length, left, format, args);
+    if (length < 0 || (size_t)length >= left) die("too long a scene");
+    for (char *c = s->text + s->length; *c; c++)
+        if (*c == '\'') *c = '"';
+    s->length += (size_t)length;
+}
+
+void scene_put(struct scene *s, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    put(s, format, args);
+    va_end(args);
+}
+
+void scene_start(struct scene *s, double contact) {
+    s->length = 0;
+    scene_put(s, "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'maximum': 0.005, "
+                 "'cfl': 1}, ");
+    if (contact > 0.0) scene_put(s, "'contact': {'thickness': %.17g}, ", contact);
+}
+
+void scene_water(struct scene *s, double d, double depth, const char *fill, ...) {
+    va_list args;
+    scene_put(s,
+              "'bodies': [{'name': 'water', 'constraints': [{'type': 'fluid', 'stiffness': %.17g}],"
+              " 'particles': {'radius': %.17g, 'fill': [",
+              0.45 * density * g * depth * d / 1e-3, 0.5 * d);
+    va_start(args, fill);
+    put(s, fill, args);
+    va_end(args);
+    scene_put(s, "]}}");
+}
+
+void scene_sheet(struct scene *s, const char *mesh, double area_density) {
+    scene_put(s, ", {'name': 'sheet', 'surface': {'mesh': '%s', 'area_density': %.17g}, ", mesh,
+              area_density);
+}
+
+void scene_tank(struct scene *s, double x, double y, double z) {
+    scene_put(s,
+              "], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, "
+              "%.17g, %.17g]}, 'open': ['+y']}]}",
+              x, y, z);
+}
+
+pdyn_sim *scene_load(const struct job *job, const struct scene *s) {
+    pdyn_sim *sim;
+    if (pdyn_load_text(job->context, s->text, "interface", job->set, job->sets, &sim) != PDYN_OK)
+        die("%s", pdyn_last_error(job->context));
+    return sim;
+}
+
+FILE *job_file(const struct job *job, const char *name, char *path) {
+    snprintf(path, 4096, "%s/%s", job->directory, name);
+    FILE *file = fopen(path, "w");
+    if (!file) die("%s: cannot be written", path);
+    return file;
+}
+
+/* Calls `keep` for all points of the lattice; writes what it keeps, unless `file` is NULL. */
+static int visit(FILE *file, double d, const int cells[3],
+                 bool (*keep)(const void *user, const double x[3]), const void *user) {
+    int count = 0;
+    for (int k = 0; k < cells[0] * cells[1] * cells[2]; k++) {
+        int i = k % cells[0], j = k / cells[0] % cells[1], l = k / cells[0] / cells[1];
+        double x[3] = {(i + 0.5) * d, (j + 0.5) * d, (l + 0.5) * d};
+        if (keep && !keep(user, x)) continue;
+        count++;
+        if (file) fprintf(file, "%.9g %.9g %.9g\n", x[0], x[1], x[2]);
+    }
+    return count;
+}
+
+int lattice_write(FILE *file, double d, const int cells[3],
+                  bool (*keep)(const void *user, const double x[3]), const void *user) {
+    int count = visit(NULL, d, cells, keep, user);
+    fprintf(file,
+            "ply\nformat ascii 1.0\nelement vertex %d\nproperty double x\nproperty double y\n"
+            "property double z\nend_header\n",
+            count);
+    visit(file, d, cells, keep, user);
+    fclose(file);
+    return count;
+}
+
+void sheet_write(FILE *file, int along, int across,
+                 void (*place)(const void *user, double s, double t, double x[3]),
+                 const void *user) {
+    int n = across + 1;
+    for (int i = 0; i <= along; i++)
+        for (int j = 0; j < n; j++) {
+            double x[3];
+            place(user, (double)i / along, (double)j / across, x);
+            fprintf(file, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
+        }
+    for (int i = 0; i < along; i++)
+        for (int j = 1; j < n; j++) {
+            int a = i * n + j, b = a + 1, c = a + n, e = c + 1;
+            if ((i + j) % 2) fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, c, b, e, c);
+            else fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, e, a, e, c);
+        }
+    fclose(file);
+}
