@@ -26,6 +26,9 @@ double job_number(const struct job *job, int argument, double otherwise);
 /* DIRECTORY/NAME, to be written; `path` gets 4096 bytes. */
 FILE *job_file(const struct job *job, const char *name, char *path);
 
+/* XSPH's, for water that is to come to rest, and the default. */
+static const double calming = 0.2, plain = 0.02;
+
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
 struct scene {
@@ -36,12 +39,14 @@ struct scene {
 void scene_put(struct scene *s, const char *format, ...) PDYN_PRINTF(2, 3);
 /* Steps of at most 5 ms or a radius, contact of a thickness in m (0: none); up to the bodies. */
 void scene_start(struct scene *s, double contact);
-/* Water of spacing d, so stiff that it is 0.1 % too dense under `depth`; `fill` is the JSON of one
- * entry of `fill`. */
-void scene_water(struct scene *s, double d, double depth, const char *fill, ...) PDYN_PRINTF(4, 5);
+/* Water of spacing d and XSPH's viscosity, so stiff that it is 0.1 % too dense under `depth`;
+ * `fill` is the JSON of one entry of `fill`. */
+void scene_water(struct scene *s, double d, double depth, double viscosity, const char *fill, ...)
+    PDYN_PRINTF(5, 6);
 /* A surface that is to follow the water. Ends before its constraints. */
 void scene_sheet(struct scene *s, const char *mesh, double area_density);
-/* A tank open at the top with a corner at the origin; ends the scene. */
+/* A tank open at the top with a corner at the origin, and an outlet for what leaves it; ends the
+ * scene. */
 void scene_tank(struct scene *s, double x, double y, double z);
 pdyn_sim *scene_load(const struct job *job, const struct scene *s);
 
@@ -60,10 +65,11 @@ void sheet_write(FILE *file, int along, int across,
 
 /* ---- measures -------------------------------------------------------------------------------- */
 
+/* Weights, weighted sums. */
 struct sample {
     double n, sum, squares;
 };
-void sample_add(struct sample *s, double value);
+void sample_add(struct sample *s, double weight, double value);
 double sample_mean(const struct sample *s);
 double sample_deviation(const struct sample *s); /* standard deviation */
 

@@ -65,7 +65,7 @@ static pdyn_sim *load_pinned(const struct job *job, const struct pinned *p, doub
     lattice_write(job_file(job, "displaced.ply", water), p->d, p->cells, keep, p);
     sheet_write(job_file(job, "displaced.obj", sheet), n, n, place, p);
     scene_start(&s, contact);
-    scene_water(&s, p->d, p->cells[1] * p->d, "{'file': '%s'}", water);
+    scene_water(&s, p->d, p->cells[1] * p->d, calming, "{'file': '%s'}", water);
     scene_sheet(&s, sheet, area_density);
     scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "
                   "'pin', 'vertices': {'all': true}}]}");
@@ -85,7 +85,7 @@ static void run(const struct job *job, FILE *csv, const struct pinned *p, double
         fprintf(csv, "%s,%g,%g,%.6g,%.6g,%.4g\n", names[p->shape], 1e3 * p->d, p->edge / p->d,
                 info.time, value, info.step_residual);
         steps++, unsolved += info.step_residual > job->tolerance;
-        if (info.time > 0.6 * seconds) sample_add(&thickness, value);
+        if (info.time > 0.6 * seconds) sample_add(&thickness, info.h, value);
     }
     printf("| %s | %g | %g | %d | %.3f | %.3f | %.3f | %.0f %% |\n", names[p->shape], 1e3 * p->d,
            p->edge / p->d, pdyn_get_body(sim, 0).count, sample_mean(&thickness),

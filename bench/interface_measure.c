@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-void sample_add(struct sample *s, double value) {
-    s->n++, s->sum += value, s->squares += value * value;
+void sample_add(struct sample *s, double weight, double value) {
+    s->n += weight, s->sum += weight * value, s->squares += weight * value * value;
 }
 
 double sample_mean(const struct sample *s) { return s->sum / s->n; }
@@ -61,6 +61,7 @@ double surface_height(const pdyn_sim *sim, const struct frame *f) {
     if (f->inner[0] > 0.0 && f->inner[1] > 0.0) area -= 4.0 * f->inner[0] * f->inner[1];
     for (int i = 0; i < b.count; i++) {
         const double *p = s.x + 3 * (b.first + i);
+        if (s.live && !s.live[b.first + i]) continue;
         double x = p[0] - f->middle[0], z = p[2] - f->middle[1];
         double within = share(x, d, f->outer[0]) * share(z, d, f->outer[1]) -
                         share(x, d, f->inner[0]) * share(z, d, f->inner[1]);

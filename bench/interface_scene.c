@@ -27,12 +27,14 @@ void scene_start(struct scene *s, double contact) {
     if (contact > 0.0) scene_put(s, "'contact': {'thickness': %.17g}, ", contact);
 }
 
-void scene_water(struct scene *s, double d, double depth, const char *fill, ...) {
+void scene_water(struct scene *s, double d, double depth, double viscosity, const char *fill, ...) {
     va_list args;
     scene_put(s,
-              "'bodies': [{'name': 'water', 'constraints': [{'type': 'fluid', 'stiffness': %.17g}],"
+              "'bodies': [{'name': 'water', 'constraints': [{'type': 'fluid', 'stiffness': %.17g, "
+              "'viscosity': "
+              "%.17g}],"
               " 'particles': {'radius': %.17g, 'fill': [",
-              0.45 * density * g * depth * d / 1e-3, 0.5 * d);
+              0.45 * density * g * depth * d / 1e-3, viscosity, 0.5 * d);
     va_start(args, fill);
     put(s, fill, args);
     va_end(args);
@@ -47,8 +49,9 @@ void scene_sheet(struct scene *s, const char *mesh, double area_density) {
 void scene_tank(struct scene *s, double x, double y, double z) {
     scene_put(s,
               "], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, "
-              "%.17g, %.17g]}, 'open': ['+y']}]}",
-              x, y, z);
+              "%.17g, %.17g]}, 'open': ['+y']}], 'outlets': [{'box': {'minimum': [-0.05, -0.05, "
+              "-0.05], 'maximum': [%.17g, %.17g, %.17g]}, 'outside': true}]}",
+              x, y, z, x + 0.05, y + 1.0, z + 0.05);
 }
 
 pdyn_sim *scene_load(const struct job *job, const struct scene *s) {
