@@ -4,6 +4,8 @@
  *     interface displaced DIRECTORY SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...
  *         water that a pinned sheet displaces; SHAPE: level, tilted, curved; MM: particle spacing
  *         d; WIDTH of the sheet and EDGE of its mesh in d
+ *     interface tank DIRECTORY SECONDS WIDTHxDEPTH...
+ *         pressure of water at rest; sizes in particles
  *
  * Options, anywhere: --set PATH=VALUE changes every scene, as for projdyn run; --threads N (1). */
 #include "interface.h"
@@ -19,6 +21,7 @@ struct command {
 
 static const struct command commands[] = {
     {"displaced", "SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...", displaced, 4},
+    {"tank", "SECONDS WIDTHxDEPTH...", tank, 2},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 

@@ -98,5 +98,6 @@ void regression_solve(struct regression *r, double c[]);
 /* ---- commands -------------------------------------------------------------------------------- */
 
 void displaced(const struct job *job);
+void tank(const struct job *job);
 
 #endif
