@@ -4,6 +4,9 @@
  *     interface displaced DIRECTORY SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...
  *         water that a pinned sheet displaces; SHAPE: level, tilted, curved; MM: particle spacing
  *         d; WIDTH of the sheet and EDGE of its mesh in d
+ *     interface floating DIRECTORY SECONDS MM N SHAPE:DENSITY...
+ *         draught and heave of bodies N spacings wide, the gap below what sinks; SHAPE: cube,
+ *         slab (half as high as wide), ball
  *     interface tank DIRECTORY SECONDS WIDTHxDEPTH...
  *         pressure of water at rest; sizes in particles
  *
@@ -21,6 +24,7 @@ struct command {
 
 static const struct command commands[] = {
     {"displaced", "SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...", displaced, 4},
+    {"floating", "SECONDS MM N SHAPE:DENSITY...", floating, 4},
     {"tank", "SECONDS WIDTHxDEPTH...", tank, 2},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };

@@ -63,6 +63,10 @@ void sheet_write(FILE *file, int along, int across,
                  void (*place)(const void *user, double s, double t, double x[3]),
                  const void *user);
 
+/* A ball of radius 1 of n x n x n cells, n even, in six tetrahedra each: DIRECTORY/NAME.node, whose
+ * path is written to `path` (4096 bytes), and NAME.ele. */
+void ball_write(const struct job *job, const char *name, int n, char *path);
+
 /* ---- measures -------------------------------------------------------------------------------- */
 
 /* Weights, weighted sums. */
@@ -77,6 +81,19 @@ double sample_deviation(const struct sample *s); /* standard deviation */
 double body_weight(const pdyn_sim *sim, int body);
 double body_area(const pdyn_sim *sim, int body);
 void body_middle(const pdyn_sim *sim, int body, double x[3]);
+
+/* The share of a solid's volume that is below a level. */
+double body_submerged(const pdyn_sim *sim, int body, double level);
+
+/* The points of a body that are lowest and highest when it is made. */
+struct ends {
+    int *low, *high; /* points of the state */
+    int lows, highs;
+};
+void ends_find(struct ends *ends, const pdyn_sim *sim, int body);
+/* The middles of these points now. */
+void body_ends(const pdyn_sim *sim, const struct ends *ends, double low[3], double high[3]);
+void ends_free(struct ends *ends);
 
 /* Height of the water's surface, m: `low` and the volume of the particles above `low` over the
  * area of a frame, which is what is within `outer` but not within `inner` of the middle (in x and
@@ -98,6 +115,7 @@ void regression_solve(struct regression *r, double c[]);
 /* ---- commands -------------------------------------------------------------------------------- */
 
 void displaced(const struct job *job);
+void floating(const struct job *job);
 void tank(const struct job *job);
 
 #endif
