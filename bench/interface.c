@@ -9,6 +9,9 @@
  *         slab (half as high as wide), ball
  *     interface tank DIRECTORY SECONDS WIDTHxDEPTH...
  *         pressure of water at rest; sizes in particles
+ *     interface free DIRECTORY SECONDS WIDTH CONTACT_MM PLACE:MM:KG...
+ *         drift and cost of a free sheet of KG per m^2 under water; PLACE at the start: between two
+ *         layers of particles, cavity of one layer
  *
  * Options, anywhere: --set PATH=VALUE changes every scene, as for projdyn run; --threads N (1). */
 #include "interface.h"
@@ -26,6 +29,7 @@ static const struct command commands[] = {
     {"displaced", "SECONDS WIDTH CONTACT_MM SHAPE:MM:EDGE...", displaced, 4},
     {"floating", "SECONDS MM N SHAPE:DENSITY...", floating, 4},
     {"tank", "SECONDS WIDTHxDEPTH...", tank, 2},
+    {"free", "SECONDS WIDTH CONTACT_MM PLACE:MM:KG...", free_sheets, 4},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 

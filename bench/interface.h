@@ -117,5 +117,6 @@ void regression_solve(struct regression *r, double c[]);
 void displaced(const struct job *job);
 void floating(const struct job *job);
 void tank(const struct job *job);
+void free_sheets(const struct job *job);
 
 #endif
