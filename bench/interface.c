@@ -12,6 +12,10 @@
  *     interface free DIRECTORY SECONDS WIDTH CONTACT_MM PLACE:MM:KG...
  *         drift and cost of a free sheet of KG per m^2 under water; PLACE at the start: between two
  *         layers of particles, cavity of one layer
+ *     interface stream DIRECTORY MM CONTACT_MM SPEED...
+ *         force on a sheet that is towed through water at rest, edge-on and broadside; m/s
+ *     interface added_mass DIRECTORY CONTACT_MM SHAPE:MM...
+ *         water that a sheet takes along when it is moved normal to itself; SHAPE: strip, disc
  *
  * Options, anywhere: --set PATH=VALUE changes every scene, as for projdyn run; --threads N (1). */
 #include "interface.h"
@@ -30,6 +34,8 @@ static const struct command commands[] = {
     {"floating", "SECONDS MM N SHAPE:DENSITY...", floating, 4},
     {"tank", "SECONDS WIDTHxDEPTH...", tank, 2},
     {"free", "SECONDS WIDTH CONTACT_MM PLACE:MM:KG...", free_sheets, 4},
+    {"stream", "MM CONTACT_MM SPEED...", stream, 3},
+    {"added_mass", "CONTACT_MM SHAPE:MM...", added_mass, 2},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 

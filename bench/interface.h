@@ -28,6 +28,8 @@ FILE *job_file(const struct job *job, const char *name, char *path);
 
 /* XSPH's, for water that is to come to rest, and the default. */
 static const double calming = 0.2, plain = 0.02;
+/* Steps of at most 5 ms or a radius, as the shipped scenes with water and cloth have. */
+static const char ordinary[] = "'maximum': 0.005, 'cfl': 1";
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
@@ -37,8 +39,8 @@ struct scene {
 };
 
 void scene_put(struct scene *s, const char *format, ...) PDYN_PRINTF(2, 3);
-/* Steps of at most 5 ms or a radius, contact of a thickness in m (0: none); up to the bodies. */
-void scene_start(struct scene *s, double contact);
+/* JSON of time_step, contact of a thickness in m (0: none); up to the bodies. */
+void scene_start(struct scene *s, const char *time_step, double contact);
 /* Water of spacing d and XSPH's viscosity, so stiff that it is 0.1 % too dense under `depth`;
  * `fill` is the JSON of one entry of `fill`. */
 void scene_water(struct scene *s, double d, double depth, double viscosity, const char *fill, ...)
@@ -117,6 +119,8 @@ void regression_solve(struct regression *r, double c[]);
 void displaced(const struct job *job);
 void floating(const struct job *job);
 void tank(const struct job *job);
+void stream(const struct job *job);
+void added_mass(const struct job *job);
 void free_sheets(const struct job *job);
 
 #endif

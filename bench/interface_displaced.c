@@ -64,7 +64,7 @@ static pdyn_sim *load_pinned(const struct job *job, const struct pinned *p, doub
     int n = (int)fmax(1.0, floor(p->width / p->edge + 0.5));
     lattice_write(job_file(job, "displaced.ply", water), p->d, p->cells, keep, p);
     sheet_write(job_file(job, "displaced.obj", sheet), n, n, place, p);
-    scene_start(&s, contact);
+    scene_start(&s, ordinary, contact);
     scene_water(&s, p->d, p->cells[1] * p->d, calming, "{'file': '%s'}", water);
     scene_sheet(&s, sheet, area_density);
     scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "

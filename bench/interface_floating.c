@@ -57,7 +57,7 @@ static pdyn_sim *load_floater(const struct job *job, const struct floater *f) {
     static struct scene s;
     int cells = f->n / 4 * 2;
     lattice_write(job_file(job, "floating.ply", water), f->d, f->cells, keep, f);
-    scene_start(&s, f->density > density ? contact : 0.0);
+    scene_start(&s, ordinary, f->density > density ? contact : 0.0);
     scene_water(&s, f->d, f->cells[1] * f->d, plain, "{'file': '%s'}", water);
     scene_put(&s, ", {'name': 'floater', 'volume': {");
     if (f->shape == BALL) {

@@ -36,7 +36,7 @@ static pdyn_sim *load_free(const struct job *job, const struct free_sheet *f, do
     int n = (int)floor(f->width / f->d + 0.5);
     lattice_write(job_file(job, "free.ply", water), f->d, f->cells, keep, f);
     sheet_write(job_file(job, "free.obj", sheet), n, n, place, f);
-    scene_start(&s, contact);
+    scene_start(&s, ordinary, contact);
     scene_water(&s, f->d, f->cells[1] * f->d, plain, "{'file': '%s'}", water);
     scene_sheet(&s, sheet, f->area_density);
     scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "

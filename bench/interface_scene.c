@@ -20,10 +20,9 @@ void scene_put(struct scene *s, const char *format, ...) {
     va_end(args);
 }
 
-void scene_start(struct scene *s, double contact) {
+void scene_start(struct scene *s, const char *time_step, double contact) {
     s->length = 0;
-    scene_put(s, "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'maximum': 0.005, "
-                 "'cfl': 1}, ");
+    scene_put(s, "{'duration': 1000, 'frame_interval': 1000, 'time_step': {%s}, ", time_step);
     if (contact > 0.0) scene_put(s, "'contact': {'thickness': %.17g}, ", contact);
 }
 

@@ -106,7 +106,7 @@ static void add_state(struct rest *r, const pdyn_state *s) {
 static pdyn_sim *load_tank(const struct job *job, const struct rest *r) {
     static struct scene s;
     const int *n = r->cells;
-    scene_start(&s, 0.0);
+    scene_start(&s, ordinary, 0.0);
     scene_water(&s, d, n[1] * d, calming,
                 "{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}}", n[0] * d,
                 n[1] * d, n[2] * d);
