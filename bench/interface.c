@@ -16,6 +16,9 @@
  *         force on a sheet that is towed through water at rest, edge-on and broadside; m/s
  *     interface added_mass DIRECTORY CONTACT_MM SHAPE:MM...
  *         water that a sheet takes along when it is moved normal to itself; SHAPE: strip, disc
+ *     interface bag DIRECTORY SECONDS MM FILL RADIUS...
+ *         water in a taut bag of a RADIUS in d; FILL: volume of the water over that of the bag at
+ *         rest
  *
  * Options, anywhere: --set PATH=VALUE changes every scene, as for projdyn run; --threads N (1). */
 #include "interface.h"
@@ -36,6 +39,7 @@ static const struct command commands[] = {
     {"free", "SECONDS WIDTH CONTACT_MM PLACE:MM:KG...", free_sheets, 4},
     {"stream", "MM CONTACT_MM SPEED...", stream, 3},
     {"added_mass", "CONTACT_MM SHAPE:MM...", added_mass, 2},
+    {"bag", "SECONDS MM FILL RADIUS...", bag, 4},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 

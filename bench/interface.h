@@ -34,7 +34,7 @@ static const char ordinary[] = "'maximum': 0.005, 'cfl': 1";
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
 struct scene {
-    char text[65536];
+    char text[262144];
     size_t length;
 };
 
@@ -84,6 +84,9 @@ double body_weight(const pdyn_sim *sim, int body);
 double body_area(const pdyn_sim *sim, int body);
 void body_middle(const pdyn_sim *sim, int body, double x[3]);
 
+/* Volume inside a closed surface, m^3. */
+double body_volume(const pdyn_sim *sim, int body);
+
 /* The share of a solid's volume that is below a level. */
 double body_submerged(const pdyn_sim *sim, int body, double level);
 
@@ -111,7 +114,7 @@ struct regression {
     int terms;
     double matrix[TERMS][TERMS], right[TERMS];
 };
-void regression_add(struct regression *r, const double x[], double y);
+void regression_add(struct regression *r, double weight, const double x[], double y);
 void regression_solve(struct regression *r, double c[]);
 
 /* ---- commands -------------------------------------------------------------------------------- */
@@ -121,6 +124,7 @@ void floating(const struct job *job);
 void tank(const struct job *job);
 void stream(const struct job *job);
 void added_mass(const struct job *job);
+void bag(const struct job *job);
 void free_sheets(const struct job *job);
 
 #endif

@@ -2,7 +2,7 @@
  * and go up and down by A/2 (1 - cos omega t); what the pins carry beyond the sheet's own weight
  * and inertia is fitted by
  *
- *     c0 + c1 displacement + c2 velocity + c3 acceleration,   c3: added mass
+ *     c0 + c1 velocity + c2 acceleration,   c2: added mass
  *
  * A strip of half width a: pi rho a^2 per length in wide water, 32.97 kg/m for a = 0.1 m in a
  * channel 0.6 m wide; a disc: 8/3 rho a^3. */
@@ -11,11 +11,17 @@
 #include <math.h>
 #include <string.h>
 
-static const double a = 0.1, channel = 0.6;                    /* m: half width; width, depth */
-static const double exact_strip = 32.97;                       /* kg/m, in the channel */
-static const double height = 0.005, period = 0.2, rest = 0.3;  /* m, s, s */
-static const double area_density = 0.1, pi = 3.14159265358979; /* kg/m^2 */
-enum { SLICE = 6, STEPS = 100, PERIODS = 2 }; /* spacings along the strip; steps of a period */
+static const double a = 0.1, channel = 0.6; /* m: half width; width, depth */
+static const double exact_strip = 32.97;    /* kg/m, in the channel */
+static const double height = 0.01, period = 0.32, longest = 0.004, rest = 1.2; /* m, s, s */
+static const double area_density = 0.1, pi = 3.14159265358979;                 /* kg/m^2 */
+enum {
+    SLICE = 6,
+    KNOTS = 640,
+    PERIODS = 2,
+    MOST = 20000,
+    FITTED = 3
+}; /* spacings along the strip; steps of a period */
 
 struct moved {
     bool disc;
@@ -48,16 +54,16 @@ static pdyn_sim *load_moved(const struct job *job, struct moved *m, double conta
     for (int k = 0; k < 3; k++) m->middle[k] = 0.5 * m->cells[k] * m->d;
     n += n % 2;
     sheet_write(job_file(job, "added_mass.obj", sheet), n, m->disc ? n : SLICE, place, m);
-    snprintf(step, sizeof step, "'fixed': %.17g", period / STEPS);
+    snprintf(step, sizeof step, "'maximum': %.17g, 'cfl': 1", longest);
     scene_start(&s, step, contact);
-    scene_water(&s, m->d, channel, calming,
+    scene_water(&s, m->d, channel, plain,
                 "{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}}",
                 m->cells[0] * m->d, m->cells[1] * m->d, m->cells[2] * m->d);
     scene_sheet(&s, sheet, area_density);
     scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "
                   "'pin', 'vertices': {'all': true}, 'path': [[0, 0, 0, 0]");
-    for (int k = 0; k <= STEPS * PERIODS; k++) {
-        double y[3], time = rest + k * period / STEPS;
+    for (int k = 0; k <= KNOTS * PERIODS; k++) {
+        double y[3], time = rest + k * period / KNOTS;
         motion(time, y);
         scene_put(&s, ", [%.9g, 0, %.9g, 0]", time, y[0]);
     }
@@ -66,38 +72,37 @@ static pdyn_sim *load_moved(const struct job *job, struct moved *m, double conta
     return scene_load(job, &s);
 }
 
-static void run(const struct job *job, FILE *csv, struct moved *m, double contact) {
-    pdyn_sim *sim = load_moved(job, m, contact);
-    double mass = body_weight(sim, 1) / g, c[TERMS], squares = 0.0, steps = 0.0, ms = 0.0;
-    static double force[STEPS * PERIODS], term[STEPS * PERIODS][TERMS];
-    struct regression r = {.terms = TERMS};
-    int count = 0;
-    while (count < STEPS * PERIODS) {
+/* Moves the sheet; fits its force, less weight and inertia, to 1, velocity and acceleration, each
+ * step with its length for a weight. Returns the fit's root mean square error in N. */
+static double fit(const struct job *job, FILE *csv, const struct moved *m, pdyn_sim *sim,
+                  double c[TERMS]) {
+    double mass = body_weight(sim, 1) / g, duration = 0.0, squares = 0.0;
+    struct regression r = {.terms = FITTED};
+    while (pdyn_time(sim) < rest + PERIODS * period) {
         double y[3];
         pdyn_step_info info = take_step(job->context, sim);
         motion(info.time, y);
         double f = info.pin_reaction[1] - mass * (g + y[2]);
         fprintf(csv, "%s,%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n", m->disc ? "disc" : "strip",
                 1e3 * m->d, info.time, f, y[0], y[1], y[2], info.step_residual);
-        steps++, ms += info.ms_cpu;
         if (info.time < rest + 1e-9) continue;
-        force[count] = f, term[count][0] = 1.0;
-        memcpy(term[count] + 1, y, sizeof y);
-        regression_add(&r, term[count], f);
-        count++;
+        regression_add(&r, info.h, (double[]){1.0, y[1], y[2]}, f);
+        duration += info.h, squares += info.h * f * f;
     }
+    struct regression sums = r;
     regression_solve(&r, c);
-    for (int k = 0; k < count; k++) {
-        double left = force[k];
-        for (int i = 0; i < TERMS; i++) left -= c[i] * term[k][i];
-        squares += left * left;
-    }
-    double length = SLICE * m->d, exact = m->disc ? 8.0 / 3.0 * density * a * a * a : exact_strip;
-    double found = m->disc ? c[3] : c[3] / length;
-    printf("| %s | %g | %d | %.3f %s | %.3f | %+.1f %% | %.1f | %.2f | %.1f |\n",
+    for (int k = 0; k < FITTED; k++) squares -= c[k] * sums.right[k];
+    return sqrt(fmax(0.0, squares) / duration);
+}
+
+static void run(const struct job *job, FILE *csv, struct moved *m, double contact) {
+    pdyn_sim *sim = load_moved(job, m, contact);
+    double c[TERMS], scatter = fit(job, csv, m, sim, c);
+    double exact = m->disc ? 8.0 / 3.0 * density * a * a * a : exact_strip;
+    double found = m->disc ? c[2] : c[2] / (SLICE * m->d);
+    printf("| %s | %g | %d | %.3f %s | %.3f | %+.1f %% | %.1f | %.2f |\n",
            m->disc ? "disc" : "strip", 1e3 * m->d, pdyn_get_body(sim, 0).count, found,
-           m->disc ? "kg" : "kg/m", exact, 100.0 * (found / exact - 1.0), c[2],
-           sqrt(squares / count), ms / steps);
+           m->disc ? "kg" : "kg/m", exact, 100.0 * (found / exact - 1.0), c[1], scatter);
     fflush(stdout);
     pdyn_free(sim);
 }
@@ -109,7 +114,7 @@ void added_mass(const struct job *job) {
     fprintf(csv, "shape,spacing_mm,time_s,force_N,displacement_m,velocity_m_s,acceleration_m_s2,"
                  "residual\n");
     printf("| sheet | d, mm | particles | added mass | exact | deviation | force over velocity, N "
-           "s/m | scatter of the force, N | ms a step |\n|---|---|---|---|---|---|---|---|---|\n");
+           "s/m | scatter of the force, N |\n|---|---|---|---|---|---|---|---|\n");
     for (int k = 1; k < job->count; k++) {
         char name[8];
         double mm;

@@ -70,10 +70,10 @@ double surface_height(const pdyn_sim *sim, const struct frame *f) {
     return f->low + volume * d * d * d / area;
 }
 
-void regression_add(struct regression *r, const double x[], double y) {
+void regression_add(struct regression *r, double weight, const double x[], double y) {
     for (int i = 0; i < r->terms; i++) {
-        for (int j = 0; j < r->terms; j++) r->matrix[i][j] += x[i] * x[j];
-        r->right[i] += x[i] * y;
+        for (int j = 0; j < r->terms; j++) r->matrix[i][j] += weight * x[i] * x[j];
+        r->right[i] += weight * x[i] * y;
     }
 }
 

@@ -15,6 +15,18 @@ static double below(const double *a, const double *b, const double *c) {
     return area * (a[1] + b[1] + c[1]) / 3.0;
 }
 
+double body_volume(const pdyn_sim *sim, int body) {
+    const pdyn_state s = pdyn_get_state(sim);
+    const pdyn_body_info b = pdyn_get_body(sim, body);
+    double sum = 0.0;
+    for (int t = 0; t < b.triangles; t++) {
+        const int *corner = b.triangle + 3 * t;
+        sum += below(s.x + 3 * (b.first + corner[0]), s.x + 3 * (b.first + corner[1]),
+                     s.x + 3 * (b.first + corner[2]));
+    }
+    return fabs(sum);
+}
+
 /* What of a triangle is under y = 0: at most four corners. */
 static int clip(double corner[3][3], double out[4][3]) {
     int n = 0;

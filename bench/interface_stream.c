@@ -85,7 +85,7 @@ static void print_exponent(const double speed[], const double force[], int count
     struct regression r = {.terms = 2};
     double c[TERMS];
     for (int k = 0; k < count; k++)
-        regression_add(&r, (double[]){1.0, log(speed[k])}, log(fmax(force[k], 1e-9)));
+        regression_add(&r, 1.0, (double[]){1.0, log(speed[k])}, log(fmax(force[k], 1e-9)));
     if (count < 2) return;
     regression_solve(&r, c);
     printf("\nBroadside force: speed to the power of %.2f.\n", c[1]);
