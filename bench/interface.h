@@ -125,6 +125,8 @@ void tank(const struct job *job);
 void stream(const struct job *job);
 void added_mass(const struct job *job);
 void bag(const struct job *job);
+void dropped(const struct job *job);
+void plate(const struct job *job);
 void free_sheets(const struct job *job);
 
 #endif
