@@ -41,13 +41,15 @@ static pdyn_sim *load_plate(const struct job *job, struct plate *p) {
                 "{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}}", length, depth,
                 z);
     scene_sheet(&s, sheet, plate_density * thickness);
-    scene_put(&s,
-              "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e8}, {'type': "
-              "'bending', 'bending_rigidity': %.17g}, {'type': 'pin', 'stiffness': 1e12, "
-              "'vertices': [{'box': {'minimum': [-1, -1, -1], 'maximum': [%.17g, 1, 9]}}, {'box': "
-              "{'minimum': [%.17g, -1, -1], 'maximum': [9, 1, 9]}}]}]}], 'solids': [{'box': "
-              "{'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}, 'open': ['+y', '-y']}]}",
-              rigidity, 0.6 * p->segment, length - 0.6 * p->segment, length, depth + 0.5, z);
+    scene_put(
+        &s,
+        "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e8}, {'type': "
+        "'bending', 'bending_rigidity': %.17g}, {'type': 'pin', 'stiffness': 1e12, "
+        "'vertices': [{'box': {'minimum': [-1, -1, -1], 'maximum': [%.17g, 1, 9]}}, {'box': "
+        "{'minimum': [%.17g, -1, -1], 'maximum': [9, 1, 9]}}]}]}], 'solids': [{'box': "
+        "{'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}, 'open': ['+y', '-y']}], "
+        "'outlets': [{'box': {'minimum': [-1, -0.5, -1], 'maximum': [2, 4, 2]}, 'outside': true}]}",
+        rigidity, 0.6 * p->segment, length - 0.6 * p->segment, length, depth + 0.5, z);
     return scene_load(job, &s);
 }
 

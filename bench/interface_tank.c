@@ -22,7 +22,7 @@ struct layer {
 };
 
 /* At the floor: away from the walls, at one, at two. Above it: at one wall, at two. */
-enum place { FLOOR, FLOOR_EDGE, CORNER, WALL, EDGE, PLACES };
+enum { FLOOR, FLOOR_EDGE, CORNER, WALL, EDGE, PLACES };
 
 struct rest {
     int cells[3];
@@ -86,7 +86,7 @@ static void add_places(struct rest *r, const pdyn_state *s) {
         to_walls(r, x, wall);
         int walls = (wall[0] < d) + (wall[1] < d);
         bool floor = x[1] < d;
-        enum place place = floor ? FLOOR + walls : WALL + walls - 1;
+        int place = floor ? FLOOR + walls : WALL + walls - 1;
         if (walls == 0 && (!floor || fmin(wall[0], wall[1]) < 2.0 * d)) continue;
         r->n[place]++, r->pressure[place] += s->pressure[i];
         r->expected[place] += inside->level / inside->n - density * g * x[1];
