@@ -55,9 +55,9 @@ pdyn_sim *scene_load(const struct job *job, const struct scene *s);
 /* ---- files for scenes ------------------------------------------------------------------------ */
 
 /* Particles on the lattice of a box with a corner at the origin, those that `keep` wants (NULL:
- * all); as PLY. Returns their number. */
+ * all) where it moves them to; as PLY. Returns their number. */
 int lattice_write(FILE *file, double d, const int cells[3],
-                  bool (*keep)(const void *user, const double x[3]), const void *user);
+                  bool (*keep)(const void *user, double x[3]), const void *user);
 
 /* A rectangle of along x across cells, bent to `place` of its two parameters from 0 to 1; as OBJ.
  */

@@ -18,7 +18,7 @@ struct bag {
     double lattice;         /* m, radius of what the lattice has of water */
 };
 
-static bool keep(const void *user, const double x[3]) {
+static bool keep(const void *user, double x[3]) {
     const struct bag *b = user;
     double r[3] = {x[0] - b->middle[0], x[1] - b->middle[1], x[2] - b->middle[2]};
     return vec3_length(r) < b->lattice;

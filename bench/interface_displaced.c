@@ -11,6 +11,7 @@
 #include <string.h>
 
 static const double area_density = 0.1; /* kg/m^2 */
+static const double gap = 0.1;          /* spacings: more than half of one, at the start */
 enum { BESIDE = 4, ABOVE = 5 };         /* spacings of water around the sheet */
 
 enum shape { LEVEL, TILTED, CURVED, SHAPES };
@@ -33,9 +34,11 @@ static void place(const void *user, double s, double t, double x[3]) {
     else x[0] += p->radius * sin(turn), x[1] -= p->radius * (1.0 - cos(turn));
 }
 
-/* Half a spacing away from the sheet, or beside it. */
-static bool keep(const void *user, const double at[3]) {
+/* Half a spacing away from the sheet, or beside it. A layer right at half a spacing would be thrown
+ * up if the sheet keeps it farther off: what is above a level sheet starts a little higher. */
+static bool keep(const void *user, double at[3]) {
     const struct pinned *p = user;
+    if (p->shape == LEVEL && at[1] > p->middle[1]) at[1] += 2.0 * gap * p->d;
     double x = at[0] - p->middle[0], y = at[1] - p->middle[1], u = x, w = y;
     if (p->shape == TILTED) u = (x + y) * sqrt(0.5), w = (y - x) * sqrt(0.5);
     if (p->shape == CURVED) {
@@ -56,6 +59,7 @@ static void layout(struct pinned *p) {
     p->cells[2] = (int)ceil(p->width / p->d - 1e-9) + 2 * BESIDE;
     for (int k = 0; k < 3; k++) p->middle[k] = 0.5 * p->cells[k] * p->d;
     if (p->shape == CURVED) p->middle[1] += 0.5 * high;
+    if (p->shape == LEVEL) p->middle[1] += gap * p->d;
 }
 
 static pdyn_sim *load_pinned(const struct job *job, const struct pinned *p, double contact) {

@@ -22,7 +22,7 @@ struct floater {
     int cells[3];            /* of the water */
 };
 
-static bool keep(const void *user, const double x[3]) {
+static bool keep(const void *user, double x[3]) {
     const struct floater *f = user;
     double r[3], half = 0.5 * f->width + 0.499 * f->d;
     for (int k = 0; k < 3; k++) r[k] = fabs(x[k] - f->middle[k]);

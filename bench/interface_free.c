@@ -23,7 +23,7 @@ static void place(const void *user, double s, double t, double x[3]) {
 }
 
 /* Half a spacing away from the sheet, or beside it. */
-static bool keep(const void *user, const double x[3]) {
+static bool keep(const void *user, double x[3]) {
     const struct free_sheet *f = user;
     double half = 0.5 * f->width;
     return fabs(x[1] - f->middle[1]) > 0.499 * f->d || fabs(x[0] - f->middle[0]) > half ||

@@ -69,7 +69,7 @@ FILE *job_file(const struct job *job, const char *name, char *path) {
 
 /* Calls `keep` for all points of the lattice; writes what it keeps, unless `file` is NULL. */
 static int visit(FILE *file, double d, const int cells[3],
-                 bool (*keep)(const void *user, const double x[3]), const void *user) {
+                 bool (*keep)(const void *user, double x[3]), const void *user) {
     int count = 0;
     for (int k = 0; k < cells[0] * cells[1] * cells[2]; k++) {
         int i = k % cells[0], j = k / cells[0] % cells[1], l = k / cells[0] / cells[1];
@@ -82,7 +82,7 @@ static int visit(FILE *file, double d, const int cells[3],
 }
 
 int lattice_write(FILE *file, double d, const int cells[3],
-                  bool (*keep)(const void *user, const double x[3]), const void *user) {
+                  bool (*keep)(const void *user, double x[3]), const void *user) {
     int count = visit(NULL, d, cells, keep, user);
     fprintf(file,
             "ply\nformat ascii 1.0\nelement vertex %d\nproperty double x\nproperty double y\n"
