@@ -13,15 +13,11 @@
 
 static const double a = 0.1, channel = 0.6; /* m: half width; width, depth */
 static const double exact_strip = 32.97;    /* kg/m, in the channel */
-static const double height = 0.01, period = 0.32, longest = 0.004, rest = 1.2; /* m, s, s */
+static const double height = 0.01, period = 0.32, longest = 0.004, rest = 0.9; /* m, s, s */
 static const double area_density = 0.1, pi = 3.14159265358979;                 /* kg/m^2 */
-enum {
-    SLICE = 6,
-    KNOTS = 640,
-    PERIODS = 2,
-    MOST = 20000,
-    FITTED = 3
-}; /* spacings along the strip; steps of a period */
+static const double gap = 0.1;                 /* spacings, beyond half of one */
+enum { SLICE = 6 };                            /* spacings along the strip */
+enum { KNOTS = 640, PERIODS = 2, FITTED = 3 }; /* of the path in a period; terms of the fit */
 
 struct moved {
     bool disc;
@@ -38,6 +34,13 @@ static void place(const void *user, double s, double t, double x[3]) {
     x[2] = m->middle[2] + (m->disc ? a * v * round : (0.5 * SLICE - 0.05) * m->d * v);
 }
 
+/* What is above the sheet starts a little higher, lest the sheet throws it up. */
+static bool keep(const void *user, double x[3]) {
+    const struct moved *m = user;
+    if (x[1] > m->middle[1]) x[1] += 2.0 * gap * m->d;
+    return true;
+}
+
 /* Displacement, velocity, acceleration of the pins. */
 static void motion(double time, double out[3]) {
     double omega = 2.0 * pi / period, t = fmax(0.0, time - rest);
@@ -47,18 +50,17 @@ static void motion(double time, double out[3]) {
 }
 
 static pdyn_sim *load_moved(const struct job *job, struct moved *m, double contact) {
-    char sheet[4096], step[64];
+    char water[4096], sheet[4096], step[64];
     static struct scene s;
     int wide = 2 * (int)floor(0.5 * channel / m->d + 0.5), n = (int)ceil(2.0 * a / m->d);
     m->cells[0] = m->cells[1] = wide, m->cells[2] = m->disc ? wide : SLICE;
     for (int k = 0; k < 3; k++) m->middle[k] = 0.5 * m->cells[k] * m->d;
-    n += n % 2;
+    m->middle[1] += gap * m->d, n += n % 2;
+    lattice_write(job_file(job, "added_mass.ply", water), m->d, m->cells, keep, m);
     sheet_write(job_file(job, "added_mass.obj", sheet), n, m->disc ? n : SLICE, place, m);
     snprintf(step, sizeof step, "'maximum': %.17g, 'cfl': 1", longest);
     scene_start(&s, step, contact);
-    scene_water(&s, m->d, channel, plain,
-                "{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}}",
-                m->cells[0] * m->d, m->cells[1] * m->d, m->cells[2] * m->d);
+    scene_water(&s, m->d, channel, plain, "{'file': '%s'}", water);
     scene_sheet(&s, sheet, area_density);
     scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "
                   "'pin', 'vertices': {'all': true}, 'path': [[0, 0, 0, 0]");
