@@ -1,6 +1,9 @@
 #include "integrator.h"
 
+#include "emit.h"
 #include "sim.h"
+
+#include "projdyn/vec3.h"
 
 #include <string.h>
 
@@ -33,6 +36,37 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
 
 /* ---- impacts --------------------------------------------------------------------------------- */
 
+/* Takes impulses (particles x 3, m/s) out of v where they counted as H a, and puts them in as H^2 a
+ * / h; v_before gets that, too. Beside a fluid, no particle moves farther than twice the way to the
+ * velocity that Euler's step gives it, its displacement over h: a light point of a sheet that water
+ * presses on and that other forces hold would be thrown by an impulse that these take up. What is
+ * left out, *excess per mass, all get in equal parts. */
+static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
+                             double excess[2][3]) {
+    const struct system *sys = &sim->system;
+    double part = sys->h / h, mass = 0.0;
+    memset(excess, 0, 6 * sizeof **excess);
+    for (int i = 0; i < sys->particles; i++) {
+        const double *own = impulse + 3 * i;
+        double size = (1.0 - part) * vec3_length(own), most = 0.0;
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            double missing = (sim->x_next[k] - sim->x[k]) / h - sim->v[k];
+            most += missing * missing;
+        }
+        double m = sys->mass[i], kept = 1.0;
+        if (sim->neighbours && size * size > 4.0 * most) kept = 2.0 * sqrt(most) / size;
+        for (int a = 0; a < 3; a++) {
+            double lost = (1.0 - part) * own[a], gained = part * own[a];
+            sim->v[3 * i + a] -= kept * lost;
+            sim->v_before[3 * i + a] += kept * gained;
+            excess[0][a] += m * (1.0 - kept) * lost;
+            excess[1][a] -= m * (1.0 - kept) * gained;
+        }
+        mass += emit_is_live(sim, i) ? m : 0.0;
+    }
+    for (int k = 0; k < 6; k++) (&excess[0][0])[k] /= mass;
+}
+
 /* A formula of two states takes the jump of v in an impact for an acceleration that goes on: what
  * falls on a floor would bounce. So the impulse of an impact, H a, counts as the displacement H^2 a
  * over h, as with Euler, and v_before gets it as well, as if it had been there before. Both are
@@ -47,10 +81,13 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     memcpy(slowed, sim->v_before, system_bytes(sys));
     system_axpy(sys, -1.0, sim->v, slowed);
     for (int b = 0; b < sys->batches; b++) count += batch_impacts(sys->batch[b], &change, force);
-    for (int k = 0; k < 3 * sys->particles; k++) {
-        double impulse = -H * force[k] / sys->mass[k / 3];
-        sim->v[k] -= (1.0 - H / h) * impulse;
-        sim->v_before[k] += H / h * impulse;
+    double excess[2][3];
+    for (int k = 0; k < 3 * sys->particles; k++) force[k] = -H * force[k] / sys->mass[k / 3];
+    shift_velocities(sim, h, force, excess);
+    for (int k = 0; !sim->anchored && k < 3 * sys->particles; k++) {
+        if (!emit_is_live(sim, k / 3)) continue;
+        sim->v[k] -= excess[0][k % 3];
+        sim->v_before[k] -= excess[1][k % 3];
     }
     return count;
 }
