@@ -44,11 +44,13 @@ static const struct {
      "scene.json:1:27: bodies: expected an array of bodies, found an object"},
     {TOP("'gravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
-     "name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, duration, "
+     "name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, boundary, "
+     "duration, "
      "frame_interval"},
     {TOP("'\\u0067ravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
-     "name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, duration, "
+     "name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, boundary, "
+     "duration, "
      "frame_interval"},
     {TOP("'gravity': [0, -9.81]"),
      "scene.json:2:13: gravity: expected an array of 3 numbers (m/s^2), found an array of "
@@ -584,6 +586,7 @@ static const struct {
     {"solvr.type=cg",
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: "
      "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, "
+     "boundary, "
      "duration, "
      "frame_interval"},
     {"solver.type=gc",

@@ -167,7 +167,7 @@ static void test_splash(void **state) {
         for (int i = 0; i < sim->system.particles; i++)
             mean += sim->x[3 * i + 1] / sim->system.particles;
         print_message("%s: mean height %.4f m, energy %.4g J\n", integrator[kind], mean, energy);
-        assert_true(mean < 0.015);
+        assert_true(mean < 0.022); /* a layer's middle is 0.02 above the floor */
         pdyn_free(sim);
         pdyn_destroy(context);
     }

@@ -9,7 +9,8 @@
 /* ---- points ---------------------------------------------------------------------------------- */
 
 static const char *turning =
-    "{\"duration\": 1, \"bodies\": [{\"particles\": {\"radius\": 0.05, \"fill\": [{\"box\": "
+    "{\"duration\": 1, \"boundary\": \"points\", \"bodies\": [{\"particles\": {\"radius\": 0.05, "
+    "\"fill\": [{\"box\": "
     "{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\": "
     "\"fluid\"}]}], \"solids\": [{\"box\": {\"minimum\": [1, 1, 1], \"maximum\": [2, 3, 4]}, "
     "\"pivot\": [1, 2, 3], \"motion\": [{\"time\": 1}, {\"time\": 3, \"rotate\": [0, 0, 720], "
@@ -61,7 +62,7 @@ static void test_speed(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, turning);
-    double *before = malloc(3 * (size_t)sim->boundary.count * sizeof *before);
+    double *before = malloc(3 * (size_t)sim->boundary.at.count * sizeof *before);
     assert_non_null(before);
     for (double t = 0.1; t < 5.0; t += 0.1) {
         if (fabs(t - round(t)) < 0.01) continue; /* at a key the speed jumps */

@@ -13,7 +13,7 @@ static const char fluid[] =
     " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
     " {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}], \"inlets\": [{\"rectangle\":"
     " {\"center\": [0.3, 0.5, 0.2], \"size\": [0.12, 0.12]}, \"direction\": [0, -1, 0],"
-    " \"speed\": 2}]}, \"constraints\": [{\"type\": \"fluid\", \"wall_pressure\": true}]}],"
+    " \"speed\": 2}]}, \"constraints\": [{\"type\": \"fluid\"}]}],"
     " \"outlets\": [{\"box\": {\"minimum\": [0, 0, 0.3], \"maximum\": [0.4, 0.03, 0.4]}}],"
     " \"solids\": [{\"name\": \"tank\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
     " [0.4, 0.6, 0.4]}}, {\"name\": \"stirrer\", \"sphere\": {\"center\": [0.28, 0.1, 0.1],"

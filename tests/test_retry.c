@@ -5,7 +5,8 @@
 
 static const char drop[] =
     "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.01,"
-    " \"solver\": {\"type\": \"cg\"}, \"bodies\": [{\"name\": \"water\", \"particles\":"
+    " \"solver\": {\"type\": \"cg\", \"tolerance\": 1e-6}, \"bodies\": [{\"name\": \"water\", "
+    "\"particles\":"
     " {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
     " [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [{\"name\":"
     " \"floor\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 1, 0.2]}}]}";

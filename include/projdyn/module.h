@@ -150,18 +150,26 @@ typedef struct pdyn_services { /* what core offers to operators and solvers */
  * points on solids. What SPH sums work on ends with the samples' values, interpolated from the
  * corners of their triangles; core adds what they get to these. */
 typedef struct pdyn_neighbours {
-    double support;              /* m: pairs closer than this are all listed */
-    int particles;               /* of the system, and the samples */
-    int points;                  /* particles + boundary points */
-    int samples;                 /* the last so many of the particles */
+    double support;         /* m: all pairs closer than this are listed, where both have volumes */
+    double surface_support; /* m: the same of a fluid particle with a sample */
+    double patch_support;   /* m: and with a boundary point that has an area */
+    bool has_volumes;       /* samples have volumes, and the kernel of particles, as fluid has;
+                               otherwise areas, and the surface kernel */
+    int particles;          /* of the system, and the samples */
+    int points;             /* particles + boundary points */
+    int samples;            /* the last so many of the particles */
     const int *sample_vertex;    /* samples x 3: particles of the system */
     const double *sample_weight; /* samples x 3: how much of each */
-    const double *volume;        /* points, m^3: rest volume; 0 for what takes no part */
+    const double *volume;        /* points, m^3: rest volume, or area times particle spacing; 0 for
+                                    what takes no part */
     const double *boundary_x;    /* (points - particles) x 3 */
-    /* Each particle's list: other particles from start to boundary_start, boundary points from
-     * there to end; particles each, numbers of points in `index`. */
-    const int *start, *boundary_start, *end;
+    /* Each particle's list: fluid particles from start to surface_start, samples from there to
+     * boundary_start, boundary points with volumes from there to patch_start, with areas from there
+     * to end; particles each, numbers of points in `index`. The list of a sample has fluid
+     * particles alone. */
+    const int *start, *surface_start, *boundary_start, *patch_start, *end;
     const int *index;
+    const double *granted;      /* particles: by how much C may exceed 0; NULL: by nothing */
     unsigned revision;          /* moves when the lists do */
     unsigned volume_revision;   /* moves when volumes do */
     unsigned boundary_revision; /* moves when boundary points do */
@@ -209,6 +217,9 @@ typedef struct pdyn_operator {
     void (*velocity)(void *self, double *v);
     /* What it keeps from step to step. NULL: nothing. */
     void (*persist)(void *self, pdyn_archive *archive);
+    /* Lowers way (particles and samples, m) to how far these may go from x so that no particle of
+     * the body passes a surface. No iterate moves one farther at once. NULL: no limit. */
+    void (*limit)(void *self, const double *x, double *way);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */

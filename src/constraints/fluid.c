@@ -6,14 +6,13 @@
  * with u all particles of the constraint. The projection goes along the gradient at u until the
  * constraint is met, p = u - t grad C(u): the paper's Newton iteration, p <- p - C grad C /
  * |grad C|^2, with the gradient of its first step kept. Both meet the manifold and differ by less
- * than a tenth of C times the displacement (measured in the tests: at 5 % by a thousandth). The
+ * than C times the displacement, a tenth of that far from walls. The
  * tangent is J = I - n n', n = grad C / |grad C|, so that the newton step couples the fluid along
  * the normals of the constraints; eps = 1 is the paper's D = I, a diagonal.
  *
  * Samples of cloth have a volume and neighbours, but no constraint of their own; static boundary
  * samples enter the density alone (Akinci et al. 2012). The simulation uses the operator
- * (fluid_operator.c); the rows here serve assembly, and to check the operator against. They leave
- * out the constraints of the walls (fluid_walls.h): with these, an assembled H is but near. */
+ * (fluid_operator.c); the rows here serve assembly, and to check the operator against. */
 #include "fluid.h"
 
 #include "../core/kernel.h"
@@ -35,9 +34,6 @@ static const pdyn_param params[] = {
      "how much of the velocity difference to the neighbours a step takes away (XSPH)"},
     {"projection_tolerance", PDYN_REAL, offsetof(struct fluid_params, projection_tolerance), false,
      1e-6, 1e-14, 1, "1", "relative density error at which the projection of a constraint ends"},
-    {"wall_pressure", PDYN_BOOL, offsetof(struct fluid_params, wall_pressure), false, 0, 0, 1, "",
-     "boundary points have density constraints too: right pressures in narrow vessels, for more "
-     "time and friction"},
     {0}};
 
 static const char *const alternatives[] = {"stiffness", "compression", "sound_speed", NULL};
@@ -56,8 +52,7 @@ static void shape(const void *par, const pdyn_batch *b, int element, int *rows, 
     int i = b->body->first + element;
     *rows = 1 + l->boundary_start[i] - l->start[i];
     *width = 1;
-    for (int s = l->start[i]; s < l->boundary_start[i]; s++)
-        if (l->index[s] >= first_sample(l)) *width = 3;
+    if (l->boundary_start[i] > l->surface_start[i]) *width = 3;
 }
 
 static void select_row(const pdyn_batch *b, int row, int j) {
@@ -89,18 +84,28 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
 static double row_density(const pdyn_batch *b, int e, const double *p, double *g) {
     const pdyn_neighbours *l = b->neighbours;
     struct kernel kernel = fluid_kernel(b->body);
+    struct surface_kernel surface = fluid_surface_kernel(b->body);
     double unit = fluid_particle_volume(b->body);
     int i = b->body->first + e, moving = l->boundary_start[i] - l->start[i];
-    double c = l->volume[i] / unit * kernel_value(&kernel, 0.0) - 1.0;
+    int fluid = l->surface_start[i] - l->start[i], walls = l->patch_start[i] - l->start[i];
+    double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
+    double c = l->volume[i] / unit * kernel_value(&kernel, 0.0) - rest;
     memset(g, 0, 3 * sizeof *g);
     for (int k = 0; k < l->end[i] - l->start[i]; k++) {
         int j = l->index[l->start[i] + k];
         const double *q = k < moving ? p + 3 * (1 + k) : l->boundary_x + 3 * (j - l->particles);
         double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]}, r = vec3_length(d);
-        double volume = l->volume[j] / unit, slope = volume * kernel_slope(&kernel, r);
-        c += volume * kernel_value(&kernel, r);
+        double volume = l->volume[j] / unit, squared = vec3_dot(d, d);
+        bool particle = k < fluid || (k < moving ? l->has_volumes : k < walls);
+        double value =
+            particle ? kernel_value(&kernel, r) : surface_kernel_value(&surface, squared);
+        double slope =
+            particle ? kernel_slope(&kernel, r) : surface_kernel_slope(&surface, squared);
+        c += volume * value, slope *= volume;
         for (int a = 0; a < 3; a++) {
-            double kept = k < moving ? (double)(float)(slope * d[a]) : slope * d[a];
+            /* gcc 12 leaves out a conversion to float and back where it works on two numbers */
+            volatile float narrow = (float)(slope * d[a]);
+            double kept = (double)narrow;
             g[a] += kept;
             if (k < moving) g[3 * (1 + k) + a] = -kept;
         }

@@ -14,7 +14,6 @@ struct fluid_params {
     double stiffness;                /* N/m */
     double compression, sound_speed; /* 1, m/s; 0 where the scene gives none, until resolved */
     double viscosity, projection_tolerance;
-    bool wall_pressure;
 };
 
 /* Computes two of stiffness, compression and sound_speed from the third (fluid_stiffness.c). */
@@ -31,6 +30,12 @@ static inline double fluid_particle_volume(const pdyn_body *body) {
 static inline struct kernel fluid_kernel(const pdyn_body *body) {
     struct kernel kernel = kernel_make(4.0 * body->radius);
     kernel.value *= fluid_particle_volume(body), kernel.slope *= fluid_particle_volume(body);
+    return kernel;
+}
+
+static inline struct surface_kernel fluid_surface_kernel(const pdyn_body *body) {
+    struct surface_kernel kernel = surface_kernel_make(2.0 * body->radius);
+    kernel.value *= fluid_particle_volume(body);
     return kernel;
 }
 

@@ -50,11 +50,11 @@ INLINE const int *four(const int *list, int k, int count, int filled[4]) {
     return filled;
 }
 
-/* Those of `count` points that lie inside the support around `at` go to near->index. No branch
- * depends on which: it would be guessed wrong half the time. */
-INLINE int pick_near(const struct fluid *f, const v4 *at, const int *list, int count,
+/* Those of `count` points that lie closer than `reach` to `at` go to near->index. No branch depends
+ * on which: it would be guessed wrong half the time. */
+INLINE int pick_near(const struct fluid *f, const v4 *at, const int *list, int count, double reach,
                      struct near *near) {
-    double limit = f->kernel.support * f->kernel.support;
+    double limit = reach * reach;
     int filled[4], inside = 0;
     for (int k = 0; k < count; k += 4) {
         v4 d[4], squared;
@@ -69,11 +69,10 @@ INLINE int pick_near(const struct fluid *f, const v4 *at, const int *list, int c
     return inside;
 }
 
-/* Kernel and gradients of those inside; up to the next four beyond, zeros. */
-INLINE void evaluate(const struct fluid *f, const v4 *at, int inside, struct near *near) {
-    const struct kernel *kernel = &f->kernel;
-    int filled[4], padded = (inside + 3) / 4 * 4;
-    for (int k = 0; k < padded; k += 4) {
+/* Distances to those inside; up to the next four beyond, the last one's again. */
+INLINE void load_near(const struct fluid *f, const v4 *at, int inside, struct near *near) {
+    int filled[4];
+    for (int k = 0; k < inside; k += 4) {
         v4 d[4], squared;
         differences(f->x, at, four(near->index, k, inside, filled), d);
         squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -83,6 +82,14 @@ INLINE void evaluate(const struct fluid *f, const v4 *at, int inside, struct nea
         memcpy(near->z + k, &d[2], sizeof d[2]);
         memcpy(near->volume + k, &d[3], sizeof d[3]);
     }
+}
+
+/* Kernel and slope: of fluid and fluid, or of fluid and a surface; 0 beyond `inside`. */
+typedef void evaluate_fn(const struct fluid *f, int inside, struct near *near);
+
+INLINE void evaluate_particles(const struct fluid *f, int inside, struct near *near) {
+    const struct kernel *kernel = &f->kernel;
+    int padded = (inside + 3) / 4 * 4;
     for (int k = 0; k < padded; k++) {
         double q = sqrt(near->squared[k]) * kernel->inverse, rest = 1.0 - q;
         double value = q <= 0.5 ? 1.0 - 6.0 * q * q * rest : 2.0 * rest * rest * rest;
@@ -91,6 +98,23 @@ INLINE void evaluate(const struct fluid *f, const v4 *at, int inside, struct nea
         near->slope[k] = kernel->slope * slope;
     }
     for (int k = inside; k < padded; k++) near->value[k] = near->slope[k] = 0.0;
+}
+
+INLINE void evaluate_areas(const struct fluid *f, int inside, struct near *near) {
+    const struct surface_kernel *kernel = &f->surface;
+    int padded = (inside + 3) / 4 * 4;
+    for (int k = 0; k < padded; k++) {
+        double q = sqrt(near->squared[k] + kernel->soft), rest = 1.0 - q * kernel->inverse;
+        double scale = kernel->value * rest * rest / q;
+        near->value[k] = scale * rest;
+        near->slope[k] = -scale * (1.0 + 2.0 * q * kernel->inverse) / (q * q);
+    }
+    for (int k = inside; k < padded; k++) near->value[k] = near->slope[k] = 0.0;
+}
+
+INLINE void evaluate_surface(const struct fluid *f, int inside, struct near *near) {
+    if (f->lists->has_volumes) evaluate_particles(f, inside, near);
+    else evaluate_areas(f, inside, near);
 }
 
 /* What is kept of a number in a pair. */
@@ -134,44 +158,34 @@ INLINE void round_gradients(struct near *near, int inside) {
     }
 }
 
-/* The moving neighbours of i, kept as its pairs from *front on. */
-INLINE void add_moving(struct fluid *f, int i, const v4 *at, const int *list, int count,
-                       struct near *near, int *front, struct sum *sum) {
-    f->pair_start[i] = *front;
+/* Moving neighbours of i, kept as its pairs from *front on. */
+INLINE void add_moving(struct fluid *f, const v4 *at, const int *list, int count, double reach,
+                       evaluate_fn *evaluate, struct near *near, int *front, struct sum *sum) {
     for (int s = 0; s < count; s += CHUNK) {
-        int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, near);
-        evaluate(f, at, inside, near);
+        int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, reach, near);
+        load_near(f, at, inside, near);
+        evaluate(f, inside, near);
         for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
         round_gradients(near, inside);
         add_lanes(near, (inside + 3) / 4 * 4, sum);
         keep_pairs(f, near, inside, *front, sum);
         *front += inside;
     }
-    f->pair_end[i] = f->pair_last[i] = *front;
 }
 
-/* Boundary points enter the density with their volume, and have no squares: they do not move. Their
- * pairs, kept from *front on, are for their own constraints. */
-INLINE void add_boundary(struct fluid *f, int i, const v4 *at, struct near *near, int *front,
-                         struct sum *sum) {
-    const pdyn_neighbours *l = f->lists;
+/* Boundary points enter the density, and have no squares: they do not move. */
+INLINE void add_boundary(const struct fluid *f, const v4 *at, const int *list, int count,
+                         double reach, evaluate_fn *evaluate, struct near *near, struct sum *sum) {
     double squares = sum->squares;
-    for (int s = l->boundary_start[i]; s < l->end[i]; s += CHUNK) {
-        int left = l->end[i] - s;
-        int inside = pick_near(f, at, l->index + s, left < CHUNK ? left : CHUNK, near);
-        evaluate(f, at, inside, near);
+    for (int s = 0; s < count; s += CHUNK) {
+        int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, reach, near);
+        load_near(f, at, inside, near);
+        evaluate(f, inside, near);
+        for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
         round_gradients(near, inside);
-        if (f->params.wall_pressure) {
-            keep_pairs(f, near, inside, *front, sum);
-            *front += inside, sum->members += inside;
-        }
-        for (int k = 0; k < inside; k++)
-            near->x[k] *= -near->volume[k], near->y[k] *= -near->volume[k],
-                near->z[k] *= -near->volume[k];
         add_lanes(near, (inside + 3) / 4 * 4, sum);
     }
     sum->squares = squares;
-    f->pair_last[i] = *front;
 }
 
 /* ---- projection ------------------------------------------------------------------------------ */
@@ -181,102 +195,107 @@ struct line { /* p = u - t grad C of one constraint */
     int i;
 };
 
-/* W of a neighbour at x_j + t shift, seen from `at`, times its volume. */
-INLINE double value_at(const struct fluid *f, const v4 *at, int j, double t, const v4 *shift) {
+/* What neighbour j at x_j + t shift adds to the density at `at`: kernel times volume. */
+INLINE double value_at(const struct fluid *f, const v4 *at, int j, bool has_volume, double t,
+                       const v4 *shift) {
     v4 d, x;
     memcpy(&x, f->x + 4 * (size_t)j, sizeof x);
     d = *at - x - t * *shift;
-    return x[3] * kernel_value(&f->kernel, sqrt(v4_dot(&d, &d)));
+    double squared = v4_dot(&d, &d);
+    return x[3] * (has_volume ? kernel_value(&f->kernel, sqrt(squared))
+                              : surface_kernel_value(&f->surface, squared));
 }
 
-/* The volumes' kernels on the line. Pairs move; what was outside the support at u rests, but i
- * itself moves. */
+/* What rests while i moves: of moving neighbours, those that were outside their support at u. */
+INLINE double value_of_resting(const struct fluid *f, const v4 *from, const v4 *at, int first,
+                               int last, double reach, bool has_volume) {
+    v4 none = {0};
+    double sum = 0.0;
+    for (int s = first; s < last; s++) {
+        int j = f->lists->index[s];
+        v4 d, x;
+        memcpy(&x, f->x + 4 * (size_t)j, sizeof x);
+        d = *from - x;
+        if (v4_dot(&d, &d) >= reach * reach) sum += value_at(f, at, j, has_volume, 0.0, &none);
+    }
+    return sum;
+}
+
+/* C_i on the line: pairs move, boundary points do not. */
 static double value_on_line(const void *arg, double t) {
     const struct line *line = arg;
     const struct fluid *f = line->f;
     const pdyn_neighbours *l = f->lists;
     int i = line->i;
-    double sum = f->x[4 * (size_t)i + 3] * f->kernel.value - 1.0;
-    v4 at, from, own, none = {0};
+    double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
+    double sum = f->x[4 * (size_t)i + 3] * f->kernel.value - rest;
+    v4 at, from, own;
     v4_set(&from, f->x + 4 * i, 0.0);
     memcpy(&own, f->gradient + 4 * i, sizeof own);
     at = from - t * own;
     for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) {
+        int j = f->pair_index[s];
         v4 g;
         load_pair(f, s, &g);
-        sum += value_at(f, &at, f->pair_index[s], t, &g);
+        sum += value_at(f, &at, j, l->has_volumes || is_fluid(f, j), t, &g);
     }
-    for (int s = l->start[i]; s < l->end[i]; s++) {
-        bool moving = s < l->boundary_start[i];
-        v4 d, x;
-        memcpy(&x, f->x + 4 * (size_t)l->index[s], sizeof x);
-        d = from - x;
-        if (moving && v4_dot(&d, &d) < f->kernel.support * f->kernel.support) continue;
-        sum += value_at(f, &at, l->index[s], 0.0, &none);
-    }
-    return sum;
-}
-
-/* What a boundary point b feels of the fluid that moves along the line. */
-static double value_at_wall(const void *arg, double t) {
-    const struct line *line = arg;
-    const struct fluid *f = line->f;
-    double sum = -f->walls.share[line->i - f->particles];
-    v4 at, g;
-    v4_set(&at, f->x + 4 * (size_t)line->i, 0.0);
-    for (int s = f->pair_start[line->i]; s < f->pair_end[line->i]; s++) {
-        load_pair(f, s, &g);
-        sum += value_at(f, &at, f->pair_index[s], t, &g);
-    }
+    sum += value_of_resting(f, &from, &at, l->start[i], l->surface_start[i], l->support, true);
+    sum += value_of_resting(f, &from, &at, l->surface_start[i], l->boundary_start[i],
+                            l->surface_support, l->has_volumes);
+    sum += value_of_resting(f, &from, &at, l->boundary_start[i], l->patch_start[i], 0.0, true);
+    sum += value_of_resting(f, &from, &at, l->patch_start[i], l->end[i], 0.0, false);
     return sum;
 }
 
 /* Projects constraint i; returns its energy. */
-INLINE double set_constraint(struct fluid *f, int i, const struct sum *sum,
-                             double (*value)(const void *line, double t)) {
+INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) {
+    v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
     struct line line = {f, i};
     double w = f->params.stiffness;
+    memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
     f->error[i] = f->value[i] = sum->c, f->squares[i] = sum->squares;
     f->stiffness[i] = sum->squares > 0.0 ? w / sum->squares : 0.0;
     f->flux[i] = 0.0;
     if (!(sum->c > 0.0 && sum->squares > 0.0)) return 0.0;
-    double t = fluid_root(value, &line, sum->c, sum->squares, f->params.projection_tolerance);
+    double t =
+        fluid_root(value_on_line, &line, sum->c, sum->squares, f->params.projection_tolerance);
     f->flux[i] = w * t, f->value[i] = t * sum->squares;
     return 0.5 * w * t * t * sum->squares;
 }
 
-INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) {
-    v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
-    memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
-    return set_constraint(f, i, sum, value_on_line);
-}
-
 /* C_i and its gradient at x. Keeps the pairs of i from *front on. Returns the energy. */
-INLINE double project_particle(struct fluid *f, int i, struct near *near, int *front) {
+INLINE double project_fluid(struct fluid *f, int i, struct near *near, int *front) {
     const pdyn_neighbours *l = f->lists;
-    bool fluid = is_fluid(f, i);
-    double volume = f->x[4 * (size_t)i + 3];
-    struct sum sum = {.c = volume * f->kernel.value - 1.0, .members = fluid};
+    const int *fluid = l->index + l->start[i], *samples = l->index + l->surface_start[i];
+    double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
+    struct sum sum = {.c = f->x[4 * (size_t)i + 3] * f->kernel.value - rest, .members = 1};
     v4 at;
-    v4_set(&at, f->x + 4 * (size_t)i, fluid ? 0.0 : 1.0 - volume);
-    add_moving(f, i, &at, l->index + l->start[i], l->boundary_start[i] - l->start[i], near, front,
-               &sum);
-    if (fluid) add_boundary(f, i, &at, near, front, &sum);
+    v4_set(&at, f->x + 4 * (size_t)i, 0.0);
+    add_moving(f, &at, fluid, l->surface_start[i] - l->start[i], l->support, evaluate_particles,
+               near, front, &sum);
+    add_moving(f, &at, samples, l->boundary_start[i] - l->surface_start[i], l->surface_support,
+               evaluate_surface, near, front, &sum);
+    add_boundary(f, &at, l->index + l->boundary_start[i], l->patch_start[i] - l->boundary_start[i],
+                 l->support, evaluate_particles, near, &sum);
+    add_boundary(f, &at, l->index + l->patch_start[i], l->end[i] - l->patch_start[i],
+                 l->patch_support, evaluate_areas, near, &sum);
+    f->pair_end[i] = *front;
     f->held[i] = f->params.stiffness * sum.members;
-    if (!fluid) return 0.0;
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
     return project_constraint(f, i, &sum);
 }
 
-/* The same of a boundary point, which does not move. */
-INLINE double project_wall(struct fluid *f, int i, struct near *near, int *front) {
-    const int *start = f->walls.start + (i - f->particles);
-    struct sum sum = {.c = 0.0};
+/* Keeps the pairs of sample i, which has no constraint of its own. Volumes are those of the second
+ * point of a pair: 1 - volume makes it that of the sample. */
+INLINE void project_sample(struct fluid *f, int i, struct near *near, int *front) {
+    const pdyn_neighbours *l = f->lists;
+    struct sum sum = {0};
     v4 at;
-    v4_set(&at, f->x + 4 * (size_t)i, 0.0);
-    add_moving(f, i, &at, f->walls.particle + start[0], start[1] - start[0], near, front, &sum);
-    sum.c = fluid_walls_see(&f->walls, i - f->particles, sum.c);
-    return set_constraint(f, i, &sum, value_at_wall);
+    v4_set(&at, f->x + 4 * (size_t)i, 1.0 - f->x[4 * (size_t)i + 3]);
+    add_moving(f, &at, l->index + l->start[i], l->surface_start[i] - l->start[i],
+               l->surface_support, evaluate_surface, near, front, &sum);
+    f->pair_end[i] = *front;
+    f->held[i] = f->params.stiffness * sum.members;
 }
 
 WIDE static void project_block(void *arg, int first, int last, int block) {
@@ -284,10 +303,11 @@ WIDE static void project_block(void *arg, int first, int last, int block) {
     struct near near;
     double energy = 0.0;
     int front = f->block_start[block];
-    for (int i = first; i < last && i < f->particles; i++)
-        energy += project_particle(f, i, &near, &front);
-    for (int i = first > f->particles ? first : f->particles; i < last; i++)
-        energy += project_wall(f, i, &near, &front);
+    for (int i = first; i < last; i++) {
+        f->pair_start[i] = front;
+        if (is_fluid(f, i)) energy += project_fluid(f, i, &near, &front);
+        else project_sample(f, i, &near, &front);
+    }
     f->partial[block] = energy;
 }
 
@@ -300,7 +320,7 @@ static void set_positions(void *arg, int first, int last, int block) {
 double fluid_project(struct fluid *f, const double *x) {
     double sum = 0.0;
     for_particles(f, f->particles, set_positions, x, NULL);
-    for_particles(f, constrained_points(f), project_block, NULL, NULL);
-    for (int b = 0; b * FLUID_GRAIN < constrained_points(f); b++) sum += f->partial[b];
+    for_particles(f, f->particles, project_block, NULL, NULL);
+    for (int b = 0; b * FLUID_GRAIN < f->particles; b++) sum += f->partial[b];
     return sum;
 }

@@ -6,26 +6,24 @@
 /* Every array that is as long as the particles or the points, made or freed. */
 static bool resize_particles(struct fluid *f, bool make) {
     size_t particles = (size_t)f->particles, points = (size_t)f->points;
-    size_t constrained = (size_t)constrained_points(f);
     struct {
         void **array;
         size_t count, size;
     } all[] = {
-        {(void **)&f->block_start, constrained / FLUID_GRAIN + 2, sizeof(int)},
-        {(void **)&f->pair_start, constrained, sizeof(int)},
-        {(void **)&f->pair_end, constrained, sizeof(int)},
-        {(void **)&f->pair_last, constrained, sizeof(int)},
+        {(void **)&f->block_start, particles / FLUID_GRAIN + 2, sizeof(int)},
+        {(void **)&f->pair_start, particles, sizeof(int)},
+        {(void **)&f->pair_end, particles, sizeof(int)},
         {(void **)&f->x, 4 * points, sizeof(double)},
-        {(void **)&f->gradient, 4 * constrained, sizeof(double)},
-        {(void **)&f->vector, 4 * constrained, sizeof(double)},
-        {(void **)&f->error, constrained, sizeof(double)},
-        {(void **)&f->value, constrained, sizeof(double)},
-        {(void **)&f->squares, constrained, sizeof(double)},
-        {(void **)&f->stiffness, constrained, sizeof(double)},
-        {(void **)&f->flux, constrained, sizeof(double)},
+        {(void **)&f->gradient, 4 * particles, sizeof(double)},
+        {(void **)&f->vector, 4 * particles, sizeof(double)},
+        {(void **)&f->error, particles, sizeof(double)},
+        {(void **)&f->value, particles, sizeof(double)},
+        {(void **)&f->squares, particles, sizeof(double)},
+        {(void **)&f->stiffness, particles, sizeof(double)},
+        {(void **)&f->flux, particles, sizeof(double)},
         {(void **)&f->held, particles, sizeof(double)},
-        {(void **)&f->multiplier, constrained, sizeof(double)},
-        {(void **)&f->partial, constrained / FLUID_GRAIN + 1, sizeof(double)},
+        {(void **)&f->multiplier, particles, sizeof(double)},
+        {(void **)&f->partial, particles / FLUID_GRAIN + 1, sizeof(double)},
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
@@ -45,7 +43,6 @@ static void release_pairs(struct fluid *f) {
 static void release(void *self) {
     struct fluid *f = self;
     release_pairs(f);
-    fluid_walls_free(f);
     resize_particles(f, false);
     fluid_resize(f, f, 1, 0, sizeof *f);
 }
@@ -55,7 +52,7 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
     if (!f) return NULL;
     f->services = services;
     f->params = *(const struct fluid_params *)par;
-    f->kernel = fluid_kernel(body);
+    f->kernel = fluid_kernel(body), f->surface = fluid_surface_kernel(body);
     f->particle_volume = fluid_particle_volume(body);
     f->first = body->first, f->count = body->count;
     f->rest_density = body->rest_density;
@@ -74,19 +71,13 @@ static void set_points(struct fluid *f) {
     copy_boundary(f);
 }
 
-/* How many pairs a point can have. */
-static int listed(const struct fluid *f, int i) {
-    const pdyn_neighbours *l = f->lists;
-    const int *wall = f->walls.start;
-    if (i >= f->particles) return wall[i - f->particles + 1] - wall[i - f->particles];
-    return (f->params.wall_pressure ? l->end[i] : l->boundary_start[i]) - l->start[i];
-}
-
-/* Gives every block of points a part of the pairs; returns how many there are. */
+/* Gives every block of particles a part of the pairs; returns how many there are. */
 static size_t place_blocks(struct fluid *f) {
-    int points = constrained_points(f), blocks = (points + FLUID_GRAIN - 1) / FLUID_GRAIN;
+    const pdyn_neighbours *l = f->lists;
+    int blocks = (f->particles + FLUID_GRAIN - 1) / FLUID_GRAIN;
     for (int b = 0; b < blocks; b++) f->block_start[b + 1] = 0;
-    for (int i = 0; i < points; i++) f->block_start[i / FLUID_GRAIN + 1] += listed(f, i);
+    for (int i = 0; i < f->particles; i++)
+        f->block_start[i / FLUID_GRAIN + 1] += l->boundary_start[i] - l->start[i];
     for (int b = 0; b < blocks; b++) f->block_start[b + 1] += f->block_start[b];
     return (size_t)f->block_start[blocks];
 }
@@ -99,7 +90,6 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
         if (!resize_particles(f, true)) return false;
     }
     if (f->volumes != lists->volume_revision) set_points(f);
-    if (f->params.wall_pressure && !fluid_walls_neighbours(f)) return false;
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);
@@ -122,7 +112,7 @@ static double local(void *self, const double *x, double *gradient) {
 
 static pdyn_scalars scalars(void *self) {
     const struct fluid *f = self;
-    return (pdyn_scalars){.count = constraints(f),
+    return (pdyn_scalars){.count = f->count,
                           .value = f->value + f->first,
                           .stiffness = f->stiffness + f->first,
                           .squares = f->squares + f->first,
@@ -141,17 +131,6 @@ static void pressure(void *self, double *out) {
     for (int i = f->first; i < f->first + f->count; i++) out[i] = f->flux[i] / f->particle_volume;
 }
 
-static void velocity(void *self, double *v) {
-    struct fluid *f = self;
-    if (f->params.wall_pressure) fluid_walls_settle(f);
-    fluid_viscosity(self, v);
-}
-
-static void persist(void *self, pdyn_archive *archive) {
-    struct fluid *f = self;
-    if (f->params.wall_pressure) fluid_walls_persist(f, archive);
-}
-
 const pdyn_operator fluid_operator = {
     .create = create,
     .free = release,
@@ -163,6 +142,6 @@ const pdyn_operator fluid_operator = {
     .diagonal = fluid_diagonal,
     .density = density,
     .pressure = pressure,
-    .velocity = velocity,
-    .persist = persist,
+    .velocity = fluid_viscosity,
+    .limit = fluid_limit,
 };

@@ -54,7 +54,7 @@ void fluid_rate(void *self, const bool *which, const double *u, double *rate) {
     struct fluid *f = self;
     struct fluid_call call = {f, NULL, rate, which};
     for_particles(f, f->particles, copy_vectors, u, NULL);
-    f->services->parallel_for(f->services->core, constraints(f), FLUID_GRAIN, divergence, &call);
+    f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, divergence, &call);
 }
 
 /* ---- force: a pressure gradient -------------------------------------------------------------- */
@@ -71,7 +71,7 @@ WIDE static void gradients(void *arg, int first, int last, int block) {
     if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         v4 sum, own;
-        sum_pairs(f, i, f->pair_last[i], add_flux, c->in, &sum);
+        sum_pairs(f, i, f->pair_end[i], add_flux, c->in, &sum);
         memcpy(&own, f->gradient + 4 * i, sizeof own);
         sum += c->in[i] * own;
         v4_add_to(c->out + 3 * i, &sum);
@@ -90,7 +90,7 @@ static void spread(void *arg, int first, int last, int block) {
 
 void fluid_force(void *self, const double *multiplier, double *y) {
     struct fluid *f = self;
-    for_particles(f, constraints(f), spread, multiplier, f->multiplier + f->first);
+    for_particles(f, f->count, spread, multiplier, f->multiplier + f->first);
     fluid_add_gradients(f, f->multiplier, y);
 }
 
@@ -106,7 +106,7 @@ WIDE static void diagonal_blocks(void *arg, int first, int last, int block) {
     if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         v4 sum[3] = {{0}}, g;
-        for (int s = f->pair_start[i]; s < f->pair_last[i]; s++) {
+        for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) {
             load_pair(f, s, &g);
             add_outer_product(sum, c->in[f->pair_index[s]], &g);
         }
@@ -120,7 +120,7 @@ WIDE static void diagonal_blocks(void *arg, int first, int last, int block) {
 
 void fluid_diagonal(void *self, const double *stiffness, double *blocks) {
     struct fluid *f = self;
-    for_particles(f, constraints(f), spread, stiffness, f->multiplier + f->first);
+    for_particles(f, f->count, spread, stiffness, f->multiplier + f->first);
     for_particles(f, f->particles, diagonal_blocks, f->multiplier, blocks);
 }
 

@@ -7,14 +7,12 @@
  *
  * Pairs are kept in single precision, sums and everything else in double; a pair is the same in
  * both directions and everywhere it is used, so momentum and symmetry hold as in double. Memory: 20
- * bytes per listed neighbour, 164 per particle of the system and 32 per boundary point (164 where
- * it has a constraint). */
+ * bytes per listed neighbour, 160 per particle of the system and 32 per boundary point. */
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 
 #include "../core/simd.h"
 #include "fluid.h"
-#include "fluid_walls.h"
 
 enum { FLUID_GRAIN = 128 }; /* particles of a parallel block */
 
@@ -22,33 +20,31 @@ struct fluid {
     const pdyn_services *services;
     const pdyn_neighbours *lists;
     struct fluid_params params;
-    struct kernel kernel;   /* times the volume of a particle */
-    int first, count;       /* the fluid's particles in the system */
-    int particles, points;  /* of the system; with the boundary */
-    unsigned volumes;       /* revision of the volumes in x, */
-    unsigned boundary;      /* and of the boundary points */
-    double rest_density;    /* kg/m^3 */
-    double particle_volume; /* m^3 */
-    size_t pairs;           /* capacity of what is kept per listed neighbour */
-    int *block_start;       /* blocks + 1: first pair of each block of points */
-    /* Points: its pairs inside the support, packed by blocks; of a particle first those with
-     * particles, from pair_end on those with boundary points. */
-    int *pair_start, *pair_end, *pair_last;
-    int *pair_index;          /* pairs: the neighbour */
-    float *pair;              /* pairs x 4: grad W(x_i - x_j) times the volume of a particle that
-                                 is no fluid (of others: 1), 1/m, and W */
-    double *x;                /* points x 4: where the last local step was, and the volume */
-    double *gradient;         /* points x 4: grad C_i with respect to x_i, 1/m, and 0 */
-    double *vector;           /* points x 4: what a pass reads of the neighbours */
-    double *error;            /* points: C_i, negative where there is room */
-    double *value;            /* points: the same as the projection measures it */
-    double *squares;          /* points: |grad C_i|^2, 1/m^2 */
-    double *stiffness;        /* points: w / |grad C_i|^2, N m */
-    double *flux;             /* points: what constraint i gives along its gradient, N m */
-    double *held;             /* particles: weights of the constraints that it is in, N/m */
-    double *multiplier;       /* points: those of `force`, 0 for a particle that is no fluid */
-    struct fluid_walls walls; /* where boundary points have constraints */
-    double *partial;          /* an energy for each parallel block */
+    struct kernel kernel;          /* times the volume of a particle */
+    struct surface_kernel surface; /* the same */
+    int first, count;              /* the fluid's particles in the system */
+    int particles, points;         /* of the system; with the boundary */
+    unsigned volumes;              /* revision of the volumes in x, */
+    unsigned boundary;             /* and of the boundary points */
+    double rest_density;           /* kg/m^3 */
+    double particle_volume;        /* m^3 */
+    size_t pairs;                  /* capacity of what is kept per listed neighbour */
+    int *block_start;              /* blocks + 1: first pair of each block of points */
+    int *pair_start, *pair_end;    /* particles: its pairs inside the support, packed by blocks */
+    int *pair_index;               /* pairs: the neighbour */
+    float *pair;        /* pairs x 4: grad W(x_i - x_j) times the volume of a particle that
+                           is no fluid (of others: 1), 1/m, and W */
+    double *x;          /* points x 4: where the last local step was, and the volume */
+    double *gradient;   /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
+    double *vector;     /* particles x 4: what a pass reads of the neighbours */
+    double *error;      /* particles: C_i, negative where there is room */
+    double *value;      /* particles: the same as the projection measures it */
+    double *squares;    /* particles: |grad C_i|^2, 1/m^2 */
+    double *stiffness;  /* particles: w / |grad C_i|^2, N m */
+    double *flux;       /* particles: what constraint i gives along its gradient, N m */
+    double *held;       /* particles: weights of the constraints that it is in, N/m */
+    double *multiplier; /* particles: those of `force`, 0 for a particle that is no fluid */
+    double *partial;    /* an energy for each parallel block */
 };
 
 struct fluid_call { /* arguments of a parallel loop */
@@ -68,25 +64,16 @@ static inline bool is_fluid(const struct fluid *f, int i) {
     return i >= f->first && i < f->first + f->count;
 }
 
-/* Constraints are those of the fluid, or of all points from its first particle on. */
-static inline int constraints(const struct fluid *f) {
-    return f->params.wall_pressure ? f->points - f->first : f->count;
-}
-
-static inline int constrained_points(const struct fluid *f) {
-    return f->params.wall_pressure ? f->points : f->particles;
-}
-
 static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, const double *in,
                                  double *out) {
     struct fluid_call call = {f, in, out, NULL};
     f->services->parallel_for(f->services->core, count, FLUID_GRAIN, fn, &call);
 }
 
-/* Whether a block of points has fluid or pairs: of a large surface, few have. */
+/* Whether a block of particles has fluid or pairs: of a large surface, few samples have. */
 static inline bool takes_part(const struct fluid *f, int first, int last, int block) {
     bool fluid = first < f->first + f->count && last > f->first;
-    return fluid || f->pair_last[last - 1] > f->block_start[block];
+    return fluid || f->pair_end[last - 1] > f->block_start[block];
 }
 
 /* The gradient and the value of a pair. */
@@ -102,6 +89,9 @@ double fluid_project(struct fluid *f, const double *x);
 
 /* y += sum of the multipliers (particles) times the gradients of their constraints. */
 void fluid_add_gradients(struct fluid *f, const double *multiplier, double *y);
+
+/* Half of the way to the nearest surface, see pdyn_operator. */
+void fluid_limit(void *self, const double *x, double *way);
 
 /* The passes over pairs, see pdyn_operator. */
 void fluid_rate(void *self, const bool *which, const double *u, double *rate);

@@ -414,6 +414,10 @@ int batch_impacts(struct batch *b, const struct velocity_change *change, double 
     return b->op ? operator_impacts(b, change, force) : row_impacts(b, change, force);
 }
 
+void batch_limit(struct batch *b, const double *x, double *way) {
+    if (b->op && b->type->op->limit) b->type->op->limit(b->op, x, way);
+}
+
 void batch_velocity(struct batch *b, double *v) {
     if (!b->op || !b->type->op->velocity) return;
     if (!b->samples) {

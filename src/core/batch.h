@@ -109,6 +109,8 @@ void batch_scatter(struct batch *batch, double *y);
 
 /* Operator tier: changes velocities after a step, where the type does. */
 void batch_velocity(struct batch *batch, double *v);
+/* The same: see `limit` of pdyn_operator; x ends with the samples. */
+void batch_limit(struct batch *batch, const double *x, double *way);
 
 /* The model along a direction u, see scalars.h. */
 void batch_aim(struct batch *batch, const double *u);

@@ -1,5 +1,6 @@
 /* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver.
  */
+#include "boundary.h"
 #include "emit.h"
 #include "registry.h"
 #include "sampling.h"
@@ -185,92 +186,66 @@ static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
     return NULL;
 }
 
-/* A box holds fluid up to its faces: the samples lie so far outside that a lattice of particles
- * which touches the faces, half a spacing from them, has its rest density there (0.999 at a
- * wall, 1.000 along an edge, 1.004 in a corner, by summing the kernel). */
-static const double wall_offset = 0.6; /* spacings */
-
-static pdyn_status sample_solid(struct pdyn_sim *sim, const struct scene_solid *solid,
-                                double spacing) {
-    struct scene_box walls = solid->box;
-    if (!solid->is_box)
-        return sample_mesh_surface(sim->context, &solid->mesh, spacing, &sim->boundary);
-    for (int a = 0; a < 3; a++) {
-        walls.min[a] -= wall_offset * spacing;
-        walls.max[a] += wall_offset * spacing;
-    }
-    return sample_box_surface(sim->context, &walls, solid->open, spacing, &sim->boundary);
-}
-
-/* First what rests, then what moves. */
-static pdyn_status sample_solids(struct pdyn_sim *sim, double spacing) {
-    const struct scene *scene = &sim->scene;
-    pdyn_status status = PDYN_OK;
-    for (int k = 0; k < scene->solids && status == PDYN_OK; k++)
-        if (!scene->solid[k].keys) status = sample_solid(sim, &scene->solid[k], spacing);
-    for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
-        int first = sim->boundary.count;
-        if (!scene->solid[k].keys) continue;
-        status = sample_solid(sim, &scene->solid[k], spacing);
-        if (status == PDYN_OK) status = motion_add(sim, &scene->solid[k], first);
-    }
-    return status;
-}
-
-/* Of what rests together, and of each solid that moves by itself, for these stay the same. */
-static pdyn_status boundary_volumes(struct pdyn_sim *sim, double support, double *volume) {
-    const struct motion *motion = &sim->motion;
-    int resting = sim->boundary.count - motion->points;
-    pdyn_status status =
-        neighbours_surface_volumes(sim->context, resting, sim->boundary.x, support, volume);
-    for (int k = 0; k < motion->solids && status == PDYN_OK; k++) {
-        const struct moving *m = &motion->solid[k];
-        status = neighbours_surface_volumes(sim->context, m->count,
-                                            sim->boundary.x + 3 * (size_t)m->first, support,
-                                            volume + m->first);
-    }
-    return status;
-}
-
-/* Samples on a surface, in spacings of the fluid's particles: no hole is felt, also where the
- * surface is stretched by a fifth. */
-static const double sample_spacing = 0.9;
-
 /* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
 static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, int particles,
-                                double *volume, bool *centre) {
+                                double *volume, bool *centre, bool *is_wall) {
     double spacing = 2.0 * fluid->radius;
     for (int i = fluid->first; i < fluid->first + fluid->count; i++)
         volume[i] = spacing * spacing * spacing, centre[i] = true;
     for (int k = 0; sim->samples && k < sim->samples->count; k++)
         volume[sim->system.particles + k] = sim->samples->rest_volume[k];
-    return boundary_volumes(sim, 2.0 * spacing, volume + particles);
+    return boundary_fill(sim, spacing, volume + particles, is_wall);
 }
 
 static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
     int n = sim->system.particles + (sim->samples ? sim->samples->count : 0);
-    double support = 4.0 * fluid->radius, skin = 0.01 * SKIN_PERCENT;
-    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.count, double);
+    double support = 4.0 * fluid->radius, skin = 0.01 * SKIN_PERCENT * support;
+    const struct boundary_model *model = sim->scene.settings.boundary;
+    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
     bool *centre = NEW_ARRAY(sim->context, n, bool);
-    pdyn_status status =
-        volume && centre ? fill_volumes(sim, fluid, n, volume, centre) : PDYN_NO_MEMORY;
-    if (status == PDYN_OK)
-        status = sides_create(sim->context, sim->bodies, sim->body, n + sim->boundary.count,
-                              (1.0 + skin) * support, &sim->sides);
+    bool *is_wall = NEW_ARRAY(sim->context, sim->boundary.at.count + 1, bool);
+    pdyn_status status = volume && centre && is_wall
+                             ? fill_volumes(sim, fluid, n, volume, centre, is_wall)
+                             : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) {
+        status = sides_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
+                              support + skin, &sim->sides);
+    }
     motion_carry(sim, 0.0);
     struct neighbours_points points = {.particles = n,
                                        .centre = centre,
-                                       .boundary = sim->boundary.count,
-                                       .boundary_x = sim->boundary.x,
+                                       .boundary = sim->boundary.at.count,
+                                       .boundary_x = sim->boundary.at.x,
                                        .moving = sim->motion.points,
                                        .volume = volume,
+                                       .support = support,
+                                       .is_wall = is_wall,
+                                       .surface_support = model->support * 2.0 * fluid->radius,
+                                       .patch_support = model->support * 2.0 * fluid->radius,
+                                       .has_volumes = model->volumes,
+                                       .skin = skin,
                                        .sides = sim->sides};
     if (status == PDYN_OK)
-        status =
-            neighbours_create(sim->context, &points, sim->samples, support, skin, &sim->neighbours);
-    FREE_ARRAY(sim->context, volume, n + sim->boundary.count);
+        status = neighbours_create(sim->context, &points, sim->samples, &sim->neighbours);
+    FREE_ARRAY(sim->context, volume, n + sim->boundary.at.count);
     FREE_ARRAY(sim->context, centre, n);
+    FREE_ARRAY(sim->context, is_wall, sim->boundary.at.count + 1);
     return status;
+}
+
+/* Particles, then samples. */
+static int way_count(const struct pdyn_sim *sim) {
+    return sim->system.particles + (sim->samples ? sim->samples->count : 0);
+}
+
+/* Surfaces that act from where they are can be passed: not so walls of a box, and published points.
+ */
+static pdyn_status make_limits(struct pdyn_sim *sim) {
+    bool surfaces = sim->samples;
+    for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.patch[k].of_box;
+    if (!surfaces || sim->scene.settings.boundary->volumes) return PDYN_OK;
+    sim->way = NEW_ARRAY(sim->context, way_count(sim), double);
+    return sim->way ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 /* Particles at one and the same place: no constraint knows a way to part them. */
@@ -296,11 +271,14 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     const pdyn_body *fluid = fluid_body(sim);
     if (!fluid) return PDYN_OK;
     double spacing = 2.0 * fluid->radius;
-    pdyn_status status = sample_solids(sim, spacing);
+    pdyn_status status = boundary_sample(sim, spacing);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->system.particles,
-                                sim->rest, sample_spacing * spacing, 2.0 * spacing, &sim->samples);
+                                sim->rest, sim->scene.settings.boundary,
+                                sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
+                                spacing, &sim->samples);
     if (status == PDYN_OK) status = create_neighbours(sim, fluid);
+    if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
     emit_tell(sim);
     sim->system.neighbours = sim->neighbours, sim->system.samples = sim->samples;
@@ -328,7 +306,7 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     if (status != PDYN_OK) return status;
     if (c->type->op) sys->batch[sys->batches - 1]->samples = sim->samples;
     sys->changing |= c->type->op != NULL;
-    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.count);
+    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.at.count);
     sim->constraints = sys->batches;
     return batch_join_rows(sys->batch[sys->batches - 1]);
 }
@@ -513,6 +491,7 @@ void pdyn_free(pdyn_sim *sim) {
     double **vector[VECTORS];
     list_vectors(sim, vector);
     for (int k = 0; k < VECTORS; k++) FREE_VECTOR(c, *vector[k], sim->system.particles);
+    FREE_ARRAY(c, sim->way, sim->way ? way_count(sim) : 0);
     FREE_ARRAY(c, sim->density, sim->system.particles);
     FREE_ARRAY(c, sim->pressure, sim->system.particles);
     FREE_ARRAY(c, sim->pressure_before, sim->system.particles);
@@ -521,7 +500,7 @@ void pdyn_free(pdyn_sim *sim) {
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
     sides_free(sim->sides);
-    points_free(c, &sim->boundary);
+    patches_free(c, &sim->boundary);
     motion_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
     FREE_ARRAY(c, sim->topology, sim->bodies);

@@ -1,4 +1,5 @@
 /* What is registered, as text for people. */
+#include "boundary.h"
 #include "context.h"
 #include "near.h"
 #include "params.h"
@@ -65,6 +66,9 @@ static void describe_all(const pdyn_context *context, const struct sink *to) {
     line(to, "\nsolvers\n");
     for (int k = 0; (solver = registry_solver_at(context, k)); k++)
         line(to, "  %-12s %s\n", solver->name, solver->summary);
+    line(to, "\nboundary models, \"boundary\" of a scene\n");
+    for (int k = 0; k < boundary_model_count; k++)
+        line(to, "  %-12s %s\n", boundary_models[k].name, boundary_models[k].summary);
 }
 
 static void alternatives(const struct sink *to, const char *const *names) {

@@ -85,12 +85,12 @@ static void normal_of(const struct drag *d, int sample, double n[3]) {
 /* The normal, and the fluid on both sides: it points to the second. */
 static void look(const struct drag *d, int sample, double n[3], struct side side[2]) {
     const pdyn_neighbours *l = d->lists;
-    struct kernel kernel = kernel_make(l->support);
+    struct kernel kernel = kernel_make(l->surface_support);
     int at = d->samples->particles + sample;
     const double *x = d->x + 3 * (size_t)at;
     normal_of(d, sample, n);
     memset(side, 0, 2 * sizeof *side);
-    for (int s = l->start[at]; s < l->boundary_start[at]; s++) {
+    for (int s = l->start[at]; s < l->surface_start[at]; s++) {
         int i = l->index[s];
         double r[3];
         for (int a = 0; a < 3; a++) r[a] = d->x[3 * (size_t)i + (size_t)a] - x[a];

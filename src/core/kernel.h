@@ -1,8 +1,11 @@
-/* The cubic spline kernel (Monaghan 1992), normalised in 3-D, with compact support H. */
+/* Kernels of the density: the cubic spline (Monaghan 1992), normalised in 3-D, with compact support
+ * H, between particles of a fluid; another one between these and surfaces. */
 #ifndef PDYN_KERNEL_H
 #define PDYN_KERNEL_H
 
 #include "projdyn/vec3.h"
+
+#include <math.h>
 
 struct kernel {
     double support, inverse; /* H, m; 1/H */
@@ -27,6 +30,56 @@ static inline double kernel_slope(const struct kernel *k, double r) {
     double q = r * k->inverse, rest = 1.0 - q;
     if (q <= 0.5) return k->slope * (3.0 * q - 2.0);
     return q < 1.0 ? -k->slope * rest * rest / q : 0.0;
+}
+
+/* What a surface adds to the density of a fluid of particle spacing d: a unit of area at distance r
+ *
+ *     S(r) = 2 A / (pi d q) (1 - q/d)^3,   q^2 = r^2 + (d/10)^2,   S = 0 from q = d on,
+ *
+ * so that a plane at distance z adds lambda(z) = A (1 - q(z)/d)^4. It stands for the half space of
+ * fluid that is missing behind the plane. A cubic lattice that begins half a spacing from it needs
+ * there a value of 0.150 and, because a surface has no constraint of its own that pushes back,
+ * twice the slope of a layer of particles, -1.02/d. In water at rest, which is less regular, A
+ * = 2.2 keeps the distance (0.127 and -1.02/d). Near the surface lambda is above one: a particle
+ * alone is compressed there, and does not pass. */
+#define SURFACE_AMPLITUDE 2.2 /* A */
+
+struct surface_kernel {
+    double inverse; /* 1/d */
+    double soft;    /* m^2: (d/10)^2 */
+    double value;   /* 2 A / pi, 1/m^2: for areas given as volumes, area times d */
+};
+
+static inline struct surface_kernel surface_kernel_make(double spacing) {
+    return (struct surface_kernel){1.0 / spacing, 0.01 * spacing * spacing,
+                                   2.0 * SURFACE_AMPLITUDE / 3.14159265358979323846 /
+                                       (spacing * spacing)};
+}
+
+/* How far the plane is that adds `sum`, m; up to d. */
+static inline double surface_kernel_distance(double sum, double spacing) {
+    double q = 1.0 - sqrt(sqrt(sum / SURFACE_AMPLITUDE));
+    return q > 0.1 ? spacing * sqrt(q * q - 0.01) : 0.0;
+}
+
+/* By what areas are multiplied so that a plane adds at 0.5 + `by` spacings what it does at 0.5. */
+static inline double surface_kernel_farther(double by) {
+    double near = 1.0 - sqrt(0.5 * 0.5 + 0.01), far = 0.5 + by;
+    double ratio = near / (1.0 - sqrt(far * far + 0.01));
+    return ratio * ratio * ratio * ratio;
+}
+
+/* S / d, 1/m^3; zero from r = d on. */
+static inline double surface_kernel_value(const struct surface_kernel *k, double squared) {
+    double q = sqrt(squared + k->soft), rest = 1.0 - q * k->inverse;
+    return rest > 0.0 ? k->value * rest * rest / q * rest : 0.0;
+}
+
+/* Its derivative over r, divided by r, 1/m^5. */
+static inline double surface_kernel_slope(const struct surface_kernel *k, double squared) {
+    double q = sqrt(squared + k->soft), rest = 1.0 - q * k->inverse;
+    if (!(rest > 0.0)) return 0.0;
+    return -(k->value * rest * rest / q) * (1.0 + 2.0 * q * k->inverse) / (q * q);
 }
 
 #endif

@@ -4,6 +4,8 @@
 
 #include "measure.h"
 
+#include "projdyn/vec3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -32,6 +34,24 @@ struct taken {                 /* a step along the direction */
 static void take_trial(struct pdyn_sim *sim) {
     memcpy(sim->x_next, sim->trial, system_bytes(&sim->system));
     memcpy(sim->gradient, sim->trial_gradient, system_bytes(&sim->system));
+}
+
+/* Shortens displacements (particles x 3) to what is free of surfaces; the least part that is left.
+ */
+static double limit_moves(const struct pdyn_sim *sim, double *moves) {
+    double least = 1.0;
+    for (int i = 0; sim->way && i < sim->system.particles; i++) {
+        double *own = moves + 3 * (size_t)i, length = vec3_length(own);
+        if (!(length > sim->way[i])) continue;
+        double part = sim->way[i] / length;
+        for (int a = 0; a < 3; a++) own[a] *= part;
+        least = fmin(least, part);
+    }
+    return least;
+}
+
+static pdyn_status find_way(struct pdyn_sim *sim, const double *x) {
+    return sim->way ? system_limit(&sim->system, x, sim->way) : PDYN_OK;
 }
 
 /* ---- one global step ------------------------------------------------------------------------- */
@@ -63,8 +83,12 @@ static pdyn_status go_part(struct pdyn_sim *sim, double part, double *least, dou
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 * sys->particles; k++) sim->trial[k] = part * sim->direction[k];
     bool blocked = part > *least;
-    if (blocked) status = contact_filter(sys->contact, sim->x_next, sim->trial);
-    if (blocked) *least = part * contact_least(sys->contact);
+    double taken = blocked ? limit_moves(sim, sim->trial) : 1.0;
+    if (blocked && sys->contact) {
+        status = contact_filter(sys->contact, sim->x_next, sim->trial);
+        taken *= contact_least(sys->contact);
+    }
+    if (blocked) *least = part * taken;
     *slope = part > *least ? system_dot(sys, sim->gradient, sim->trial) : part * *slope;
     system_axpy(sys, 1.0, sim->x_next, sim->trial);
     return status;
@@ -96,7 +120,7 @@ static bool is_good(const struct rule *rule, const struct taken *step, double en
 static pdyn_status go_down(struct pdyn_sim *sim, const struct rule *rule, double *energy,
                            struct taken *step) {
     struct system *sys = &sim->system;
-    double trial, least = sys->contact ? 0.0 : 1.0;
+    double trial, least = sys->contact || sim->way ? 0.0 : 1.0;
     *step = (struct taken){.length = 1.0, .slope = system_dot(sys, sim->gradient, sim->direction)};
     for (int k = 1; k <= rule->tries; k++, step->length = next_part(step->length, least)) {
         double slope = step->slope;
@@ -165,7 +189,8 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
     struct taken taken = {0};
     double energy = p->energy;
     bool first = sim->solver->keeps_multipliers && p->outer == 0;
-    pdyn_status status = system_linearise(&sim->system, first ? 0.0 : sim->damping);
+    pdyn_status status = find_way(sim, sim->x_next);
+    if (status == PDYN_OK) status = system_linearise(&sim->system, first ? 0.0 : sim->damping);
     if (status == PDYN_OK) status = solve_model(sim, p);
     if (status == PDYN_OK) status = extrapolate(sim, p->before, &p->energy, &taken);
     p->before = energy;
@@ -188,9 +213,14 @@ static void repeat_acceleration(struct pdyn_sim *sim, double *x) {
     system_axpy(&sim->system, h * h, sim->constraint_acceleration, x);
 }
 
-/* The local step at x, in contact as far on the way there as it is free. */
+/* The local step at x, or as far on the way there as it is free. */
 static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, double *gradient) {
     struct contact *contact = sim->system.contact;
+    if (sim->way) {
+        system_axpy(&sim->system, -1.0, sim->x, x);
+        limit_moves(sim, x);
+        system_axpy(&sim->system, 1.0, sim->x, x);
+    }
     pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
     return status == PDYN_OK ? system_local(&sim->system, x, energy, gradient) : status;
 }
@@ -241,7 +271,7 @@ static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
                     system_dot(sys, sim->constraint_acceleration, sim->constraint_acceleration);
     if (moved < pushed) repeat_acceleration(sim, sim->x_next);
     if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
-    return system_local(sys, sim->x_next, energy, sim->gradient);
+    return start_at(sim, sim->x_next, energy, sim->gradient);
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */
@@ -289,8 +319,10 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
     measure_weights(sim);
-    pdyn_status status = sim->solver->keeps_multipliers ? start_multipliers(sim, &p->energy)
-                                                        : start_positions(sim, &p->energy);
+    pdyn_status status = find_way(sim, sim->x);
+    if (status == PDYN_OK)
+        status = sim->solver->keeps_multipliers ? start_multipliers(sim, &p->energy)
+                                                : start_positions(sim, &p->energy);
     p->before = p->energy;
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {

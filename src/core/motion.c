@@ -20,10 +20,10 @@ static pdyn_status make_room(struct pdyn_sim *sim) {
 
 pdyn_status motion_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first) {
     struct motion *motion = &sim->motion;
-    struct moving m = {solid, first, sim->boundary.count - first, {0}, {0}};
+    struct moving m = {solid, first, sim->boundary.at.count - first, {0}, {0}};
     pdyn_status status = make_room(sim);
-    for (int i = first; i < sim->boundary.count && status == PDYN_OK; i++) {
-        double *x = sim->boundary.x + 3 * (size_t)i, from_pivot[3];
+    for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++) {
+        double *x = sim->boundary.at.x + 3 * (size_t)i, from_pivot[3];
         for (int a = 0; a < 3; a++) {
             from_pivot[a] = x[a] - solid->pivot[a];
             m.min[a] = i == first ? from_pivot[a] : fmin(m.min[a], from_pivot[a]);
@@ -95,14 +95,14 @@ void motion_place(const struct scene_solid *solid, const double *placed, int cou
 
 void motion_carry(struct pdyn_sim *sim, double time) {
     const struct motion *motion = &sim->motion;
-    int resting = sim->boundary.count - motion->points;
+    int resting = sim->boundary.at.count - motion->points;
     if (!motion->points) return;
     for (int k = 0; k < motion->solids; k++) {
         const struct moving *m = &motion->solid[k];
         motion_place(m->solid, motion->placed.x + 3 * (size_t)(m->first - resting), m->count, time,
-                     sim->boundary.x + 3 * (size_t)m->first);
+                     sim->boundary.at.x + 3 * (size_t)m->first);
     }
-    if (sim->neighbours) neighbours_move(sim->neighbours, sim->boundary.x + 3 * (size_t)resting);
+    if (sim->neighbours) neighbours_move(sim->neighbours, sim->boundary.at.x + 3 * (size_t)resting);
 }
 
 /* ---- speed ----------------------------------------------------------------------------------- */

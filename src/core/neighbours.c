@@ -1,37 +1,11 @@
-#include "neighbours.h"
+#include "neighbour_lists.h"
 
-#include "grid.h"
 #include "kernel.h"
 
 #include <string.h>
 
-enum { PARTICLES = 128, MOVES = 8192 }; /* grains */
-enum { USUAL = 64 * PARTICLES };        /* neighbours of a block, to begin with */
-
-struct neighbours {
-    pdyn_context *context;
-    pdyn_neighbours view;
-    double reach;                          /* m: support and skin */
-    double skin;                           /* m */
-    bool *centre;                          /* particles */
-    double centre_volume;                  /* m^3 */
-    int most;                              /* particles that may take part */
-    int active;                            /* particles that take part, */
-    int *id;                               /* active: these */
-    double *volume, *boundary_x, *built_x; /* built_x: particles x 3, where the lists were built */
-    struct grid moving, fixed;
-    int carried;                       /* the last boundary points, which may move */
-    double *built_carried;             /* carried x 3, where the lists were built */
-    double carried_by;                 /* m, the farthest of them since then */
-    int *start, *boundary_start, *end; /* particles */
-    int *index;                        /* for each block of slots `room` and one */
-    int room;                          /* neighbours of a block */
-    int *used;                         /* a count for each block */
-    size_t capacity;                   /* of index */
-    bool *moved;                       /* a flag for each parallel block of `active` */
-    struct sides *sides;               /* NULL where there is no surface */
-    bool built;
-};
+enum { MOVES = 8192 };                  /* particles of a parallel block */
+enum { USUAL = 64 * NEIGHBOURS_GRAIN }; /* neighbours of a block, to begin with */
 
 struct call {
     struct neighbours *n;
@@ -46,16 +20,19 @@ static pdyn_status allocate(struct neighbours *n, int particles, int boundary) {
     n->boundary_x = NEW_ARRAY(c, 3 * (size_t)boundary, double);
     n->built_x = NEW_ARRAY(c, 3 * (size_t)particles, double);
     n->built_carried = NEW_ARRAY(c, 3 * (size_t)n->carried, double);
-    n->start = NEW_ARRAY(c, particles, int);
-    n->boundary_start = NEW_ARRAY(c, particles, int);
-    n->end = NEW_ARRAY(c, particles, int);
-    n->used = NEW_ARRAY(c, pool_blocks(particles, PARTICLES), int);
+    n->lists.start = NEW_ARRAY(c, particles, int);
+    n->lists.surface_start = NEW_ARRAY(c, particles, int);
+    n->lists.boundary_start = NEW_ARRAY(c, particles, int);
+    n->lists.patch_start = NEW_ARRAY(c, particles, int);
+    n->boundary_id = NEW_ARRAY(c, boundary, int);
+    n->lists.end = NEW_ARRAY(c, particles, int);
+    n->used = NEW_ARRAY(c, pool_blocks(particles, NEIGHBOURS_GRAIN), int);
     n->moved = NEW_ARRAY(c, pool_blocks(particles, MOVES), bool);
     bool good = n->centre && n->id && n->volume && (!boundary || n->boundary_x) && n->built_x &&
-                (!n->carried || n->built_carried) && n->start && n->boundary_start && n->end &&
-                n->used && n->moved;
-    if (!good) return PDYN_NO_MEMORY;
-    return grid_create(c, particles, n->reach, &n->moving);
+                (!n->carried || n->built_carried) && n->lists.start && n->lists.surface_start &&
+                n->lists.boundary_start && n->lists.patch_start && (!boundary || n->boundary_id) &&
+                n->lists.end && n->used && n->moved;
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 /* The part of the boundary that may move. */
@@ -66,8 +43,31 @@ static double *carried_x(const struct neighbours *n) {
 static pdyn_status sort_boundary(struct neighbours *n) {
     if (n->carried) memcpy(n->built_carried, carried_x(n), 3 * (size_t)n->carried * sizeof(double));
     n->carried_by = 0.0;
-    return grid_sort(n->context, &n->fixed, n->view.points - n->view.particles, NULL,
+    int walls = n->wall_points, boundary = n->view.points - n->view.particles;
+    pdyn_status status = grid_sort(n->context, &n->walls, walls, n->boundary_id, n->boundary_x);
+    if (status != PDYN_OK) return status;
+    return grid_sort(n->context, &n->patches, boundary - walls, n->boundary_id + walls,
                      n->boundary_x);
+}
+
+/* Who takes part: centres first. */
+static void list_active(struct neighbours *n) {
+    n->active = n->centres = 0;
+    for (int i = 0; i < n->view.particles; i++)
+        if (n->volume[i] > 0.0 && n->centre[i]) n->id[n->active++] = i;
+    n->centres = n->active;
+    for (int i = 0; i < n->view.particles; i++)
+        if (n->volume[i] > 0.0 && !n->centre[i]) n->id[n->active++] = i;
+}
+
+/* Boundary points with volumes first. */
+static void list_boundary(struct neighbours *n, const struct neighbours_points *points) {
+    int count = 0;
+    for (int b = 0; b < points->boundary; b++)
+        if (points->is_wall[b]) n->boundary_id[count++] = b;
+    n->wall_points = count;
+    for (int b = 0; b < points->boundary; b++)
+        if (!points->is_wall[b]) n->boundary_id[count++] = b;
 }
 
 /* Copies the points, and shows them. */
@@ -77,33 +77,52 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     memcpy(n->centre, points->centre, particles * sizeof *n->centre);
     memcpy(n->volume, points->volume, (particles + boundary) * sizeof *n->volume);
     if (boundary) memcpy(n->boundary_x, points->boundary_x, 3 * boundary * sizeof *n->boundary_x);
-    for (int i = 0; i < points->particles; i++) {
-        if (n->volume[i] > 0.0) n->id[n->active++] = i;
+    for (int i = 0; i < points->particles; i++)
         if (n->centre[i]) n->centre_volume = n->volume[i];
-    }
-    n->most = n->active, n->view.volume_revision = 1;
+    list_boundary(n, points);
+    list_active(n);
+    n->most = n->active, n->room = USUAL, n->view.volume_revision = 1;
     n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
-    n->view.start = n->start, n->view.boundary_start = n->boundary_start, n->view.end = n->end;
+    n->view.start = n->lists.start, n->view.surface_start = n->lists.surface_start;
+    n->view.boundary_start = n->lists.boundary_start, n->view.patch_start = n->lists.patch_start;
+    n->view.end = n->lists.end;
     if (!samples) return;
     n->view.samples = samples->count;
     n->view.sample_vertex = samples->vertex, n->view.sample_weight = samples->weight;
 }
 
+static pdyn_status create_grids(struct neighbours *n) {
+    int boundary = n->view.points - n->view.particles;
+    pdyn_status status = grid_create(n->context, n->centres, n->reach, &n->fluid);
+    if (status == PDYN_OK)
+        status = grid_create(n->context, n->active - n->centres, n->surface_reach, &n->surface);
+    if (status == PDYN_OK) status = grid_create(n->context, n->wall_points, n->reach, &n->walls);
+    if (status == PDYN_OK)
+        status = grid_create(n->context, boundary - n->wall_points, n->patch_reach, &n->patches);
+    return status;
+}
+
 pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
-                              const struct samples *samples, double support, double skin,
-                              struct neighbours **out) {
+                              const struct samples *samples, struct neighbours **out) {
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
-    n->carried = points->moving, n->sides = points->sides;
-    n->skin = skin * support, n->reach = support + n->skin;
-    n->view = (pdyn_neighbours){.support = support,
+    n->carried = points->moving;
+    n->system = points->particles - (samples ? samples->count : 0);
+    n->skin = points->skin, n->reach = points->support + n->skin;
+    n->surface_reach = points->surface_support + n->skin;
+    n->patch_reach = points->patch_support + n->skin;
+    n->view = (pdyn_neighbours){.support = points->support,
+                                .surface_support = points->surface_support,
+                                .patch_support = points->patch_support,
+                                .has_volumes = points->has_volumes,
                                 .particles = points->particles,
                                 .points = points->particles + points->boundary};
     pdyn_status status = allocate(n, points->particles, points->boundary);
+    if (status == PDYN_OK) status = visibility_create(n, points->sides);
     if (status == PDYN_OK) {
         fill_points(n, points, samples);
-        status = grid_create(context, points->boundary, n->reach, &n->fixed);
+        status = create_grids(n);
     }
     if (status == PDYN_OK) status = sort_boundary(n);
     if (status == PDYN_OK) return status;
@@ -116,20 +135,26 @@ void neighbours_free(struct neighbours *n) {
     if (!n) return;
     pdyn_context *c = n->context;
     int particles = n->view.particles, boundary = n->view.points - particles;
-    grid_free(c, &n->moving);
-    grid_free(c, &n->fixed);
+    grid_free(c, &n->fluid);
+    grid_free(c, &n->surface);
+    grid_free(c, &n->walls);
+    grid_free(c, &n->patches);
     FREE_ARRAY(c, n->centre, particles);
     FREE_ARRAY(c, n->id, particles);
     FREE_ARRAY(c, n->volume, particles + boundary);
     FREE_ARRAY(c, n->boundary_x, 3 * (size_t)boundary);
     FREE_ARRAY(c, n->built_x, 3 * (size_t)particles);
     FREE_ARRAY(c, n->built_carried, 3 * (size_t)n->carried);
-    FREE_ARRAY(c, n->start, particles);
-    FREE_ARRAY(c, n->boundary_start, particles);
-    FREE_ARRAY(c, n->end, particles);
-    FREE_ARRAY(c, n->used, pool_blocks(particles, PARTICLES));
+    FREE_ARRAY(c, n->lists.start, particles);
+    FREE_ARRAY(c, n->lists.surface_start, particles);
+    FREE_ARRAY(c, n->lists.boundary_start, particles);
+    FREE_ARRAY(c, n->lists.patch_start, particles);
+    FREE_ARRAY(c, n->boundary_id, boundary);
+    FREE_ARRAY(c, n->lists.end, particles);
+    FREE_ARRAY(c, n->used, pool_blocks(particles, NEIGHBOURS_GRAIN));
     FREE_ARRAY(c, n->moved, pool_blocks(particles, MOVES));
-    FREE_ARRAY(c, n->index, n->capacity);
+    FREE_ARRAY(c, n->lists.index, n->lists.capacity);
+    visibility_free(n);
     FREE_ARRAY(c, n, 1);
 }
 
@@ -137,12 +162,13 @@ const pdyn_neighbours *neighbours_view(const struct neighbours *n) { return &n->
 
 /* Who takes no part has an empty list. */
 void neighbours_change(struct neighbours *n, const bool *live) {
-    n->active = 0;
     for (int i = 0; i < n->view.particles; i++) {
         if (n->centre[i]) n->volume[i] = live[i] ? n->centre_volume : 0.0;
-        if (n->volume[i] > 0.0) n->id[n->active++] = i;
-        else n->start[i] = n->boundary_start[i] = n->end[i] = 0;
+        if (n->volume[i] > 0.0) continue;
+        n->lists.start[i] = n->lists.surface_start[i] = 0;
+        n->lists.boundary_start[i] = n->lists.patch_start[i] = n->lists.end[i] = 0;
     }
+    list_active(n);
     n->built = false;
     n->view.volume_revision++;
 }
@@ -195,135 +221,97 @@ bool neighbours_hold(struct neighbours *n, const double *x) {
 /* The surroundings of the last cell: points are taken in the order of their cells, so that these
  * are looked up once for all points of a cell. */
 struct walk {
-    struct grid_cells moving, fixed;
+    struct grid_cells fluid, surface, walls, patches;
+    int *list; /* the block's part of `index` */
+    int used;  /* of its room */
 };
 
-/* Neighbours of i among the particles: everything for a centre, centres for the others. */
-static int query_particles(const struct neighbours *n, struct walk *w, const double *at, int i,
-                           int *list, int room) {
-    grid_around(&n->moving, at, &w->moving);
-    return grid_query(&n->moving, &w->moving, at, n->reach, i, n->centre[i] ? NULL : n->centre,
-                      list, room);
+/* Appends the points of a grid that are closer than `reach` to point i, plus `first` each. What
+ * does not fit is counted only. */
+static void append(struct neighbours *n, struct walk *w, const struct grid *grid,
+                   struct grid_cells *cells, const double *at, int i, double reach, int first) {
+    int room = w->used < n->room ? n->room - w->used : 0;
+    int *list = w->list + n->room - room;
+    if (!grid->points) return;
+    grid_around(grid, at, cells);
+    int found = grid_query(grid, cells, at, reach, i, NULL, list, room);
+    for (int k = 0; first && k < found && k < room; k++) list[k] += first;
+    w->used += found;
 }
 
-static int query_boundary(const struct neighbours *n, struct walk *w, const double *at, int i,
-                          int *list, int room) {
-    if (!n->centre[i]) return 0;
-    grid_around(&n->fixed, at, &w->fixed);
-    return grid_query(&n->fixed, &w->fixed, at, n->reach, -1, NULL, list, room);
+/* Which point the slot is: in the order of their cells, centres first. */
+static int point_of(const struct neighbours *n, int slot) {
+    return slot < n->centres ? n->fluid.id[slot] : n->surface.id[slot - n->centres];
 }
 
-/* The lists of a block of slots, one after the other in the block's part of `index`. What does not
- * fit is counted only. */
+/* The lists of a block of slots, one after the other in the block's part of `index`. */
 static void fill_lists(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct neighbours *n = c->n;
-    struct walk walk = {0};
-    int begin = block * (n->room + 1), used = 0;
+    int begin = block * (n->room + 1);
+    struct walk w = {.list = n->lists.index + begin};
     for (int k = first; k < last; k++) {
-        int i = n->moving.id[k], room = used < n->room ? n->room - used : 0;
-        int *list = n->index + begin + n->room - room;
-        const double *at = c->x + 3 * i;
-        int particles = query_particles(n, &walk, at, i, list, room);
-        room = particles < room ? room - particles : 0;
-        list = n->index + begin + n->room - room;
-        int boundary = query_boundary(n, &walk, at, i, list, room);
-        for (int b = 0; b < boundary && b < room; b++) list[b] += n->view.particles;
-        n->start[i] = begin + used, n->boundary_start[i] = begin + used + particles;
-        used += particles + boundary;
-        n->end[i] = begin + used;
+        int i = point_of(n, k);
+        const double *at = c->x + 3 * (size_t)i;
+        bool centre = n->centre[i];
+        n->lists.start[i] = begin + w.used;
+        append(n, &w, &n->fluid, &w.fluid, at, i, centre ? n->reach : n->surface_reach, 0);
+        n->lists.surface_start[i] = begin + w.used;
+        if (centre) append(n, &w, &n->surface, &w.surface, at, -1, n->surface_reach, 0);
+        n->lists.boundary_start[i] = begin + w.used;
+        if (centre) append(n, &w, &n->walls, &w.walls, at, -1, n->reach, n->view.particles);
+        n->lists.patch_start[i] = begin + w.used;
+        if (centre)
+            append(n, &w, &n->patches, &w.patches, at, -1, n->patch_reach, n->view.particles);
+        n->lists.end[i] = begin + w.used;
     }
-    n->used[block] = used;
+    n->used[block] = w.used;
 }
 
-/* Makes room for the fullest block, and some more, so that a warmed-up step allocates nothing. */
-static pdyn_status reserve(struct neighbours *n, int most) {
-    size_t blocks = (size_t)pool_blocks(n->most, PARTICLES);
-    size_t capacity = blocks * ((size_t)most + (size_t)most / 4 + 1);
+/* Makes `index` as long as there is room in every block. */
+static pdyn_status reserve(struct neighbours *n) {
+    size_t capacity = (size_t)pool_blocks(n->most, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
+    if (capacity <= n->lists.capacity) return PDYN_OK;
     if (capacity > INT32_MAX)
         return context_fail(n->context, PDYN_DIVERGED,
                             "more than 2^31 neighbours: the fluid has collapsed");
-    FREE_ARRAY(n->context, n->index, n->capacity);
-    n->room = most + most / 4, n->capacity = capacity;
-    n->view.index = n->index = NEW_ARRAY(n->context, capacity, int);
-    return n->index ? PDYN_OK : PDYN_NO_MEMORY;
+    FREE_ARRAY(n->context, n->lists.index, n->lists.capacity);
+    n->lists.capacity = capacity;
+    n->lists.index = NEW_ARRAY(n->context, capacity, int);
+    return n->lists.index ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* Fills all lists, once more where some block had not room enough. */
+/* Fills all lists, once more where some block had not room enough: then with some more than that,
+ * so that a warmed-up step allocates nothing. */
 static pdyn_status fill(struct neighbours *n, const double *x) {
     struct call call = {n, x};
-    pdyn_status status = n->index ? PDYN_OK : reserve(n, USUAL);
-    for (int most = 0; status == PDYN_OK; status = reserve(n, most)) {
-        pool_for(n->context->pool, n->active, PARTICLES, fill_lists, &call);
-        for (int b = 0; b < pool_blocks(n->active, PARTICLES); b++)
+    pdyn_status status = reserve(n);
+    while (status == PDYN_OK) {
+        int most = 0;
+        pool_for(n->context->pool, n->active, NEIGHBOURS_GRAIN, fill_lists, &call);
+        for (int b = 0; b < pool_blocks(n->active, NEIGHBOURS_GRAIN); b++)
             if (n->used[b] > most) most = n->used[b];
         if (most <= n->room) break;
+        n->room = most + most / 4;
+        status = reserve(n);
     }
     return status;
-}
-
-static const double *position(const struct neighbours *n, const double *x, int i) {
-    int particles = n->view.particles;
-    return i < particles ? x + 3 * (size_t)i : n->boundary_x + 3 * (size_t)(i - particles);
-}
-
-/* Samples are what a surface is felt by. */
-static bool hides(const struct neighbours *n, int i) {
-    return i >= n->view.particles || n->centre[i];
-}
-
-static void find_clearances(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    const struct neighbours *n = c->n;
-    for (int k = first; k < last; k++) {
-        int i = k < n->active ? n->id[k] : n->view.particles + k - n->active;
-        if (hides(n, i)) sides_approach(n->sides, i, position(n, c->x, i));
-    }
-}
-
-/* Takes other centres and boundary points that a surface hides from the lists of centres, and
- * closes the gaps. */
-static void hide(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct neighbours *n = c->n;
-    for (int k = first; k < last; k++) {
-        int i = n->id[k], to = n->start[i], boundary = n->boundary_start[i];
-        if (!n->centre[i]) continue;
-        for (int s = n->start[i]; s < n->end[i]; s++) {
-            int j = n->index[s];
-            if (s == boundary) n->boundary_start[i] = to;
-            if (hides(n, j) &&
-                sides_between(n->sides, i, position(n, c->x, i), j, position(n, c->x, j)))
-                continue;
-            n->index[to++] = j;
-        }
-        if (boundary == n->end[i]) n->boundary_start[i] = to;
-        n->end[i] = to;
-    }
-}
-
-static void separate(struct neighbours *n, const double *x) {
-    struct call call = {n, x};
-    struct box centres = box_empty;
-    int boundary = n->view.points - n->view.particles;
-    for (int k = 0; k < n->active; k++)
-        if (n->centre[n->id[k]]) box_add(&centres, x + 3 * (size_t)n->id[k]);
-    sides_plant(n->sides, x, &centres);
-    pool_for(n->context->pool, n->active + boundary, PARTICLES, find_clearances, &call);
-    pool_for(n->context->pool, n->active, PARTICLES, hide, &call);
 }
 
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
     pdyn_status status = n->carried_by > 0.0 ? sort_boundary(n) : PDYN_OK;
-    if (status == PDYN_OK) status = grid_sort(n->context, &n->moving, n->active, n->id, x);
-    if (status == PDYN_OK) status = fill(n, x);
+    if (status == PDYN_OK) status = grid_sort(n->context, &n->fluid, n->centres, n->id, x);
+    if (status == PDYN_OK)
+        status = grid_sort(n->context, &n->surface, n->active - n->centres, n->id + n->centres, x);
     if (status != PDYN_OK) return status;
-    if (n->sides) separate(n, x);
+    visibility_keep(n, x);
+    status = fill(n, x);
+    if (status != PDYN_OK) return status;
+    visibility_hide(n);
     memmove(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);
     n->built = true;
+    n->view.index = n->lists.index;
     n->view.revision++;
     return PDYN_OK;
 }
@@ -334,6 +322,7 @@ pdyn_status neighbours_persist(struct neighbours *n, pdyn_archive *archive) {
     archive->bytes(archive, n->built_x, 3 * (size_t)n->view.particles * sizeof *n->built_x);
     if (n->carried)
         archive->bytes(archive, n->built_carried, 3 * (size_t)n->carried * sizeof(double));
+    visibility_persist(n, archive);
     if (!archive->reading || !built) return PDYN_OK;
     if (n->carried) memcpy(carried_x(n), n->built_carried, 3 * (size_t)n->carried * sizeof(double));
     pdyn_status status = sort_boundary(n);

@@ -1,9 +1,9 @@
-/* Neighbour lists for SPH sums. Lists hold every pair closer than the support plus a skin at the
+/* Neighbour lists for SPH sums. Lists hold every pair closer than its support plus a skin at the
  * time they were built, so they stay complete until some particle has moved by half the skin, or by
- * what moving boundary points have left of it. Pairs are those of a centre (a particle that needs
- * sums) with any other taking part, both ways, but for two centres, or a centre and a boundary
- * point, between which there was a surface when the lists were built: as long as nothing passes
- * through it, it stays between them. */
+ * what moving boundary points have left of it. Pairs are those of a centre (a particle of a fluid)
+ * with another centre, with a sample of a surface, both ways, and with a boundary point; but two
+ * centres, or a centre and a boundary point, between which there was a surface when the lists were
+ * built, are no pair: as long as nothing passes through it, it stays between them. */
 #ifndef PDYN_NEIGHBOURS_H
 #define PDYN_NEIGHBOURS_H
 
@@ -15,21 +15,24 @@
 struct neighbours;
 
 struct neighbours_points { /* all arrays are copied */
-    int particles;         /* of the system, then the samples */
+    int particles;         /* of the system, then the samples, which take part and are no centres */
     const bool *centre;    /* particles */
     int boundary;
     const double *boundary_x; /* boundary x 3, m */
     int moving;               /* so many of the last boundary points may move */
     const double *volume;     /* particles, then boundary; 0 for a particle that takes no part */
-    struct sides *sides;      /* what hides centres from each other, or NULL; not copied */
+    const bool *is_wall;      /* boundary: has a volume, and the support of centres */
+    double support, surface_support, patch_support; /* m: see pdyn_neighbours */
+    double skin;                                    /* m */
+    bool has_volumes;                               /* the same */
+    struct sides *sides; /* what hides centres from each other, or NULL; not copied */
 };
 
-/* samples: the last particles, or NULL for none; they must stay. skin: a part of the support, >= 0.
- * Memory: 121 bytes per particle, 104 per boundary point, 24 more where it may move, and 5 per
- * listed neighbour (about 55 of these). */
+/* samples: the last particles, or NULL for none; they must stay. Memory: 125 bytes per particle,
+ * 104 per boundary point, 24 more where it may move, and 5 per listed neighbour (about 55 of
+ * these). */
 pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
-                              const struct samples *samples, double support, double skin,
-                              struct neighbours **out);
+                              const struct samples *samples, struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
 
 /* Of the centres only those take part from now on that are live; lists have to be built again. All
@@ -51,6 +54,15 @@ pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 /* Writes where the lists were built, or reads it and builds them there. Who takes part has to be
  * known before; boundary points that move have to be moved after. */
 pdyn_status neighbours_persist(struct neighbours *neighbours, pdyn_archive *archive);
+
+/* A step begins where the system's particles are at x, which stay there until it ends. */
+void neighbours_begin(struct neighbours *neighbours, const double *x);
+
+/* The step's first local step is done: lists that are built later hide what they hide now. */
+void neighbours_decided(struct neighbours *neighbours);
+
+/* After a step. */
+void neighbours_settle(struct neighbours *neighbours);
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
 

@@ -55,7 +55,7 @@ pdyn_status persist(struct pdyn_sim *sim, struct archive *a) {
     archive_expect(a, (uint64_t)sim->system.particles, "numbers of particles");
     archive_expect(a, hash_bytes(HASH_BEGIN, sim->rest, system_bytes(&sim->system)),
                    "positions at rest");
-    archive_expect(a, (uint64_t)sim->boundary.count, "numbers of boundary points");
+    archive_expect(a, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
     archive_expect(a, (uint64_t)sim->system.batches, "constraints");
     archive_expect(a, hash_bytes(HASH_BEGIN, sim->solver->name, strlen(sim->solver->name)),
                    "solvers");

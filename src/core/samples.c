@@ -6,6 +6,8 @@
 #include "projdyn/vec3.h"
 #include "simd.h"
 
+#include <math.h>
+
 #include <string.h>
 
 enum { GRAIN = 2048 };
@@ -91,6 +93,13 @@ void samples_gather(const struct samples *s, const double *extended, double *y) 
 
 void samples_gather_blocks(const struct samples *s, const double *extended, double *blocks) {
     gather(s, extended, blocks, 6);
+}
+
+void samples_limit(const struct samples *s, double *way) {
+    for (int k = 0; k < s->live; k++)
+        for (int m = 3 * s->near[k]; m < 3 * s->near[k] + 3; m++)
+            if (s->weight[m] > 0.0)
+                way[s->vertex[m]] = fmin(way[s->vertex[m]], way[s->particles + s->near[k]]);
 }
 
 /* ---- which of them matter -------------------------------------------------------------------- */
@@ -189,7 +198,7 @@ void samples_free(struct samples *s) {
     FREE_ARRAY(s->context, s, 1);
 }
 
-/* The samples of one surface, from `first` on; their positions go to s->x. */
+/* The samples of one surface, from `first` on; their positions go to s->x, areas to s->volume. */
 static void place(struct samples *s, const pdyn_body *body, const struct spots *spots, int first,
                   const double *rest) {
     for (int k = 0; k < spots->count; k++) {
@@ -200,16 +209,24 @@ static void place(struct samples *s, const pdyn_body *body, const struct spots *
         memcpy(s->weight + 3 * (first + k), spot->weight, sizeof spot->weight);
         spot_position(spot, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
         s->rest_area[first + k] = area(s, first + k, rest);
+        s->volume[first + k] = spot->area;
     }
 }
 
+struct wanted { /* of all samples */
+    const struct boundary_model *model;
+    double thickness, spacing; /* m */
+};
+
 static pdyn_status fill(struct samples *s, int bodies, const pdyn_body *body,
-                        const struct spots *spots, double support, const double *rest) {
+                        const struct spots *spots, const struct wanted *wanted,
+                        const double *rest) {
     pdyn_status status = allocate(s) ? PDYN_OK : PDYN_NO_MEMORY;
     for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += spots[b++].count) {
         place(s, &body[b], &spots[b], first, rest);
-        status = neighbours_surface_volumes(s->context, spots[b].count, s->x + 3 * (size_t)first,
-                                            support, s->rest_volume + first);
+        status = boundary_volumes(
+            s->context, wanted->model, spots[b].count, s->x + 3 * (size_t)first, s->volume + first,
+            body[b].tets ? 0.0 : wanted->thickness, wanted->spacing, s->rest_volume + first);
     }
     if (status != PDYN_OK) return status;
     for (int k = 0; k < s->count; k++) s->near[s->live++] = k;
@@ -218,21 +235,22 @@ static pdyn_status fill(struct samples *s, int bodies, const pdyn_body *body,
 }
 
 pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
-                           const double *rest, double spacing, double support,
-                           struct samples **out) {
+                           const double *rest, const struct boundary_model *model, double thickness,
+                           double spacing, struct samples **out) {
+    const struct wanted wanted = {model, thickness, spacing};
     struct spots *spots = NEW_ARRAY(context, bodies, struct spots);
     pdyn_status status = spots ? PDYN_OK : PDYN_NO_MEMORY;
     int count = 0;
     *out = NULL;
     for (int b = 0; b < bodies && status == PDYN_OK; count += spots[b++].count)
         status = sample_triangles(context, body[b].rest, body[b].triangles, body[b].triangle,
-                                  spacing, &spots[b]);
+                                  model->spots * spacing, &spots[b]);
     if (status == PDYN_OK && count) {
         *out = NEW_ARRAY(context, 1, struct samples);
         if (!*out) status = PDYN_NO_MEMORY;
         else {
             **out = (struct samples){.context = context, .particles = particles, .count = count};
-            status = fill(*out, bodies, body, spots, support, rest);
+            status = fill(*out, bodies, body, spots, &wanted, rest);
         }
     }
     if (status != PDYN_OK) samples_free(*out), *out = NULL;

@@ -6,6 +6,7 @@
 #ifndef PDYN_SAMPLES_H
 #define PDYN_SAMPLES_H
 
+#include "boundary.h"
 #include "context.h"
 #include "projdyn/module.h"
 
@@ -15,8 +16,8 @@ struct samples {
     int count;              /* samples */
     int *vertex;            /* count x 3: particles of the system */
     double *weight;         /* count x 3: barycentric coordinates */
-    double *volume;         /* count, m^3: in SPH sums, now */
-    double *rest_volume;    /* count, m^3 */
+    double *volume;         /* count, m^3: what it counts in SPH sums (boundary.h), now, */
+    double *rest_volume;    /* count, m^3: and at rest */
     double *rest_area;      /* count, m^2: of the sample's triangle */
     int live;               /* so many are near to some particle that sums are for: */
     int *near;              /* live: these samples, */
@@ -30,12 +31,11 @@ struct samples {
     double *blocks;         /* (particles + count) x 6 */
 };
 
-/* Samples all surfaces at rest (particles x 3), `spacing` (m) apart as sample_triangles says, with
- * volumes for SPH sums of this support (Akinci et al. 2012, eq. 4). *out is NULL where there is no
- * surface. */
+/* Samples all surfaces at rest (particles x 3) as the model says; thickness: m, of sheets, spacing:
+ * m, of the fluid's particles. *out is NULL where there is no surface. */
 pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
-                           const double *rest, double spacing, double support,
-                           struct samples **out);
+                           const double *rest, const struct boundary_model *model, double thickness,
+                           double spacing, struct samples **out);
 void samples_free(struct samples *samples);
 
 /* out = (x, S x) */
@@ -53,6 +53,9 @@ void samples_gather(const struct samples *samples, const double *extended, doubl
 /* Adds a block diagonal, packed, x 6. Those of the samples are lumped to their corners, which
  * bounds S' D S from above. */
 void samples_gather_blocks(const struct samples *samples, const double *extended, double *blocks);
+
+/* A particle that samples lie on may move no farther than these (way: particles, then samples). */
+void samples_limit(const struct samples *samples, double *way);
 
 /* Volumes where the particles are at x: as the areas of the triangles. */
 void samples_stretch(struct samples *samples, const double *x);

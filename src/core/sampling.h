@@ -28,14 +28,34 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
 pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
                                struct points *out);
 
-/* Adds a regular grid of points at most `spacing` apart on the faces of the box that are not open
- * (bits as in scene_solid). Edges that two faces share are sampled once. */
-pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box, unsigned open,
-                               double spacing, struct points *out);
+struct patch {   /* what a point of a surface stands for */
+    double area; /* m^2 */
+    bool of_box;
+};
+
+struct patches { /* points on surfaces */
+    struct points at;
+    size_t capacity;
+    struct patch *patch; /* at.count */
+};
+
+void patches_free(pdyn_context *context, struct patches *patches);
+
+struct face_grid {  /* of points on the faces of a box */
+    unsigned open;  /* faces that are not there: bits as in scene_solid */
+    double spacing; /* m: the points lie at most so far apart */
+    double outside; /* m: the points lie so far outside of the faces */
+    double beyond;  /* m: a grid goes so far beyond an edge that its face shares with another one */
+};
+
+/* Adds a regular grid of points for every face of the box. */
+pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box,
+                               const struct face_grid *grid, struct patches *out);
 
 struct spot { /* a point of a surface */
     int triangle;
     double weight[3]; /* of its corners: barycentric coordinates */
+    double area;      /* m^2: of the surface that is nearer to it than to any other spot */
 };
 
 struct spots {
@@ -54,6 +74,6 @@ void spot_position(const struct spot *spot, const double *vertex, const int *tri
 
 /* Adds these spots of a mesh. */
 pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
-                                struct points *out);
+                                struct patches *out);
 
 #endif

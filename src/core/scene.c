@@ -148,9 +148,9 @@ static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
 }
 
 static pdyn_status read_all(struct reader *r, const struct json_at *root) {
-    static const char *const others[] = {"$schema", "name",    "gravity", "time_step",
-                                         "solver",  "bodies",  "solids",  "outlets",
-                                         "contact", "plugins", NULL};
+    static const char *const others[] = {"$schema", "name",    "gravity",  "time_step",
+                                         "solver",  "bodies",  "solids",   "outlets",
+                                         "contact", "plugins", "boundary", NULL};
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
     struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
     struct json_at plugins = json_member(root, "plugins");

@@ -95,6 +95,7 @@ struct scene_settings {    /* the scene's own "solver" and "time_step" and gener
     double h_min, h_max;   /* s */
     double cfl;            /* particle radii that a particle may travel in a step */
     const struct integrator *integrator;
+    const struct boundary_model *boundary;
     int retries;                                  /* of a step that cannot be taken */
     double tolerance;                             /* step residual at which a step is solved */
     int outer_iterations;                         /* cap */

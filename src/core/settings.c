@@ -1,6 +1,7 @@
 /* How a scene is solved: its parameters and their reading. A default outside the bounds means:
  * absent. */
 #include "accelerate.h"
+#include "boundary.h"
 #include "integrator.h"
 #include "params.h"
 #include "reader.h"
@@ -119,9 +120,20 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     return status == PDYN_OK ? read_acceleration(at, set) : status;
 }
 
+static pdyn_status read_boundary(const struct json_at *root, struct scene_settings *set) {
+    const char *names[READER_NAMES];
+    struct json_at at = json_member(root, "boundary");
+    int chosen = 0;
+    for (int k = 0; k < boundary_model_count; k++) names[k] = boundary_models[k].name;
+    pdyn_status status = reader_choice(&at, "boundary", names, boundary_model_count, &chosen);
+    set->boundary = &boundary_models[chosen];
+    return status;
+}
+
 pdyn_status settings_read(struct reader *r, const struct json_at *root) {
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     pdyn_status status = read_general(r, root);
+    if (status == PDYN_OK) status = read_boundary(root, &r->scene->settings);
     if (status == PDYN_OK) status = read_time_step(r, &time_step);
     return status == PDYN_OK ? read_solver(r, &solver) : status;
 }

@@ -135,6 +135,8 @@ static void see_between(void *user, int planted) {
     q->between |= meets(d, c);
 }
 
+bool sides_near(const struct sides *s, int i) { return s->clearance[i] < 0.5 * s->reach; }
+
 /* Around each point there is a ball without a triangle; often the two cover the segment. */
 bool sides_between(const struct sides *s, int i, const double *a, int j, const double *b) {
     struct question q = {.sides = s, .from = i < j ? a : b, .to = i < j ? b : a};

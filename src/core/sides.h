@@ -32,6 +32,9 @@ void sides_plant(struct sides *sides, const double *x, const struct box *around)
 /* Notes how far point i, there, is from them; needed of both points of a pair. */
 void sides_approach(struct sides *sides, int i, const double *there);
 
+/* Is point i, approached before, near to a surface? */
+bool sides_near(const struct sides *sides, int i);
+
 /* Is a triangle between i and j, which are at a and b? The same for (j, i). */
 bool sides_between(const struct sides *sides, int i, const double *a, int j, const double *b);
 

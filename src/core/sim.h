@@ -24,7 +24,7 @@ struct pdyn_sim {
     pdyn_body *body;           /* what modules see */
     struct topology *topology; /* bodies; empty for particles */
     double *rest;              /* particles x 3: the bodies' rest positions, m */
-    struct points boundary;    /* points on the solids */
+    struct patches boundary;   /* points on the solids */
     struct motion motion;      /* of the last of these */
     pdyn_services services;    /* what operators may call */
 
@@ -35,7 +35,8 @@ struct pdyn_sim {
     double *pressure;        /* particles, Pa, */
     double *pressure_before; /* and a step before */
     double *x_next;          /* particles x 3: the iterate */
-    double *gradient;        /* particles x 3: of E at the iterate, N */
+    double *way;      /* particles, samples, m: how far each may go at once; NULL: no limit */
+    double *gradient; /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
     double *x_before, *v_before; /* particles x 3: the state a step earlier, m, m/s; NULL where the
                                     integrator needs none */

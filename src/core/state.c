@@ -25,9 +25,9 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .density = sim->density,
                         .pressure = sim->pressure,
                         .live = sim->emit ? sim->emit->live : NULL,
-                        .boundary = sim->boundary.count,
+                        .boundary = sim->boundary.at.count,
                         .moving = sim->motion.points,
-                        .boundary_x = sim->boundary.x,
+                        .boundary_x = sim->boundary.at.x,
                         .bodies = sim->bodies,
                         .constraints = sim->constraints};
 }

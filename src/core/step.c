@@ -76,6 +76,7 @@ static void accept(struct pdyn_sim *sim, double h) {
 /* Where a step of length h would end, in x_next; the state is as it was. */
 static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
     *progress = (struct progress){0};
+    if (sim->neighbours) neighbours_begin(sim->neighbours, sim->x);
     pdyn_status status = prepare_samples(sim);
     if (status != PDYN_OK) return status;
     predict(sim, h);
@@ -151,6 +152,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     measure_fetch(sim);
     sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, harmless);
     accept(sim, end.h);
+    if (sim->neighbours) neighbours_settle(sim->neighbours);
     timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);

@@ -84,6 +84,7 @@ pdyn_status system_cover(struct system *sys, const double *x, const double **all
 pdyn_status system_local(struct system *sys, const double *x, double *energy, double *gradient) {
     const double *all;
     pdyn_status status = system_cover(sys, x, &all);
+    if (sys->neighbours) neighbours_decided(sys->neighbours);
     if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
@@ -95,6 +96,17 @@ pdyn_status system_local(struct system *sys, const double *x, double *energy, do
         *energy += sys->batch[b]->energy;
     }
     sys->ms_local += clock_ms() - start;
+    return status;
+}
+
+pdyn_status system_limit(struct system *sys, const double *x, double *way) {
+    const double *all;
+    pdyn_status status = system_cover(sys, x, &all);
+    int samples = sys->samples ? sys->samples->count : 0;
+    for (int i = 0; i < sys->particles + samples; i++) way[i] = INFINITY;
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        batch_limit(sys->batch[b], all, way);
+    if (samples) samples_limit(sys->samples, way);
     return status;
 }
 

@@ -47,6 +47,9 @@ struct system {
 /* A step of effective length h begins at x and v, the base of integrator.h. */
 void system_begin(struct system *system, const double *x, const double *v);
 
+/* way: particles, then samples, m: how far each of them may go from x at once. */
+pdyn_status system_limit(struct system *system, const double *x, double *way);
+
 /* x with the samples, *all, and lists that are complete there. */
 pdyn_status system_cover(struct system *system, const double *x, const double **all);
 

@@ -1,0 +1,148 @@
+/* The surface between water and what it touches: kernel and areas, what a sheet displaces, and that
+ * a change of who sees whom does not push. */
+#include "support.h"
+
+#include "kernel.h"
+#include "sampling.h"
+
+#include "projdyn/vec3.h"
+
+static const double d = 0.1; /* m, particle spacing */
+
+/* lambda(z) = A (1 - q/d)^4, q^2 = z^2 + (d/10)^2. */
+static double plane_at(double z) { return 2.2 * pow(1.0 - sqrt(z * z + 0.01 * d * d) / d, 4.0); }
+
+/* A plane's sum is lambda, the slope its derivative, and the distance is found back from it. */
+static void test_kernel(void **state) {
+    (void)state;
+    struct surface_kernel kernel = surface_kernel_make(d);
+    for (double z = 0.01 * d; z < 0.99 * d; z += 0.049 * d) {
+        double sum = 0.0, dr = 1e-4 * d;
+        for (double r = 0.5 * dr; r < d; r += dr) /* of rings; areas count times d */
+            sum += surface_kernel_value(&kernel, z * z + r * r) * 2.0 * acos(-1.0) * r * dr * d;
+        assert_true(fabs(sum - plane_at(z)) < 1e-4 * plane_at(0.0));
+        double up = surface_kernel_value(&kernel, (z + 1e-6) * (z + 1e-6));
+        double down = surface_kernel_value(&kernel, (z - 1e-6) * (z - 1e-6));
+        double slope = surface_kernel_slope(&kernel, z * z) * z;
+        assert_true(fabs((up - down) / 2e-6 / slope - 1.0) < 1e-5);
+        assert_true(fabs(surface_kernel_distance(plane_at(z), d) - z) < 1e-9 * d);
+    }
+    assert_true(surface_kernel_value(&kernel, d * d) == 0.0);
+    double by = 0.1, near = 0.5 * d, far = 0.6 * d;
+    assert_true(fabs(surface_kernel_farther(by) * plane_at(far) / plane_at(near) - 1.0) < 1e-12);
+}
+
+/* Mean and standard deviation of a plane's sum half a spacing away, over lambda; the points lie at
+ * x, with areas, on a square of 2 m. */
+static void sum_over(int count, const double *x, const double *area, double *mean, double *spread) {
+    struct surface_kernel kernel = surface_kernel_make(d);
+    double sum = 0.0, squares = 0.0;
+    uint64_t seed = 11;
+    enum { PLACES = 2000 };
+    for (int n = 0; n < PLACES; n++) {
+        double at[3] = {1.0 + 0.7 * test_random(&seed), 0.5 * d, 1.0 + 0.7 * test_random(&seed)};
+        double all = 0.0;
+        for (int k = 0; k < count; k++) {
+            double r = vec3_distance(at, x + 3 * k);
+            all += area[k] * d * surface_kernel_value(&kernel, r * r) / plane_at(0.5 * d);
+        }
+        sum += all, squares += all * all;
+    }
+    *mean = sum / PLACES, *spread = sqrt(squares / PLACES - *mean * *mean);
+}
+
+/* The spots of a mesh stand for its whole area, and a plane's sum over them hardly varies. */
+static void test_areas(void **state) {
+    (void)state;
+    static const double vertex[] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
+    static const int triangle[] = {0, 1, 2, 0, 2, 3};
+    pdyn_context *context = test_context(1);
+    struct spots spots = {0};
+    assert_int_equal(sample_triangles(context, vertex, 2, triangle, 0.5 * d, &spots), PDYN_OK);
+    double *x = malloc(3 * (size_t)spots.count * sizeof *x),
+           *area = malloc((size_t)spots.count * sizeof *area);
+    double all = 0.0, mean, spread;
+    assert_true(x && area);
+    for (int k = 0; k < spots.count; k++) {
+        spot_position(&spots.spot[k], vertex, triangle, x + 3 * k);
+        all += area[k] = spots.spot[k].area;
+    }
+    assert_true(fabs(all - 4.0) < 1e-9);
+    sum_over(spots.count, x, area, &mean, &spread);
+    print_message("a plane's sum over spots: %.4f of lambda, +- %.4f\n", mean, spread);
+    assert_true(fabs(mean - 1.0) < 0.01 && spread < 0.03);
+    free(x), free(area);
+    spots_free(context, &spots);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+/* A lattice of particles that touches the walls of a box is at rest there. */
+static void test_lattice(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{\"duration\": 1, \"bodies\": [{\"particles\": {\"radius\": 0.05, \"fill\": "
+                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.8, 0.8, 0.8]}}]}, "
+                 "\"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [{\"box\": {\"minimum\": "
+                 "[0, 0, 0], \"maximum\": [0.8, 0.8, 0.8]}}]}");
+    double energy;
+    sim->system.h = 0.01;
+    assert_int_equal(system_local(&sim->system, sim->x, &energy, sim->gradient), PDYN_OK);
+    sim->system.batch[0]->type->op->density(sim->system.batch[0]->op, sim->density);
+    for (int i = 0; i < sim->system.particles; i++)
+        assert_true(sim->density[i] > 990.0 && sim->density[i] < 1001.0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+static const char held[] =
+    "{\"duration\": 10, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"outer_iterations\": "
+    "40},"
+    " %s \"bodies\": [{\"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": [0, 0, "
+    "0],"
+    " \"maximum\": [0.24, 0.2, 0.24]}}]}, \"constraints\": [{\"type\": \"fluid\", \"compression\": "
+    "0.002, \"viscosity\": 0.3}]}, {\"surface\": {\"grid\": {\"size\": [0.16, 0.16], \"vertices\": "
+    "[9,"
+    " 9]}, \"translate\": [0.12, 0.1, 0.12], \"area_density\": 0.2}, \"constraints\": [{\"type\": "
+    "\"spring\", \"stretching_stiffness\": 1000}, {\"type\": \"pin\", \"vertices\": {\"sphere\": "
+    "{\"center\": [0, 0, 0], \"radius\": 10}}}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], "
+    "\"maximum\": [0.24, 0.3, 0.24]}}]}";
+
+/* How thick a layer of water a sheet under water displaces, in spacings: by what its pins carry
+ * less of its weight. */
+static double displaced(const char *set) {
+    char text[2048];
+    pdyn_context *context = test_context(2);
+    snprintf(text, sizeof text, held, set);
+    pdyn_sim *sim = test_load(context, text);
+    double weight = 9.81 * 0.2 * 0.16 * 0.16, layer = 9.81 * 1000.0 * 0.16 * 0.16 * 0.02;
+    double sum = 0.0, time = 0.0;
+    while (pdyn_time(sim) < 0.9) {
+        pdyn_step_info info = test_step(context, sim);
+        if (info.time < 0.4) continue;
+        sum += info.h * (weight - info.pin_reaction[1]) / layer, time += info.h;
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return sum / time;
+}
+
+/* Little, and that around its border, 32 spacings long; as published, more than a layer. */
+static void test_displaced(void **state) {
+    (void)state;
+    double exact = displaced(""), published = displaced("\"boundary\": \"points\",");
+    print_message("a sheet displaces %.3f layers of water, published %.3f\n", exact, published);
+    assert_true(fabs(exact) < 0.4);
+    assert_true(published > 1.0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_kernel),
+        cmocka_unit_test(test_areas),
+        cmocka_unit_test(test_lattice),
+        cmocka_unit_test(test_displaced),
+    };
+    return cmocka_run_group_tests_name("interface", tests, NULL, NULL);
+}
