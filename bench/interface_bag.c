@@ -11,6 +11,8 @@
 static const double stiffness = 500.0, area_density = 0.3; /* N/m, kg/m^2 */
 static const double pi = 3.14159265358979;
 static const double thick = 0.5; /* XSPH's viscosity */
+/* The lattice of the start is too dense and springs out: contact keeps it inside. */
+static const double contact = 0.001; /* m */
 
 struct bag {
     double d, radius, fill; /* m, m; volume of the water over that of the bag at rest */
@@ -64,7 +66,7 @@ static pdyn_sim *load_bag(const struct job *job, struct bag *b) {
     double shrunk = fmin(1.0, (b->radius - 0.7 * b->d) / b->lattice), pressure = 0.2 * stiffness;
     lattice_write(job_file(job, "bag.ply", water), b->d, cells, keep, b);
     write_bag(job_file(job, "bag.obj", mesh), (int)ceil(1.6 * b->radius / b->d), b->radius);
-    scene_start(&s, ordinary, 0.0);
+    scene_start(&s, ordinary, contact);
     scene_put(&s, "'gravity': [0, 0, 0], ");
     pressure /= b->radius;
     scene_water(&s, b->d, pressure / (density * g), thick,

@@ -15,7 +15,8 @@ struct plate {
     int segments;      /* of the free length */
 };
 
-/* Two rows at each end are pinned: the clamp is in their middle. */
+/* Two rows at each end are pinned: the clamp is in their middle. Walls reach below the plate: at
+ * its height, their lower borders would press water down along the walls. */
 static void place(const void *user, double s, double t, double x[3]) {
     const struct plate *p = user;
     x[0] = s * (length + p->segment) - 0.5 * p->segment;
@@ -47,7 +48,7 @@ static pdyn_sim *load_plate(const struct job *job, struct plate *p) {
         "'bending', 'bending_rigidity': %.17g}, {'type': 'pin', 'stiffness': 1e12, "
         "'vertices': [{'box': {'minimum': [-1, -1, -1], 'maximum': [%.17g, 1, 9]}}, {'box': "
         "{'minimum': [%.17g, -1, -1], 'maximum': [9, 1, 9]}}]}]}], 'solids': [{'box': "
-        "{'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}, 'open': ['+y', '-y']}], "
+        "{'minimum': [0, -0.1, 0], 'maximum': [%.17g, %.17g, %.17g]}, 'open': ['+y', '-y']}], "
         "'outlets': [{'box': {'minimum': [-1, -0.5, -1], 'maximum': [2, 4, 2]}, 'outside': true}]}",
         rigidity, 0.6 * p->segment, length - 0.6 * p->segment, length, depth + 0.5, z);
     return scene_load(job, &s);

@@ -115,7 +115,7 @@ static double relative_slope(const struct rest *r) {
 }
 
 static void rest_run(pdyn_context *context, const char *directory, double seconds, int depth,
-                     int width, bool wall_pressure) {
+                     int width) {
     double d = 0.02;
     struct rest r = {.water = {.spacing = d,
                                .cells = {width, depth, width},
@@ -124,28 +124,25 @@ static void rest_run(pdyn_context *context, const char *directory, double second
                                .step = 0.005,
                                .adaptive = true,
                                .cut_short = true,
-                               .wall_pressure = wall_pressure,
                                .duration = seconds}};
-    snprintf(r.name, sizeof r.name, "tank_%dx%d%s", depth, width, wall_pressure ? "w" : "");
+    snprintf(r.name, sizeof r.name, "tank_%dx%d", depth, width);
     r.layer = allocate((size_t)depth + 1, sizeof *r.layer);
     settle(&r, context, directory);
     double worst = write_profile(&r, directory);
-    printf("| %d x %d x %d | %s | %.1f %% | %+.1f %% | %.2f %% | %.3f %% | %.1e | %.1f | %.0f |\n",
-           width, depth, width, wall_pressure ? "yes" : "no", 100.0 * worst,
-           100.0 * (relative_slope(&r) - 1.0), 100.0 * (1.0 - r.surface / (depth * d)),
-           100.0 * r.density_error, r.kinetic / r.potential, r.outer / r.steps, r.linear / r.steps);
+    printf("| %d x %d x %d | %.1f %% | %+.1f %% | %.2f %% | %.3f %% | %.1e | %.1f | %.0f |\n",
+           width, depth, width, 100.0 * worst, 100.0 * (relative_slope(&r) - 1.0),
+           100.0 * (1.0 - r.surface / (depth * d)), 100.0 * r.density_error,
+           r.kinetic / r.potential, r.outer / r.steps, r.linear / r.steps);
     free(r.layer);
 }
 
 void tank(pdyn_context *context, const char *directory, double seconds, int count, char **sizes) {
-    printf(
-        "| particles | wall pressure | pressure: worst layer | slope | volume lost | density error "
-        "| kinetic / potential energy | outer | linear |\n|---|---|---|---|---|---|---|---|---|\n");
+    printf("| particles | pressure: worst layer | slope | volume lost | density error | kinetic / "
+           "potential energy | outer | linear |\n|---|---|---|---|---|---|---|---|\n");
     for (int k = 0; k < count; k++) {
         int depth, width;
-        char wall = 0;
-        if (sscanf(sizes[k], "%dx%d%c", &depth, &width, &wall) < 2 || depth < 12 || width < 1)
-            die("expected DEPTHxWIDTH or DEPTHxWIDTHw, at least 12 deep, found %s", sizes[k]);
-        rest_run(context, directory, seconds, depth, width, wall == 'w');
+        if (sscanf(sizes[k], "%dx%d", &depth, &width) != 2 || depth < 12 || width < 1)
+            die("expected DEPTHxWIDTH, at least 12 deep, found %s", sizes[k]);
+        rest_run(context, directory, seconds, depth, width);
     }
 }

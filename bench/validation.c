@@ -5,9 +5,8 @@
  *     validation tank DIRECTORY SECONDS DEPTHxWIDTH...  at rest, so many particles deep and wide
  *     validation sloshing DIRECTORY SECONDS CELLS       first mode, CELLS particles along the tank
  *
- * The box of a tank holds fluid up to its faces: a lattice of particles that touches them is at
- * rest density. So lengths count from the faces, and water ends half a spacing beyond its outermost
- * particles. */
+ * The box of a tank holds fluid up to its faces: particles rest half a spacing from them. So
+ * lengths count from the faces, and water ends half a spacing beyond its outermost particles. */
 #include "validation.h"
 
 #include <stdlib.h>
@@ -39,14 +38,12 @@ static void write_scene(const struct water *water, char *text, size_t size) {
              "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
              "\"particles\": {\"radius\": %.17g, \"rest_density\": %d, \"fill\": [{\"box\": "
              "{\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}}]}, \"constraints\": "
-             "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g, "
-             "\"wall_pressure\": %s}]}], \"solids\": "
+             "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g}]}], \"solids\": "
              "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}, \"open\": "
              "[\"+y\"]}]}",
              water->duration, water->duration, water->adaptive ? "maximum" : "fixed", water->step,
              water->cut_short ? cut_short : solved, water->speed, 0.5 * d, DENSITY, n[0] * d,
-             n[1] * d, n[2] * d, stiffness(water), water->viscosity,
-             water->wall_pressure ? "true" : "false", tank[0], tank[1], tank[2]);
+             n[1] * d, n[2] * d, stiffness(water), water->viscosity, tank[0], tank[1], tank[2]);
 }
 
 pdyn_sim *water_load(pdyn_context *context, const struct water *water) {

@@ -10,16 +10,15 @@ enum { DENSITY = 1000 }; /* kg/m^3 */
 /* A lattice of particles that touches the floor and the walls at the origin, and the walls across
  * from these where the tank is as wide as the water. */
 struct water {
-    double spacing;     /* m, two particle radii */
-    int cells[3];       /* particles along x, y, z */
-    double tank[3];     /* m; open at the top */
-    double speed;       /* m/s, along x, at the start */
-    double viscosity;   /* XSPH */
-    double step;        /* s: of every step */
-    bool adaptive;      /* `step` is the longest, CFL makes it shorter */
-    bool wall_pressure; /* parameter of the fluid */
-    bool cut_short;     /* one linear solve of ten iterations a step, not as many as it takes */
-    double duration;    /* s */
+    double spacing;   /* m, two particle radii */
+    int cells[3];     /* particles along x, y, z */
+    double tank[3];   /* m; open at the top */
+    double speed;     /* m/s, along x, at the start */
+    double viscosity; /* XSPH */
+    double step;      /* s: of every step */
+    bool adaptive;    /* `step` is the longest, CFL makes it shorter */
+    bool cut_short;   /* one linear solve of ten iterations a step, not as many as it takes */
+    double duration;  /* s */
 };
 
 void *allocate(size_t count, size_t size); /* zeros */

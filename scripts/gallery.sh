@@ -26,6 +26,10 @@ if [ $# = 0 ]; then
     picture flag_in_stream scenes/flag_in_stream.json 0.6 water
     picture dragged_cloth scenes/dragged_cloth.json 0.6 water
     picture flag scenes/flag.json 1.6
+    picture sinking_cloth scenes/sinking_cloth.json 3 water
+    picture underwater_curtain scenes/underwater_curtain.json 0.32 water
+    picture taut_bag scenes/taut_bag.json 2
+    picture floating_block scenes/floating_block.json 2
     set -- template rigid balloon grains
 fi
 for name in "$@"; do

@@ -9,8 +9,8 @@ out=out/validation
 rm -rf "$out"
 mkdir -p "$out"
 case ${1:-} in
-quick) cells="8 12" deep=16x8w wide="16x8 16x8w" rest=2 along=20 swing=3 docs=$out ;;
-"") cells="8 16 32" deep=80x24w wide="24x8 24x16 24x32 24x8w 24x16w 24x32w" rest=10 along=32 swing=6 docs=docs ;;
+quick) cells="8 12" deep=16x8 wide="16x8" rest=2 along=20 swing=3 docs=$out ;;
+"") cells="8 16 32" deep=40x24 wide="24x8 24x16 24x32" rest=2 along=32 swing=6 docs=docs ;;
 *) echo "usage: scripts/validation.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
