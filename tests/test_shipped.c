@@ -16,6 +16,7 @@ struct shipped {
     double fall;            /* s: so long all bodies fall freely; 0: they do not */
     double low[3], high[3]; /* m: fluid stays within; all 0: not asked */
     const char *set[SETS];  /* overrides */
+    int unsolved;           /* per cent of the steps, at most; 0: 1 */
 };
 
 #define TOP 9 /* open: it may splash */
@@ -38,11 +39,12 @@ static const struct shipped shipped[] = {
      .fall = 0.05},
     {.name = "column",
      .seconds = 0.1,
-     .kinetic = {0.869, 2.17},
-     .lowest = {-0.0144, 0.0256},
+     .kinetic = {0.247, 0.617},
+     .lowest = {-0.0108, 0.0292},
      .low = {0, 0, 0},
      .high = {0.2, TOP, 0.2}},
     {.name = "curtain",
+     .unsolved = 4,
      .seconds = 0.4,
      .kinetic = {2.14, 5.35},
      .lowest = {-0.0179, 0.0221},
@@ -78,7 +80,19 @@ static const struct shipped shipped[] = {
      .lowest = {-0.0191, 0.0209},
      .low = {0, 0, 0},
      .high = {0.5, TOP, 0.15}},
-    {.name = "hammock", .seconds = 0.8, .kinetic = {1.55, 3.89}, .lowest = {-0.349, -0.285}},
+    {.name = "floating_block",
+     .seconds = 0.3,
+     .kinetic = {0.132, 0.33},
+     .lowest = {-0.0115, 0.0285},
+     .low = {-0.3, 0, -0.15},
+     .high = {0.3, TOP, 0.15}},
+    /* a light sheet between water and contact: some steps end where no direction lowers E, for
+     * projections are not the nearest points where water is compressed by per cents */
+    {.name = "hammock",
+     .unsolved = 12,
+     .seconds = 0.8,
+     .kinetic = {1.55, 3.89},
+     .lowest = {-0.349, -0.285}},
     {.name = "hanging_cloth", .seconds = 1, .kinetic = {0.0284, 0.071}, .lowest = {1.21, 1.48}},
     {.name = "inlet",
      .seconds = 0.5,
@@ -92,6 +106,12 @@ static const struct shipped shipped[] = {
      .lowest = {-0.0134, 0.0266},
      .low = {-0.3, 0, -0.3},
      .high = {0.3, TOP, 0.3}},
+    {.name = "sinking_cloth",
+     .seconds = 0.5,
+     .kinetic = {0.00444, 0.0111},
+     .lowest = {-0.0154, 0.0246},
+     .low = {-0.1, 0, -0.1},
+     .high = {0.1, TOP, 0.1}},
     {.name = "slung_load", .seconds = 1, .kinetic = {3.12, 7.8}, .lowest = {-0.952, -0.779}},
     {.name = "soft_ball",
      .seconds = 0.2,
@@ -104,21 +124,28 @@ static const struct shipped shipped[] = {
      .kinetic = {0.0101, 0.0252},
      .lowest = {-0.0165, 0.0235},
      .fall = 0.05},
+    {.name = "taut_bag", .seconds = 0.3, .kinetic = {0.00601, 0.015}, .lowest = {0.172, 0.21}},
     {.name = "three_dragons",
      .seconds = 0.3,
      .kinetic = {3.93e+03, 9.81e+03},
-     .lowest = {-0.0156, 0.0244},
+     .lowest = {0.0184, 0.0584},
      .low = {0, 0, 0},
      .high = {4, TOP, 2},
      .set = {"bodies.water.particles.radius=0.05"}},
     {.name = "twist", .seconds = 0.3, .kinetic = {0.00154, 0.00384}, .lowest = {0.81, 0.99}},
+    {.name = "underwater_curtain",
+     .seconds = 0.4,
+     .kinetic = {0.0307, 0.0766},
+     .lowest = {-0.0133, 0.0267},
+     .low = {0, 0, 0},
+     .high = {0.4, TOP, 0.195}},
     {.name = "water_on_cloth",
      .seconds = 0.3,
-     .kinetic = {1.31, 3.27},
+     .kinetic = {2.47, 6.18},
      .lowest = {0.17, 0.21},
      .low = {-0.55, 0, -0.55},
      .high = {0.55, TOP, 0.55},
-     .set = {"bodies.water.particles.radius=0.01", "bodies.sheet.surface.grid.vertices=[47, 47]"}},
+     .set = {"bodies.water.particles.radius=0.01"}},
 };
 
 struct found {
@@ -200,7 +227,7 @@ static void check(const struct shipped *s) {
     if (getenv("PROJDYN_SHIPPED"))
         printf("%-18s %4d steps, %d unsolved, kinetic %.4g J, lowest %.4f m\n", s->name, f.steps,
                f.unsolved, f.kinetic, f.lowest);
-    else if (f.unsolved > 1 && 100 * f.unsolved > f.steps)
+    else if (f.unsolved > 1 && 100 * f.unsolved > (s->unsolved ? s->unsolved : 1) * f.steps)
         fail_msg("%s: %d of %d steps are unsolved", s->name, f.unsolved, f.steps);
     else if (!(f.kinetic >= s->kinetic[0] && f.kinetic <= s->kinetic[1]))
         fail_msg("%s: kinetic energy %g J, expected %g to %g", s->name, f.kinetic, s->kinetic[0],
