@@ -44,6 +44,7 @@ static pdyn_status sort_boundary(struct neighbours *n) {
     if (n->carried) memcpy(n->built_carried, carried_x(n), 3 * (size_t)n->carried * sizeof(double));
     n->carried_by = 0.0;
     int walls = n->wall_points, boundary = n->view.points - n->view.particles;
+    if (!boundary) return PDYN_OK;
     pdyn_status status = grid_sort(n->context, &n->walls, walls, n->boundary_id, n->boundary_x);
     if (status != PDYN_OK) return status;
     return grid_sort(n->context, &n->patches, boundary - walls, n->boundary_id + walls,
