@@ -84,7 +84,6 @@ static void walk(pdyn_context *context, double stride, int moving, double away) 
                                        .is_wall = wall,
                                        .support = 0.2,
                                        .surface_support = 0.2,
-                                       .patch_support = 0.2,
                                        .skin = 0.02};
     assert_int_equal(neighbours_create(context, &points, NULL, &n), PDYN_OK);
     for (int move = 0; move < 40; move++) {

@@ -151,8 +151,8 @@ typedef struct pdyn_services { /* what core offers to operators and solvers */
  * corners of their triangles; core adds what they get to these. */
 typedef struct pdyn_neighbours {
     double support;         /* m: all pairs closer than this are listed, where both have volumes */
-    double surface_support; /* m: the same of a fluid particle with a sample */
-    double patch_support;   /* m: and with a boundary point that has an area */
+    double surface_support; /* m: the same of a fluid particle with a sample, or with a boundary
+                               point that has an area */
     bool has_volumes;       /* samples have volumes, and the kernel of particles, as fluid has;
                                otherwise areas, and the surface kernel */
     int particles;          /* of the system, and the samples */

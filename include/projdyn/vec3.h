@@ -30,6 +30,13 @@ static inline void vec3_multiply(double *y, const double *A, const double *a) {
     for (int k = 0; k < 3; k++) y[k] = vec3_dot(A + 3 * k, a);
 }
 
+/* Normal of a triangle, as long as twice its area. */
+static inline void vec3_normal(double *n, const double *a, const double *b, const double *c) {
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], v[k] = c[k] - a[k];
+    vec3_cross(n, u, v);
+}
+
 /* The projection of a 3-vector onto the sphere of radius `length`, and its tangent, clamped to a
  * contraction: J = min(1, length/|u|) (I - n n') = s I - a a', a = t u. A zero vector stays where
  * it is. */

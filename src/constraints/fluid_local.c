@@ -158,24 +158,12 @@ INLINE void round_gradients(struct near *near, int inside) {
     }
 }
 
-/* Moving neighbours of i, kept as its pairs from *front on. */
-INLINE void add_moving(struct fluid *f, const v4 *at, const int *list, int count, double reach,
-                       evaluate_fn *evaluate, struct near *near, int *front, struct sum *sum) {
-    for (int s = 0; s < count; s += CHUNK) {
-        int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, reach, near);
-        load_near(f, at, inside, near);
-        evaluate(f, inside, near);
-        for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
-        round_gradients(near, inside);
-        add_lanes(near, (inside + 3) / 4 * 4, sum);
-        keep_pairs(f, near, inside, *front, sum);
-        *front += inside;
-    }
-}
-
-/* Boundary points enter the density, and have no squares: they do not move. */
-INLINE void add_boundary(const struct fluid *f, const v4 *at, const int *list, int count,
-                         double reach, evaluate_fn *evaluate, struct near *near, struct sum *sum) {
+/* A part of the list of a point. Moving neighbours are kept as its pairs from *front on; boundary
+ * points, where front is NULL, are not, and have no squares. */
+INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, double reach,
+                           evaluate_fn *evaluate, struct near *near, int *front, struct sum *sum) {
+    const int *list = f->lists->index + first;
+    int count = last - first;
     double squares = sum->squares;
     for (int s = 0; s < count; s += CHUNK) {
         int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, reach, near);
@@ -184,8 +172,11 @@ INLINE void add_boundary(const struct fluid *f, const v4 *at, const int *list, i
         for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
         round_gradients(near, inside);
         add_lanes(near, (inside + 3) / 4 * 4, sum);
+        if (!front) continue;
+        keep_pairs(f, near, inside, *front, sum);
+        *front += inside;
     }
-    sum->squares = squares;
+    if (!front) sum->squares = squares;
 }
 
 /* ---- projection ------------------------------------------------------------------------------ */
@@ -266,19 +257,18 @@ INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) 
 /* C_i and its gradient at x. Keeps the pairs of i from *front on. Returns the energy. */
 INLINE double project_fluid(struct fluid *f, int i, struct near *near, int *front) {
     const pdyn_neighbours *l = f->lists;
-    const int *fluid = l->index + l->start[i], *samples = l->index + l->surface_start[i];
     double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
     struct sum sum = {.c = f->x[4 * (size_t)i + 3] * f->kernel.value - rest, .members = 1};
     v4 at;
     v4_set(&at, f->x + 4 * (size_t)i, 0.0);
-    add_moving(f, &at, fluid, l->surface_start[i] - l->start[i], l->support, evaluate_particles,
-               near, front, &sum);
-    add_moving(f, &at, samples, l->boundary_start[i] - l->surface_start[i], l->surface_support,
-               evaluate_surface, near, front, &sum);
-    add_boundary(f, &at, l->index + l->boundary_start[i], l->patch_start[i] - l->boundary_start[i],
-                 l->support, evaluate_particles, near, &sum);
-    add_boundary(f, &at, l->index + l->patch_start[i], l->end[i] - l->patch_start[i],
-                 l->patch_support, evaluate_areas, near, &sum);
+    add_neighbours(f, &at, l->start[i], l->surface_start[i], l->support, evaluate_particles, near,
+                   front, &sum);
+    add_neighbours(f, &at, l->surface_start[i], l->boundary_start[i], l->surface_support,
+                   evaluate_surface, near, front, &sum);
+    add_neighbours(f, &at, l->boundary_start[i], l->patch_start[i], l->support, evaluate_particles,
+                   near, NULL, &sum);
+    add_neighbours(f, &at, l->patch_start[i], l->end[i], l->surface_support, evaluate_areas, near,
+                   NULL, &sum);
     f->pair_end[i] = *front;
     f->held[i] = f->params.stiffness * sum.members;
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
@@ -292,8 +282,8 @@ INLINE void project_sample(struct fluid *f, int i, struct near *near, int *front
     struct sum sum = {0};
     v4 at;
     v4_set(&at, f->x + 4 * (size_t)i, 1.0 - f->x[4 * (size_t)i + 3]);
-    add_moving(f, &at, l->index + l->start[i], l->surface_start[i] - l->start[i],
-               l->surface_support, evaluate_surface, near, front, &sum);
+    add_neighbours(f, &at, l->start[i], l->surface_start[i], l->surface_support, evaluate_surface,
+                   near, front, &sum);
     f->pair_end[i] = *front;
     f->held[i] = f->params.stiffness * sum.members;
 }

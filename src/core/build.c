@@ -221,7 +221,6 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
                                        .support = support,
                                        .is_wall = is_wall,
                                        .surface_support = model->support * 2.0 * fluid->radius,
-                                       .patch_support = model->support * 2.0 * fluid->radius,
                                        .has_volumes = model->volumes,
                                        .skin = skin,
                                        .sides = sim->sides};

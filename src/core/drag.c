@@ -8,8 +8,8 @@
 enum { MOST = 16, WIDTH = MOST + 3 }; /* particles of an element; 9 touch a sheet at rest */
 enum { SAMPLES = 256 };               /* grain */
 
-/* A side is as wet as it feels the fluid's density, wholly at half of what a lattice has there that
- * touches it (0.105, by summing the kernel). */
+/* A side is as wet as it feels the fluid's density. Of a lattice that touches it, a sample feels
+ * 0.049 between four particles, the least, and is wholly wet there (points with volumes: 0.105). */
 static const double wet_share = 0.05;
 
 struct slipping {
@@ -73,11 +73,8 @@ struct side { /* of a sample */
 
 static void normal_of(const struct drag *d, int sample, double n[3]) {
     const double *corner[3];
-    double u[3], v[3];
     for (int k = 0; k < 3; k++) corner[k] = d->x + 3 * (size_t)d->samples->vertex[3 * sample + k];
-    for (int a = 0; a < 3; a++)
-        u[a] = corner[1][a] - corner[0][a], v[a] = corner[2][a] - corner[0][a];
-    vec3_cross(n, u, v);
+    vec3_normal(n, corner[0], corner[1], corner[2]);
     double length = vec3_length(n);
     for (int a = 0; a < 3; a++) n[a] = length > 0.0 ? n[a] / length : 0.0;
 }

@@ -64,7 +64,7 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
         }
         mass += emit_is_live(sim, i) ? m : 0.0;
     }
-    for (int k = 0; k < 6; k++) (&excess[0][0])[k] /= mass;
+    for (int a = 0; a < 3; a++) excess[0][a] /= mass, excess[1][a] /= mass;
 }
 
 /* A formula of two states takes the jump of v in an impact for an acceleration that goes on: what

@@ -29,7 +29,7 @@ struct visibility {
 struct neighbours {
     pdyn_context *context;
     pdyn_neighbours view;
-    double reach, surface_reach, patch_reach;   /* m: support and skin */
+    double reach, surface_reach;                /* m: support and skin */
     double skin;                                /* m */
     bool *centre;                               /* particles */
     double centre_volume;                       /* m^3 */

@@ -99,7 +99,7 @@ static pdyn_status create_grids(struct neighbours *n) {
         status = grid_create(n->context, n->active - n->centres, n->surface_reach, &n->surface);
     if (status == PDYN_OK) status = grid_create(n->context, n->wall_points, n->reach, &n->walls);
     if (status == PDYN_OK)
-        status = grid_create(n->context, boundary - n->wall_points, n->patch_reach, &n->patches);
+        status = grid_create(n->context, boundary - n->wall_points, n->surface_reach, &n->patches);
     return status;
 }
 
@@ -112,10 +112,8 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_poi
     n->system = points->particles - (samples ? samples->count : 0);
     n->skin = points->skin, n->reach = points->support + n->skin;
     n->surface_reach = points->surface_support + n->skin;
-    n->patch_reach = points->patch_support + n->skin;
     n->view = (pdyn_neighbours){.support = points->support,
                                 .surface_support = points->surface_support,
-                                .patch_support = points->patch_support,
                                 .has_volumes = points->has_volumes,
                                 .particles = points->particles,
                                 .points = points->particles + points->boundary};
@@ -263,7 +261,7 @@ static void fill_lists(void *arg, int first, int last, int block) {
         if (centre) append(n, &w, &n->walls, &w.walls, at, -1, n->reach, n->view.particles);
         n->lists.patch_start[i] = begin + w.used;
         if (centre)
-            append(n, &w, &n->patches, &w.patches, at, -1, n->patch_reach, n->view.particles);
+            append(n, &w, &n->patches, &w.patches, at, -1, n->surface_reach, n->view.particles);
         n->lists.end[i] = begin + w.used;
     }
     n->used[block] = w.used;

@@ -22,15 +22,15 @@ struct neighbours_points { /* all arrays are copied */
     int moving;               /* so many of the last boundary points may move */
     const double *volume;     /* particles, then boundary; 0 for a particle that takes no part */
     const bool *is_wall;      /* boundary: has a volume, and the support of centres */
-    double support, surface_support, patch_support; /* m: see pdyn_neighbours */
-    double skin;                                    /* m */
-    bool has_volumes;                               /* the same */
-    struct sides *sides; /* what hides centres from each other, or NULL; not copied */
+    double support, surface_support; /* m: see pdyn_neighbours */
+    double skin;                     /* m */
+    bool has_volumes;                /* the same */
+    struct sides *sides;             /* what hides centres from each other, or NULL; not copied */
 };
 
-/* samples: the last particles, or NULL for none; they must stay. Memory: 125 bytes per particle,
- * 104 per boundary point, 24 more where it may move, and 5 per listed neighbour (about 55 of
- * these). */
+/* samples: the last particles, or NULL for none; they must stay. Memory: 129 bytes per particle,
+ * 108 per boundary point, 24 more where it may move, and 5 per listed neighbour (about 55 of
+ * these); where there are surfaces 40 more per particle, and 4 per listed neighbour. */
 pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
                               const struct samples *samples, struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);

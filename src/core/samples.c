@@ -136,10 +136,9 @@ void samples_reach(struct samples *s, const pdyn_neighbours *lists) {
 /* Of the triangle of sample k, m^2. */
 static double area(const struct samples *s, int k, const double *x) {
     const double *c[3];
-    double u[3], v[3], n[3];
+    double n[3];
     for (int m = 0; m < 3; m++) c[m] = x + 3 * (size_t)s->vertex[3 * k + m];
-    for (int a = 0; a < 3; a++) u[a] = c[1][a] - c[0][a], v[a] = c[2][a] - c[0][a];
-    vec3_cross(n, u, v);
+    vec3_normal(n, c[0], c[1], c[2]);
     return 0.5 * vec3_length(n);
 }
 

@@ -1,8 +1,9 @@
-/* Points on surfaces through which these act on a fluid, as close together as its particles,
- * whatever the mesh. A sample lies in a triangle and moves with its corners (barycentric selector
- * rows): with S the matrix of the weights, a vector x of the particles becomes (x, S x), which SPH
- * sums work on, and forces (f, f_s) on these come back as f + S' f_s. So samples have no mass and
- * are no unknowns, and what they exchange with the fluid conserves momentum. */
+/* Points on surfaces through which these act on a fluid, closer together than its particles (see
+ * boundary.h), whatever the mesh. A sample lies in a triangle and moves with its corners
+ * (barycentric selector rows): with S the matrix of the weights, a vector x of the particles
+ * becomes (x, S x), which SPH sums work on, and forces (f, f_s) on these come back as f + S' f_s.
+ * So samples have no mass and are no unknowns, and what they exchange with the fluid conserves
+ * momentum. */
 #ifndef PDYN_SAMPLES_H
 #define PDYN_SAMPLES_H
 

@@ -119,16 +119,16 @@ void spots_free(pdyn_context *context, struct spots *spots) {
     *spots = (struct spots){0};
 }
 
+static void corners_of(const double *vertex, const int *triangle, int t, const double *c[3]) {
+    for (int k = 0; k < 3; k++) c[k] = vertex + 3 * (size_t)triangle[3 * t + k];
+}
+
 void spot_position(const struct spot *spot, const double *vertex, const int *triangle, double *x) {
     const double *c[3];
-    for (int k = 0; k < 3; k++) c[k] = vertex + 3 * (size_t)triangle[3 * spot->triangle + k];
+    corners_of(vertex, triangle, spot->triangle, c);
     for (int a = 0; a < 3; a++)
         x[a] =
             c[0][a] + spot->weight[1] * (c[1][a] - c[0][a]) + spot->weight[2] * (c[2][a] - c[0][a]);
-}
-
-static void corners_of(const double *vertex, const int *triangle, int t, const double *c[3]) {
-    for (int k = 0; k < 3; k++) c[k] = vertex + 3 * (size_t)triangle[3 * t + k];
 }
 
 /* Into how many parts the sides of a triangle are cut, a quarter spacing each. */
@@ -209,7 +209,7 @@ static void share_triangle(const double *const c[3], double spacing, const struc
     double u[3], v[3], normal[3], cuts = cuts_of(c, spacing);
     struct grid_cells cells = {0};
     for (int a = 0; a < 3; a++) u[a] = c[1][a] - c[0][a], v[a] = c[2][a] - c[0][a];
-    vec3_cross(normal, u, v);
+    vec3_normal(normal, c[0], c[1], c[2]);
     double each = 0.5 * vec3_length(normal) / (cuts * cuts);
     for (double i = 0; i < cuts; i++)
         for (double j = 0; i + j < cuts; j++)

@@ -59,13 +59,32 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     return status;
 }
 
-static pdyn_status read_integrator(const struct json_at *time_step, struct scene_settings *set) {
+/* Which one of a table of structs of this size, each of which begins with its name; the first where
+ * the key is not there. */
+static pdyn_status read_named(const struct json_at *at, const char *key, const void *table,
+                              size_t size, int count, int *chosen) {
     const char *names[READER_NAMES];
+    *chosen = 0;
+    for (int k = 0; k < count; k++)
+        memcpy(&names[k], (const char *)table + (size_t)k * size, sizeof names[k]);
+    return reader_choice(at, key, names, count, chosen);
+}
+
+static pdyn_status read_integrator(const struct json_at *time_step, struct scene_settings *set) {
     struct json_at at = json_member(time_step, "integrator");
-    int chosen = 0;
-    for (int k = 0; k < integrator_count; k++) names[k] = integrators[k].name;
-    pdyn_status status = reader_choice(&at, "integrator", names, integrator_count, &chosen);
+    int chosen;
+    pdyn_status status =
+        read_named(&at, "integrator", integrators, sizeof *integrators, integrator_count, &chosen);
     set->integrator = &integrators[chosen];
+    return status;
+}
+
+static pdyn_status read_boundary(const struct json_at *root, struct scene_settings *set) {
+    struct json_at at = json_member(root, "boundary");
+    int chosen;
+    pdyn_status status = read_named(&at, "boundary", boundary_models, sizeof *boundary_models,
+                                    boundary_model_count, &chosen);
+    set->boundary = &boundary_models[chosen];
     return status;
 }
 
@@ -89,11 +108,10 @@ static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
 }
 
 static pdyn_status read_acceleration(const struct json_at *solver, struct scene_settings *set) {
-    const char *names[READER_NAMES];
     struct json_at at = json_member(solver, "acceleration");
-    int chosen = 0;
-    for (int k = 0; k < acceleration_count; k++) names[k] = accelerations[k].name;
-    pdyn_status status = reader_choice(&at, "acceleration", names, acceleration_count, &chosen);
+    int chosen;
+    pdyn_status status = read_named(&at, "acceleration", accelerations, sizeof *accelerations,
+                                    acceleration_count, &chosen);
     set->acceleration = &accelerations[chosen];
     if (status == PDYN_OK && chosen && set->newton)
         return json_fail(&at, "only \"step\": \"projective\" is accelerated, found \"newton\"");
@@ -118,16 +136,6 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     set->newton = chosen_step == 0;
     snprintf(set->solver_type, sizeof set->solver_type, "%s", types[chosen_type]);
     return status == PDYN_OK ? read_acceleration(at, set) : status;
-}
-
-static pdyn_status read_boundary(const struct json_at *root, struct scene_settings *set) {
-    const char *names[READER_NAMES];
-    struct json_at at = json_member(root, "boundary");
-    int chosen = 0;
-    for (int k = 0; k < boundary_model_count; k++) names[k] = boundary_models[k].name;
-    pdyn_status status = reader_choice(&at, "boundary", names, boundary_model_count, &chosen);
-    set->boundary = &boundary_models[chosen];
-    return status;
 }
 
 pdyn_status settings_read(struct reader *r, const struct json_at *root) {

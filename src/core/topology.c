@@ -49,13 +49,10 @@ static int edge_end(const struct side *side, int sides, int first) {
 }
 
 static double area_of(const struct mesh *mesh, int t) {
-    const int *c = mesh->triangle + 3 * t;
-    double u[3], v[3], n[3];
-    for (int k = 0; k < 3; k++) {
-        u[k] = mesh->vertex[3 * c[1] + k] - mesh->vertex[3 * c[0] + k];
-        v[k] = mesh->vertex[3 * c[2] + k] - mesh->vertex[3 * c[0] + k];
-    }
-    vec3_cross(n, u, v);
+    const double *c[3];
+    double n[3];
+    for (int k = 0; k < 3; k++) c[k] = mesh->vertex + 3 * mesh->triangle[3 * t + k];
+    vec3_normal(n, c[0], c[1], c[2]);
     return 0.5 * vec3_length(n);
 }
 

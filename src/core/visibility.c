@@ -108,9 +108,9 @@ static bool was_covered(const struct neighbours *n, int i) {
 /* What the density of particle i changes by where j, which is in sight now or not, was not before,
  * or was. */
 static double change_of(const struct neighbours *n, int i, int j, bool now) {
-    struct kernel kernel = kernel_make(n->view.support);
     double r = vec3_distance(place_of(n, i), place_of(n, j));
     if (r >= n->view.support || !was_covered(n, j) || now == was_listed(n, i, j)) return 0.0;
+    struct kernel kernel = kernel_make(n->view.support);
     return (now ? 1.0 : -1.0) * n->centre_volume * kernel_value(&kernel, r);
 }
 
