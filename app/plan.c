@@ -149,20 +149,6 @@ static bool try_fixed(struct plan *plan, const json_t *scene, double finer) {
     return good;
 }
 
-static bool try_projections(struct plan *plan, const json_t *scene) {
-    static const double tolerances[] = {1e-2, 1e-4, 1e-8};
-    size_t body, place;
-    const json_t *fluid = scene_fluid(scene, &body, &place);
-    bool good = true;
-    for (int k = 0; k < 3 && good && fluid; k++) {
-        struct setting d = {0};
-        setting_add(&d, "bodies.%zu.constraints.%zu.projection_tolerance=%g", body, place,
-                    tolerances[k]);
-        good = keep(plan, &d, "projection to %g", tolerances[k]);
-    }
-    return good;
-}
-
 static bool try_solvers(struct plan *plan, const char *solver) {
     static const char *const others[] = {"cg", "hybrid", "dual"};
     bool good = true;
@@ -224,8 +210,7 @@ bool plan_make(struct plan *plan, const json_t *scene, const char *solver, doubl
     *plan = (struct plan){0};
     return as_it_is(plan, scene) && grid_short(plan, scene, finer) && grid_solved(plan, scene) &&
            try_integrator(plan, scene) && try_fixed(plan, scene, finer) &&
-           try_projections(plan, scene) && try_solvers(plan, solver) && try_steps(plan) &&
-           make_references(plan, scene);
+           try_solvers(plan, solver) && try_steps(plan) && make_references(plan, scene);
 }
 
 void plan_free(struct plan *plan) {

@@ -17,8 +17,8 @@ static const char scene[] =
     "0.01}, 'solver': {%s,"
     " 'tolerance': 0.1, 'linear_tolerance': 0.1}, 'bodies': [{'name': 'water', 'particles':"
     " {'radius': 0.01, 'fill': [{'box': {'minimum': [-0.2, 0.012, -0.2], 'maximum': [0.2, 0.052,"
-    " 0.2]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': 3500, 'projection_tolerance':"
-    " 1e-3}]}, {'name': 'sheet', 'surface': {'grid': {'size': [1, 1], 'vertices': [%d, %d]},"
+    " 0.2]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': 3500}]}, {'name': 'sheet', "
+    "'surface': {'grid': {'size': [1, 1], 'vertices': [%d, %d]},"
     " 'area_density': 0.3}, 'constraints': [{'type': 'spring', 'stretching_stiffness': %g},"
     " {'type': 'bending', 'bending_rigidity': 1e-4}, {'type': 'pin', 'vertices': {'border':"
     " true}}]}]}";

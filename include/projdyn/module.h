@@ -220,6 +220,8 @@ typedef struct pdyn_operator {
     /* Lowers way (particles and samples, m) to how far these may go from x so that no particle of
      * the body passes a surface. No iterate moves one farther at once. NULL: no limit. */
     void (*limit)(void *self, const double *x, double *way);
+    /* A step was taken; it ended at the x of the last local step. NULL: nothing depends on it. */
+    void (*accept)(void *self);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */

@@ -3,16 +3,17 @@
  *
  *     C_i(x) = max(0, sum_j V_j W(x_i - x_j) - 1),      V: rest volumes, of boundary samples too
  *
- * with u all particles of the constraint. The projection goes along the gradient at u until the
- * constraint is met, p = u - t grad C(u): the paper's Newton iteration, p <- p - C grad C /
- * |grad C|^2, with the gradient of its first step kept. Both meet the manifold and differ by less
- * than C times the displacement, a tenth of that far from walls. The
- * tangent is J = I - n n', n = grad C / |grad C|, so that the newton step couples the fluid along
- * the normals of the constraints; eps = 1 is the paper's D = I, a diagonal.
+ * with the energy k_i / 2 C_i^2. With u all particles of the constraint, the projection is the
+ * first step of the paper's Newton iteration, p = u - (k_i / w) C grad C, and k_i = w / |grad C|^2
+ * within bounds (fluid.h): w / 2 |u - p|^2 is that energy to first order, and w (u - p) its exact
+ * gradient while k_i is constant. The operator, which the simulation uses (fluid_operator.c),
+ * therefore takes k_i from the end of the step before. The rows here take it from u; they serve
+ * assembly, and to check the operator against.
  *
- * Samples of cloth have a volume and neighbours, but no constraint of their own; static boundary
- * samples enter the density alone (Akinci et al. 2012). The simulation uses the operator
- * (fluid_operator.c); the rows here serve assembly, and to check the operator against. */
+ * The tangent J = I - (k / w) grad C grad C' couples the fluid along the normals of the
+ * constraints; eps = 1 is the paper's D = I, a diagonal. Samples of cloth have a volume and
+ * neighbours, but no constraint of their own; static boundary samples enter the density alone
+ * (Akinci et al. 2012). */
 #include "fluid.h"
 
 #include "../core/kernel.h"
@@ -32,8 +33,6 @@ static const pdyn_param params[] = {
      "m/s", "speed of sound in the fluid; instead of stiffness"},
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",
      "how much of the velocity difference to the neighbours a step takes away (XSPH)"},
-    {"projection_tolerance", PDYN_REAL, offsetof(struct fluid_params, projection_tolerance), false,
-     1e-6, 1e-14, 1, "1", "relative density error at which the projection of a constraint ends"},
     {0}};
 
 static const char *const alternatives[] = {"stiffness", "compression", "sound_speed", NULL};
@@ -119,49 +118,45 @@ static double squares_of(const double *g, int n) {
     return sum;
 }
 
-struct line { /* p = u - t grad C of one element */
-    const pdyn_batch *batch;
-    int element, numbers;
-    const double *u, *gradient;
-};
-
-static void go_along(const struct line *line, double t, double *p) {
-    for (int k = 0; k < line->numbers; k++) p[k] = line->u[k] - t * line->gradient[k];
-}
-
-static double value_on_line(const void *arg, double t) {
-    const struct line *line = arg;
-    double p[3 * MOST_ROWS], unused[3 * MOST_ROWS];
-    go_along(line, t, p);
-    return row_density(line->batch, line->element, p, unused);
+/* C of element e at u, its gradient into g (rows x 3). Returns k, or 0 where it is not active. */
+static double linearise(const struct fluid_params *par, const pdyn_batch *b, int e, double *c,
+                        double *g) {
+    int row = b->element_row[e], n = 3 * (b->element_row[e + 1] - row);
+    *c = n > 3 * MOST_ROWS ? 0.0 : row_density(b, e, b->u + 3 * row, g);
+    return *c > 0.0
+               ? fluid_energy_stiffness(par->stiffness, squares_of(g, n), 2.0 * b->body->radius)
+               : 0.0;
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
-    double tolerance = ((const struct fluid_params *)par)->projection_tolerance, g[3 * MOST_ROWS];
+    double w = ((const struct fluid_params *)par)->stiffness, g[3 * MOST_ROWS], c;
     for (int e = first; e < last; e++) {
         int row = b->element_row[e], n = 3 * (b->element_row[e + 1] - row);
-        struct line line = {b, e, n, b->u + 3 * row, g};
-        double c = n > 3 * MOST_ROWS ? 0.0 : row_density(b, e, line.u, g);
-        double squares = c > 0.0 ? squares_of(g, n) : 0.0;
-        bool active = c > 0.0 && squares > 0.0;
-        memcpy(b->p + 3 * row, line.u, (size_t)n * sizeof *g);
-        if (active)
-            go_along(&line, fluid_root(value_on_line, &line, c, squares, tolerance),
-                     b->p + 3 * row);
+        double k = linearise(par, b, e, &c, g);
+        memcpy(b->p + 3 * row, b->u + 3 * row, (size_t)n * sizeof *g);
+        for (int i = 0; k > 0.0 && i < n; i++) b->p[3 * row + i] -= k * c / w * g[i];
     }
 }
 
-/* J = I - n n' where the constraint is active, otherwise I */
+static double energy(const void *par, const pdyn_batch *b, int first, int last) {
+    double g[3 * MOST_ROWS], c, sum = 0.0;
+    for (int e = first; e < last; e++) {
+        double k = linearise(par, b, e, &c, g);
+        sum += 0.5 * k * c * c;
+    }
+    return sum;
+}
+
+/* J = I - (k / w) grad C grad C' where the constraint is active, otherwise I; clamped */
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
-    (void)par;
-    double g[3 * MOST_ROWS];
+    double w = ((const struct fluid_params *)par)->stiffness, g[3 * MOST_ROWS], c;
     for (int e = first; e < last; e++) {
         int n = 3 * (b->element_row[e + 1] - b->element_row[e]);
-        double c = n > 3 * MOST_ROWS ? 0.0 : row_density(b, e, b->u + 3 * b->element_row[e], g);
-        double squares = c > 0.0 ? squares_of(g, n) : 0.0;
+        double k = linearise(par, b, e, &c, g), squares = k > 0.0 ? squares_of(g, n) : 0.0;
+        double part = fmin(k / w, squares > 0.0 ? 1.0 / squares : 0.0);
         for (int i = 0; i < n; i++)
             for (int j = 0; j < n; j++)
-                J[i * n + j] = (i == j) - (squares > 0.0 ? g[i] * g[j] / squares : 0.0);
+                J[i * n + j] = (i == j) - (part > 0.0 ? part * g[i] * g[j] : 0.0);
         J += n * n;
     }
 }
@@ -180,5 +175,6 @@ const pdyn_constraint_type pdyn_constraint_fluid = {
     .weight = weight,
     .project = project,
     .tangent = tangent,
+    .energy = energy,
     .op = &fluid_operator,
 };

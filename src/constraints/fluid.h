@@ -13,7 +13,7 @@
 struct fluid_params {
     double stiffness;                /* N/m */
     double compression, sound_speed; /* 1, m/s; 0 where the scene gives none, until resolved */
-    double viscosity, projection_tolerance;
+    double viscosity;
 };
 
 /* Computes two of stiffness, compression and sound_speed from the third (fluid_stiffness.c). */
@@ -39,25 +39,18 @@ static inline struct surface_kernel fluid_surface_kernel(const pdyn_body *body) 
     return kernel;
 }
 
-/* The length t > 0 at which a constraint of value c > 0 is met on the line p = u - t grad C(u):
- * Newton's first step c / |grad C|^2, then secant steps until |C| < tolerance. `value` gives C at
- * t. It need not be asked where c is small: Newton's step leaves an error of -0.6 to 1.0 c^2
- * (measured in collapsing and in resting water). Where particles all but coincide there is hardly a
- * gradient and Newton's step leads far away; the bracket finds back. */
-static inline double fluid_root(double (*value)(const void *line, double t), const void *line,
-                                double c, double squares, double tolerance) {
-    double t = c / squares, t_before = 0.0, low = 0.0, high = INFINITY;
-    if (2.0 * c * c < tolerance) return t;
-    for (int k = 0; k < 50; k++) {
-        double next = value(line, t), slope = (next - c) / (t - t_before);
-        if (fabs(next) < tolerance || (!(slope < 0.0) && high == INFINITY)) break;
-        *(next > 0.0 ? &low : &high) = t;
-        t_before = t, c = next;
-        t -= next / slope;
-        if (high == INFINITY || (t > low && t < high)) continue;
-        t = low > 0.0 ? sqrt(low) * sqrt(high) : 1e-3 * high;
-    }
-    return t;
+/* |grad C|^2 d^2 inside a cubic lattice of spacing d: the cubic spline of support 2 d over
+ * neighbours at d, sqrt(2) d and sqrt(3) d,
+ * (6 * 1.5^2 + 12 * 36 (1 - sqrt(1/2))^4 + 8 * 36 (1 - sqrt(3/4))^4) / (2 pi)^2 */
+static const double fluid_lattice_squares = 0.42484;
+
+/* k in the energy k / 2 C^2 of a constraint with |grad C|^2 = squares, in N m: the weight w over
+ * squares, which makes k / 2 C^2 = w / 2 |u - p|^2 to first order. Squares count from once to
+ * `most` times what they are inside the liquid: a particle with few neighbours is not stiffer than
+ * others, and one that is crushed is not much softer. */
+static inline double fluid_energy_stiffness(double w, double squares, double spacing) {
+    const double inside = fluid_lattice_squares / (spacing * spacing), most = 4.0;
+    return w / fmin(fmax(squares, inside), most * inside);
 }
 
 #endif

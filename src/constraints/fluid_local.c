@@ -1,4 +1,4 @@
-/* The local step of the fluid: from positions to constraints, their gradients and projections. */
+/* The local step of the fluid: from positions to constraints, their gradients and energies. */
 #include "fluid_pairs.h"
 
 #include "projdyn/vec3.h"
@@ -179,79 +179,16 @@ INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, d
     if (!front) sum->squares = squares;
 }
 
-/* ---- projection ------------------------------------------------------------------------------ */
+/* ---- energy ---------------------------------------------------------------------------------- */
 
-struct line { /* p = u - t grad C of one constraint */
-    const struct fluid *f;
-    int i;
-};
-
-/* What neighbour j at x_j + t shift adds to the density at `at`: kernel times volume. */
-INLINE double value_at(const struct fluid *f, const v4 *at, int j, bool has_volume, double t,
-                       const v4 *shift) {
-    v4 d, x;
-    memcpy(&x, f->x + 4 * (size_t)j, sizeof x);
-    d = *at - x - t * *shift;
-    double squared = v4_dot(&d, &d);
-    return x[3] * (has_volume ? kernel_value(&f->kernel, sqrt(squared))
-                              : surface_kernel_value(&f->surface, squared));
-}
-
-/* What rests while i moves: of moving neighbours, those that were outside their support at u. */
-INLINE double value_of_resting(const struct fluid *f, const v4 *from, const v4 *at, int first,
-                               int last, double reach, bool has_volume) {
-    v4 none = {0};
-    double sum = 0.0;
-    for (int s = first; s < last; s++) {
-        int j = f->lists->index[s];
-        v4 d, x;
-        memcpy(&x, f->x + 4 * (size_t)j, sizeof x);
-        d = *from - x;
-        if (v4_dot(&d, &d) >= reach * reach) sum += value_at(f, at, j, has_volume, 0.0, &none);
-    }
-    return sum;
-}
-
-/* C_i on the line: pairs move, boundary points do not. */
-static double value_on_line(const void *arg, double t) {
-    const struct line *line = arg;
-    const struct fluid *f = line->f;
-    const pdyn_neighbours *l = f->lists;
-    int i = line->i;
-    double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
-    double sum = f->x[4 * (size_t)i + 3] * f->kernel.value - rest;
-    v4 at, from, own;
-    v4_set(&from, f->x + 4 * i, 0.0);
-    memcpy(&own, f->gradient + 4 * i, sizeof own);
-    at = from - t * own;
-    for (int s = f->pair_start[i]; s < f->pair_end[i]; s++) {
-        int j = f->pair_index[s];
-        v4 g;
-        load_pair(f, s, &g);
-        sum += value_at(f, &at, j, l->has_volumes || is_fluid(f, j), t, &g);
-    }
-    sum += value_of_resting(f, &from, &at, l->start[i], l->surface_start[i], l->support, true);
-    sum += value_of_resting(f, &from, &at, l->surface_start[i], l->boundary_start[i],
-                            l->surface_support, l->has_volumes);
-    sum += value_of_resting(f, &from, &at, l->boundary_start[i], l->patch_start[i], 0.0, true);
-    sum += value_of_resting(f, &from, &at, l->patch_start[i], l->end[i], 0.0, false);
-    return sum;
-}
-
-/* Projects constraint i; returns its energy. */
-INLINE double project_constraint(struct fluid *f, int i, const struct sum *sum) {
+/* Keeps what constraint i is at x; returns its energy. */
+INLINE double keep_constraint(struct fluid *f, int i, const struct sum *sum) {
     v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
-    struct line line = {f, i};
-    double w = f->params.stiffness;
     memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
-    f->error[i] = f->value[i] = sum->c, f->squares[i] = sum->squares;
-    f->stiffness[i] = sum->squares > 0.0 ? w / sum->squares : 0.0;
-    f->flux[i] = 0.0;
-    if (!(sum->c > 0.0 && sum->squares > 0.0)) return 0.0;
-    double t =
-        fluid_root(value_on_line, &line, sum->c, sum->squares, f->params.projection_tolerance);
-    f->flux[i] = w * t, f->value[i] = t * sum->squares;
-    return 0.5 * w * t * t * sum->squares;
+    f->value[i] = sum->c, f->squares[i] = sum->squares;
+    if (f->stiffness[i] == 0.0) f->stiffness[i] = fluid_stiffness_at(f, i);
+    f->flux[i] = sum->c > 0.0 ? f->stiffness[i] * sum->c : 0.0;
+    return 0.5 * f->flux[i] * sum->c;
 }
 
 /* C_i and its gradient at x. Keeps the pairs of i from *front on. Returns the energy. */
@@ -272,7 +209,7 @@ INLINE double project_fluid(struct fluid *f, int i, struct near *near, int *fron
     f->pair_end[i] = *front;
     f->held[i] = f->params.stiffness * sum.members;
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
-    return project_constraint(f, i, &sum);
+    return keep_constraint(f, i, &sum);
 }
 
 /* Keeps the pairs of sample i, which has no constraint of its own. Volumes are those of the second

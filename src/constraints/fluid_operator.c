@@ -16,7 +16,6 @@ static bool resize_particles(struct fluid *f, bool make) {
         {(void **)&f->x, 4 * points, sizeof(double)},
         {(void **)&f->gradient, 4 * particles, sizeof(double)},
         {(void **)&f->vector, 4 * particles, sizeof(double)},
-        {(void **)&f->error, particles, sizeof(double)},
         {(void **)&f->value, particles, sizeof(double)},
         {(void **)&f->squares, particles, sizeof(double)},
         {(void **)&f->stiffness, particles, sizeof(double)},
@@ -53,7 +52,7 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
     f->services = services;
     f->params = *(const struct fluid_params *)par;
     f->kernel = fluid_kernel(body), f->surface = fluid_surface_kernel(body);
-    f->particle_volume = fluid_particle_volume(body);
+    f->spacing = 2.0 * body->radius, f->particle_volume = fluid_particle_volume(body);
     f->first = body->first, f->count = body->count;
     f->rest_density = body->rest_density;
     return f;
@@ -122,13 +121,30 @@ static pdyn_scalars scalars(void *self) {
 static void density(void *self, double *out) {
     const struct fluid *f = self;
     for (int i = f->first; i < f->first + f->count; i++)
-        out[i] = f->rest_density * (1.0 + f->error[i]);
+        out[i] = f->rest_density * (1.0 + f->value[i]);
 }
 
 /* The constraint does the work of a pressure: flux dC = -p dV, and dC = -dV / V. */
 static void pressure(void *self, double *out) {
     const struct fluid *f = self;
     for (int i = f->first; i < f->first + f->count; i++) out[i] = f->flux[i] / f->particle_volume;
+}
+
+/* k_i changes between steps only: in a step, E is one function of x and its gradient is exact. */
+static void set_stiffness(void *arg, int first, int last, int block) {
+    (void)block;
+    struct fluid *f = ((const struct fluid_call *)arg)->f;
+    for (int i = first; i < last; i++) f->stiffness[i] = fluid_stiffness_at(f, i);
+}
+
+static void accept(void *self) {
+    struct fluid *f = self;
+    for_particles(f, f->particles, set_stiffness, NULL, NULL);
+}
+
+static void persist(void *self, pdyn_archive *archive) {
+    struct fluid *f = self;
+    archive->bytes(archive, f->stiffness + f->first, (size_t)f->count * sizeof *f->stiffness);
 }
 
 const pdyn_operator fluid_operator = {
@@ -143,5 +159,7 @@ const pdyn_operator fluid_operator = {
     .density = density,
     .pressure = pressure,
     .velocity = fluid_viscosity,
+    .persist = persist,
     .limit = fluid_limit,
+    .accept = accept,
 };

@@ -20,27 +20,26 @@ struct fluid {
     const pdyn_services *services;
     const pdyn_neighbours *lists;
     struct fluid_params params;
-    struct kernel kernel;          /* times the volume of a particle */
-    struct surface_kernel surface; /* the same */
-    int first, count;              /* the fluid's particles in the system */
-    int particles, points;         /* of the system; with the boundary */
-    unsigned volumes;              /* revision of the volumes in x, */
-    unsigned boundary;             /* and of the boundary points */
-    double rest_density;           /* kg/m^3 */
-    double particle_volume;        /* m^3 */
-    size_t pairs;                  /* capacity of what is kept per listed neighbour */
-    int *block_start;              /* blocks + 1: first pair of each block of points */
-    int *pair_start, *pair_end;    /* particles: its pairs inside the support, packed by blocks */
-    int *pair_index;               /* pairs: the neighbour */
+    struct kernel kernel;            /* times the volume of a particle */
+    struct surface_kernel surface;   /* the same */
+    int first, count;                /* the fluid's particles in the system */
+    int particles, points;           /* of the system; with the boundary */
+    unsigned volumes;                /* revision of the volumes in x, */
+    unsigned boundary;               /* and of the boundary points */
+    double rest_density;             /* kg/m^3 */
+    double spacing, particle_volume; /* m, m^3 */
+    size_t pairs;                    /* capacity of what is kept per listed neighbour */
+    int *block_start;                /* blocks + 1: first pair of each block of points */
+    int *pair_start, *pair_end;      /* particles: its pairs inside the support, packed by blocks */
+    int *pair_index;                 /* pairs: the neighbour */
     float *pair;        /* pairs x 4: grad W(x_i - x_j) times the volume of a particle that
                            is no fluid (of others: 1), 1/m, and W */
     double *x;          /* points x 4: where the last local step was, and the volume */
     double *gradient;   /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
     double *vector;     /* particles x 4: what a pass reads of the neighbours */
-    double *error;      /* particles: C_i, negative where there is room */
-    double *value;      /* particles: the same as the projection measures it */
+    double *value;      /* particles: C_i, negative where there is room */
     double *squares;    /* particles: |grad C_i|^2, 1/m^2 */
-    double *stiffness;  /* particles: w / |grad C_i|^2, N m */
+    double *stiffness;  /* particles: k_i of the energy k_i / 2 C_i^2, N m; 0: not known yet */
     double *flux;       /* particles: what constraint i gives along its gradient, N m */
     double *held;       /* particles: weights of the constraints that it is in, N/m */
     double *multiplier; /* particles: those of `force`, 0 for a particle that is no fluid */
@@ -70,6 +69,10 @@ static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, 
     f->services->parallel_for(f->services->core, count, FLUID_GRAIN, fn, &call);
 }
 
+static inline double fluid_stiffness_at(const struct fluid *f, int i) {
+    return fluid_energy_stiffness(f->params.stiffness, f->squares[i], f->spacing);
+}
+
 /* Whether a block of particles has fluid or pairs: of a large surface, few samples have. */
 static inline bool takes_part(const struct fluid *f, int first, int last, int block) {
     bool fluid = first < f->first + f->count && last > f->first;
@@ -84,7 +87,7 @@ INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
     memcpy(out, wide, sizeof wide);
 }
 
-/* Local step: C_i, its gradient, the pairs and the projection at x. Returns the energy. */
+/* Local step: C_i, its gradient, the pairs and the energy at x, which is returned. */
 double fluid_project(struct fluid *f, const double *x);
 
 /* y += sum of the multipliers (particles) times the gradients of their constraints. */

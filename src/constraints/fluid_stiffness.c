@@ -10,13 +10,9 @@
 
 #include "projdyn/vec3.h"
 
-/* (6 * 1.5^2 + 12 * 36 (1 - sqrt(1/2))^4 + 8 * 36 (1 - sqrt(3/4))^4) / (2 pi)^2: the cubic spline
- * of support 2 d, over neighbours at d, sqrt(2) d and sqrt(3) d */
-static const double lattice_squares = 0.42484;
-
 pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
     struct fluid_params *p = params;
-    double length = lattice_squares * 2.0 * scene->radius, rho = scene->rest_density;
+    double length = fluid_lattice_squares * 2.0 * scene->radius, rho = scene->rest_density;
     double pressure = rho * vec3_length(scene->gravity) * scene->head;
     const char *given = p->compression > 0.0 ? "compression" : "sound_speed";
     if (p->compression > 0.0 && !(pressure > 0.0))

@@ -418,6 +418,10 @@ void batch_limit(struct batch *b, const double *x, double *way) {
     if (b->op && b->type->op->limit) b->type->op->limit(b->op, x, way);
 }
 
+void batch_accept(struct batch *b) {
+    if (b->op && b->type->op->accept) b->type->op->accept(b->op);
+}
+
 void batch_velocity(struct batch *b, double *v) {
     if (!b->op || !b->type->op->velocity) return;
     if (!b->samples) {

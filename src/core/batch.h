@@ -111,6 +111,8 @@ void batch_scatter(struct batch *batch, double *y);
 void batch_velocity(struct batch *batch, double *v);
 /* The same: see `limit` of pdyn_operator; x ends with the samples. */
 void batch_limit(struct batch *batch, const double *x, double *way);
+/* The step that ended at the x of the last local step was taken. */
+void batch_accept(struct batch *batch);
 
 /* The model along a direction u, see scalars.h. */
 void batch_aim(struct batch *batch, const double *u);

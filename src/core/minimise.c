@@ -213,31 +213,47 @@ static void repeat_acceleration(struct pdyn_sim *sim, double *x) {
     system_axpy(&sim->system, h * h, sim->constraint_acceleration, x);
 }
 
-/* The local step at x, or as far on the way there as it is free. */
-static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *energy, double *gradient) {
+/* The local step at x, or as far on the way there as it is free. *least: the least part of it that
+ * a particle went. */
+static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, double *energy,
+                            double *gradient) {
     struct contact *contact = sim->system.contact;
+    *least = 1.0;
     if (sim->way) {
         system_axpy(&sim->system, -1.0, sim->x, x);
-        limit_moves(sim, x);
+        *least = limit_moves(sim, x);
         system_axpy(&sim->system, 1.0, sim->x, x);
     }
     pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
+    if (contact) *least = fmin(*least, contact_least(contact));
     return status == PDYN_OK ? system_local(&sim->system, x, energy, gradient) : status;
 }
 
 /* The local step a part of the way from the state to s. */
 static pdyn_status start_after(struct pdyn_sim *sim, double part, double *energy) {
+    double least;
     for (int k = 0; k < 3 * sim->system.particles; k++)
         sim->x_next[k] = sim->x[k] + part * (sim->system.s[k] - sim->x[k]);
-    return start_at(sim, sim->x_next, energy, sim->gradient);
+    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+}
+
+/* What inertia alone adds to E at the state: E is not below it there. */
+static double inertia_of_standing(const struct pdyn_sim *sim) {
+    double sum = 0.0;
+    for (int k = 0; k < 3 * sim->system.particles; k++) {
+        double moved = sim->system.s[k] - sim->x[k];
+        sum += 0.5 * system_inertia(&sim->system, k / 3) * moved * moved;
+    }
+    return sum;
 }
 
 /* Starts at s, or, where surfaces are in the way, so far before it that E is not above that of
- * standing still: what a surface stops is not to be crushed by what comes behind it. */
+ * standing still: what a surface stops is not to be crushed by what comes behind it, nor to be
+ * driven through the surface while E falls elsewhere. */
 static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
-    pdyn_status status = start_at(sim, sim->x_next, energy, sim->gradient);
-    double least = sim->system.contact ? contact_least(sim->system.contact) : 1.0, bound;
-    if (status != PDYN_OK || least == 1.0) return status;
+    double least, bound;
+    pdyn_status status = start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    if (status != PDYN_OK || least == 1.0 || *energy <= inertia_of_standing(sim)) return status;
     status = start_after(sim, 0.0, &bound);
     double part = *energy > bound ? next_part(1.0, least) : 1.0;
     for (int k = 0; status == PDYN_OK && k < BACKTRACKS; k++, part = next_part(part, least)) {
@@ -250,13 +266,13 @@ static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
 /* With positions, that acceleration is taken where it lowers E. That of a step that was cut short
  * would hand on its error, even so. */
 static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
-    double warm;
+    double warm, least;
     pdyn_status status = start_inertia(sim, energy);
     if (status != PDYN_OK || sim->last_h == 0.0 || sim->unfinished) return status;
     repeat_acceleration(sim, sim->trial);
-    status = start_at(sim, sim->trial, &warm, sim->trial_gradient);
+    status = start_at(sim, sim->trial, &least, &warm, sim->trial_gradient);
     if (status != PDYN_OK) return status;
-    if (!(warm < *energy)) return start_at(sim, sim->x_next, energy, sim->gradient);
+    if (!(warm < *energy)) return start_at(sim, sim->x_next, &least, energy, sim->gradient);
     take_trial(sim);
     *energy = warm;
     return PDYN_OK;
@@ -266,12 +282,12 @@ static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
  * constraints move it, at rest, starts where these put it: there it is solved already. */
 static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
     struct system *sys = &sim->system;
-    double moved = system_dot(sys, sim->v, sim->v);
+    double moved = system_dot(sys, sim->v, sim->v), least;
     double pushed = sys->h * sys->h *
                     system_dot(sys, sim->constraint_acceleration, sim->constraint_acceleration);
     if (moved < pushed) repeat_acceleration(sim, sim->x_next);
     if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
-    return start_at(sim, sim->x_next, energy, sim->gradient);
+    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */
