@@ -246,6 +246,39 @@ static void test_solvers(void **state) {
     assert_true(vec3_distance(x[0], x[1]) < 1e-7);
 }
 
+/* A sheet that weighs a hundredth of a layer of water and flies against a block of it with 6 m/s:
+ * two particle spacings a step. What is predicted lies behind the water; the step must not end
+ * there. */
+static void test_fast_sheet(void **state) {
+    (void)state;
+    const char *scene =
+        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"time_step\": {\"maximum\": 0.005, \"cfl\": 1},"
+        " \"solver\": {\"tolerance\": 0.5, \"linear_tolerance\": 0.3, \"outer_iterations\": 100},"
+        " \"bodies\": [{\"name\": \"water\", \"velocity\": [0, -1, 0], \"particles\": {\"radius\":"
+        " 0.007, \"fill\": [{\"box\": {\"minimum\": [-0.1, 0.007, -0.1], \"maximum\": [0.1, 0.05,"
+        " 0.1]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 14000}]}, {\"name\":"
+        " \"sheet\", \"velocity\": [0, 6, 0], \"surface\": {\"grid\": {\"size\": [0.3, 0.3],"
+        " \"vertices\": [31, 31]}, \"area_density\": 0.1}, \"constraints\": [{\"type\": \"spring\","
+        " \"stretching_stiffness\": 10000}, {\"type\": \"bending\", \"bending_rigidity\": "
+        "1e-4}]}]}";
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, scene);
+    const pdyn_body *water = &sim->body[0], *sheet = &sim->body[1];
+    for (int step = 0; step < 2; step++) test_step(context, sim);
+    for (int i = 0; i < water->count; i++) {
+        int nearest = sheet->first;
+        double least = INFINITY;
+        for (int j = sheet->first; j < sheet->first + sheet->count; j++) {
+            double across =
+                hypot(sim->x[3 * i] - sim->x[3 * j], sim->x[3 * i + 2] - sim->x[3 * j + 2]);
+            if (across < least) least = across, nearest = j;
+        }
+        assert_true(sim->x[3 * i + 1] > sim->x[3 * nearest + 1]);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- momentum -------------------------------------------------------------------------------- */
 
 /* However far a step is solved: linear momentum stays. */
@@ -613,6 +646,7 @@ int main(void) {
         cmocka_unit_test(test_stretch),
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_fast_sheet),
         cmocka_unit_test(test_momentum),
         cmocka_unit_test(test_viscosity),
         cmocka_unit_test(test_layers),

@@ -175,18 +175,15 @@ typedef struct pdyn_neighbours {
     unsigned boundary_revision; /* moves when boundary points do */
 } pdyn_neighbours;
 
-/* One-sided scalar constraints C_i <= 0, as the last local step left them. With the displacement
- * u - p = t_i grad C_i of a projection, the energy of constraint i is k_i / 2 value_i^2 and its
- * gradient k_i value_i grad C_i. */
+/* One-sided scalar constraints C_i <= 0, as the last local step left them. The energy of constraint
+ * i is k_i / 2 max(0, C_i)^2, with k_i constant in a step. */
 typedef struct pdyn_scalars {
-    int count;           /* first one for each particle of the body, then others if there are */
-    const double *value; /* count: t_i |grad C_i|^2, to first order C_i; C_i itself, negative,
-                            where there is room */
-    const double
-        *stiffness;        /* count: k_i = w / |grad C_i|^2; 0 where a constraint can do nothing */
-    const double *squares; /* count: |grad C_i|^2 over all its particles */
-    const double *held;    /* particles: the weights of all constraints that select a particle, N/m:
-                              what eps = 1 puts on the diagonal of H */
+    int count;               /* first one for each particle of the body, then others if there are */
+    const double *value;     /* count: C_i, negative where there is room */
+    const double *stiffness; /* count: k_i; 0 where a constraint can do nothing */
+    const double *squares;   /* count: |grad C_i|^2 over all its particles */
+    const double *held; /* particles: the weights of all constraints that select a particle, N/m:
+                           what eps = 1 puts on the diagonal of H */
 } pdyn_scalars;
 
 /* Vectors (x, u, y, gradient: particles x 3) have room for one number more, so that the last

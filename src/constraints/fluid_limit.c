@@ -1,5 +1,7 @@
-/* How far particles may go without passing a surface. What surfaces add to the density tells how
- * far the nearest one is, whatever its points and triangles are. */
+/* How far particles and samples of surfaces may go without passing each other: a part of the
+ * distance between the two. What surfaces add to the density tells that distance where it is below
+ * a spacing, whatever points and triangles a surface has. Beyond, it is above a spacing, and above
+ * the distance to a box around all of the others: a sheet that flies towards water is not held. */
 #include "fluid_pairs.h"
 
 #include "projdyn/vec3.h"
@@ -24,40 +26,81 @@ static const double part_of_way = 0.45;
 /* Never less than this part of a spacing, or nothing would move where a surface is touched. */
 static const double least_way = 0.02;
 
+struct extent {
+    double min[3], max[3];
+};
+
+/* The box around what takes part of `count` particles from `first` on. */
+static struct extent extent_of(const struct fluid *f, const double *x, int first, int count) {
+    struct extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = first; i < first + count; i++)
+        for (int a = 0; a < 3 && f->lists->volume[i] > 0.0; a++) {
+            e.min[a] = fmin(e.min[a], x[3 * (size_t)i + a]);
+            e.max[a] = fmax(e.max[a], x[3 * (size_t)i + a]);
+        }
+    return e;
+}
+
+/* How far a point may go that is not near to any of those in a box. */
+static double way_outside(const struct extent *e, const double *at, double spacing) {
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = fmax(0.0, fmax(e->min[a] - at[a], at[a] - e->max[a]));
+    return part_of_way * fmax(spacing, vec3_length(d));
+}
+
+struct limit_call {
+    const struct fluid *f;
+    const double *x;
+    double *way;
+    double spacing;
+    struct extent fluid, samples; /* boxes around these */
+};
+
 WIDE static void limit_block(void *arg, int first, int last, int block) {
     (void)block;
-    const struct fluid_call *c = arg;
+    const struct limit_call *c = arg;
     const struct fluid *f = c->f;
     const pdyn_neighbours *l = f->lists;
-    double spacing = 0.5 * l->support;
     for (int i = f->first + first; i < f->first + last; i++) {
         int samples = l->has_volumes ? l->boundary_start[i] : l->surface_start[i];
-        if (samples == l->boundary_start[i] && l->patch_start[i] == l->end[i]) continue;
-        const double *at = c->in + 3 * (size_t)i;
-        double sum = add_areas(f, c->in, at, samples, l->boundary_start[i]) +
-                     add_areas(f, c->in, at, l->patch_start[i], l->end[i]);
-        double way = part_of_way * surface_kernel_distance(sum, spacing);
-        c->out[i] = fmin(c->out[i], fmax(way, least_way * spacing));
+        const double *at = c->x + 3 * (size_t)i;
+        double way = way_outside(&c->samples, at, c->spacing);
+        if (samples < l->boundary_start[i] || l->patch_start[i] < l->end[i]) {
+            double sum = add_areas(f, c->x, at, samples, l->boundary_start[i]) +
+                         add_areas(f, c->x, at, l->patch_start[i], l->end[i]);
+            way = fmin(way, part_of_way * surface_kernel_distance(sum, c->spacing));
+        }
+        c->way[i] = fmin(c->way[i], fmax(way, least_way * c->spacing));
     }
 }
 
 /* A sample moves no farther than the particles that it is near to: these may come towards it. */
 static void limit_samples(void *arg, int first, int last, int block) {
     (void)block;
-    const struct fluid_call *c = arg;
+    const struct limit_call *c = arg;
     const pdyn_neighbours *l = c->f->lists;
     double reach = l->surface_support * l->surface_support;
-    for (int i = l->particles - l->samples + first; i < l->particles - l->samples + last; i++)
+    for (int i = l->particles - l->samples + first; i < l->particles - l->samples + last; i++) {
+        c->way[i] = fmin(c->way[i], way_outside(&c->fluid, c->x + 3 * (size_t)i, c->spacing));
         for (int s = l->start[i]; s < l->surface_start[i]; s++) {
             int j = l->index[s];
             double d[3];
-            for (int a = 0; a < 3; a++) d[a] = c->in[3 * (size_t)i + a] - c->in[3 * (size_t)j + a];
-            if (vec3_dot(d, d) < reach) c->out[i] = fmin(c->out[i], c->out[j]);
+            for (int a = 0; a < 3; a++) d[a] = c->x[3 * (size_t)i + a] - c->x[3 * (size_t)j + a];
+            if (vec3_dot(d, d) < reach) c->way[i] = fmin(c->way[i], c->way[j]);
         }
+    }
 }
 
 void fluid_limit(void *self, const double *x, double *way) {
     struct fluid *f = self;
-    for_particles(f, f->count, limit_block, x, way);
-    if (!f->lists->has_volumes) for_particles(f, f->lists->samples, limit_samples, x, way);
+    const pdyn_neighbours *l = f->lists;
+    int samples = l->has_volumes ? 0 : l->samples;
+    struct limit_call call = {.f = f,
+                              .x = x,
+                              .way = way,
+                              .spacing = 0.5 * l->support,
+                              .fluid = extent_of(f, x, f->first, f->count),
+                              .samples = extent_of(f, x, l->particles - samples, samples)};
+    f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, limit_block, &call);
+    f->services->parallel_for(f->services->core, samples, FLUID_GRAIN, limit_samples, &call);
 }
