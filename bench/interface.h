@@ -59,6 +59,9 @@ pdyn_sim *scene_load(const struct job *job, const struct scene *s);
 int lattice_write(FILE *file, double d, const int cells[3],
                   bool (*keep)(const void *user, double x[3]), const void *user);
 
+/* These particles as PLY. */
+void particles_write(FILE *file, int count, const double *x);
+
 /* A rectangle of along x across cells, bent to `place` of its two parameters from 0 to 1; as OBJ.
  */
 void sheet_write(FILE *file, int along, int across,

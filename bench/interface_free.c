@@ -1,6 +1,6 @@
-/* A free sheet under water, level, in the middle between two layers of the particles' lattice or in
- * the cavity that a layer leaves: how far it drifts up or down, how many steps are not solved, and
- * what a step costs. */
+/* A free sheet under water, level: how far it drifts up or down, how many steps are not solved, and
+ * what a step costs. It starts in the middle between two layers of the particles' lattice, in the
+ * cavity that a layer leaves, or in water that came to rest around it while it was held. */
 #include "interface.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 enum { BESIDE = 4, HALF_DEPTH = 8 }; /* spacings of water around the sheet */
 
 struct free_sheet {
-    bool cavity;
+    const char *start;             /* "between", "cavity", "settled" */
     double d, width, area_density; /* m, m, kg/m^2 */
     double middle[3];              /* m, at the start */
     int cells[3];                  /* of the water */
@@ -30,19 +30,37 @@ static bool keep(const void *user, double x[3]) {
            fabs(x[2] - f->middle[2]) > half;
 }
 
-static pdyn_sim *load_free(const struct job *job, const struct free_sheet *f, double contact) {
+/* With the water of free.ply. */
+static pdyn_sim *load(const struct job *job, const struct free_sheet *f, double contact,
+                      double viscosity, const char *pin) {
     char water[4096], sheet[4096];
     static struct scene s;
     int n = (int)floor(f->width / f->d + 0.5);
-    lattice_write(job_file(job, "free.ply", water), f->d, f->cells, keep, f);
+    snprintf(water, sizeof water, "%s/free.ply", job->directory);
     sheet_write(job_file(job, "free.obj", sheet), n, n, place, f);
     scene_start(&s, ordinary, contact);
-    scene_water(&s, f->d, f->cells[1] * f->d, plain, "{'file': '%s'}", water);
+    scene_water(&s, f->d, f->cells[1] * f->d, viscosity, "{'file': '%s'}", water);
     scene_sheet(&s, sheet, f->area_density);
-    scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "
-                  "'bending', 'bending_rigidity': 1e-4}]}");
+    scene_put(&s,
+              "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "
+              "'bending', 'bending_rigidity': 1e-4}%s]}",
+              pin);
     scene_tank(&s, f->cells[0] * f->d, (f->cells[1] + 10) * f->d, f->cells[2] * f->d);
     return scene_load(job, &s);
+}
+
+static pdyn_sim *load_free(const struct job *job, const struct free_sheet *f, double contact) {
+    const double rest = 1.5; /* s until the water is at rest */
+    char water[4096];
+    lattice_write(job_file(job, "free.ply", water), f->d, f->cells, keep, f);
+    if (strcmp(f->start, "settled")) return load(job, f, contact, plain, "");
+    pdyn_sim *sim = load(job, f, contact, calming, ", {'type': 'pin', 'vertices': {'all': true}}");
+    while (pdyn_time(sim) < rest) take_step(job->context, sim);
+    const pdyn_body_info body = pdyn_get_body(sim, 0);
+    particles_write(job_file(job, "free.ply", water), body.count,
+                    pdyn_get_state(sim).x + 3 * body.first);
+    pdyn_free(sim);
+    return load(job, f, contact, plain, "");
 }
 
 static void run(const struct job *job, FILE *csv, const struct free_sheet *f, double seconds,
@@ -50,7 +68,6 @@ static void run(const struct job *job, FILE *csv, const struct free_sheet *f, do
     pdyn_sim *sim = load_free(job, f, contact);
     double steps = 0.0, unsolved = 0.0, outer = 0.0, linear = 0.0, ms = 0.0, farthest = 0.0;
     double first[3], now[3], drift = 0.0;
-    const char *where = f->cavity ? "cavity" : "between";
     body_middle(sim, 1, first);
     while (pdyn_time(sim) < seconds) {
         pdyn_step_info info = take_step(job->context, sim);
@@ -59,12 +76,12 @@ static void run(const struct job *job, FILE *csv, const struct free_sheet *f, do
         farthest = fabs(drift) > fabs(farthest) ? drift : farthest;
         steps++, unsolved += info.step_residual > job->tolerance;
         outer += info.outer_iterations, linear += info.linear_iterations, ms += info.ms_cpu;
-        fprintf(csv, "%s,%g,%g,%.6g,%.6g,%.4g,%d,%d,%.3f\n", where, 1e3 * f->d, f->area_density,
+        fprintf(csv, "%s,%g,%g,%.6g,%.6g,%.4g,%d,%d,%.3f\n", f->start, 1e3 * f->d, f->area_density,
                 info.time, drift, info.step_residual, info.outer_iterations, info.linear_iterations,
                 info.ms_cpu);
     }
-    printf("| %s | %g | %g | %g | %+.2f | %+.2f | %.0f | %.0f %% | %.1f | %.0f | %.1f |\n", where,
-           1e3 * f->d, f->area_density, 1e3 * contact, drift, farthest, steps,
+    printf("| %s | %g | %g | %g | %+.2f | %+.2f | %.0f | %.0f %% | %.1f | %.0f | %.1f |\n",
+           f->start, 1e3 * f->d, f->area_density, 1e3 * contact, drift, farthest, steps,
            100.0 * unsolved / steps, outer / steps, linear / steps, ms / steps);
     fflush(stdout);
     pdyn_free(sim);
@@ -83,10 +100,10 @@ void free_sheets(const struct job *job) {
         double mm;
         struct free_sheet f = {.cells = {(int)width + 2 * BESIDE, 2 * HALF_DEPTH, 0}};
         if (sscanf(job->argument[k], "%15[a-z]:%lf:%lf", name, &mm, &f.area_density) != 3 ||
-            (strcmp(name, "between") && strcmp(name, "cavity")))
-            die("expected between:MM:KG or cavity:MM:KG, found %s", job->argument[k]);
-        f.cavity = !strcmp(name, "cavity");
-        f.cells[1] += f.cavity, f.cells[2] = f.cells[0];
+            (strcmp(name, "between") && strcmp(name, "cavity") && strcmp(name, "settled")))
+            die("expected between, cavity or settled with :MM:KG, found %s", job->argument[k]);
+        f.start = name;
+        f.cells[1] += !strcmp(name, "cavity"), f.cells[2] = f.cells[0];
         f.d = 1e-3 * mm, f.width = width * f.d;
         for (int a = 0; a < 3; a++) f.middle[a] = 0.5 * f.cells[a] * f.d;
         run(job, csv, &f, seconds, contact);

@@ -81,13 +81,24 @@ static int visit(FILE *file, double d, const int cells[3],
     return count;
 }
 
-int lattice_write(FILE *file, double d, const int cells[3],
-                  bool (*keep)(const void *user, double x[3]), const void *user) {
-    int count = visit(NULL, d, cells, keep, user);
+static void write_header(FILE *file, int count) {
     fprintf(file,
             "ply\nformat ascii 1.0\nelement vertex %d\nproperty double x\nproperty double y\n"
             "property double z\nend_header\n",
             count);
+}
+
+void particles_write(FILE *file, int count, const double *x) {
+    write_header(file, count);
+    for (int i = 0; i < count; i++)
+        fprintf(file, "%.17g %.17g %.17g\n", x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    fclose(file);
+}
+
+int lattice_write(FILE *file, double d, const int cells[3],
+                  bool (*keep)(const void *user, double x[3]), const void *user) {
+    int count = visit(NULL, d, cells, keep, user);
+    write_header(file, count);
     visit(file, d, cells, keep, user);
     fclose(file);
     return count;
