@@ -29,7 +29,8 @@ static void test_kernel(void **state) {
     }
     assert_true(surface_kernel_value(&kernel, d * d) == 0.0);
     double by = 0.1, near = 0.5 * d, far = 0.6 * d;
-    assert_true(fabs(surface_kernel_farther(by) * plane_at(far) / plane_at(near) - 1.0) < 1e-12);
+    assert_true(fabs(pow(surface_kernel_farther(by), 2.0) * plane_at(far) / plane_at(near) - 1.0) <
+                1e-12);
 }
 
 /* Mean and standard deviation of a plane's sum half a spacing away, over lambda; the points lie at

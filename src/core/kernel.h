@@ -62,11 +62,14 @@ static inline double surface_kernel_distance(double sum, double spacing) {
     return q > 0.1 ? spacing * sqrt(q * q - 0.01) : 0.0;
 }
 
-/* By what areas are multiplied so that a plane adds at 0.5 + `by` spacings what it does at 0.5. */
+/* By what areas are multiplied so that water rests `by` spacings farther off: the root of what
+ * makes the plane add at 0.5 + `by` what it does at 0.5. With all of it, water rests 1.9 times as
+ * far off (measured): the slope of a stronger plane is steeper, too, and holds water farther away
+ * than its value does. */
 static inline double surface_kernel_farther(double by) {
     double near = 1.0 - sqrt(0.5 * 0.5 + 0.01), far = 0.5 + by;
     double ratio = near / (1.0 - sqrt(far * far + 0.01));
-    return ratio * ratio * ratio * ratio;
+    return ratio * ratio;
 }
 
 /* S / d, 1/m^3; zero from r = d on. */
