@@ -241,6 +241,15 @@ static void diagonal(void *self, const double *stiffness, double *blocks) {
     }
 }
 
+static void boundary_force(void *self, double *out) {
+    struct grains *g = (struct grains *)self;
+    for (int c = g->count; c < g->constraints; c++) {
+        const struct pair *q = &g->pair[c];
+        if (q->b < g->particles || g->value[c] <= 0.0) continue;
+        vec3_add(out + 3 * (q->b - g->particles), -g->k[c] * g->value[c], q->n);
+    }
+}
+
 static const pdyn_operator operator_of_grains = {
     .create = create,
     .free = release,
@@ -250,6 +259,7 @@ static const pdyn_operator operator_of_grains = {
     .rate = rate,
     .force = force,
     .diagonal = diagonal,
+    .boundary_force = boundary_force,
 };
 
 static const pdyn_constraint_type type = {

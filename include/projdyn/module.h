@@ -219,6 +219,10 @@ typedef struct pdyn_operator {
     void (*limit)(void *self, const double *x, double *way);
     /* A step was taken; it ended at the x of the last local step. NULL: nothing depends on it. */
     void (*accept)(void *self);
+    /* Adds the force on every boundary point, N, at the x of the last local step: minus the
+     * gradient of the energy with respect to the point. force: (points - particles) x 3. Core calls
+     * it only where forces on solids are asked for. NULL: it puts no force on boundary points. */
+    void (*boundary_force)(void *self, double *force);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */
@@ -353,7 +357,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 6u
+#define PDYN_ABI 7u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -158,6 +158,20 @@ INLINE void round_gradients(struct near *near, int inside) {
     }
 }
 
+/* Those of `count` points that lie closer than `reach` to `at`, with their values and gradients.
+ * Returns how many. */
+INLINE int evaluate_near(const struct fluid *f, const v4 *at, const int *list, int count,
+                         double reach, evaluate_fn *evaluate, struct near *near) {
+    int inside = pick_near(f, at, list, count, reach, near);
+    load_near(f, at, inside, near);
+    evaluate(f, inside, near);
+    for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
+    round_gradients(near, inside);
+    return inside;
+}
+
+INLINE int chunk_of(int count, int s) { return count - s < CHUNK ? count - s : CHUNK; }
+
 /* A part of the list of a point. Moving neighbours are kept as its pairs from *front on; boundary
  * points, where front is NULL, are not, and have no squares. */
 INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, double reach,
@@ -166,11 +180,7 @@ INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, d
     int count = last - first;
     double squares = sum->squares;
     for (int s = 0; s < count; s += CHUNK) {
-        int inside = pick_near(f, at, list + s, count - s < CHUNK ? count - s : CHUNK, reach, near);
-        load_near(f, at, inside, near);
-        evaluate(f, inside, near);
-        for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
-        round_gradients(near, inside);
+        int inside = evaluate_near(f, at, list + s, chunk_of(count, s), reach, evaluate, near);
         add_lanes(near, (inside + 3) / 4 * 4, sum);
         if (!front) continue;
         keep_pairs(f, near, inside, *front, sum);
@@ -251,3 +261,38 @@ double fluid_project(struct fluid *f, const double *x) {
     for (int b = 0; b * FLUID_GRAIN < f->particles; b++) sum += f->partial[b];
     return sum;
 }
+
+/* ---- forces on boundary points --------------------------------------------------------------- */
+
+/* Of the constraint of the particle at `at` on a part of its list. flux: its multiplier, N m. */
+INLINE void push_points(const struct fluid *f, const v4 *at, int first, int last, double reach,
+                        evaluate_fn *evaluate, double flux, double *force) {
+    const int *list = f->lists->index + first;
+    struct near near;
+    for (int s = 0; s < last - first; s += CHUNK) {
+        int count = chunk_of(last - first, s);
+        int inside = evaluate_near(f, at, list + s, count, reach, evaluate, &near);
+        for (int k = 0; k < inside; k++) {
+            double *to = force + 3 * (size_t)(near.index[k] - f->particles);
+            to[0] += flux * near.x[k], to[1] += flux * near.y[k], to[2] += flux * near.z[k];
+        }
+    }
+}
+
+/* C_i depends on x_i - x_b alone: its gradient with respect to x_b is minus that of the pair with
+ * respect to x_i, as the local step has it, to the last bit. Serial, in the order of particles: the
+ * sums do not depend on the number of threads. */
+WIDE static void push_boundary(const struct fluid *f, double *force) {
+    const pdyn_neighbours *l = f->lists;
+    for (int i = f->first; i < f->first + f->count; i++) {
+        v4 at;
+        if (f->flux[i] == 0.0) continue;
+        v4_set(&at, f->x + 4 * (size_t)i, 0.0);
+        push_points(f, &at, l->boundary_start[i], l->patch_start[i], l->support, evaluate_particles,
+                    f->flux[i], force);
+        push_points(f, &at, l->patch_start[i], l->end[i], l->surface_support, evaluate_areas,
+                    f->flux[i], force);
+    }
+}
+
+void fluid_boundary_force(void *self, double *force) { push_boundary(self, force); }

@@ -162,4 +162,5 @@ const pdyn_operator fluid_operator = {
     .persist = persist,
     .limit = fluid_limit,
     .accept = accept,
+    .boundary_force = fluid_boundary_force,
 };

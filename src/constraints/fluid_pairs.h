@@ -90,6 +90,9 @@ INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
 /* Local step: C_i, its gradient, the pairs and the energy at x, which is returned. */
 double fluid_project(struct fluid *f, const double *x);
 
+/* The forces on boundary points, see pdyn_operator. */
+void fluid_boundary_force(void *self, double *force);
+
 /* y += sum of the multipliers (particles) times the gradients of their constraints. */
 void fluid_add_gradients(struct fluid *f, const double *multiplier, double *y);
 
