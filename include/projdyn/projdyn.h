@@ -194,6 +194,27 @@ typedef struct pdyn_parameter_info {
  * computed from others. parameter: counted from 0. All 0: there is none. */
 PDYN_API pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter);
 
+/* The solids of a scene, in its order. NULL: there is none. */
+PDYN_API const char *pdyn_solid_name(const pdyn_sim *sim, int solid);
+
+/* The load on a solid at the end of the last step: force, N, and moment about the origin of the
+ * world, N m. It is the sum of
+ *   - the pressure of the fluid: minus the gradient of the fluid's energy with respect to the
+ *     solid's boundary points, at these points. Those of a box lie about a particle spacing behind
+ *     its faces (pdyn_state.boundary_x), those of other solids on their surface;
+ *   - contact and friction of cloth and soft solids that touch it.
+ * A fluid has no friction with solids. With implicit Euler ("euler") the forces on all solids sum
+ * up to the weight, plus pin_reaction and the force of wind, less the change of momentum over h,
+ * but for the residual of the step. Particles that an outlet removed at the end of the step are
+ * left out.
+ *
+ * Computed on the first call after a step, for all solids, on one thread: the same bits for any
+ * number of threads. Zero before the first step, after pdyn_restore until the next step, and after
+ * a step that failed. PDYN_BAD_CALL: an argument is NULL, or there is no such solid.
+ * PDYN_NO_MEMORY. */
+PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3],
+                                     double moment[3]);
+
 /* Saves the state in one file, or brings a simulation that was loaded from the same scene to a
  * saved one: what follows has the same bits as without the interruption. The scene may have another
  * duration. The file appears whole or not at all. PDYN_BAD_INPUT: this is no saved state, or one of

@@ -40,7 +40,7 @@ pdyn_status boundary_volumes(pdyn_context *context, const struct boundary_model 
     return PDYN_OK;
 }
 
-static pdyn_status sample_solid(struct pdyn_sim *sim, const struct scene_solid *solid,
+static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *solid,
                                 double spacing) {
     const struct boundary_model *model = sim->scene.settings.boundary;
     const struct face_grid grid = {solid->open, model->grid * spacing, model->outside * spacing,
@@ -51,15 +51,24 @@ static pdyn_status sample_solid(struct pdyn_sim *sim, const struct scene_solid *
     return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
 }
 
+/* Solid number k of the scene. */
+static pdyn_status sample_solid(struct pdyn_sim *sim, int k, double spacing) {
+    struct patches *all = &sim->boundary;
+    int first = all->at.count;
+    pdyn_status status = sample_shape(sim, &sim->scene.solid[k], spacing);
+    for (int i = first; status == PDYN_OK && i < all->at.count; i++) all->patch[i].solid = k;
+    return status;
+}
+
 pdyn_status boundary_sample(struct pdyn_sim *sim, double spacing) {
     const struct scene *scene = &sim->scene;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < scene->solids && status == PDYN_OK; k++)
-        if (!scene->solid[k].keys) status = sample_solid(sim, &scene->solid[k], spacing);
+        if (!scene->solid[k].keys) status = sample_solid(sim, k, spacing);
     for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
         int first = sim->boundary.at.count;
         if (!scene->solid[k].keys) continue;
-        status = sample_solid(sim, &scene->solid[k], spacing);
+        status = sample_solid(sim, k, spacing);
         if (status == PDYN_OK) status = motion_add(sim, &scene->solid[k], first);
     }
     return status;

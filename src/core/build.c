@@ -433,6 +433,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = make_batches(sim);
     if (status == PDYN_OK) status = drag_create(sim);
     if (status == PDYN_OK) status = contact_create(sim);
+    if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = choose_solver(sim);
     if (status != PDYN_OK) return status;
@@ -500,6 +501,7 @@ void pdyn_free(pdyn_sim *sim) {
     samples_free(sim->samples);
     sides_free(sim->sides);
     patches_free(c, &sim->boundary);
+    solid_load_free(sim);
     motion_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
     FREE_ARRAY(c, sim->topology, sim->bodies);

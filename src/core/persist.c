@@ -83,6 +83,7 @@ pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
     if (!sim || !path) return PDYN_BAD_CALL;
     pdyn_status status = archive_open(sim->context, path, &a);
     if (status != PDYN_OK) return status;
+    solid_load_begin(sim);
     persist(sim, &a);
     return archive_close(&a);
 }

@@ -82,7 +82,7 @@ static pdyn_status sample_face(pdyn_context *context, const struct scene_box *bo
     for (long i = 0; i <= n[b]; i++)
         for (long j = 0; j <= n[c]; j++) {
             double share = (i == 0 || i == n[b] ? 0.5 : 1.0) * (j == 0 || j == n[c] ? 0.5 : 1.0);
-            const struct patch patch = {share * pitch[b] * pitch[c], true};
+            const struct patch patch = {.area = share * pitch[b] * pitch[c], .of_box = true};
             x[b] = low[b] + (double)i * pitch[b], x[c] = low[c] + (double)j * pitch[c];
             pdyn_status status = add_patch(context, out, x, &patch);
             if (status != PDYN_OK) return status;
@@ -270,7 +270,7 @@ pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, 
     for (int i = 0; status == PDYN_OK && i < spots.count; i++) {
         double x[3];
         spot_position(&spots.spot[i], mesh->vertex, mesh->triangle, x);
-        status = add_patch(context, out, x, &(struct patch){spots.spot[i].area, false});
+        status = add_patch(context, out, x, &(struct patch){.area = spots.spot[i].area});
     }
     spots_free(context, &spots);
     return status;

@@ -31,6 +31,7 @@ pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, d
 struct patch {   /* what a point of a surface stands for */
     double area; /* m^2 */
     bool of_box;
+    int solid; /* of the scene; set by boundary_sample */
 };
 
 struct patches { /* points on surfaces */

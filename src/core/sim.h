@@ -11,6 +11,7 @@
 #include "neighbours.h"
 #include "sampling.h"
 #include "scene.h"
+#include "solid_load.h"
 #include "solver.h"
 #include "system.h"
 
@@ -26,6 +27,7 @@ struct pdyn_sim {
     double *rest;              /* particles x 3: the bodies' rest positions, m */
     struct patches boundary;   /* points on the solids */
     struct motion motion;      /* of the last of these */
+    struct solid_loads *loads; /* forces on the solids; NULL in a scene without */
     pdyn_services services;    /* what operators may call */
 
     int constraints;         /* batches that are constraints of the scene; their dampers follow */

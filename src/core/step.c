@@ -147,6 +147,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     struct moment end;
     int retries = 0;
     double start = clock_ms(), cpu = clock_cpu_ms();
+    solid_load_begin(sim);
     sim->system.ms_neighbours = sim->system.ms_local = 0.0;
     pdyn_status status = attempt_all(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
@@ -158,6 +159,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
 
     timestep_advance(sim, &end);
     emit_step(sim);
+    solid_load_end(sim);
     *info = (pdyn_step_info){.time = sim->time,
                              .h = end.h,
                              .frame = end.frame,

@@ -1,0 +1,120 @@
+#include "solid_load.h"
+
+#include "sim.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+static void add_force(struct solid_load *load, const double *x, const double *force) {
+    double moment[3];
+    vec3_cross(moment, x, force);
+    vec3_add(load->force, 1.0, force);
+    vec3_add(load->moment, 1.0, moment);
+}
+
+/* ---- fluid ----------------------------------------------------------------------------------- */
+
+static void add_points(const struct pdyn_sim *sim, const double *force) {
+    const struct patches *all = &sim->boundary;
+    for (int k = 0; k < all->at.count; k++)
+        add_force(&sim->loads->solid[all->patch[k].solid], all->at.x + 3 * (size_t)k,
+                  force + 3 * (size_t)k);
+}
+
+static pdyn_status add_operators(const struct pdyn_sim *sim) {
+    size_t count = 3 * (size_t)sim->boundary.at.count;
+    if (!count) return PDYN_OK;
+    double *force = NEW_ARRAY(sim->context, count, double);
+    if (!force) return PDYN_NO_MEMORY;
+    for (int b = 0; b < sim->system.batches; b++) {
+        const struct batch *batch = sim->system.batch[b];
+        if (batch->op && batch->type->op->boundary_force)
+            batch->type->op->boundary_force(batch->op, force);
+    }
+    add_points(sim, force);
+    FREE_ARRAY(sim->context, force, count);
+    return PDYN_OK;
+}
+
+/* ---- contact --------------------------------------------------------------------------------- */
+
+/* Energies are functions of sum c_k x_k over the points of a pair, with the gradient w (u - p). Not
+ * flux: impacts leave their own in it. */
+static void add_pair(const struct pdyn_sim *sim, const struct touching *pair, const pdyn_batch *v,
+                     int e) {
+    const struct contact *c = sim->system.contact;
+    for (int k = 0; k < 4; k++) {
+        double force[3];
+        int point = pair->point[k];
+        if (point < c->free) continue;
+        for (int a = 0; a < 3; a++)
+            force[a] = -pair->c[k] * v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]);
+        add_force(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
+                  force);
+    }
+}
+
+static void add_contact(const struct pdyn_sim *sim) {
+    const struct contact *c = sim->system.contact;
+    if (!c) return;
+    const pdyn_batch *v = &c->touching->view;
+    for (int e = 0; e < v->elements; e++) add_pair(sim, (const struct touching *)v->data + e, v, e);
+    if (!c->sticking) return;
+    v = &c->sticking->view;
+    for (int e = 0; e < v->elements; e++)
+        add_pair(sim, &((const struct sticking *)v->data + e)->pair, v, e);
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+pdyn_status solid_load_create(struct pdyn_sim *sim) {
+    int solids = sim->scene.solids;
+    if (!solids) return PDYN_OK;
+    sim->loads = NEW_ARRAY(sim->context, 1, struct solid_loads);
+    if (!sim->loads) return PDYN_NO_MEMORY;
+    sim->loads->solid = NEW_ARRAY(sim->context, solids, struct solid_load);
+    return sim->loads->solid ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void solid_load_free(struct pdyn_sim *sim) {
+    if (!sim->loads) return;
+    FREE_ARRAY(sim->context, sim->loads->solid, sim->scene.solids);
+    FREE_ARRAY(sim->context, sim->loads, 1);
+}
+
+void solid_load_begin(struct pdyn_sim *sim) {
+    if (sim->loads) sim->loads->known = sim->loads->summed = false;
+}
+
+void solid_load_end(struct pdyn_sim *sim) {
+    if (sim->loads) sim->loads->known = true;
+}
+
+pdyn_status solid_load_sum(const struct pdyn_sim *sim, const struct solid_load **loads) {
+    struct solid_loads *l = sim->loads;
+    *loads = l && l->known ? l->solid : NULL;
+    if (!*loads || l->summed) return PDYN_OK;
+    memset(l->solid, 0, (size_t)sim->scene.solids * sizeof *l->solid);
+    pdyn_status status = add_operators(sim);
+    if (status != PDYN_OK) return status;
+    add_contact(sim);
+    l->summed = true;
+    return PDYN_OK;
+}
+
+const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
+    return solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
+}
+
+pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {
+    static const struct solid_load none;
+    const struct solid_load *loads;
+    if (!sim || !force || !moment || !pdyn_solid_name(sim, solid)) return PDYN_BAD_CALL;
+    pdyn_status status = solid_load_sum(sim, &loads);
+    if (status != PDYN_OK) return status;
+    const struct solid_load *load = loads ? loads + solid : &none;
+    memcpy(force, load->force, sizeof load->force);
+    memcpy(moment, load->moment, sizeof load->moment);
+    return PDYN_OK;
+}
