@@ -37,7 +37,7 @@ linear_iterations.mean linear_iterations.max density_error.mean density_error.wo
 density_error.mean_max density_error.max step_residual.mean step_residual.max
 energy.start.kinetic energy.start.potential energy.start.constraint energy.start.total
 energy.end.kinetic energy.end.potential energy.end.constraint energy.end.total momentum.start
-momentum.end pin_reaction_N pin_reaction peak_memory_bytes peak_rss_bytes state_hash time_step.integrator time_step.min
+momentum.end pin_reaction_N pin_reaction solids peak_memory_bytes peak_rss_bytes state_hash time_step.integrator time_step.min
 time_step.mean time_step.max interrupted failed""".split()
 CELL = {"particles": (1, "vertex"), "surface": (5, "triangle")}  # VTK's number, meshio's name
 
@@ -205,6 +205,13 @@ class Output(unittest.TestCase):
         self.assertEqual(start["constraint"], 0)
         potential = float(first["potential_J"])  # a step later
         self.assertAlmostEqual(start["potential"], potential, delta=1e-2 * abs(potential))
+
+    def test_loads(self):
+        names = [solid["name"] for solid in json.loads(pathlib.Path(SCENE).read_text())["solids"]]
+        self.assertEqual([load["name"] for load in self.report["solids"]], names)
+        for load in self.report["solids"]:
+            self.assertEqual(sorted(load), ["force_N", "moment_Nm", "name"])
+            self.assertEqual((len(load["force_N"]), len(load["moment_Nm"])), (3, 3))
 
     def test_boundary(self):
         path = self.directory / "boundary.vtk"

@@ -232,6 +232,25 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
                      "pin_reaction", vector(pin), "state_hash", hash);
 }
 
+/* Null where the load is not known: no step was taken, or the last one failed. */
+static json_t *solid(const char *name, const struct solid_load *load) {
+    static const struct solid_load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
+    if (!load) load = &unknown;
+    return json_pack("{s:s, s:o, s:o}", "name", name, "force_N", vector(load->force), "moment_Nm",
+                     vector(load->moment));
+}
+
+/* The loads on the solids at the end. */
+static json_t *solids(const pdyn_sim *sim) {
+    const struct solid_load *loads;
+    if (solid_load_sum(sim, &loads) != PDYN_OK) return NULL;
+    json_t *list = json_array();
+    for (int k = 0; list && k < sim->scene.solids; k++)
+        if (json_array_append_new(list, solid(pdyn_solid_name(sim, k), loads ? loads + k : NULL)))
+            return json_decref(list), NULL;
+    return list;
+}
+
 /* Everything in one object, or NULL without memory. */
 static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
                      const char *failed) {
@@ -239,7 +258,7 @@ static char *compose(const struct report *report, const pdyn_sim *sim, bool inte
     json_t *result = describe_result(report, sim);
     char *dump = NULL;
     if (root && run && result && !json_object_update(root, run) &&
-        !json_object_update(root, result) &&
+        !json_object_update(root, result) && !json_object_set_new(root, "solids", solids(sim)) &&
         !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
         !json_object_set_new(root, "failed", text(sim->context, failed)))
         dump = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
