@@ -1,6 +1,8 @@
 /* The factor against dense elimination, and what its solvers promise beyond conformance. */
 #include "support.h"
 
+#include "choices.h"
+
 #include "../src/solvers/factor.h"
 
 #include <math.h>
@@ -241,13 +243,13 @@ static void test_accelerations(void **state) {
     static const double most[] = {1.0, 0.3, 0.05}; /* of what the plain iteration leaves */
     struct descent solved = descend("\"tolerance\": 1e-9, \"outer_iterations\": 100");
     double least = solved.energy[solved.count - 1], plain = 0.0;
-    assert_int_equal(acceleration_count, 3);
-    for (int k = 0; k < acceleration_count; k++) {
+    assert_int_equal(acceleration_choices.count, 3);
+    for (int k = 0; k < acceleration_choices.count; k++) {
         char solver[256];
         snprintf(solver, sizeof solver,
                  "\"step\": \"projective\", \"tolerance\": 0, \"outer_iterations\": 30, "
                  "\"acceleration\": \"%s\"",
-                 accelerations[k].name);
+                 choices_text(&acceleration_choices, k, 0));
         struct descent d = descend(solver);
         for (int n = 1; n < d.count; n++)
             assert_true(d.energy[n] <= d.energy[n - 1] * (1.0 + 1e-12));

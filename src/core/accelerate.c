@@ -1,5 +1,7 @@
 #include "accelerate.h"
 
+#include "choices.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -85,12 +87,13 @@ static bool propose_anderson(struct acceleration *a, const double *x, double *di
 
 /* ---- all of them ----------------------------------------------------------------------------- */
 
-const struct acceleration_type accelerations[] = {
-    {"none", 0, NULL},
-    {"chebyshev", CHEBYSHEV_VECTORS, propose_chebyshev},
-    {"anderson", ANDERSON_VECTORS, propose_anderson},
+static const struct acceleration_type accelerations[] = {
+    {"none", "the plain step", 0, NULL},
+    {"chebyshev", "Chebyshev semi-iteration (Wang 2015)", CHEBYSHEV_VECTORS, propose_chebyshev},
+    {"anderson", "Anderson acceleration (Peng et al. 2018)", ANDERSON_VECTORS, propose_anderson},
 };
-const int acceleration_count = sizeof accelerations / sizeof *accelerations;
+const struct choices acceleration_choices = {accelerations, sizeof *accelerations,
+                                             sizeof accelerations / sizeof *accelerations};
 
 pdyn_status acceleration_create(struct acceleration *a, const struct acceleration_type *type,
                                 struct system *system) {

@@ -9,15 +9,12 @@
 struct acceleration;
 
 struct acceleration_type {
-    const char *name;
+    const char *name, *summary;
     /* Vectors (particles x 3) to keep; 0: nothing is accelerated. */
     int vectors;
     /* Changes the direction of the global step from x; false: it cannot say anything yet. */
     bool (*propose)(struct acceleration *a, const double *x, double *direction);
 };
-
-extern const struct acceleration_type accelerations[];
-extern const int acceleration_count;
 
 enum { ANDERSON_WINDOW = 5 };
 

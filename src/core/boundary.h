@@ -4,8 +4,6 @@
 
 #include "context.h"
 
-struct pdyn_sim;
-
 struct boundary_model {
     const char *name, *summary;
     /* all lengths in spacings of the fluid's particles */
@@ -17,20 +15,11 @@ struct boundary_model {
                      kernel of particles; otherwise areas, and the surface kernel (kernel.h) */
 };
 
-extern const struct boundary_model boundary_models[]; /* the first is the default */
-extern const int boundary_model_count;
-
 /* What the points of a surface count in SPH sums, m^3, from their areas, m^2: area times spacing,
  * or a volume. thickness: m, of a sheet; its two sides lie half of that from the points, up to 0.3
  * spacings. spacing: m, of the particles. */
 pdyn_status boundary_volumes(pdyn_context *context, const struct boundary_model *model, int count,
                              const double *x, const double *area, double thickness, double spacing,
                              double *volume);
-
-/* Points on the scene's solids: first of those that rest, then of those that move. */
-pdyn_status boundary_sample(struct pdyn_sim *sim, double spacing);
-
-/* The volumes of these points, and which have the kernel of particles. */
-pdyn_status boundary_fill(struct pdyn_sim *sim, double spacing, double *volume, bool *is_wall);
 
 #endif

@@ -5,6 +5,7 @@
 #include "registry.h"
 #include "sampling.h"
 #include "sim.h"
+#include "solid_points.h"
 
 #include "projdyn/vec3.h"
 
@@ -194,7 +195,7 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, in
         volume[i] = spacing * spacing * spacing, centre[i] = true;
     for (int k = 0; sim->samples && k < sim->samples->count; k++)
         volume[sim->system.particles + k] = sim->samples->rest_volume[k];
-    return boundary_fill(sim, spacing, volume + particles, is_wall);
+    return solid_points_fill(sim, spacing, volume + particles, is_wall);
 }
 
 static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
@@ -270,7 +271,7 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     const pdyn_body *fluid = fluid_body(sim);
     if (!fluid) return PDYN_OK;
     double spacing = 2.0 * fluid->radius;
-    pdyn_status status = boundary_sample(sim, spacing);
+    pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->system.particles,
                                 sim->rest, sim->scene.settings.boundary,
@@ -417,6 +418,17 @@ static pdyn_status choose_solver(struct pdyn_sim *sim) {
 
 /* ---- the life of a simulation ---------------------------------------------------------------- */
 
+static pdyn_status make_drag(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    if (!sim->samples) return PDYN_OK;
+    pdyn_status status = drag_create(sim->context, &sim->scene, sim->body, sys->particles,
+                                     sim->samples, neighbours_view(sim->neighbours), &sys->drag);
+    if (status != PDYN_OK || !sys->drag) return status;
+    sys->changing = true;
+    sys->batch[sys->batches++] = sys->drag->batch;
+    return PDYN_OK;
+}
+
 static pdyn_status build(struct pdyn_sim *sim) {
     struct points all = {0};
     sim->services = sim_services(sim->context);
@@ -431,7 +443,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
-    if (status == PDYN_OK) status = drag_create(sim);
+    if (status == PDYN_OK) status = make_drag(sim);
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;

@@ -1,5 +1,5 @@
 /* What is registered, as text for people. */
-#include "boundary.h"
+#include "choices.h"
 #include "context.h"
 #include "near.h"
 #include "params.h"
@@ -67,8 +67,9 @@ static void describe_all(const pdyn_context *context, const struct sink *to) {
     for (int k = 0; (solver = registry_solver_at(context, k)); k++)
         line(to, "  %-12s %s\n", solver->name, solver->summary);
     line(to, "\nboundary models, \"boundary\" of a scene\n");
-    for (int k = 0; k < boundary_model_count; k++)
-        line(to, "  %-12s %s\n", boundary_models[k].name, boundary_models[k].summary);
+    for (int k = 0; k < boundary_choices.count; k++)
+        line(to, "  %-12s %s\n", choices_text(&boundary_choices, k, 0),
+             choices_text(&boundary_choices, k, 1));
 }
 
 static void alternatives(const struct sink *to, const char *const *names) {

@@ -1,7 +1,8 @@
 #include "drag.h"
 
 #include "kernel.h"
-#include "sim.h"
+#include "neighbours.h"
+#include "scene.h"
 
 #include <string.h>
 
@@ -180,31 +181,27 @@ static void set_rates(struct drag *d, const pdyn_body *body, double friction) {
         }
 }
 
-static bool has_friction(const struct pdyn_sim *sim) {
-    for (int b = 0; sim->samples && b < sim->bodies; b++)
-        if (sim->scene.body[b].fluid_friction > 0.0) return true;
+static bool has_friction(const struct scene *scene) {
+    for (int b = 0; b < scene->bodies; b++)
+        if (scene->body[b].fluid_friction > 0.0) return true;
     return false;
 }
 
-pdyn_status drag_create(struct pdyn_sim *sim) {
-    struct system *sys = &sim->system;
-    if (!has_friction(sim)) return PDYN_OK;
-    struct drag *d = sys->drag = NEW_ARRAY(sim->context, 1, struct drag);
+pdyn_status drag_create(pdyn_context *context, const struct scene *scene, const pdyn_body *body,
+                        int particles, const struct samples *samples, const pdyn_neighbours *lists,
+                        struct drag **out) {
+    if (!has_friction(scene)) return PDYN_OK;
+    struct drag *d = *out = NEW_ARRAY(context, 1, struct drag);
     if (!d) return PDYN_NO_MEMORY;
-    d->context = sim->context, d->samples = sim->samples;
-    d->lists = neighbours_view(sim->neighbours);
-    d->all = (pdyn_body){.name = "drag", .count = sys->particles};
-    d->rate = NEW_ARRAY(sim->context, d->samples->count, double);
-    d->first = NEW_ARRAY(sim->context, 2 * (size_t)d->samples->count + 1, int);
+    d->context = context, d->samples = samples, d->lists = lists;
+    d->all = (pdyn_body){.name = "drag", .count = particles};
+    d->rate = NEW_ARRAY(context, samples->count, double);
+    d->first = NEW_ARRAY(context, 2 * (size_t)samples->count + 1, int);
     if (!d->rate || !d->first) return PDYN_NO_MEMORY;
-    for (int b = 0; b < sim->bodies; b++)
-        if (sim->scene.body[b].fluid_friction > 0.0)
-            set_rates(d, &sim->body[b], sim->scene.body[b].fluid_friction);
-    sys->changing = true;
-    pdyn_status status =
-        batch_create_changing(sim->context, &slipping_type, NULL, &d->all, &d->batch);
-    if (status == PDYN_OK) sys->batch[sys->batches++] = d->batch;
-    return status;
+    for (int b = 0; b < scene->bodies; b++)
+        if (scene->body[b].fluid_friction > 0.0)
+            set_rates(d, &body[b], scene->body[b].fluid_friction);
+    return batch_create_changing(context, &slipping_type, NULL, &d->all, &d->batch);
 }
 
 void drag_free(struct drag *d) {

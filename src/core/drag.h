@@ -16,7 +16,7 @@
 
 #include "batch.h"
 
-struct pdyn_sim;
+struct scene;
 
 struct drag {
     pdyn_context *context;
@@ -29,8 +29,11 @@ struct drag {
     const double *x;     /* where the step begins, with the samples */
 };
 
-/* The batch, empty; sim->system.drag stays NULL where no surface has friction with a fluid. */
-pdyn_status drag_create(struct pdyn_sim *sim);
+/* Of bodies with `fluid_friction`, with an empty batch over all particles of the system; *out stays
+ * NULL where there are none. After a failure *out is to be freed, too. */
+pdyn_status drag_create(pdyn_context *context, const struct scene *scene, const pdyn_body *body,
+                        int particles, const struct samples *samples, const pdyn_neighbours *lists,
+                        struct drag **out);
 void drag_free(struct drag *drag);
 
 /* A step begins at x, with the samples; the lists are complete there. */

@@ -1,5 +1,6 @@
 #include "integrator.h"
 
+#include "choices.h"
 #include "emit.h"
 #include "sim.h"
 
@@ -92,8 +93,9 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     return count;
 }
 
-const struct integrator integrators[] = {
+static const struct integrator integrators[] = {
     {"bdf2", "second order; one implicit step from two states", begin_bdf2, true},
     {"euler", "first order; implicit, as published", begin_euler, false},
 };
-const int integrator_count = sizeof integrators / sizeof *integrators;
+const struct choices integrator_choices = {integrators, sizeof *integrators,
+                                           sizeof integrators / sizeof *integrators};

@@ -23,9 +23,6 @@ struct integrator {
     bool history; /* `begin` needs sim->x_before and sim->v_before */
 };
 
-extern const struct integrator integrators[]; /* the first is the default */
-extern const int integrator_count;
-
 /* After a step of length h whose velocities are known: those of impacts become what Euler's would
  * be, in the history, too. Returns how many constraints had an impact; 0 with Euler. */
 int integrator_impacts(struct pdyn_sim *sim, double h);

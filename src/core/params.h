@@ -4,13 +4,8 @@
 #define PDYN_PARAMS_H
 
 #include "json_file.h"
+#include "registry.h"
 #include "scene.h"
-
-/* A default outside the bounds stands for "none": the parameter is absent unless it is given. */
-static inline bool params_has_default(const pdyn_param *param) {
-    return !param->required && param->kind <= PDYN_VECTOR && param->def >= param->min &&
-           param->def <= param->max;
-}
 
 /* Checks that `object` is an object whose keys are all in the table (NULL: none) or in `others`,
  * which ends with NULL. */

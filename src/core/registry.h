@@ -28,4 +28,10 @@ extern const pdyn_param settings_solver_params[], settings_time_step_params[],
 /* Closest of `count` names to `name`, or NULL when none is near. */
 const char *registry_near_miss(const char *name, const char *const *names, int count);
 
+/* A default outside the bounds stands for "none": the parameter is absent unless it is given. */
+static inline bool params_has_default(const pdyn_param *param) {
+    return !param->required && param->kind <= PDYN_VECTOR && param->def >= param->min &&
+           param->def <= param->max;
+}
+
 #endif

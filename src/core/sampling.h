@@ -2,8 +2,9 @@
 #ifndef PDYN_SAMPLING_H
 #define PDYN_SAMPLING_H
 
+#include "mesh.h"
 #include "points.h"
-#include "scene.h"
+#include "primitives.h"
 
 #include <math.h>
 
@@ -31,7 +32,7 @@ pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, d
 struct patch {   /* what a point of a surface stands for */
     double area; /* m^2 */
     bool of_box;
-    int solid; /* of the scene; set by boundary_sample */
+    int solid; /* of the scene; set by solid_points_sample */
 };
 
 struct patches { /* points on surfaces */

@@ -7,16 +7,9 @@
 #include "context.h"
 #include "mesh.h"
 #include "points.h"
+#include "primitives.h"
 #include "projdyn/module.h"
 #include "tets.h"
-
-struct scene_box {
-    double min[3], max[3]; /* m; min < max in every axis */
-};
-
-struct scene_sphere {
-    double center[3], radius; /* m */
-};
 
 struct scene_inlet {        /* lets one layer of particles in after the other, a spacing apart */
     double direction[3];    /* of length 1 */

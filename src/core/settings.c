@@ -1,8 +1,6 @@
 /* How a scene is solved: its parameters and their reading. A default outside the bounds means:
  * absent. */
-#include "accelerate.h"
-#include "boundary.h"
-#include "integrator.h"
+#include "choices.h"
 #include "params.h"
 #include "reader.h"
 #include "registry.h"
@@ -59,43 +57,28 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     return status;
 }
 
-/* Which one of a table of structs of this size, each of which begins with its name; the first where
- * the key is not there. */
-static pdyn_status read_named(const struct json_at *at, const char *key, const void *table,
-                              size_t size, int count, int *chosen) {
+/* The entry that `key` of an object names; the default where the key is not there. */
+static pdyn_status read_named(const struct json_at *object, const char *key,
+                              const struct choices *choices, const void **chosen) {
+    struct json_at at = json_member(object, key);
     const char *names[READER_NAMES];
-    *chosen = 0;
-    for (int k = 0; k < count; k++)
-        memcpy(&names[k], (const char *)table + (size_t)k * size, sizeof names[k]);
-    return reader_choice(at, key, names, count, chosen);
-}
-
-static pdyn_status read_integrator(const struct json_at *time_step, struct scene_settings *set) {
-    struct json_at at = json_member(time_step, "integrator");
-    int chosen;
-    pdyn_status status =
-        read_named(&at, "integrator", integrators, sizeof *integrators, integrator_count, &chosen);
-    set->integrator = &integrators[chosen];
-    return status;
-}
-
-static pdyn_status read_boundary(const struct json_at *root, struct scene_settings *set) {
-    struct json_at at = json_member(root, "boundary");
-    int chosen;
-    pdyn_status status = read_named(&at, "boundary", boundary_models, sizeof *boundary_models,
-                                    boundary_model_count, &chosen);
-    set->boundary = &boundary_models[chosen];
+    int k = 0;
+    for (int n = 0; n < choices->count; n++) names[n] = choices_text(choices, n, 0);
+    pdyn_status status = reader_choice(&at, key, names, choices->count, &k);
+    *chosen = choices_entry(choices, k);
     return status;
 }
 
 static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
+    const void *chosen;
     static const char *const others[] = {"integrator", NULL}, *const excluded[] = {
                                                                   "maximum", "minimum", "cfl"};
     struct scene_settings *set = &r->scene->settings;
     pdyn_status status =
         at->value ? params_check_keys(at, settings_time_step_params, others) : PDYN_OK;
     if (status == PDYN_OK) status = params_read(at, settings_time_step_params, NULL, set);
-    if (status == PDYN_OK) status = read_integrator(at, set);
+    if (status == PDYN_OK) status = read_named(at, "integrator", &integrator_choices, &chosen);
+    if (status == PDYN_OK) set->integrator = chosen;
     if (status != PDYN_OK) return status;
     for (int k = 0; set->h_fixed > 0.0 && k < 3; k++) {
         struct json_at other = json_member(at, excluded[k]);
@@ -109,11 +92,10 @@ static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
 
 static pdyn_status read_acceleration(const struct json_at *solver, struct scene_settings *set) {
     struct json_at at = json_member(solver, "acceleration");
-    int chosen;
-    pdyn_status status = read_named(&at, "acceleration", accelerations, sizeof *accelerations,
-                                    acceleration_count, &chosen);
-    set->acceleration = &accelerations[chosen];
-    if (status == PDYN_OK && chosen && set->newton)
+    const void *chosen;
+    pdyn_status status = read_named(solver, "acceleration", &acceleration_choices, &chosen);
+    set->acceleration = chosen;
+    if (status == PDYN_OK && set->newton && chosen != choices_entry(&acceleration_choices, 0))
         return json_fail(&at, "only \"step\": \"projective\" is accelerated, found \"newton\"");
     return status;
 }
@@ -139,9 +121,11 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
 }
 
 pdyn_status settings_read(struct reader *r, const struct json_at *root) {
+    const void *chosen;
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     pdyn_status status = read_general(r, root);
-    if (status == PDYN_OK) status = read_boundary(root, &r->scene->settings);
+    if (status == PDYN_OK) status = read_named(root, "boundary", &boundary_choices, &chosen);
+    if (status == PDYN_OK) r->scene->settings.boundary = chosen;
     if (status == PDYN_OK) status = read_time_step(r, &time_step);
     return status == PDYN_OK ? read_solver(r, &solver) : status;
 }

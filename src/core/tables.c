@@ -1,5 +1,4 @@
 /* What can be told from the tables of a plug-in before anything of it runs. */
-#include "params.h"
 #include "registry.h"
 
 #include <math.h>

@@ -1,0 +1,27 @@
+/* Tables of what a scene chooses from by name. Each is defined where its entries are implemented;
+ * the first entry is the default. Reading a scene needs to know names alone. */
+#ifndef PDYN_CHOICES_H
+#define PDYN_CHOICES_H
+
+#include <stddef.h>
+
+struct choices {
+    const void *entry; /* structs that begin with a name and a summary, both const char * */
+    size_t size;       /* bytes of one */
+    int count;
+};
+
+extern const struct choices boundary_choices;     /* struct boundary_model (boundary.c) */
+extern const struct choices integrator_choices;   /* struct integrator (integrator.c) */
+extern const struct choices acceleration_choices; /* struct acceleration_type (accelerate.c) */
+
+static inline const void *choices_entry(const struct choices *choices, int k) {
+    return (const char *)choices->entry + (size_t)k * choices->size;
+}
+
+/* Name (part 0) or summary (part 1) of entry k. */
+static inline const char *choices_text(const struct choices *choices, int k, int part) {
+    return ((const char *const *)choices_entry(choices, k))[part];
+}
+
+#endif
