@@ -9,9 +9,9 @@
  * and analyses are not in them. `plain` is what one writes first: classic Projective Dynamics in
  * plain C, springs one after the other, cholmod_solve2 with its defaults (`plain_simplicial`:
  * without supernodes, where the BLAS is slow). */
-#include "assemble.h"
-#include "clock.h"
-#include "sim.h"
+#include "base/clock.h"
+#include "objective/assemble.h"
+#include "step/sim.h"
 
 #include <math.h>
 #include <stdio.h>

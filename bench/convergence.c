@@ -6,8 +6,8 @@
  *
  * gap: (E - E*) / (E(first) - E*); distance: |x - x*| / |s - x*|; x*, E* from a newton step run to
  * stagnation. Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]] */
-#include "clock.h"
-#include "sim.h"
+#include "base/clock.h"
+#include "step/sim.h"
 
 #include "projdyn/vec3.h"
 

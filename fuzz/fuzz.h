@@ -2,7 +2,7 @@
 #ifndef FUZZ_H
 #define FUZZ_H
 
-#include "context.h"
+#include "base/context.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,6 +1,6 @@
 /* Tetrahedra, .msh. */
 #include "fuzz.h"
-#include "tets.h"
+#include "geometry/tets.h"
 
 #include <unistd.h>
 

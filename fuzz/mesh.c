@@ -1,5 +1,5 @@
 /* Triangle meshes; the build says which: ENDING is ".obj" or ".ply". */
-#include "mesh.h"
+#include "geometry/mesh.h"
 #include "fuzz.h"
 
 #include <unistd.h>

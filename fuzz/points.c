@@ -1,6 +1,6 @@
 /* Particles, .vtk. */
 #include "fuzz.h"
-#include "mesh.h"
+#include "geometry/mesh.h"
 
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 /* Scenes, up to what is simulated. */
-#include "scene.h"
+#include "scene/scene.h"
 #include "fuzz.h"
 
 #include <stdlib.h>

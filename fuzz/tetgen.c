@@ -1,6 +1,6 @@
 /* Tetrahedra, .node and .ele: in one input, with a line "%" between them. */
 #include "fuzz.h"
-#include "tets.h"
+#include "geometry/tets.h"
 
 #include <string.h>
 #include <unistd.h>

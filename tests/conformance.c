@@ -2,8 +2,8 @@
  * one is covered without a line of test. */
 #include "support.h"
 
+#include "base/registry.h"
 #include "projdyn/conformance.h"
-#include "registry.h"
 
 static void tell(void *user, const char *text) {
     (void)user;

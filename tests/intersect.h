@@ -4,7 +4,7 @@
 #ifndef INTERSECT_H
 #define INTERSECT_H
 
-#include "sim.h"
+#include "step/sim.h"
 
 struct soup {
     int points, triangles, free; /* free: triangles of surfaces; the others are not compared */

@@ -3,7 +3,7 @@
 #ifndef SCENE_SUPPORT_H
 #define SCENE_SUPPORT_H
 
-#include "scene.h"
+#include "scene/scene.h"
 #include "support.h"
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "projdyn/projdyn.h"
-#include "sim.h"
+#include "step/sim.h"
 
 pdyn_context *test_context(int threads);
 

@@ -2,7 +2,7 @@
 #include "support.h"
 
 #include "../src/constraints/plate.h"
-#include "mesh.h"
+#include "geometry/mesh.h"
 
 #include "projdyn/vec3.h"
 

@@ -1,5 +1,5 @@
 /* The tree of boxes against all pairs. */
-#include "boxes.h"
+#include "geometry/boxes.h"
 #include "support.h"
 
 #include <string.h>

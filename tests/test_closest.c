@@ -1,5 +1,5 @@
 /* Distances of pairs and their free paths, against brute force. */
-#include "closest.h"
+#include "geometry/closest.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"

@@ -1,7 +1,7 @@
 /* Fluid and surfaces on each other: samples, their forces, momentum, and what a sheet holds. */
 #include "support.h"
 
-#include "samples.h"
+#include "sph/samples.h"
 
 #include "projdyn/vec3.h"
 

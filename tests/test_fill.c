@@ -1,6 +1,6 @@
 /* Filling a body: volumes against their formulas, closed meshes and open ones, particles from files
  * good, bad and damaged. */
-#include "output.h"
+#include "output/output.h"
 #include "scene_support.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * head that it is computed for, and the compression of a settled tank. */
 #include "scene_support.h"
 
-#include "kernel.h"
+#include "sph/kernel.h"
 
 #include <string.h>
 

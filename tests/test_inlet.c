@@ -1,5 +1,5 @@
 /* Inlets and outlets: what comes in, where, how dense, and that it goes again. */
-#include "emit.h"
+#include "step/emit.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"

@@ -2,8 +2,8 @@
  * a change of who sees whom does not push. */
 #include "support.h"
 
-#include "kernel.h"
-#include "sampling.h"
+#include "geometry/sampling.h"
+#include "sph/kernel.h"
 
 #include "projdyn/vec3.h"
 

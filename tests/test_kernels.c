@@ -1,8 +1,8 @@
 /* Kernels against slow and obvious references: all pairs, double precision, no lists. */
 #include "support.h"
 
-#include "compact.h"
-#include "kernel.h"
+#include "geometry/compact.h"
+#include "sph/kernel.h"
 
 #include "projdyn/vec3.h"
 

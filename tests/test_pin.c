@@ -1,8 +1,8 @@
 /* Pins that turn, and several of them on one body. */
 #include "support.h"
 
-#include "placed.h"
 #include "projdyn/vec3.h"
+#include "scene/placed.h"
 
 static void test_turn(void **state) {
     (void)state;

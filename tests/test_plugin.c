@@ -1,8 +1,8 @@
 /* Registering: what is refused, and why; what a solver of a plug-in is given. */
 #include "support.h"
 
+#include "base/registry.h"
 #include "projdyn/module.h"
-#include "registry.h"
 
 #include <string.h>
 

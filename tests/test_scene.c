@@ -1,6 +1,6 @@
 /* Good scenes with all that comes of them: defaults, overrides, choices, files; and allocation
  * failure. */
-#include "registry.h"
+#include "base/registry.h"
 #include "scene_support.h"
 
 #include <glob.h>

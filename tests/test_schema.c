@@ -1,8 +1,8 @@
 /* Names and what is said about them: near misses, descriptions, and the schema against the tables
  * of parameters. */
-#include "inlet.h"
-#include "near.h"
-#include "registry.h"
+#include "base/near.h"
+#include "base/registry.h"
+#include "scene/inlet.h"
 #include "scene_support.h"
 
 #include <jansson.h>

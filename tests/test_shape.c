@@ -1,5 +1,5 @@
 /* Solids given by a few numbers: closed, outward, of the right size, and water stands on them. */
-#include "shape.h"
+#include "scene/shape.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"

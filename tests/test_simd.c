@@ -2,7 +2,7 @@
  * by what a product and a sum in one instruction do not round. */
 #include "support.h"
 
-#include "../src/core/simd.h"
+#include "base/simd.h"
 
 #ifndef SIMD_PLAIN
 WIDE static void take_rest(double x, double square, double *rest) { *rest = x * x - square; }

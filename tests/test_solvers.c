@@ -1,7 +1,7 @@
 /* The factor against dense elimination, and what its solvers promise beyond conformance. */
 #include "support.h"
 
-#include "choices.h"
+#include "scene/choices.h"
 
 #include "../src/solvers/factor.h"
 

@@ -2,10 +2,10 @@
  * solutions, and a ball that water hits. */
 #include "support.h"
 
+#include "base/registry.h"
+#include "geometry/tets.h"
 #include "projdyn/conformance.h"
 #include "projdyn/svd3.h"
-#include "registry.h"
-#include "tets.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
  */
 #include "support.h"
 
-#include "registry.h"
+#include "base/registry.h"
 
 #include "projdyn/vec3.h"
 

@@ -2,10 +2,10 @@
  * begin as the same good one, a spring of rest length along each edge. */
 #include "support.h"
 
+#include "base/registry.h"
 #include "projdyn/conformance.h"
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
-#include "registry.h"
 
 #include <stdatomic.h>
 #include <string.h>

@@ -4,9 +4,9 @@
 #ifndef PDYN_CONFORMANCE_H
 #define PDYN_CONFORMANCE_H
 
-#include "../core/registry.h"
-#include "../core/sim.h"
+#include "base/registry.h"
 #include "projdyn/conformance.h"
+#include "step/sim.h"
 
 enum body_kind { SURFACE, PARTICLES, VOLUME, BODY_KINDS };
 

@@ -5,7 +5,7 @@
  * triangle. Where the rest shape is curved, the first one's length at rest is kept, whatever its
  * direction; all others are to vanish. A flat rest shape has p = 0 and a constant, quadratic
  * energy. */
-#include "../core/simd.h"
+#include "base/simd.h"
 
 #include "plate.h"
 

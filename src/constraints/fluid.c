@@ -16,8 +16,8 @@
  * (Akinci et al. 2012). */
 #include "fluid.h"
 
-#include "../core/kernel.h"
 #include "projdyn/vec3.h"
+#include "sph/kernel.h"
 
 #include <string.h>
 

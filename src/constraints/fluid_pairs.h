@@ -11,7 +11,7 @@
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 
-#include "../core/simd.h"
+#include "base/simd.h"
 #include "fluid.h"
 
 enum { FLUID_GRAIN = 128 }; /* particles of a parallel block */

@@ -5,7 +5,7 @@
  * directions of a strain, on every triangle; on equilateral triangles and on square cells in every
  * direction. (Van Gelder 1998 takes Y A / l^2, which makes square cells 1.2 Y stiff along the axes
  * and 0.75 Y along diagonals.) */
-#include "../core/simd.h"
+#include "base/simd.h"
 
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"

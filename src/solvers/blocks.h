@@ -2,7 +2,7 @@
 #ifndef PDYN_BLOCKS_H
 #define PDYN_BLOCKS_H
 
-#include "../core/simd.h"
+#include "base/simd.h"
 
 /* Inverts a positive definite one in place by its cofactors. */
 INLINE void block_invert(double *D) {

@@ -3,8 +3,8 @@
  * step, and a solve is two triangular ones with three right-hand sides; with the newton step the
  * values change in every iteration and x, y, z couple; where neighbours change, the pattern does
  * too. */
-#include "../core/solver.h"
 #include "factor.h"
+#include "objective/solver.h"
 
 struct cholesky {
     struct hessian hessian;

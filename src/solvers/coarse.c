@@ -1,6 +1,6 @@
 #include "coarse.h"
 
-#include "../core/simd.h"
+#include "base/simd.h"
 
 #include <math.h>
 #include <string.h>

@@ -16,8 +16,8 @@
  *
  * Bounds: multipliers may become negative on the way, until what does so matters; then they are
  * clipped and the conjugate directions begin anew. */
-#include "../core/solver.h"
-#include "../core/system.h"
+#include "objective/solver.h"
+#include "objective/system.h"
 
 #include <math.h>
 #include <string.h>

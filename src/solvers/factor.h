@@ -3,7 +3,7 @@
 #ifndef PDYN_FACTOR_H
 #define PDYN_FACTOR_H
 
-#include "../core/assemble.h"
+#include "objective/assemble.h"
 #include "panels.h"
 
 #include <suitesparse/cholmod.h>

@@ -1,6 +1,6 @@
 #include "interpolation.h"
 
-#include "../core/assemble.h"
+#include "objective/assemble.h"
 
 #include <math.h>
 #include <stdlib.h>

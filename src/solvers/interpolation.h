@@ -4,7 +4,7 @@
 #ifndef PDYN_INTERPOLATION_H
 #define PDYN_INTERPOLATION_H
 
-#include "../core/system.h"
+#include "objective/system.h"
 #include "sparse.h"
 
 struct interpolation {

@@ -2,7 +2,7 @@
 #ifndef PDYN_JACOBI_H
 #define PDYN_JACOBI_H
 
-#include "../core/system.h"
+#include "objective/system.h"
 
 struct jacobi {
     struct system *system;

@@ -10,8 +10,8 @@
 #ifndef PDYN_KRYLOV_H
 #define PDYN_KRYLOV_H
 
-#include "../core/solver.h"
-#include "../core/system.h"
+#include "objective/solver.h"
+#include "objective/system.h"
 
 struct krylov {
     pdyn_context *context;

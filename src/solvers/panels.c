@@ -1,6 +1,6 @@
 #include "panels.h"
 
-#include "../core/simd.h"
+#include "base/simd.h"
 
 enum { ROW_TILES = 16, COLUMNS = 64 }; /* grains within a panel of the top that is shared */
 

@@ -12,7 +12,7 @@
 #ifndef PDYN_PANELS_H
 #define PDYN_PANELS_H
 
-#include "../core/context.h"
+#include "base/context.h"
 
 #include <suitesparse/cholmod.h>
 

@@ -1,7 +1,7 @@
 /* Setting up panels.h: which columns are a panel, which panels a task, and their numbers. */
 #include "panels.h"
 
-#include "../core/simd.h"
+#include "base/simd.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 #include "single.h"
 
-#include "../core/fours.h"
+#include "base/fours.h"
 
 enum { ELEMENTS = 1024, PARTICLES = 512 }; /* grains: worth waking a thread for */
 

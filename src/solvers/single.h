@@ -15,7 +15,7 @@
 #ifndef PDYN_SINGLE_H
 #define PDYN_SINGLE_H
 
-#include "../core/system.h"
+#include "objective/system.h"
 
 enum { PATCH = 4 };          /* particles */
 enum { SINGLE_GRAIN = 128 }; /* patches: worth waking a thread for */

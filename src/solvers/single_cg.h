@@ -5,7 +5,7 @@
 #ifndef PDYN_SINGLE_CG_H
 #define PDYN_SINGLE_CG_H
 
-#include "../core/simd.h"
+#include "base/simd.h"
 #include "coarse.h"
 #include "jacobi.h"
 #include "single.h"

@@ -1,6 +1,6 @@
 #include "skyline.h"
 
-#include "../core/simd.h"
+#include "base/simd.h"
 
 #include <math.h>
 

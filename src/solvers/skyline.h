@@ -4,7 +4,7 @@
 #ifndef PDYN_SKYLINE_H
 #define PDYN_SKYLINE_H
 
-#include "../core/context.h"
+#include "base/context.h"
 
 struct skyline {
     pdyn_context *context;

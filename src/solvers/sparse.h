@@ -2,7 +2,7 @@
 #ifndef PDYN_SPARSE_H
 #define PDYN_SPARSE_H
 
-#include "../core/context.h"
+#include "base/context.h"
 
 struct entry {
     int column;

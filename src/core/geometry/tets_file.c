@@ -1,0 +1,319 @@
+/* Tetrahedra from files: TetGen's .node and .ele, Gmsh's .msh (2.2 and 4.1, ASCII). Counts in a
+ * file are believed only as far as the file is long: arrays grow with what is read. */
+#include "base/near.h"
+#include "mesh_file.h"
+#include "tets.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+enum { MOST = INT_MAX / 8 };
+
+struct reader {
+    struct mesh_file *file;
+    struct mesh_array tag;  /* long: the vertices' names, ascending; NULL where they count */
+    struct mesh_array tets; /* int x 4 */
+    int count;
+    bool named;       /* vertices have tags */
+    long first_index; /* otherwise the first one's number */
+};
+
+/* A whole number within bounds. */
+static pdyn_status read_whole(struct mesh_file *file, const char *what, double low, double high,
+                              long *out) {
+    double value;
+    struct mesh_word word = mesh_file_word(file);
+    if (!mesh_word_number(word, &value) || !(value >= low && value <= high) ||
+        value != (double)(long)value)
+        return mesh_file_expected(file, what, word);
+    return *out = (long)value, PDYN_OK;
+}
+
+/* To the next word, over ends of lines and comments. */
+static void skip(struct mesh_file *file) {
+    mesh_file_skip_blank(file);
+    while (!mesh_file_at_end(file) && *file->at == '#')
+        mesh_file_next_line(file), mesh_file_skip_blank(file);
+}
+
+/* A count that the rest of the file has room for, at `least` bytes each. */
+static pdyn_status read_count(struct mesh_file *file, const char *what, size_t least, long *out) {
+    size_t left = (size_t)(file->data + file->size - file->at);
+    pdyn_status status = read_whole(file, what, 0, MOST, out);
+    if (status != PDYN_OK || (size_t)*out * least <= left) return status;
+    return mesh_file_fail(file, "%ld of them cannot be in a file of %zu bytes", *out, file->size);
+}
+
+static pdyn_status read_point(struct mesh_file *file) {
+    double x[3];
+    for (int k = 0; k < 3; k++) {
+        struct mesh_word word = mesh_file_word(file);
+        if (!mesh_word_number(word, x + k)) return mesh_file_expected(file, "3 coordinates", word);
+    }
+    return mesh_file_vertex(file, x);
+}
+
+/* ---- vertices by name ------------------------------------------------------------------------ */
+
+/* That of the vertex after `count` others. */
+static pdyn_status add_tag(struct reader *r, size_t count, long tag) {
+    long last = count ? ((const long *)r->tag.data)[count - 1] : -1;
+    if (tag <= last)
+        return mesh_file_fail(r->file, "expected tags of nodes to ascend, found %ld after %ld", tag,
+                              last);
+    if (!mesh_file_reserve(r->file, &r->tag, (count + 1) * sizeof(long))) return PDYN_NO_MEMORY;
+    ((long *)r->tag.data)[count] = tag;
+    return PDYN_OK;
+}
+
+/* The vertex with this name or number; -1: there is none. */
+static int find_vertex(const struct reader *r, long name) {
+    const long *tag = r->tag.data;
+    int low = 0, high = r->file->vertices;
+    if (!r->named)
+        return name >= r->first_index && name - r->first_index < high ? (int)(name - r->first_index)
+                                                                      : -1;
+    while (high - low > 1) {
+        int middle = low + (high - low) / 2;
+        if (tag[middle] <= name) low = middle;
+        else high = middle;
+    }
+    return high > low && tag[low] == name ? low : -1;
+}
+
+/* The next four words are the corners of a tetrahedron. */
+static pdyn_status read_tet(struct reader *r) {
+    size_t bytes = 4 * sizeof(int) * ((size_t)r->count + 1);
+    if (r->count == MOST) return mesh_file_fail(r->file, "more than %d tetrahedra", MOST);
+    if (!mesh_file_reserve(r->file, &r->tets, bytes)) return PDYN_NO_MEMORY;
+    int *corner = (int *)r->tets.data + 4 * (size_t)r->count++;
+    for (int k = 0; k < 4; k++) {
+        long name = 0;
+        pdyn_status status = read_whole(r->file, "4 vertices", 0, 9e15, &name);
+        if (status != PDYN_OK) return status;
+        corner[k] = find_vertex(r, name);
+        if (corner[k] < 0) return mesh_file_fail(r->file, "there is no vertex %ld", name);
+        for (int m = 0; m < k; m++)
+            if (corner[m] == corner[k])
+                return mesh_file_fail(r->file, "the tetrahedron uses vertex %ld twice", name);
+    }
+    return PDYN_OK;
+}
+
+/* ---- TetGen ---------------------------------------------------------------------------------- */
+
+static pdyn_status parse_node(struct reader *r) {
+    struct mesh_file *file = r->file;
+    long count = 0, dimension, index = 0;
+    skip(file);
+    pdyn_status status = read_count(file, "a number of points", 8, &count);
+    if (status == PDYN_OK) status = read_whole(file, "dimension 3", 3, 3, &dimension);
+    mesh_file_next_line(file);
+    for (long i = 0; i < count && status == PDYN_OK; i++, mesh_file_next_line(file)) {
+        skip(file);
+        status = read_whole(file, "the number of a point", 0, MOST, &index);
+        if (!i) r->first_index = index;
+        if (status == PDYN_OK && (index - i != r->first_index || r->first_index > 1))
+            status =
+                mesh_file_fail(file, "expected points numbered from 0 or 1 on, found %ld", index);
+        if (status == PDYN_OK) status = read_point(file);
+    }
+    return status;
+}
+
+static pdyn_status parse_ele(struct reader *r) {
+    struct mesh_file *file = r->file;
+    long count = 0, corners, index;
+    skip(file);
+    pdyn_status status = read_count(file, "a number of tetrahedra", 10, &count);
+    if (status == PDYN_OK) status = read_whole(file, "4 corners", 4, 4, &corners);
+    mesh_file_next_line(file);
+    for (long i = 0; i < count && status == PDYN_OK; i++, mesh_file_next_line(file)) {
+        skip(file);
+        status = read_whole(file, "the number of a tetrahedron", 0, MOST, &index);
+        if (status == PDYN_OK) status = read_tet(r);
+    }
+    return status;
+}
+
+/* ---- Gmsh ------------------------------------------------------------------------------------ */
+
+/* Goes behind the line of a section, "$Nodes". */
+static pdyn_status find_section(struct mesh_file *file, const char *name) {
+    while (!mesh_file_at_end(file)) {
+        struct mesh_word word = mesh_file_word(file);
+        mesh_file_next_line(file);
+        if (mesh_word_is(word, name)) return PDYN_OK;
+    }
+    return mesh_file_fail(file, "expected a section %s", name);
+}
+
+static pdyn_status read_node_2(struct reader *r) {
+    long tag = 0;
+    skip(r->file);
+    pdyn_status status = read_whole(r->file, "the tag of a node", 0, 9e15, &tag);
+    if (status == PDYN_OK) status = add_tag(r, (size_t)r->file->vertices, tag);
+    return status == PDYN_OK ? read_point(r->file) : status;
+}
+
+/* tag, type, number of further tags, these, then corners; 4 is a tetrahedron. */
+static pdyn_status read_element_2(struct reader *r) {
+    long tag, type = 0, tags = 0, unused;
+    skip(r->file);
+    pdyn_status status = read_whole(r->file, "the tag of an element", 0, 9e15, &tag);
+    if (status == PDYN_OK) status = read_whole(r->file, "the type of an element", 1, 999, &type);
+    if (status == PDYN_OK) status = read_whole(r->file, "a number of tags", 0, 99, &tags);
+    for (long k = 0; k < tags && status == PDYN_OK; k++)
+        status = read_whole(r->file, "a tag", -9e15, 9e15, &unused);
+    if (status == PDYN_OK && type == 4) status = read_tet(r);
+    mesh_file_next_line(r->file);
+    return status;
+}
+
+static pdyn_status parse_2(struct reader *r) {
+    long nodes = 0, elements = 0;
+    pdyn_status status = find_section(r->file, "$Nodes");
+    if (status == PDYN_OK) status = read_count(r->file, "a number of nodes", 8, &nodes);
+    for (long k = 0; k < nodes && status == PDYN_OK; k++) status = read_node_2(r);
+    if (status == PDYN_OK) status = find_section(r->file, "$Elements");
+    if (status == PDYN_OK) status = read_count(r->file, "a number of elements", 6, &elements);
+    for (long k = 0; k < elements && status == PDYN_OK; k++) status = read_element_2(r);
+    return status;
+}
+
+/* The head of a block of an entity: dimension, tag, a number, how many follow. */
+static pdyn_status read_block(struct mesh_file *file, long *number, long *count) {
+    long dimension, tag;
+    skip(file);
+    pdyn_status status = read_whole(file, "the dimension of an entity", 0, 3, &dimension);
+    if (status == PDYN_OK) status = read_whole(file, "the tag of an entity", -9e15, 9e15, &tag);
+    if (status == PDYN_OK) status = read_whole(file, "a number", 0, 999, number);
+    return status == PDYN_OK ? read_count(file, "a number of entries", 2, count) : status;
+}
+
+/* First the tags of a block, then the points. */
+static pdyn_status read_nodes_4(struct reader *r) {
+    struct mesh_file *file = r->file;
+    long parametric, count = 0, tag = 0;
+    int first = file->vertices;
+    pdyn_status status = read_block(file, &parametric, &count);
+    if (status != PDYN_OK) return status;
+    for (long k = 0; k < count && status == PDYN_OK; k++) {
+        skip(file);
+        status = read_whole(file, "the tag of a node", 0, 9e15, &tag);
+        if (status == PDYN_OK) status = add_tag(r, (size_t)(first + k), tag);
+    }
+    for (long k = 0; k < count && status == PDYN_OK; k++) {
+        skip(file);
+        status = read_point(file);
+        mesh_file_next_line(file);
+    }
+    return status;
+}
+
+static pdyn_status read_elements_4(struct reader *r) {
+    struct mesh_file *file = r->file;
+    long type = 0, count = 0, tag;
+    pdyn_status status = read_block(file, &type, &count);
+    mesh_file_next_line(file);
+    for (long k = 0; k < count && status == PDYN_OK; k++, mesh_file_next_line(file)) {
+        skip(file);
+        status = read_whole(file, "the tag of an element", 0, 9e15, &tag);
+        if (status == PDYN_OK && type == 4) status = read_tet(r);
+    }
+    return status;
+}
+
+/* The head of a section: how many blocks. */
+static pdyn_status read_blocks(struct reader *r, const char *section,
+                               pdyn_status (*read)(struct reader *r)) {
+    long blocks = 0;
+    pdyn_status status = find_section(r->file, section);
+    if (status == PDYN_OK) status = read_count(r->file, "a number of blocks", 4, &blocks);
+    mesh_file_next_line(r->file);
+    for (long k = 0; k < blocks && status == PDYN_OK; k++) status = read(r);
+    return status;
+}
+
+static pdyn_status parse_msh(struct reader *r) {
+    double version = 0.0;
+    long binary, size;
+    r->named = true;
+    pdyn_status status = find_section(r->file, "$MeshFormat");
+    if (status != PDYN_OK) return status;
+    struct mesh_word word = mesh_file_word(r->file);
+    if (!mesh_word_number(word, &version) || (version != 2.2 && version != 4.1))
+        return mesh_file_expected(r->file, "version 2.2 or 4.1", word);
+    status = read_whole(r->file, "0 for an ASCII file", 0, 0, &binary);
+    if (status == PDYN_OK) status = read_whole(r->file, "the size of a number", 1, 99, &size);
+    if (status != PDYN_OK) return status;
+    if (version == 2.2) return parse_2(r);
+    status = read_blocks(r, "$Nodes", read_nodes_4);
+    return status == PDYN_OK ? read_blocks(r, "$Elements", read_elements_4) : status;
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+
+/* Reads one file after what is already known; vertices grow in `vertex`. */
+static pdyn_status read_one(struct reader *r, const char *path,
+                            pdyn_status (*parse)(struct reader *r)) {
+    r->file->path = path, r->file->line = 1;
+    pdyn_status status = mesh_file_load(r->file);
+    struct text_locale locale;
+    if (status != PDYN_OK) return status;
+    if (!text_begin(&locale)) return context_no_memory(r->file->context);
+    status = parse(r);
+    text_end(&locale);
+    FREE_ARRAY(r->file->context, r->file->data, r->file->size + 1);
+    return status;
+}
+
+static pdyn_status read_tetgen(struct reader *r, const char *path, size_t length) {
+    size_t size = length + 2;
+    char *other = NEW_ARRAY(r->file->context, size, char);
+    if (!other) return PDYN_NO_MEMORY;
+    snprintf(other, size, "%.*s.node", (int)(length - 5), path);
+    pdyn_status status = read_one(r, other, parse_node);
+    snprintf(other, size, "%.*s.ele", (int)(length - 5), path);
+    if (status == PDYN_OK) status = read_one(r, other, parse_ele);
+    FREE_ARRAY(r->file->context, other, size);
+    return status;
+}
+
+static bool ends_with(const char *path, size_t length, const char *ending) {
+    size_t n = strlen(ending);
+    return length > n && !strcasecmp(path + length - n, ending);
+}
+
+static pdyn_status read_any(struct reader *r, const char *path) {
+    size_t length = strlen(path);
+    if (ends_with(path, length, ".node")) return read_tetgen(r, path, length);
+    if (ends_with(path, length, ".ele")) return read_tetgen(r, path, length + 1);
+    if (ends_with(path, length, ".msh")) return read_one(r, path, parse_msh);
+    return context_fail(r->file->context, PDYN_BAD_INPUT,
+                        "%.1024s: expected a mesh of tetrahedra ending with .node, .ele or .msh",
+                        path);
+}
+
+pdyn_status tets_read(pdyn_context *context, const char *path, struct mesh *mesh,
+                      struct tets *tets) {
+    struct mesh_file file = {.context = context, .path = path};
+    struct reader r = {.file = &file};
+    *mesh = (struct mesh){0}, *tets = (struct tets){0};
+    pdyn_status status = read_any(&r, path);
+    if (status == PDYN_OK && !r.count)
+        status = context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh has no tetrahedra", path);
+    if (status == PDYN_OK) {
+        mesh->vertices = file.vertices, tets->count = r.count;
+        mesh->vertex =
+            mesh_file_take(&file, &file.vertex, 3 * (size_t)file.vertices * sizeof(double));
+        tets->corner = mesh_file_take(&file, &r.tets, 4 * (size_t)r.count * sizeof(int));
+        if (!mesh->vertex || !tets->corner) status = context_no_memory(context);
+    }
+    context_resize(context, r.tag.data, r.tag.bytes, 0);
+    context_resize(context, r.tets.data, r.tets.bytes, 0);
+    mesh_file_release(&file);
+    return status;
+}

@@ -1,0 +1,283 @@
+/* The report of a run: report.json. */
+#include "base/clock.h"
+#include "base/file_out.h"
+#include "output.h"
+#include "step/emit.h"
+#include "step/measure.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/* ---- a run so far ---------------------------------------------------------------------------- */
+
+static const struct report_tally nothing = {.min = INFINITY, .max = -INFINITY};
+
+static void count(struct report_tally *tally, double number) {
+    tally->sum += number;
+    tally->min = fmin(tally->min, number);
+    tally->max = fmax(tally->max, number);
+}
+
+/* Without a step taken there is no constraint energy and no pin reaction. */
+pdyn_status report_open(struct report *report, pdyn_sim *sim) {
+    *report = (struct report){.opened_ms = clock_ms()};
+    report->residual = NEW_ARRAY(sim->context, sim->bodies, struct report_tally);
+    if (!report->residual) return PDYN_NO_MEMORY;
+    for (int k = 0; k < STEP_COLUMNS; k++) report->tally[k] = nothing;
+    for (int b = 0; b < sim->bodies; b++) report->residual[b] = nothing;
+    report->start.time = pdyn_time(sim);
+    measure_step(sim, &report->start);
+    report->end = report->start;
+    return PDYN_OK;
+}
+
+void report_close(struct report *report, const pdyn_sim *sim) {
+    FREE_ARRAY(sim->context, report->residual, sim->bodies);
+}
+
+void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]) {
+#define STEP_NUMBER(column, member) (double)info->member,
+    const double numbers[] = {STEP_NUMBERS(STEP_NUMBER)};
+#undef STEP_NUMBER
+    memcpy(number, numbers, sizeof numbers);
+}
+
+void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_info *info) {
+    double number[STEP_COLUMNS];
+    step_numbers(info, number);
+    for (int k = 0; k < STEP_COLUMNS; k++) count(&report->tally[k], number[k]);
+    for (int b = 0; b < sim->bodies; b++) count(&report->residual[b], sim->system.body[b].residual);
+    report->unsolved += info->step_residual > sim->scene.settings.tolerance;
+    report->end = *info;
+    report->steps++;
+}
+
+/* ---- values ---------------------------------------------------------------------------------- */
+
+/* What is not finite, like the mean of no steps, is null. */
+static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *vector(const double v[3]) {
+    return json_pack("[o, o, o]", real(v[0]), real(v[1]), real(v[2]));
+}
+
+/* What is not UTF-8, as names of files may be, is shown with '?'. */
+static json_t *text(pdyn_context *context, const char *from) {
+    json_t *value = from ? json_string(from) : json_null();
+    if (value) return value;
+    size_t size = strlen(from) + 1;
+    char *plain = NEW_ARRAY(context, size, char);
+    if (!plain) return NULL;
+    for (size_t i = 0; from[i]; i++) plain[i] = (unsigned char)from[i] < 0x80 ? from[i] : '?';
+    value = json_string(plain);
+    FREE_ARRAY(context, plain, size);
+    return value;
+}
+
+static json_t *mean(const struct report *report, int column) {
+    return real(report->tally[column].sum / (double)report->steps);
+}
+
+static json_t *mean_max_of(const struct report *report, const struct report_tally *tally) {
+    return json_pack("{s:o, s:o}", "mean", real(tally->sum / (double)report->steps), "max",
+                     real(tally->max));
+}
+
+static json_t *mean_max(const struct report *report, int column) {
+    return mean_max_of(report, &report->tally[column]);
+}
+
+/* ---- the scene ------------------------------------------------------------------------------- */
+
+/* fluid: that there is room for; start, peak and end: that were live. */
+static json_t *particles(const struct report *report, const pdyn_sim *sim) {
+    const struct emit *e = sim->emit;
+    pdyn_state state = pdyn_get_state(sim);
+    int fluid = 0, cloth = 0;
+    for (int b = 0; b < state.bodies; b++) {
+        pdyn_body_info body = pdyn_get_body(sim, b);
+        *(body.triangles ? &cloth : &fluid) += body.count;
+    }
+    int start = report->start.particles;
+    int peak = (int)fmax(start, report->tally[STEP_particles].max);
+    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:i, s:I, s:I}", "fluid", fluid, "cloth", cloth,
+                     "boundary", state.boundary, "start", start, "peak", peak, "end",
+                     report->end.particles, "emitted", (json_int_t)(e ? e->emitted : 0), "removed",
+                     (json_int_t)(e ? e->removed : 0));
+}
+
+static json_t *body(const pdyn_body_info *info, json_t *residual) {
+    if (info->triangles)
+        return json_pack("{s:s, s:s, s:i, s:i, s:o}", "name", info->name, "kind", "surface",
+                         "count", info->count, "triangles", info->triangles, "step_residual",
+                         residual);
+    return json_pack("{s:s, s:s, s:i, s:o, s:o, s:o}", "name", info->name, "kind", "particles",
+                     "count", info->count, "radius_m", real(info->radius), "rest_density",
+                     real(info->rest_density), "step_residual", residual);
+}
+
+static json_t *bodies(const struct report *report, const pdyn_sim *sim) {
+    json_t *list = json_array();
+    for (int b = 0; list && b < sim->bodies; b++) {
+        pdyn_body_info info = pdyn_get_body(sim, b);
+        json_t *residual = mean_max_of(report, &report->residual[b]);
+        if (json_array_append_new(list, body(&info, residual))) return json_decref(list), NULL;
+    }
+    return list;
+}
+
+/* Elements of each type, in all bodies. */
+static json_t *constraints(const pdyn_sim *sim) {
+    json_t *object = json_object();
+    int count = pdyn_get_state(sim).constraints;
+    for (int b = 0; object && b < count; b++) {
+        pdyn_constraint_info info = pdyn_get_constraint(sim, b);
+        json_int_t before = json_integer_value(json_object_get(object, info.type));
+        if (json_object_set_new(object, info.type, json_integer(before + info.elements)))
+            return json_decref(object), NULL;
+    }
+    return object;
+}
+
+static json_t *parameters_of(const pdyn_sim *sim, int constraint) {
+    pdyn_constraint_info info = pdyn_get_constraint(sim, constraint);
+    json_t *numbers = json_object();
+    pdyn_parameter_info p;
+    for (int k = 0; numbers && (p = pdyn_get_parameter(sim, constraint, k)).name; k++)
+        if (json_object_set_new(numbers, p.name, real(p.value))) return json_decref(numbers), NULL;
+    return json_pack("{s:s, s:s, s:o}", "type", info.type, "body", info.body, "numbers", numbers);
+}
+
+/* The numbers that each constraint works with, computed ones too. */
+static json_t *parameters(const pdyn_sim *sim) {
+    json_t *list = json_array();
+    int count = pdyn_get_state(sim).constraints;
+    for (int k = 0; list && k < count; k++)
+        if (json_array_append_new(list, parameters_of(sim, k))) return json_decref(list), NULL;
+    return list;
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+static json_t *milliseconds(const struct report *report) {
+    return json_pack("{s:o, s:o, s:o, s:o, s:o}", "neighbours", mean(report, STEP_ms_neighbours),
+                     "local", mean(report, STEP_ms_local), "global", mean(report, STEP_ms_global),
+                     "contact", mean(report, STEP_ms_contact), "output",
+                     real(report->output_ms / (double)report->steps));
+}
+
+static json_t *density_error(const struct report *report) {
+    return json_pack("{s:o, s:o, s:o, s:o}", "mean", mean(report, STEP_density_error_mean),
+                     "worst_mean", real(report->tally[STEP_density_error_mean].max), "mean_max",
+                     mean(report, STEP_density_error_max), "max",
+                     real(report->tally[STEP_density_error_max].max));
+}
+
+static json_t *time_step(const struct report *report, const pdyn_sim *sim) {
+    return json_pack("{s:s, s:o, s:o, s:o}", "integrator", pdyn_integrator(sim), "min",
+                     real(report->tally[STEP_h_s].min), "mean", mean(report, STEP_h_s), "max",
+                     real(report->tally[STEP_h_s].max));
+}
+
+static json_t *energy(const pdyn_step_info *info) {
+    double total = info->kinetic_energy + info->potential_energy + info->constraint_energy;
+    return json_pack("{s:o, s:o, s:o, s:o}", "kinetic", real(info->kinetic_energy), "potential",
+                     real(info->potential_energy), "constraint", real(info->constraint_energy),
+                     "total", real(total));
+}
+
+static double peak_rss_bytes(void) {
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage); /* cannot fail for this process */
+    return 1024.0 * (double)usage.ru_maxrss;
+}
+
+static json_t *describe_scene(const struct report *report, const pdyn_sim *sim) {
+    return json_pack("{s:s, s:o, s:o, s:i, s:o, s:o, s:o, s:o, s:{s:s, s:s, s:o}}", "version",
+                     pdyn_version(), "scene", text(sim->context, sim->scene.file), "name",
+                     text(sim->context, sim->scene.name), "threads",
+                     pdyn_thread_count(sim->context), "particles", particles(report, sim), "bodies",
+                     bodies(report, sim), "constraints", constraints(sim), "parameters",
+                     parameters(sim), "solver", "type", pdyn_solver_type(sim), "step",
+                     pdyn_step_type(sim), "reason", text(sim->context, pdyn_solver_reason(sim)));
+}
+
+static json_t *describe_run(const struct report *report, const pdyn_sim *sim) {
+    double wall_ms = clock_ms() - report->opened_ms;
+    return json_pack(
+        "{s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:I, s:I}", "steps", (json_int_t)report->steps,
+        "unsolved_steps", (json_int_t)report->unsolved, "simulated_s", real(pdyn_time(sim)),
+        "wall_s", real(1e-3 * wall_ms), "ms_per_step", real(wall_ms / (double)report->steps), "ms",
+        milliseconds(report), "time_step", time_step(report, sim), "peak_memory_bytes",
+        (json_int_t)pdyn_peak_bytes(sim->context), "peak_rss_bytes", (json_int_t)peak_rss_bytes());
+}
+
+static json_t *describe_result(const struct report *report, const pdyn_sim *sim) {
+    const pdyn_step_info *start = &report->start, *end = &report->end;
+    const double *pin = end->pin_reaction;
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
+                     "impacts", mean_max(report, STEP_impacts), "retries",
+                     real(report->tally[STEP_retries].sum), "outer_iterations",
+                     mean_max(report, STEP_outer_iterations), "linear_iterations",
+                     mean_max(report, STEP_linear_iterations), "density_error",
+                     density_error(report), "step_residual", mean_max(report, STEP_step_residual),
+                     "energy", "start", energy(start), "end", energy(end), "momentum", "start",
+                     vector(start->momentum), "end", vector(end->momentum), "pin_reaction_N",
+                     real(sqrt(pin[0] * pin[0] + pin[1] * pin[1] + pin[2] * pin[2])),
+                     "pin_reaction", vector(pin), "state_hash", hash);
+}
+
+/* Null where the load is not known: no step was taken, or the last one failed. */
+static json_t *solid(const char *name, const struct solid_load *load) {
+    static const struct solid_load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
+    if (!load) load = &unknown;
+    return json_pack("{s:s, s:o, s:o}", "name", name, "force_N", vector(load->force), "moment_Nm",
+                     vector(load->moment));
+}
+
+/* The loads on the solids at the end. */
+static json_t *solids(const pdyn_sim *sim) {
+    const struct solid_load *loads;
+    if (solid_load_sum(sim, &loads) != PDYN_OK) return NULL;
+    json_t *list = json_array();
+    for (int k = 0; list && k < sim->scene.solids; k++)
+        if (json_array_append_new(list, solid(pdyn_solid_name(sim, k), loads ? loads + k : NULL)))
+            return json_decref(list), NULL;
+    return list;
+}
+
+/* Everything in one object, or NULL without memory. */
+static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
+                     const char *failed) {
+    json_t *root = describe_scene(report, sim), *run = describe_run(report, sim);
+    json_t *result = describe_result(report, sim);
+    char *dump = NULL;
+    if (root && run && result && !json_object_update(root, run) &&
+        !json_object_update(root, result) && !json_object_set_new(root, "solids", solids(sim)) &&
+        !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
+        !json_object_set_new(root, "failed", text(sim->context, failed)))
+        dump = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+    json_decref(root);
+    json_decref(run);
+    json_decref(result);
+    return dump;
+}
+
+pdyn_status report_write(const struct report *report, const pdyn_sim *sim, const char *path,
+                         bool interrupted, const char *failed) {
+    struct file_out file;
+    char *dump = compose(report, sim, interrupted, failed);
+    if (!dump) return context_no_memory(sim->context);
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status == PDYN_OK) {
+        file_out_print(&file, "%s\n", dump);
+        status = file_out_close(&file);
+    }
+    free(dump);
+    return status;
+}

@@ -1,0 +1,89 @@
+/* Legacy VTK, version 4.2, binary (big endian): an unstructured grid of points and cells. */
+#include "base/file_out.h"
+#include "output.h"
+#include "step/emit.h"
+
+enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
+
+static const enum byte_order order = BIG_ENDIAN_BYTES;
+
+/* The format allows 256 bytes of title. */
+static void write_head(struct file_out *file, const char *title, double time, int points) {
+    file_out_print(file,
+                   "# vtk DataFile Version 4.2\nprojdyn %.200s t=%.9g s\nBINARY\n"
+                   "DATASET UNSTRUCTURED_GRID\nPOINTS %d float\n",
+                   title, time, points);
+}
+
+/* The values of a body's live particles out of the system's, `width` numbers each. */
+static void write_values(struct file_out *file, const pdyn_sim *sim, const pdyn_body_info *info,
+                         const double *value, int width) {
+    if (info->live == info->count)
+        file_out_reals(file, order, value + width * info->first,
+                       (size_t)width * (size_t)info->count);
+    else
+        for (int i = info->first; i < info->first + info->count; i++)
+            if (emit_is_live(sim, i)) file_out_reals(file, order, value + width * i, (size_t)width);
+}
+
+static void write_types(struct file_out *file, int type, int count) {
+    file_out_print(file, "\nCELL_TYPES %d\n", count);
+    for (int i = 0; i < count; i++) file_out_ints(file, order, &type, 1);
+}
+
+static void write_vertices(struct file_out *file, int count) {
+    file_out_print(file, "\nCELLS %d %zu\n", count, 2 * (size_t)count);
+    for (int i = 0; i < count; i++) file_out_ints(file, order, (const int[]){1, i}, 2);
+    write_types(file, VERTEX_CELL, count);
+}
+
+static void write_triangles(struct file_out *file, const int *triangle, int count) {
+    file_out_print(file, "\nCELLS %d %zu\n", count, 4 * (size_t)count);
+    for (int t = 0; t < count; t++) {
+        const int *corner = triangle + 3 * t;
+        file_out_ints(file, order, (const int[]){3, corner[0], corner[1], corner[2]}, 4);
+    }
+    write_types(file, TRIANGLE_CELL, count);
+}
+
+static void write_scalars(struct file_out *file, const pdyn_sim *sim, const pdyn_body_info *info,
+                          const char *name, const double *value) {
+    file_out_print(file, "SCALARS %s float 1\nLOOKUP_TABLE default\n", name);
+    write_values(file, sim, info, value, 1);
+    file_out_print(file, "\n");
+}
+
+pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
+    struct file_out file;
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status != PDYN_OK) return status;
+    pdyn_state state = pdyn_get_state(sim);
+    pdyn_body_info info = pdyn_get_body(sim, body);
+    write_head(&file, info.name, pdyn_time(sim), info.live);
+    write_values(&file, sim, &info, state.x, 3);
+    if (info.triangles) write_triangles(&file, info.triangle, info.triangles);
+    else write_vertices(&file, info.live);
+    file_out_print(&file, "\nPOINT_DATA %d\n", info.live);
+    if (!info.triangles) {
+        write_scalars(&file, sim, &info, "density", state.density);
+        write_scalars(&file, sim, &info, "pressure", state.pressure);
+    }
+    file_out_print(&file, "VECTORS velocity float\n");
+    write_values(&file, sim, &info, state.v, 3);
+    file_out_print(&file, "\n");
+    return file_out_close(&file);
+}
+
+pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path) {
+    struct file_out file;
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status != PDYN_OK) return status;
+    pdyn_state state = pdyn_get_state(sim);
+    int resting = state.boundary - state.moving, count = moving ? state.moving : resting;
+    const double *x = state.boundary_x + (moving ? 3 * (size_t)resting : 0);
+    write_head(&file, "boundary", pdyn_time(sim), count);
+    file_out_reals(&file, order, x, 3 * (size_t)count);
+    write_vertices(&file, count);
+    file_out_print(&file, "\n");
+    return file_out_close(&file);
+}

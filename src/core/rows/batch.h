@@ -1,0 +1,138 @@
+/* A batch: one constraint type on one body. The rows tier is worked out here, from what the type's
+ * callbacks give; the operator tier is passed through. Either way a batch can do three things:
+ * the local step, the product with its part of the Hessian, and the block diagonal of that part. */
+#ifndef PDYN_BATCH_H
+#define PDYN_BATCH_H
+
+#include "base/context.h"
+#include "projdyn/module.h"
+#include "scalars.h"
+#include "sph/neighbours.h"
+#include "stiffness.h"
+
+enum { BATCH_GRAIN = 2048 }; /* elements: worth waking a thread for */
+
+struct touch { /* an entry, from its particle */
+    double coefficient;
+    int row, entry;
+};
+
+struct batch {
+    pdyn_context *context;
+    const pdyn_constraint_type *type;
+    const void *params;
+    pdyn_batch view;         /* what the type sees; arrays owned here */
+    void *op;                /* operator tier: the type's state */
+    struct scalars scalars;  /* and its constraints */
+    struct samples *samples; /* its vectors go on with these; NULL: not */
+    double eps;              /* damping of the current linearisation */
+    double energy;           /* J, at the last local step */
+    bool damper;             /* holds back the rate of strain, see pdyn_constraint_type.damping */
+
+    /* rows tier */
+    bool changing; /* elements come and go */
+    int rows, entries;
+    struct {
+        int elements, rows, entries;
+    } room;              /* of the arrays */
+    unsigned revision;   /* moves when the selector does */
+    int width;           /* entries of every row, or 0 where they differ */
+    bool single;         /* every element is a row that selects no particle twice */
+    double *flux;        /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
+    size_t *block_start; /* elements + 1 */
+    double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
+                            if axial B = m m' + a I, 4 numbers, m and a; NULL until eps is below 1
+                            for the first time */
+    double *partial;     /* a partial energy for each parallel block */
+    struct stiffness *stiffness;    /* stands for all rows in products and local steps; NULL: not */
+    int *entry_element, *entry_row; /* entries: where they belong */
+    int touch_first, touch_count;   /* the rows touch only these particles of the system */
+    int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
+    struct touch *touch;            /* entries, ascending for each particle */
+};
+
+/* `rows_only`: use the rows even where the type has an operator (assembly and tests do). */
+pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
+                         const void *params, const pdyn_body *body, const pdyn_services *services,
+                         const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
+void batch_free(struct batch *batch);
+
+/* Its rows stay what they are. */
+static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->changing; }
+
+/* From now on one matrix stands for the rows, where the type says that these are linear. u, p and
+ * flux are left alone then. */
+pdyn_status batch_join_rows(struct batch *batch);
+
+/* A batch whose elements come and go, each of them one row of type->width entries; none at first.
+ * They touch the particles of the body alone. An entry that is not needed has the coefficient 0. */
+pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_type *type,
+                                  const void *params, const pdyn_body *body, struct batch **out);
+/* So many elements from now on. All columns, coefficients, weights and data have to be filled then,
+ * before batch_index makes them known. */
+pdyn_status batch_resize(struct batch *batch, int elements);
+void batch_index(struct batch *batch);
+
+/* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
+ * weights change even where h does not. */
+bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
+/* The weights of a damper for steps of length h, s; those of others stay. */
+void batch_weigh(struct batch *batch, double h);
+
+/* The neighbour lists have changed. */
+pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
+
+/* Local step at x (particles x 3; of an operator with samples these, too): projects, sets
+ * batch->energy, adds to the gradient, in N. */
+pdyn_status batch_local(struct batch *batch, const double *x, double time, double *gradient);
+
+/* Fixes the tangent at the x of the last local step, damped with eps in [0, 1]. */
+pdyn_status batch_linearise(struct batch *batch, double eps);
+
+/* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
+void batch_apply(struct batch *batch, const double *u, double *y);
+
+struct velocity_change {  /* in a step of effective length h, s */
+    const double *slowed; /* particles x 3: velocities before it less those after it, m/s */
+    int particles;
+    const double *mass; /* particles, kg */
+    double h;
+    double *scratch; /* particles x 3 */
+};
+
+/* Of a type with one side: force += the impact part (scalars.h) of its forces at the last local
+ * step, N, as gradients of its energy. Returns how many constraints or rows have an impact. The
+ * rows' flux is lost. */
+int batch_impacts(struct batch *batch, const struct velocity_change *change, double *force);
+/* Rows tier: y += G' flux */
+void batch_scatter(struct batch *batch, double *y);
+
+/* Operator tier: changes velocities after a step, where the type does. */
+void batch_velocity(struct batch *batch, double *v);
+/* The same: see `limit` of pdyn_operator; x ends with the samples. */
+void batch_limit(struct batch *batch, const double *x, double *way);
+/* The step that ended at the x of the last local step was taken. */
+void batch_accept(struct batch *batch);
+
+/* The model along a direction u, see scalars.h. */
+void batch_aim(struct batch *batch, const double *u);
+int batch_turns(struct batch *batch);
+double batch_slope(struct batch *batch, double t, double *curvature);
+int batch_go(struct batch *batch, double t, double *y);
+
+/* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
+void batch_diagonal(struct batch *batch, double *blocks);
+
+/* held[i] becomes true for each particle that some row selects. */
+void batch_mark_held(const struct batch *batch, bool *held);
+
+/* Rows tier: the components of a row are not independent, B is not w I. */
+static inline bool batch_has_blocks(const struct batch *b) {
+    return b->eps < 1.0 && !b->stiffness && (b->type->tangent || b->type->axial);
+}
+/* Rows tier: numbers in batch->block, with room to load the last column as four. */
+size_t batch_block_numbers(const struct batch *batch);
+/* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */
+void batch_block(const struct batch *batch, int k, int m, double B[9]);
+
+#endif

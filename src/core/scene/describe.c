@@ -1,0 +1,131 @@
+/* What is registered, as text for people. */
+#include "base/context.h"
+#include "base/near.h"
+#include "base/registry.h"
+#include "choices.h"
+#include "params.h"
+
+#include <stdio.h>
+
+enum { NAMES = 128, LINE = 512 };
+
+struct sink {
+    void (*write)(void *user, const char *text);
+    void *user;
+};
+
+static void line(const struct sink *to, const char *format, ...) PDYN_PRINTF(2, 3);
+static void line(const struct sink *to, const char *format, ...) {
+    char text[LINE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    to->write(to->user, text);
+}
+
+static void row(const struct sink *to, const char *name, const char *unit, const char *def,
+                const char *value, const char *doc) {
+    line(to, "  %-22s %-6s %-10s %-36s %s\n", name, unit, def, value, doc);
+}
+
+static void heading(const struct sink *to, const char *kind, const char *name,
+                    const char *summary) {
+    line(to, "%s %s: %s\n\n", kind, name, summary);
+    row(to, "parameter", "unit", "default", "value", "meaning");
+}
+
+static void table(const struct sink *to, const pdyn_param *params) {
+    static const char *const kinds[] = {[PDYN_REAL] = "number",
+                                        [PDYN_INT] = "whole number",
+                                        [PDYN_BOOL] = "true or false",
+                                        [PDYN_VECTOR] = "3 numbers",
+                                        [PDYN_VERTICES] = "choice of vertices",
+                                        [PDYN_PATH] = "[[time, x, y, z], ...]",
+                                        [PDYN_OTHER] = "name of another body"};
+    for (const pdyn_param *p = params; p->name; p++) {
+        char def[64] = "", value[128] = "";
+        if (p->required) text_append(def, sizeof def, "required");
+        else if (!params_has_default(p)) text_append(def, sizeof def, "none");
+        else if (p->kind == PDYN_BOOL)
+            text_append(def, sizeof def, p->def != 0.0 ? "true" : "false");
+        else text_append(def, sizeof def, "%.6g", p->def);
+        if (p->kind == PDYN_BOOL || p->kind > PDYN_VECTOR)
+            text_append(value, sizeof value, "%s", kinds[p->kind]);
+        else params_describe_bounds(value, sizeof value, kinds[p->kind], p->min, p->max, "");
+        row(to, p->name, p->unit, def, value, p->doc);
+    }
+}
+
+static void describe_all(const pdyn_context *context, const struct sink *to) {
+    const pdyn_constraint_type *constraint;
+    const pdyn_global_solver *solver;
+    line(to, "constraints\n");
+    for (int k = 0; (constraint = registry_constraint_at(context, k)); k++)
+        line(to, "  %-12s %s\n", constraint->name, constraint->summary);
+    line(to, "\nsolvers\n");
+    for (int k = 0; (solver = registry_solver_at(context, k)); k++)
+        line(to, "  %-12s %s\n", solver->name, solver->summary);
+    line(to, "\nboundary models, \"boundary\" of a scene\n");
+    for (int k = 0; k < boundary_choices.count; k++)
+        line(to, "  %-12s %s\n", choices_text(&boundary_choices, k, 0),
+             choices_text(&boundary_choices, k, 1));
+}
+
+static void alternatives(const struct sink *to, const char *const *names) {
+    if (!names || !*names) return;
+    line(to, "\na scene gives at most one of: %s", *names);
+    while (*++names) line(to, ", %s", *names);
+    line(to, "\n");
+}
+
+static void describe_constraint(const struct sink *to, const pdyn_constraint_type *type) {
+    heading(to, "constraint", type->name, type->summary);
+    table(to, type->params);
+    alternatives(to, type->alternatives);
+    if (type->flags & PDYN_ON_SURFACE) line(to, "\nworks on a body with a surface\n");
+    if (type->flags & PDYN_ON_VOLUME) line(to, "\nworks on a volume of tetrahedra\n");
+    if (type->flags & PDYN_ON_PARTICLES) line(to, "\nworks on a body of particles\n");
+}
+
+/* What every scene's "solver" object knows; its two words are no numbers, so no table has them. */
+static void describe_solver(const struct sink *to, const pdyn_global_solver *type) {
+    heading(to, "solver", type->name, type->summary);
+    row(to, "type", "", "\"auto\"", "\"auto\" or the name of a solver",
+        "\"auto\": what suits the scene");
+    row(to, "step", "", "\"newton\"", "\"newton\" or \"projective\"",
+        "with the constraints' tangents, or classic Projective Dynamics");
+    row(to, "acceleration", "", "\"none\"", "\"none\", \"chebyshev\" or \"anderson\"",
+        "of the projective step");
+    table(to, settings_solver_params);
+}
+
+static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
+    const char *names[NAMES];
+    char clipped[64], hint[768] = "";
+    int count = 0;
+    for (int k = 0; registry_constraint_at(context, k) && count < NAMES; k++)
+        names[count++] = registry_constraint_at(context, k)->name;
+    for (int k = 0; registry_solver_at(context, k) && count < NAMES; k++)
+        names[count++] = registry_solver_at(context, k)->name;
+    text_clip(clipped, sizeof clipped, name);
+    text_hint(hint, sizeof hint, name, names, count);
+    return context_fail(context, PDYN_BAD_INPUT, "no constraint and no solver \"%s\"%s", clipped,
+                        hint);
+}
+
+pdyn_status pdyn_describe(pdyn_context *context, const char *name,
+                          void (*write)(void *user, const char *text), void *user) {
+    if (!context || !write) return PDYN_BAD_CALL;
+    const struct sink to = {write, user};
+    const pdyn_constraint_type *constraint = name ? registry_constraint(context, name) : NULL;
+    const pdyn_global_solver *solver = name ? registry_solver(context, name) : NULL;
+    if (name && !constraint && !solver) return fail_unknown(context, name);
+    struct text_locale locale;
+    if (!text_begin(&locale)) return context_no_memory(context);
+    if (!name) describe_all(context, &to);
+    if (constraint) describe_constraint(&to, constraint);
+    if (solver) describe_solver(&to, solver);
+    text_end(&locale);
+    return PDYN_OK;
+}

@@ -1,0 +1,163 @@
+#include "fill.h"
+
+#include "geometry/sampling.h"
+#include "params.h"
+#include "placed.h"
+
+#include <math.h>
+
+pdyn_status fill_count(const struct json_at *at, double count, double *so_far) {
+    *so_far += count;
+    if (*so_far <= MOST_PARTICLES) return PDYN_OK;
+    return json_fail(at, "expected at most %d particles in the scene, found %.10g so far",
+                     MOST_PARTICLES, *so_far);
+}
+
+/* One entry of "fill" while it is read. */
+struct fill {
+    const struct json_at *entry;
+    struct scene_body *body;
+    double *so_far;    /* particles of the scene */
+    bool has_velocity; /* of its own */
+};
+
+/* ---- shapes: each adds its particles to the body's start ------------------------------------- */
+
+/* Counts as sample_box_volume does. */
+static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
+    double count = 1.0, radius = fill->body->radius;
+    struct scene_box box;
+    pdyn_status status = params_box(at, &box);
+    for (int a = 0; a < 3 && status == PDYN_OK; a++) {
+        double edge = box.max[a] - box.min[a];
+        double along = sample_cells(edge, 2.0 * radius);
+        count *= along;
+        if (along < 1.0)
+            status = json_fail(
+                at, "expected edges of at least %.10g m (twice the radius), found %.10g m along %c",
+                2.0 * radius, edge, "xyz"[a]);
+    }
+    if (status == PDYN_OK) status = fill_count(at, count, fill->so_far);
+    if (status != PDYN_OK) return status;
+    return json_wrap(at, sample_box_volume(at->file->context, &box, radius, &fill->body->start));
+}
+
+/* Counts what a shape has added to the `before` particles of the body. */
+static pdyn_status count_added(const struct json_at *at, struct fill *fill, int before) {
+    int added = fill->body->start.count - before;
+    if (added) return fill_count(at, added, fill->so_far);
+    return json_fail(at, "no particle of radius %.10g m fits into it", fill->body->radius);
+}
+
+static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
+    struct points *start = &fill->body->start;
+    struct scene_sphere sphere;
+    int before = start->count;
+    pdyn_status status = params_sphere(at, &sphere);
+    if (status == PDYN_OK)
+        status = json_wrap(
+            at, sample_sphere_volume(at->file->context, &sphere, fill->body->radius, start));
+    return status == PDYN_OK ? count_added(at, fill, before) : status;
+}
+
+static pdyn_status fill_placed_mesh(const struct json_at *at, struct fill *fill,
+                                    const struct mesh *mesh) {
+    pdyn_context *context = at->file->context;
+    struct points *start = &fill->body->start;
+    int before = start->count;
+    pdyn_status status = mesh_check(context, mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_closed(context, mesh, json_string_value(at->value));
+    if (status == PDYN_OK) status = sample_mesh_volume(context, mesh, fill->body->radius, start);
+    status = json_wrap(at, status);
+    return status == PDYN_OK ? count_added(at, fill, before) : status;
+}
+
+static pdyn_status fill_mesh(const struct json_at *at, struct fill *fill) {
+    struct mesh mesh = {0};
+    struct transform transform;
+    pdyn_status status = transform_read(fill->entry, -1e6, &transform);
+    if (status == PDYN_OK) status = placed_mesh(at, &mesh);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, mesh.vertex, mesh.vertices);
+    status = fill_placed_mesh(at, fill, &mesh);
+    mesh_free(at->file->context, &mesh);
+    return status;
+}
+
+static pdyn_status fill_placed_file(const struct json_at *at, struct fill *fill,
+                                    const struct particles *particles) {
+    pdyn_context *context = at->file->context;
+    struct scene_body *body = fill->body;
+    pdyn_status status = fill_count(at, particles->count, fill->so_far);
+    if (status == PDYN_OK)
+        status = points_add_all(context, &body->start, particles->x, particles->count);
+    if (status == PDYN_OK && particles->v && !fill->has_velocity)
+        status = points_add_all(context, &body->start_v, particles->v, particles->count);
+    return status;
+}
+
+static pdyn_status fill_file(const struct json_at *at, struct fill *fill) {
+    struct particles particles = {0};
+    struct transform transform;
+    pdyn_status status = transform_read(fill->entry, -1e6, &transform);
+    if (status == PDYN_OK) status = placed_particles(at, &particles);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, particles.x, particles.count);
+    if (particles.v) transform_directions(&transform, particles.v, particles.count);
+    status = fill_placed_file(at, fill, &particles);
+    particles_free(at->file->context, &particles);
+    return status;
+}
+
+static const struct {
+    const char *name;
+    pdyn_status (*fill)(const struct json_at *at, struct fill *fill);
+    bool placed; /* by a transform of its own */
+} shapes[] = {{"box", fill_box, false},
+              {"sphere", fill_sphere, false},
+              {"mesh", fill_mesh, true},
+              {"file", fill_file, true}};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+/* ---- entries --------------------------------------------------------------------------------- */
+
+static pdyn_status find_shape(const struct json_at *at, int *out) {
+    int found = 0;
+    for (int k = 0; k < SHAPES; k++)
+        if (json_object_get(at->value, shapes[k].name)) *out = k, found++;
+    if (found == 1) return PDYN_OK;
+    return json_fail(
+        at, "expected exactly one of \"box\", \"sphere\", \"mesh\" and \"file\", found %d", found);
+}
+
+pdyn_status fill_check_range(const struct json_at *at, const struct points *points, int first) {
+    for (size_t i = 3 * (size_t)first; i < 3 * (size_t)points->count; i++)
+        if (!(fabs(points->x[i]) <= FILL_FARTHEST))
+            return json_fail(at,
+                             "expected particles at most %g m from the origin, found %c = %.10g m",
+                             FILL_FARTHEST, "xyz"[i % 3], points -> x[i]);
+    return PDYN_OK;
+}
+
+pdyn_status fill_read(const struct json_at *at, struct scene_body *body, double *so_far) {
+    static const char *const keys[] = {"box",    "sphere",    "mesh",     "file", "scale",
+                                       "rotate", "translate", "velocity", NULL};
+    struct json_at velocity_at = json_member(at, "velocity");
+    struct fill fill = {at, body, so_far, velocity_at.value != NULL};
+    double own[3];
+    int shape = 0, first = body->start.count;
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = find_shape(at, &shape);
+    if (status == PDYN_OK && !shapes[shape].placed)
+        status = transform_refuse(at, "a \"mesh\" or a \"file\"");
+    if (status == PDYN_OK && fill.has_velocity)
+        status = params_reals(&velocity_at, 3, -1e6, 1e6, "m/s", own);
+    if (status != PDYN_OK) return status;
+    struct json_at inner = json_member(at, shapes[shape].name);
+    status = shapes[shape].fill(&inner, &fill);
+    if (status == PDYN_OK) status = fill_check_range(&inner, &body->start, first);
+    while (status == PDYN_OK && body->start_v.count < body->start.count)
+        status =
+            points_add(at->file->context, &body->start_v, fill.has_velocity ? own : body->velocity);
+    return status;
+}

@@ -1,0 +1,156 @@
+#include "inlet.h"
+
+#include "fill.h"
+#include "geometry/sampling.h"
+#include "params.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+
+const pdyn_param inlet_params[] = {
+    {"direction", PDYN_VECTOR, offsetof(struct scene_inlet, direction), true, 0, -1e6, 1e6, "1",
+     ""},
+    {"speed", PDYN_REAL, offsetof(struct scene_inlet, speed), true, 0, 1e-6, 1e6, "m/s", ""},
+    {"start", PDYN_REAL, offsetof(struct scene_inlet, start), false, 0, 0, 1e6, "s", ""},
+    {"duration", PDYN_REAL, offsetof(struct scene_inlet, duration), false, 0, 1e-9, 1e6, "s", ""},
+    {0}};
+
+const pdyn_param outlet_params[] = {{"outside", PDYN_BOOL, offsetof(struct scene_outlet, outside),
+                                     false, 0, -INFINITY, INFINITY, "", ""},
+                                    {0}};
+
+/* An inlet while it is read: its plane has the axes `across` and `up`. */
+struct opening {
+    double center[3], across[3], up[3];
+    double spacing; /* m, of the lattice */
+    struct points *layer;
+};
+
+/* ---- the plane ------------------------------------------------------------------------------- */
+
+static pdyn_status read_direction(const struct json_at *owner, double direction[3]) {
+    struct json_at at = json_member(owner, "direction");
+    double length = vec3_length(direction);
+    if (!(length > 0.0)) return json_expected(&at, "a direction that is not 0");
+    for (int a = 0; a < 3; a++) direction[a] /= length;
+    return PDYN_OK;
+}
+
+/* Without an "up" it is y; z for a stream that runs along y. */
+static pdyn_status read_axes(const struct json_at *owner, const double direction[3],
+                             struct opening *o) {
+    struct json_at at = json_member(owner, "up");
+    bool along_y = fabs(direction[1]) > 0.999;
+    double up[3] = {0.0, !along_y, along_y};
+    pdyn_status status = at.value ? params_reals(&at, 3, -1e6, 1e6, "1", up) : PDYN_OK;
+    if (status != PDYN_OK) return status;
+    double size = vec3_length(up);
+    vec3_add(up, -vec3_dot(up, direction), direction);
+    double length = vec3_length(up);
+    if (!(length > 1e-6 * size))
+        return json_expected(&at, "a direction that is not 0 and not that of the stream");
+    for (int a = 0; a < 3; a++) o->up[a] = up[a] / length;
+    vec3_cross(o->across, direction, o->up);
+    return PDYN_OK;
+}
+
+/* ---- the lattice of a layer ------------------------------------------------------------------ */
+
+static pdyn_status check_size(const struct json_at *at, double points) {
+    if (points <= MOST_PARTICLES) return PDYN_OK;
+    return json_fail(at, "expected at most %d particles in a layer, found about %.10g",
+                     MOST_PARTICLES, points);
+}
+
+/* The point i spacings across and j up from the centre. */
+static pdyn_status add_point(const struct json_at *at, const struct opening *o, double i,
+                             double j) {
+    double x[3] = {o->center[0], o->center[1], o->center[2]};
+    vec3_add(x, i * o->spacing, o->across);
+    vec3_add(x, j * o->spacing, o->up);
+    return points_add(at->file->context, o->layer, x);
+}
+
+static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
+    static const char *const keys[] = {"center", "size", NULL};
+    struct json_at center = json_member(at, "center"), size_at = json_member(at, "size");
+    double size[2], n[2];
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK)
+        status = params_reals(&center, 3, -FILL_FARTHEST, FILL_FARTHEST, "m", o->center);
+    if (status == PDYN_OK) status = params_reals(&size_at, 2, 0.0, 1e6, "m", size);
+    for (int a = 0; a < 2 && status == PDYN_OK; a++) {
+        n[a] = sample_cells(size[a], o->spacing);
+        if (n[a] < 1.0)
+            status = json_fail(&size_at,
+                               "expected edges of at least %.10g m (twice the radius), found "
+                               "%.10g m",
+                               o->spacing, size[a]);
+    }
+    if (status == PDYN_OK) status = check_size(at, n[0] * n[1]);
+    if (status != PDYN_OK) return status;
+    for (double j = 0.0; j < n[1]; j++)
+        for (double i = 0.0; i < n[0] && status == PDYN_OK; i++)
+            status = add_point(at, o, i - 0.5 * (n[0] - 1.0), j - 0.5 * (n[1] - 1.0));
+    return status;
+}
+
+/* A particle for every lattice point inside, one of them in the centre: so many particles are
+ * those of the disc's area. */
+static pdyn_status read_disc(const struct json_at *at, struct opening *o) {
+    struct scene_sphere disc;
+    pdyn_status status = params_sphere(at, &disc);
+    if (status != PDYN_OK) return status;
+    double reach = disc.radius / o->spacing * (1.0 + 1e-12) + 1e-9, n = floor(reach);
+    status = check_size(at, 4.0 * reach * reach);
+    for (int a = 0; a < 3; a++) o->center[a] = disc.center[a];
+    for (double j = -n; j <= n; j++)
+        for (double i = -n; i <= n && status == PDYN_OK; i++)
+            if (i * i + j * j <= reach * reach) status = add_point(at, o, i, j);
+    return status;
+}
+
+static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
+    struct json_at rectangle = json_member(at, "rectangle"), disc = json_member(at, "disc");
+    if (!rectangle.value == !disc.value)
+        return json_fail(at, "expected exactly one of \"rectangle\" and \"disc\", found %s",
+                         disc.value ? "both" : "neither");
+    struct json_at *found = rectangle.value ? &rectangle : &disc;
+    pdyn_status status = rectangle.value ? read_rectangle(found, o) : read_disc(found, o);
+    return status == PDYN_OK ? fill_check_range(found, o->layer, 0) : status;
+}
+
+/* ---- inlets and outlets ---------------------------------------------------------------------- */
+
+/* A layer enters at once, and another one each time the last has travelled one spacing. */
+static double count_layers(const struct scene_inlet *inlet, double spacing, double end) {
+    double left = end - inlet->start;
+    double duration = inlet->duration > 0.0 ? fmin(inlet->duration, left) : left;
+    return fmax(0.0, ceil(duration * inlet->speed / spacing - 1e-9));
+}
+
+pdyn_status inlet_read(const struct json_at *at, double radius, double end,
+                       struct scene_inlet *out) {
+    static const char *const others[] = {"rectangle", "disc", "up", NULL};
+    struct opening opening = {.spacing = 2.0 * radius, .layer = &out->layer};
+    pdyn_status status = params_check_keys(at, inlet_params, others);
+    if (status == PDYN_OK) status = params_read(at, inlet_params, NULL, out);
+    if (status == PDYN_OK) status = read_direction(at, out->direction);
+    if (status == PDYN_OK) status = read_axes(at, out->direction, &opening);
+    if (status == PDYN_OK) status = read_opening(at, &opening);
+    out->layers = count_layers(out, opening.spacing, end);
+    return status;
+}
+
+double inlet_total(const struct scene_inlet *inlet) {
+    return inlet->layers * (double)inlet->layer.count;
+}
+
+pdyn_status outlet_read(const struct json_at *at, struct scene_outlet *out) {
+    static const char *const others[] = {"box", NULL};
+    pdyn_status status = params_check_keys(at, outlet_params, others);
+    struct json_at box = json_member(at, "box");
+    if (status == PDYN_OK) status = params_read(at, outlet_params, NULL, out);
+    return status == PDYN_OK ? params_box(&box, &out->box) : status;
+}

@@ -1,0 +1,378 @@
+#include "params.h"
+
+#include "base/near.h"
+
+#include "projdyn/vec3.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+enum { WHAT = 128, KEYS = 64, FARTHEST = 1000000 /* m from the origin */ };
+
+/* ---- keys ------------------------------------------------------------------------------------ */
+
+static bool is_known(const pdyn_param *table, const char *const *others, const char *key) {
+    for (; table && table->name; table++)
+        if (!strcmp(table->name, key)) return true;
+    for (; *others; others++)
+        if (!strcmp(*others, key)) return true;
+    return false;
+}
+
+static pdyn_status fail_unknown(const struct json_at *at, const pdyn_param *table,
+                                const char *const *others) {
+    const char *names[KEYS];
+    char hint[768] = "", key[64];
+    int count = 0;
+    for (; *others && count < KEYS; others++) names[count++] = *others;
+    for (; table && table->name && count < KEYS; table++) names[count++] = table->name;
+    text_hint(hint, sizeof hint, at->key, names, count);
+    text_clip(key, sizeof key, at->key);
+    return json_fail_at_key(at, "unknown key \"%s\"%s", key, hint);
+}
+
+pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
+                              const char *const *others) {
+    const char *key;
+    json_t *value;
+    if (!json_is_object(object->value)) return json_expected(object, "an object");
+    json_object_foreach(object->value, key, value) {
+        struct json_at at = json_member(object, key);
+        if (!is_known(table, others, key)) return fail_unknown(&at, table, others);
+    }
+    return PDYN_OK;
+}
+
+pdyn_status params_check_alternatives(const struct json_at *object, const char *const *names) {
+    const char *given = NULL;
+    for (; names && *names; names++) {
+        struct json_at at = json_member(object, *names);
+        if (at.value && given)
+            return json_fail_at_key(&at, "\"%s\" has no meaning beside \"%s\"", *names, given);
+        if (at.value) given = *names;
+    }
+    return PDYN_OK;
+}
+
+/* ---- numbers --------------------------------------------------------------------------------- */
+
+void params_describe_bounds(char *text, size_t size, const char *what, double min, double max,
+                            const char *unit) {
+    bool low = min > -HUGE_VAL, high = max < HUGE_VAL, named = *unit && strcmp(unit, "1") != 0;
+    text_append(text, size, "%s", what);
+    if (low && high) text_append(text, size, " from %.10g to %.10g", min, max);
+    else if (low) text_append(text, size, " of at least %.10g", min);
+    else if (high) text_append(text, size, " of at most %.10g", max);
+    if (named) text_append(text, size, low || high ? " %s" : " (%s)", unit);
+}
+
+static pdyn_status expected_number(const struct json_at *at, const char *what, double min,
+                                   double max, const char *unit) {
+    char text[WHAT] = "";
+    params_describe_bounds(text, sizeof text, what, min, max, unit);
+    return json_expected(at, text);
+}
+
+pdyn_status params_real(const struct json_at *at, double min, double max, const char *unit,
+                        double *out) {
+    *out = json_number_value(at->value);
+    if (json_is_number(at->value) && *out >= min && *out <= max) return PDYN_OK;
+    return expected_number(at, "a number", min, max, unit);
+}
+
+pdyn_status params_int(const struct json_at *at, double min, double max, int *out) {
+    min = fmax(min, INT_MIN), max = fmin(max, INT_MAX);
+    json_int_t value = json_integer_value(at->value);
+    bool fits = (double)value >= min && (double)value <= max;
+    *out = fits ? (int)value : 0;
+    if (json_is_integer(at->value) && fits) return PDYN_OK;
+    return expected_number(at, "a whole number", min, max, "");
+}
+
+pdyn_status params_reals(const struct json_at *at, int count, double min, double max,
+                         const char *unit, double *out) {
+    char text[WHAT] = "";
+    if (!json_is_array(at->value) || json_array_size(at->value) != (size_t)count) {
+        text_append(text, sizeof text, "an array of %d numbers", count);
+        if (*unit && strcmp(unit, "1") != 0) text_append(text, sizeof text, " (%s)", unit);
+        return json_expected(at, text);
+    }
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < count && status == PDYN_OK; k++) {
+        struct json_at element = json_element(at, (size_t)k);
+        status = params_real(&element, min, max, unit, &out[k]);
+    }
+    return status;
+}
+
+pdyn_status params_box(const struct json_at *at, struct scene_box *box) {
+    static const pdyn_param table[] = {{"minimum", PDYN_VECTOR, offsetof(struct scene_box, min),
+                                        true, 0, -FARTHEST, FARTHEST, "m", ""},
+                                       {"maximum", PDYN_VECTOR, offsetof(struct scene_box, max),
+                                        true, 0, -FARTHEST, FARTHEST, "m", ""},
+                                       {0}};
+    static const char *const none[] = {NULL};
+    pdyn_status status = params_check_keys(at, table, none);
+    if (status == PDYN_OK) status = params_read(at, table, NULL, box);
+    for (int a = 0; a < 3 && status == PDYN_OK; a++) {
+        struct json_at maximum = json_member(at, "maximum"),
+                       entry = json_element(&maximum, (size_t)a);
+        if (!(box->max[a] > box->min[a]))
+            status =
+                json_fail(&entry, "expected a number above the minimum, %.10g m, found %.10g m",
+                          box->min[a], box->max[a]);
+    }
+    return status;
+}
+
+pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere) {
+    static const pdyn_param table[] = {
+        {"center", PDYN_VECTOR, offsetof(struct scene_sphere, center), true, 0, -FARTHEST, FARTHEST,
+         "m", ""},
+        {"radius", PDYN_REAL, offsetof(struct scene_sphere, radius), true, 0, 0, FARTHEST, "m", ""},
+        {0}};
+    static const char *const none[] = {NULL};
+    pdyn_status status = params_check_keys(at, table, none);
+    return status == PDYN_OK ? params_read(at, table, NULL, sphere) : status;
+}
+
+/* ---- chosen vertices ------------------------------------------------------------------------- */
+
+/* A set of vertices while it is chosen. */
+struct choice {
+    pdyn_context *context;
+    const struct mesh *surface;
+    bool *chosen; /* a flag per vertex */
+};
+
+static pdyn_status expect_true(const struct json_at *at) {
+    return json_is_true(at->value) ? PDYN_OK : json_expected(at, "true");
+}
+
+static pdyn_status choose_all(const struct json_at *at, struct choice *c) {
+    memset(c->chosen, true, (size_t)c->surface->vertices * sizeof *c->chosen);
+    return expect_true(at);
+}
+
+static pdyn_status choose_border(const struct json_at *at, struct choice *c) {
+    struct topology topology;
+    pdyn_status status = expect_true(at);
+    if (status == PDYN_OK) status = topology_build(c->context, c->surface, &topology);
+    if (status != PDYN_OK) return status;
+    for (int v = 0; v < c->surface->vertices; v++) c->chosen[v] |= topology.on_border[v];
+    topology_free(c->context, &topology);
+    return PDYN_OK;
+}
+
+static pdyn_status choose_listed(const struct json_at *at, struct choice *c) {
+    if (!json_is_array(at->value)) return json_expected(at, "an array of vertex numbers");
+    for (size_t k = 0; k < json_array_size(at->value); k++) {
+        struct json_at element = json_element(at, k);
+        int v;
+        pdyn_status status = params_int(&element, 0, c->surface->vertices - 1, &v);
+        if (status != PDYN_OK) return status;
+        c->chosen[v] = true;
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status choose_box(const struct json_at *at, struct choice *c) {
+    struct scene_box box;
+    pdyn_status status = params_box(at, &box);
+    for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++) {
+        const double *x = c->surface->vertex + 3 * v;
+        bool inside = true;
+        for (int a = 0; a < 3; a++) inside &= x[a] >= box.min[a] && x[a] <= box.max[a];
+        c->chosen[v] |= inside;
+    }
+    return status;
+}
+
+static pdyn_status choose_sphere(const struct json_at *at, struct choice *c) {
+    struct scene_sphere sphere;
+    pdyn_status status = params_sphere(at, &sphere);
+    for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++)
+        c->chosen[v] |= vec3_distance(c->surface->vertex + 3 * v, sphere.center) <= sphere.radius;
+    return status;
+}
+
+static const char *const chooser_names[] = {"all", "vertices", "box", "sphere", "border", NULL};
+static pdyn_status (*const choosers[])(const struct json_at *at, struct choice *c) = {
+    choose_all, choose_listed, choose_box, choose_sphere, choose_border};
+
+static pdyn_status choose(const struct json_at *at, struct choice *c) {
+    pdyn_status status = params_check_keys(at, NULL, chooser_names);
+    if (status == PDYN_OK && json_object_size(at->value) != 1)
+        status = json_fail(
+            at,
+            "expected exactly one of \"all\", \"vertices\", \"box\", \"sphere\", \"border\""
+            ", found %zu keys",
+            json_object_size(at->value));
+    for (int k = 0; chooser_names[k] && status == PDYN_OK; k++) {
+        struct json_at chosen = json_member(at, chooser_names[k]);
+        if (chosen.value) status = choosers[k](&chosen, c);
+    }
+    return status;
+}
+
+static pdyn_status choose_each(const struct json_at *at, struct choice *c) {
+    if (!json_is_array(at->value)) return choose(at, c);
+    pdyn_status status = PDYN_OK;
+    for (size_t k = 0; k < json_array_size(at->value) && status == PDYN_OK; k++) {
+        struct json_at element = json_element(at, k);
+        status = choose(&element, c);
+    }
+    return status;
+}
+
+static pdyn_status list_chosen(const struct json_at *at, const struct choice *c,
+                               pdyn_vertices *out) {
+    int count = 0;
+    for (int v = 0; v < c->surface->vertices; v++) count += c->chosen[v];
+    if (!count) return json_fail(at, "selects no vertex of %d", c->surface->vertices);
+    int *index = NEW_ARRAY(c->context, count, int);
+    if (!index) return PDYN_NO_MEMORY;
+    *out = (pdyn_vertices){count, index};
+    for (int v = 0; v < c->surface->vertices; v++)
+        if (c->chosen[v]) *index++ = v;
+    return PDYN_OK;
+}
+
+/* ---- reading by kind ------------------------------------------------------------------------- */
+
+static pdyn_status read_vertices(const struct json_at *at, const pdyn_param *param,
+                                 const struct mesh *surface, void *field) {
+    (void)param;
+    if (!json_is_object(at->value) && !json_is_array(at->value))
+        return json_expected(at, "an object that chooses vertices, or an array of such objects");
+    if (!surface) return json_fail(at, "vertices can be chosen on a surface only");
+    struct choice c = {at->file->context, surface,
+                       NEW_ARRAY(at->file->context, surface->vertices, bool)};
+    if (!c.chosen) return PDYN_NO_MEMORY;
+    pdyn_status status = choose_each(at, &c);
+    if (status == PDYN_OK) status = list_chosen(at, &c, field);
+    FREE_ARRAY(c.context, c.chosen, surface->vertices);
+    return status;
+}
+
+static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
+                             const struct mesh *surface, void *field) {
+    (void)surface;
+    char unit[WHAT] = "", expected[WHAT] = "";
+    pdyn_path *path = field;
+    size_t count = json_array_size(at->value);
+    text_append(unit, sizeof unit, "s, %s, %s, %s", param->unit, param->unit, param->unit);
+    text_append(expected, sizeof expected, "an array of at least one [time, x, y, z] (%s)", unit);
+    if (!count || count > INT_MAX / 4) return json_expected(at, expected);
+    double *key = NEW_ARRAY(at->file->context, 4 * count, double);
+    if (!key) return PDYN_NO_MEMORY;
+    *path = (pdyn_path){(int)count, key};
+    for (size_t k = 0; k < count; k++, key += 4) {
+        struct json_at element = json_element(at, k);
+        pdyn_status status = params_reals(&element, 4, -FARTHEST, FARTHEST, unit, key);
+        if (status != PDYN_OK) return status;
+        if (k && !(key[0] > key[-4]))
+            return json_fail(&element, "expected a time after %.10g s, found %.10g s", key[-4],
+                             key[0]);
+    }
+    return PDYN_OK;
+}
+
+/* Whether there is such a body is known when all are read (scene.c). */
+static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
+                              const struct mesh *surface, void *field) {
+    (void)param, (void)surface;
+    if (!json_is_string(at->value)) return json_expected(at, "the name of another body");
+    char *name = NEW_ARRAY(at->file->context, json_string_length(at->value) + 1, char);
+    if (!name) return PDYN_NO_MEMORY;
+    strcpy(name, json_string_value(at->value));
+    *(pdyn_other *)field = (pdyn_other){.name = name};
+    return PDYN_OK;
+}
+
+static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
+                             const struct mesh *surface, void *field) {
+    (void)surface;
+    return params_real(at, param->min, param->max, param->unit, field);
+}
+
+static pdyn_status read_int(const struct json_at *at, const pdyn_param *param,
+                            const struct mesh *surface, void *field) {
+    (void)surface;
+    return params_int(at, param->min, param->max, field);
+}
+
+static pdyn_status read_bool(const struct json_at *at, const pdyn_param *param,
+                             const struct mesh *surface, void *field) {
+    (void)param, (void)surface;
+    *(bool *)field = json_is_true(at->value);
+    return json_is_boolean(at->value) ? PDYN_OK : json_expected(at, "true or false");
+}
+
+static pdyn_status read_vector(const struct json_at *at, const pdyn_param *param,
+                               const struct mesh *surface, void *field) {
+    (void)surface;
+    return params_reals(at, 3, param->min, param->max, param->unit, field);
+}
+
+static void default_real(const pdyn_param *param, void *field) { *(double *)field = param->def; }
+static void default_int(const pdyn_param *param, void *field) { *(int *)field = (int)param->def; }
+static void default_bool(const pdyn_param *param, void *field) {
+    *(bool *)field = param->def != 0.0;
+}
+static void default_vector(const pdyn_param *param, void *field) {
+    for (int k = 0; k < 3; k++) ((double *)field)[k] = param->def;
+}
+static void default_vertices(const pdyn_param *param, void *field) {
+    (void)param;
+    *(pdyn_vertices *)field = (pdyn_vertices){0};
+}
+static void default_path(const pdyn_param *param, void *field) {
+    (void)param;
+    *(pdyn_path *)field = (pdyn_path){0};
+}
+
+static void default_other(const pdyn_param *param, void *field) {
+    (void)param;
+    *(pdyn_other *)field = (pdyn_other){0};
+}
+
+static const struct {
+    pdyn_status (*read)(const struct json_at *at, const pdyn_param *param,
+                        const struct mesh *surface, void *field);
+    void (*set_default)(const pdyn_param *param, void *field);
+} kinds[] = {
+    [PDYN_REAL] = {read_real, default_real},
+    [PDYN_INT] = {read_int, default_int},
+    [PDYN_BOOL] = {read_bool, default_bool},
+    [PDYN_VECTOR] = {read_vector, default_vector},
+    [PDYN_VERTICES] = {read_vertices, default_vertices},
+    [PDYN_PATH] = {read_path, default_path},
+    [PDYN_OTHER] = {read_other, default_other},
+};
+
+pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
+                        const struct mesh *surface, void *params) {
+    pdyn_status status = PDYN_OK;
+    for (const pdyn_param *p = table; p->name; p++)
+        kinds[p->kind].set_default(p, (char *)params + p->offset);
+    for (const pdyn_param *p = table; p->name && status == PDYN_OK; p++) {
+        struct json_at at = json_member(object, p->name);
+        if (at.value || p->required)
+            status = kinds[p->kind].read(&at, p, surface, (char *)params + p->offset);
+    }
+    return status;
+}
+
+void params_free(pdyn_context *context, const pdyn_param *table, void *params) {
+    for (const pdyn_param *p = table; p->name; p++) {
+        void *field = (char *)params + p->offset;
+        pdyn_vertices *vertices = p->kind == PDYN_VERTICES ? field : NULL;
+        pdyn_path *path = p->kind == PDYN_PATH ? field : NULL;
+        pdyn_other *other = p->kind == PDYN_OTHER ? field : NULL;
+        if (vertices) FREE_ARRAY(context, vertices->index, vertices->count);
+        if (path) FREE_ARRAY(context, path->key, 4 * (size_t)path->count);
+        if (other && other->name) FREE_ARRAY(context, other->name, strlen(other->name) + 1);
+    }
+}

@@ -1,0 +1,57 @@
+#include "poses.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+struct pose pose_between(const struct scene_solid *solid, int k, double time) {
+    const struct scene_key *a = &solid->key[k < 0 ? 0 : k];
+    const struct scene_key *b = &solid->key[k + 1 < solid->keys ? k + 1 : k];
+    double span = b->time - a->time, part = span > 0.0 ? (time - a->time) / span : 0.0;
+    double rate = span > 0.0 ? 1.0 / span : 0.0;
+    struct pose pose = {.at.scale = {1.0, 1.0, 1.0}};
+    for (int c = 0; c < 3; c++) {
+        double way = b->translate[c] - a->translate[c], turn = b->rotate[c] - a->rotate[c];
+        pose.at.translate[c] = solid->pivot[c] + a->translate[c] + part * way;
+        pose.at.rotate[c] = a->rotate[c] + part * turn;
+        pose.velocity[c] = rate * way;
+        pose.turning[c] = rate * turn * (acos(-1.0) / 180.0);
+    }
+    return pose;
+}
+
+int pose_key_before(const struct scene_solid *solid, double time) {
+    int k = -1;
+    while (k + 1 < solid->keys && solid->key[k + 1].time <= time) k++;
+    return k;
+}
+
+/* Columns of the rotation: where the axes go. */
+static void turned_axes(const struct transform *t, double axes[9]) {
+    memset(axes, 0, 9 * sizeof *axes);
+    axes[0] = axes[4] = axes[8] = 1.0;
+    transform_directions(t, axes, 3);
+}
+
+void pose_place(const struct scene_solid *solid, const double *placed, int count, double time,
+                double *x) {
+    struct pose pose = pose_between(solid, pose_key_before(solid, time), time);
+    double axes[9];
+    turned_axes(&pose.at, axes);
+    for (int i = 0; i < count; i++, x += 3, placed += 3) {
+        memcpy(x, pose.at.translate, sizeof pose.at.translate);
+        for (int a = 0; a < 3; a++) vec3_add(x, placed[a], axes + 3 * a);
+    }
+}
+
+void pose_turning_axis(const struct pose *pose, double axis[3]) {
+    const double *angle = pose->at.rotate, *rate = pose->turning;
+    struct transform y_z = {.rotate = {0.0, angle[1], angle[2]}},
+                     z = {.rotate = {0.0, 0.0, angle[2]}};
+    double about_x[3] = {rate[0], 0.0, 0.0}, about_y[3] = {0.0, rate[1], 0.0};
+    transform_directions(&y_z, about_x, 1);
+    transform_directions(&z, about_y, 1);
+    for (int a = 0; a < 3; a++) axis[a] = about_x[a] + about_y[a];
+    axis[2] += rate[2];
+}

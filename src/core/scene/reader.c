@@ -1,0 +1,102 @@
+#include "reader.h"
+
+#include "base/near.h"
+#include "fill.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { HINT = 768 };
+
+pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out) {
+    *out = NEW_ARRAY(context, strlen(text) + 1, char);
+    if (!*out) return PDYN_NO_MEMORY;
+    strcpy(*out, text);
+    return PDYN_OK;
+}
+
+pdyn_status reader_fail_word(const struct json_at *at, const char *what, const char *const *names,
+                             int count) {
+    char word[READER_NAMES], hint[HINT] = "";
+    text_clip(word, sizeof word, json_string_value(at->value));
+    text_hint(hint, sizeof hint, word, names, count);
+    return json_fail(at, "unknown %s \"%s\"%s", what, word, hint);
+}
+
+pdyn_status reader_choice(const struct json_at *at, const char *what, const char *const *names,
+                          int count, int *out) {
+    char expected[READER_NAMES];
+    *out = 0;
+    if (!at->value) return PDYN_OK;
+    snprintf(expected, sizeof expected, "the name of a %s", what);
+    if (!json_is_string(at->value)) return json_expected(at, expected);
+    for (int k = 0; k < count; k++)
+        if (!strcmp(json_string_value(at->value), names[k])) return *out = k, PDYN_OK;
+    return reader_fail_word(at, what, names, count);
+}
+
+static bool is_name(const char *text) {
+    size_t length = strlen(text);
+    return length >= 1 && length <= 64 &&
+           length ==
+               strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
+}
+
+static bool is_taken(const struct scene *scene, const char *name) {
+    for (int b = 0; b < scene->bodies; b++)
+        if (scene->body[b].name && !strcmp(scene->body[b].name, name)) return true;
+    for (int s = 0; s < scene->solids; s++)
+        if (scene->solid[s].name && !strcmp(scene->solid[s].name, name)) return true;
+    return false;
+}
+
+pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,
+                        char **out) {
+    char number[READER_NAMES];
+    struct json_at at = json_member(owner, "name");
+    const char *name = json_string_value(at.value);
+    snprintf(number, sizeof number, "%s%d", kind, index);
+    if (!at.value) name = number;
+    else if (!name || !is_name(name))
+        return json_expected(&at, "a name of 1 to 64 letters, digits, '_' and '-'");
+    if (!strcmp(name, "boundary"))
+        return json_fail(&at, "the name \"boundary\" is reserved for the files of the solids");
+    if (is_taken(r->scene, name))
+        return json_fail(&at, "the name \"%s\" is already taken by another body or solid", name);
+    return reader_copy_text(r->context, name, out);
+}
+
+pdyn_status reader_one_of(const struct json_at *at, const char *const *names, int count, int *out) {
+    char list[HINT] = "";
+    int found = 0;
+    for (int k = 0; k < count; k++) {
+        size_t length = strlen(list);
+        snprintf(list + length, sizeof list - length, "%s\"%s\"",
+                 k == 0           ? ""
+                 : k + 1 == count ? " and "
+                                  : ", ",
+                 names[k]);
+        if (json_object_get(at->value, names[k])) *out = k, found++;
+    }
+    if (found == 1) return PDYN_OK;
+    const char *none = count == 2 ? "neither" : "none", *more = count == 2 ? "both" : "more";
+    return json_fail(at, "expected exactly one of %s, found %s", list, found ? more : none);
+}
+
+pdyn_status reader_each(struct reader *r, const struct json_at *array, read_fn *read) {
+    pdyn_status status = PDYN_OK;
+    for (size_t k = 0; k < json_array_size(array->value) && status == PDYN_OK; k++) {
+        struct json_at element = json_element(array, k);
+        status = read(r, &element, (int)k);
+    }
+    return status;
+}
+
+pdyn_status reader_count(const struct json_at *array, const char *what, int *out) {
+    *out = 0;
+    if (array->value && !json_is_array(array->value)) return json_expected(array, what);
+    if (json_array_size(array->value) > MOST_PARTICLES)
+        return json_fail(array, "more than %d elements", MOST_PARTICLES);
+    *out = (int)json_array_size(array->value);
+    return PDYN_OK;
+}

@@ -1,0 +1,238 @@
+#include "base/archive.h"
+#include "base/near.h"
+#include "base/registry.h"
+#include "head.h"
+#include "inlet.h"
+#include "params.h"
+#include "placed.h"
+#include "reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- bodies that constraints name ------------------------------------------------------------ */
+
+/* Of the names of the other bodies that have a surface. */
+static pdyn_status check_other(const struct reader *r, const struct json_at *at, int own,
+                               const char *name) {
+    const char *names[READER_NAMES];
+    int count = 0;
+    for (int b = 0; b < r->scene->bodies; b++) {
+        const struct scene_body *body = &r->scene->body[b];
+        bool fits = b != own && body->is_surface;
+        if (fits && !strcmp(body->name, name)) return PDYN_OK;
+        if (!strcmp(body->name, name))
+            return json_fail(at, "expected another body that has a surface, found %s",
+                             b == own ? "this one itself" : "a body of particles");
+        if (fits && count < READER_NAMES) names[count++] = body->name;
+    }
+    return reader_fail_word(at, "body", names, count);
+}
+
+static pdyn_status check_others(struct reader *r, const struct json_at *at, int own) {
+    const struct scene_body *body = &r->scene->body[own];
+    struct json_at array = json_member(at, "constraints");
+    for (int k = 0; k < body->constraints; k++) {
+        const struct scene_constraint *c = &body->constraint[k];
+        struct json_at constraint = json_element(&array, (size_t)k);
+        for (const pdyn_param *p = c->type->params; p->name; p++) {
+            struct json_at name = json_member(&constraint, p->name);
+            if (p->kind != PDYN_OTHER || !name.value) continue;
+            pdyn_status status = check_other(r, &name, own, json_string_value(name.value));
+            if (status != PDYN_OK) return status;
+        }
+    }
+    return PDYN_OK;
+}
+
+/* ---- parameters that follow from the scene --------------------------------------------------- */
+
+static pdyn_status resolve(const struct reader *r, const struct json_at *at,
+                           const struct scene_body *body, const struct scene_constraint *c) {
+    pdyn_scene_info info = {.radius = body->radius,
+                            .rest_density = body->rest_density,
+                            .head = scene_head(r->scene, body)};
+    memcpy(info.gravity, r->scene->settings.gravity, sizeof info.gravity);
+    pdyn_param_fault fault = c->type->resolve(c->params, &info);
+    if (!fault.message) return PDYN_OK;
+    struct json_at param = json_member(at, fault.param ? fault.param : "");
+    return json_fail(fault.param ? &param : at, "%s", fault.message);
+}
+
+static pdyn_status resolve_all(struct reader *r, const struct json_at *at, int index) {
+    const struct scene_body *body = &r->scene->body[index];
+    struct json_at array = json_member(at, "constraints");
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < body->constraints && status == PDYN_OK; k++) {
+        struct json_at constraint = json_element(&array, (size_t)k);
+        if (body->constraint[k].type->resolve)
+            status = resolve(r, &constraint, body, &body->constraint[k]);
+    }
+    return status;
+}
+
+/* ---- the parts of a scene -------------------------------------------------------------------- */
+
+static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = reader_count(array, "an array of bodies", &count);
+    if (status == PDYN_OK && !count) status = json_expected(array, "at least one body");
+    if (status != PDYN_OK) return status;
+    r->scene->body = NEW_ARRAY(r->context, count, struct scene_body);
+    if (!r->scene->body) return PDYN_NO_MEMORY;
+    r->scene->bodies = count;
+    status = reader_each(r, array, scene_read_body);
+    return status == PDYN_OK ? reader_each(r, array, check_others) : status;
+}
+
+static pdyn_status read_solids(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = reader_count(array, "an array of solids", &count);
+    if (status != PDYN_OK || !count) return status;
+    r->scene->solid = NEW_ARRAY(r->context, count, struct scene_solid);
+    if (!r->scene->solid) return PDYN_NO_MEMORY;
+    r->scene->solids = count;
+    return reader_each(r, array, scene_read_solid);
+}
+
+static pdyn_status read_outlet(struct reader *r, const struct json_at *at, int index) {
+    return outlet_read(at, &r->scene->outlet[index]);
+}
+
+static pdyn_status read_outlets(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = reader_count(array, "an array of outlets", &count);
+    if (status != PDYN_OK || !count) return status;
+    r->scene->outlet = NEW_ARRAY(r->context, count, struct scene_outlet);
+    if (!r->scene->outlet) return PDYN_NO_MEMORY;
+    r->scene->outlets = count;
+    return reader_each(r, array, read_outlet);
+}
+
+const pdyn_param scene_contact_params[] = {
+    {"thickness", PDYN_REAL, offsetof(struct scene_contact, thickness), true, 0, 1e-9, 1e3, "m",
+     ""},
+    {"friction", PDYN_REAL, offsetof(struct scene_contact, friction), false, 0.3, 0, 100, "1", ""},
+    {"stiffness", PDYN_REAL, offsetof(struct scene_contact, stiffness), false, 1000, 1e-9, 1e15,
+     "N/m", ""},
+    {"self", PDYN_BOOL, offsetof(struct scene_contact, self), false, 1, 0, 0, "", ""},
+    {0}};
+
+static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
+    static const char *const none[] = {NULL};
+    bool surface = false;
+    if (!at->value) return PDYN_OK;
+    for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].is_surface;
+    if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
+    r->scene->has_contact = true;
+    pdyn_status status = params_check_keys(at, scene_contact_params, none);
+    return status == PDYN_OK ? params_read(at, scene_contact_params, NULL, &r->scene->contact)
+                             : status;
+}
+
+static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {
+    char *path = NULL;
+    size_t size = 0;
+    (void)index;
+    pdyn_status status = placed_path(at, "the name of a plug-in's shared object", &path, &size);
+    if (status != PDYN_OK) return status;
+    status = json_wrap(at, pdyn_load_plugin(r->context, path));
+    FREE_ARRAY(r->context, path, size);
+    return status;
+}
+
+static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
+    int count;
+    pdyn_status status = reader_count(array, "an array of plug-ins", &count);
+    return status == PDYN_OK ? reader_each(r, array, read_plugin) : status;
+}
+
+static pdyn_status read_all(struct reader *r, const struct json_at *root) {
+    static const char *const others[] = {"$schema", "name",    "gravity",  "time_step",
+                                         "solver",  "bodies",  "solids",   "outlets",
+                                         "contact", "plugins", "boundary", NULL};
+    struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
+    struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
+    struct json_at plugins = json_member(root, "plugins");
+    pdyn_status status = params_check_keys(root, settings_general_params, others);
+    if (status == PDYN_OK) status = read_plugins(r, &plugins);
+    if (status == PDYN_OK) status = settings_read(r, root);
+    if (status == PDYN_OK) status = read_bodies(r, &bodies);
+    if (status == PDYN_OK) status = read_solids(r, &solids);
+    if (status == PDYN_OK) status = read_outlets(r, &outlets);
+    if (status == PDYN_OK) status = read_contact(r, &contact);
+    return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
+}
+
+static pdyn_status take_fingerprint(struct reader *r, const json_t *root) {
+    static const char *const free_keys[] = {"$schema", "name", "duration"};
+    json_t *values = json_copy((json_t *)root);
+    for (size_t k = 0; values && k < sizeof free_keys / sizeof *free_keys; k++)
+        json_object_del(values, free_keys[k]);
+    char *dump = values ? json_dumps(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
+    json_decref(values);
+    if (!dump) return context_no_memory(r->context);
+    r->scene->fingerprint = hash_bytes(HASH_BEGIN, dump, strlen(dump));
+    free(dump);
+    return PDYN_OK;
+}
+
+static pdyn_status read_file(struct reader *r, const char *text, const char *const *set, int sets) {
+    struct json_file file;
+    pdyn_status status = json_file_open(r->context, r->scene->file, text, set, sets, &file);
+    if (status != PDYN_OK) return status;
+    struct json_at root = json_root(&file);
+    status = read_all(r, &root);
+    if (status == PDYN_OK) status = take_fingerprint(r, root.value);
+    json_file_close(&file);
+    return status;
+}
+
+pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
+                       const char *const *set, int sets, struct scene *out) {
+    struct reader reader = {.context = context, .scene = out};
+    struct text_locale locale;
+    *out = (struct scene){0};
+    if (!text_begin(&locale)) return context_no_memory(context);
+    pdyn_status status = reader_copy_text(context, path, &out->file);
+    if (status == PDYN_OK) status = read_file(&reader, text, set, sets);
+    if (status != PDYN_OK) scene_free(context, out);
+    text_end(&locale);
+    return status;
+}
+
+static void free_text(pdyn_context *context, char **text) {
+    if (*text) FREE_ARRAY(context, *text, strlen(*text) + 1);
+}
+
+static void free_body(pdyn_context *context, struct scene_body *body) {
+    for (int k = 0; k < body->constraints; k++) {
+        struct scene_constraint *constraint = &body->constraint[k];
+        if (!constraint->params) continue;
+        params_free(context, constraint->type->params, constraint->params);
+        context_resize(context, constraint->params, constraint->type->params_size, 0);
+    }
+    FREE_ARRAY(context, body->constraint, body->constraints);
+    for (int k = 0; k < body->inlets; k++) points_free(context, &body->inlet[k].layer);
+    FREE_ARRAY(context, body->inlet, body->inlets);
+    points_free(context, &body->start);
+    points_free(context, &body->start_v);
+    mesh_free(context, &body->mesh);
+    tets_free(context, &body->tets);
+    free_text(context, &body->name);
+}
+
+void scene_free(pdyn_context *context, struct scene *scene) {
+    for (int b = 0; b < scene->bodies; b++) free_body(context, &scene->body[b]);
+    for (int s = 0; s < scene->solids; s++) {
+        mesh_free(context, &scene->solid[s].mesh);
+        FREE_ARRAY(context, scene->solid[s].key, scene->solid[s].keys);
+        free_text(context, &scene->solid[s].name);
+    }
+    FREE_ARRAY(context, scene->body, scene->bodies);
+    FREE_ARRAY(context, scene->solid, scene->solids);
+    FREE_ARRAY(context, scene->outlet, scene->outlets);
+    free_text(context, &scene->file);
+    free_text(context, &scene->name);
+    *scene = (struct scene){0};
+}

@@ -1,0 +1,274 @@
+#include "base/registry.h"
+#include "fill.h"
+#include "inlet.h"
+#include "params.h"
+#include "placed.h"
+#include "reader.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- particles ------------------------------------------------------------------------------- */
+
+static const pdyn_param particles_params[] = {
+    {"radius", PDYN_REAL, offsetof(struct scene_body, radius), true, 0, 1e-6, 1e3, "m", ""},
+    {"rest_density", PDYN_REAL, offsetof(struct scene_body, rest_density), false, 1000, 1e-3, 1e6,
+     "kg/m^3", ""},
+    {"budget", PDYN_INT, offsetof(struct scene_body, budget), false, 0, 1, MOST_PARTICLES, "", ""},
+    {0}};
+
+static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
+    (void)index;
+    return fill_read(at, r->body, &r->particles);
+}
+
+static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int index) {
+    return inlet_read(at, r->body->radius, r->scene->settings.duration, &r->body->inlet[index]);
+}
+
+/* Without a budget there is room for all that the inlets emit; for one particle at least, as the
+ * scene may end before. */
+static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
+                               const struct json_at *inlets) {
+    struct scene_body *body = r->body;
+    struct json_at at = json_member(owner, "budget");
+    double total = 0.0;
+    for (int k = 0; k < body->inlets; k++) total += inlet_total(&body->inlet[k]);
+    if (body->inlets) total = fmax(total, 1.0);
+    if (at.value && !body->inlets) return json_fail_at_key(&at, "\"budget\" needs \"inlets\"");
+    pdyn_status status =
+        fill_count(at.value ? &at : inlets, at.value ? body->budget : total, &r->particles);
+    if (status == PDYN_OK && !at.value) body->budget = (int)total;
+    return status;
+}
+
+static pdyn_status read_inlets(struct reader *r, const struct json_at *owner) {
+    struct scene_body *body = r->body;
+    struct json_at array = json_member(owner, "inlets");
+    int count;
+    pdyn_status status = reader_count(&array, "an array of inlets", &count);
+    if (status == PDYN_OK && count) {
+        body->inlet = NEW_ARRAY(r->context, count, struct scene_inlet);
+        if (!body->inlet) return PDYN_NO_MEMORY;
+        body->inlets = count;
+        status = reader_each(r, &array, read_inlet);
+    }
+    return status == PDYN_OK ? read_budget(r, owner, &array) : status;
+}
+
+static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"fill", "inlets", NULL};
+    struct scene_body *body = r->body;
+    struct json_at fill = json_member(at, "fill"), inlets = json_member(at, "inlets");
+    int fills = 0;
+    pdyn_status status = params_check_keys(at, particles_params, others);
+    if (status == PDYN_OK) status = params_read(at, particles_params, NULL, body);
+    if (status == PDYN_OK) status = reader_count(&fill, "an array of volumes to fill", &fills);
+    if (status == PDYN_OK && !fills && !json_array_size(inlets.value))
+        status = json_expected(&fill, "at least one volume to fill, or \"inlets\"");
+    if (status == PDYN_OK) status = reader_each(r, &fill, read_fill);
+    return status == PDYN_OK ? read_inlets(r, at) : status;
+}
+
+/* ---- surfaces and volumes -------------------------------------------------------------------- */
+
+static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct mesh *mesh) {
+    static const char *const keys[] = {"size", "vertices", "sag", NULL};
+    struct json_at size_at = json_member(at, "size"), vertices_at = json_member(at, "vertices");
+    struct json_at sag_at = json_member(at, "sag");
+    double size[2], sag = 0.0;
+    int vertices[2];
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
+    if (status == PDYN_OK && json_array_size(vertices_at.value) != 2)
+        status = json_expected(&vertices_at, "an array of 2 whole numbers");
+    for (size_t k = 0; k < 2 && status == PDYN_OK; k++) {
+        struct json_at element = json_element(&vertices_at, k);
+        status = params_int(&element, 2, MOST_PARTICLES, &vertices[k]);
+    }
+    if (status == PDYN_OK)
+        status = fill_count(&vertices_at, (double)vertices[0] * vertices[1], &r->particles);
+    if (status == PDYN_OK && sag_at.value) status = params_real(&sag_at, -1e6, 1e6, "m", &sag);
+    if (status != PDYN_OK) return status;
+    return json_wrap(at, mesh_grid(r->context, size, vertices, sag, mesh));
+}
+
+static const pdyn_param surface_params[] = {
+    {"area_density", PDYN_REAL, offsetof(struct scene_body, area_density), true, 0, 1e-6, 1e6,
+     "kg/m^2", ""},
+    {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
+     "Pa s/m", ""},
+    {0}};
+
+static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+    struct scene_body *body = r->body;
+    struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    static const char *const shapes[] = {"grid", "mesh"};
+    struct transform transform;
+    int shape;
+    body->is_surface = true;
+    pdyn_status status = params_check_keys(at, surface_params, others);
+    if (status == PDYN_OK) status = reader_one_of(at, shapes, 2, &shape);
+    if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status != PDYN_OK) return status;
+    if (grid.value) status = read_grid(r, &grid, &body->mesh);
+    else status = placed_mesh(&mesh, &body->mesh);
+    if (status == PDYN_OK && mesh.value)
+        status = fill_count(&mesh, body->mesh.vertices, &r->particles);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
+    status = mesh_check(r->context, &body->mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_cloth(r->context, &body->mesh, "as placed");
+    return json_wrap(grid.value ? &grid : &mesh, status);
+}
+
+static const pdyn_param volume_params[] = {
+    {"density", PDYN_REAL, offsetof(struct scene_body, density), true, 0, 1e-6, 1e6, "kg/m^3", ""},
+    {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
+     "Pa s/m", ""},
+    {0}};
+
+static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
+    static const char *const keys[] = {"size", "cells", NULL};
+    struct json_at size_at = json_member(at, "size"), cells_at = json_member(at, "cells");
+    double size[3], vertices = 1.0;
+    int cells[3];
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = params_reals(&size_at, 3, 1e-6, 1e6, "m", size);
+    if (status == PDYN_OK && json_array_size(cells_at.value) != 3)
+        status = json_expected(&cells_at, "an array of 3 whole numbers");
+    for (size_t k = 0; k < 3 && status == PDYN_OK; k++) {
+        struct json_at element = json_element(&cells_at, k);
+        status = params_int(&element, 1, MOST_PARTICLES, &cells[k]);
+        vertices *= 1.0 + cells[k];
+    }
+    if (status == PDYN_OK) status = fill_count(&cells_at, vertices, &r->particles);
+    if (status == PDYN_OK && vertices > MOST_PARTICLES / 16)
+        status = json_fail(&cells_at, "more than %d vertices", MOST_PARTICLES / 16);
+    if (status != PDYN_OK) return status;
+    return json_wrap(at, tets_grid(r->context, size, cells, &r->body->mesh, &r->body->tets));
+}
+
+static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
+    char *path = NULL;
+    size_t size = 0;
+    pdyn_status status =
+        placed_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
+    if (status != PDYN_OK) return status;
+    status = json_wrap(at, tets_read(r->context, path, &r->body->mesh, &r->body->tets));
+    FREE_ARRAY(r->context, path, size);
+    return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
+}
+
+static pdyn_status read_volume(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+    struct scene_body *body = r->body;
+    struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    struct transform transform;
+    int shape;
+    body->is_surface = true;
+    pdyn_status status = params_check_keys(at, volume_params, others);
+    if (status == PDYN_OK) status = reader_one_of(at, others, 2, &shape);
+    if (status == PDYN_OK) status = params_read(at, volume_params, NULL, body);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status == PDYN_OK) status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
+    return json_wrap(grid.value ? &grid : &mesh,
+                     tets_finish(r->context, "as placed", &body->mesh, &body->tets));
+}
+
+/* ---- constraints ----------------------------------------------------------------------------- */
+
+static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_type **out) {
+    const pdyn_context *context = at->file->context;
+    const char *names[READER_NAMES];
+    int count = 0;
+    for (int k = 0; registry_constraint_at(context, k) && count < READER_NAMES; k++)
+        names[count++] = registry_constraint_at(context, k)->name;
+    if (!json_is_string(at->value)) return json_expected(at, "the name of a constraint");
+    *out = registry_constraint(context, json_string_value(at->value));
+    return *out ? PDYN_OK : reader_fail_word(at, "constraint", names, count);
+}
+
+/* Whether this body may have a constraint of this type. */
+static pdyn_status check_type(const struct reader *r, const struct json_at *at,
+                              const struct scene_body *body, int index) {
+    const pdyn_constraint_type *type = body->constraint[index].type;
+    for (int k = 0; k < index; k++)
+        if (body->constraint[k].type == type && !(type->flags & PDYN_SEVERAL))
+            return json_fail(at, "a second \"%s\" constraint on body \"%s\"", type->name,
+                             body->name);
+    if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
+        return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
+    if (type->flags & PDYN_ON_VOLUME && !body->tets.count)
+        return json_fail(at, "\"%s\" works on a volume, found %s", type->name,
+                         body->is_surface ? "a surface" : "a body of particles");
+    if (type->flags & PDYN_ON_PARTICLES && body->is_surface)
+        return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
+    if (type->op && r->operator_used)
+        return json_fail(
+            at, "only one body may have a \"%s\" constraint; put all volumes into its \"fill\"",
+            type->name);
+    return PDYN_OK;
+}
+
+static pdyn_status read_constraint(struct reader *r, const struct json_at *at, int index) {
+    static const char *const others[] = {"type", NULL};
+    struct scene_body *body = r->body;
+    struct scene_constraint *constraint = &body->constraint[index];
+    struct json_at name = json_member(at, "type");
+    const pdyn_constraint_type *type = NULL;
+    if (!json_is_object(at->value)) return json_expected(at, "an object");
+    pdyn_status status = find_type(&name, &type);
+    if (status != PDYN_OK) return status;
+    constraint->type = type;
+    status = check_type(r, &name, body, index);
+    if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
+    if (status == PDYN_OK) status = params_check_alternatives(at, type->alternatives);
+    if (status != PDYN_OK) return status;
+    r->operator_used |= type->op != NULL;
+    constraint->params = context_array(r->context, type->params_size, 1);
+    if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
+    return params_read(at, type->params, body->is_surface ? &body->mesh : NULL, constraint->params);
+}
+
+static pdyn_status read_constraints(struct reader *r, const struct json_at *array) {
+    struct scene_body *body = r->body;
+    int count;
+    pdyn_status status = reader_count(array, "an array of constraints", &count);
+    if (status != PDYN_OK || !count) return status;
+    body->constraint = NEW_ARRAY(r->context, count, struct scene_constraint);
+    if (!body->constraint) return PDYN_NO_MEMORY;
+    body->constraints = count;
+    return reader_each(r, array, read_constraint);
+}
+
+/* ---- a body ---------------------------------------------------------------------------------- */
+
+static const pdyn_param body_params[] = {{"velocity", PDYN_VECTOR,
+                                          offsetof(struct scene_body, velocity), false, 0, -1e6,
+                                          1e6, "m/s", ""},
+                                         {0}};
+
+typedef pdyn_status read_kind_fn(struct reader *r, const struct json_at *at);
+
+pdyn_status scene_read_body(struct reader *r, const struct json_at *at, int index) {
+    static const char *const others[] = {"name",   "particles",   "surface",
+                                         "volume", "constraints", NULL};
+    static const char *const kinds[] = {"particles", "surface", "volume"};
+    static read_kind_fn *const readers[] = {read_particles, read_surface, read_volume};
+    int kind;
+    struct scene_body *body = r->body = &r->scene->body[index];
+    struct json_at constraints = json_member(at, "constraints");
+    pdyn_status status = params_check_keys(at, body_params, others);
+    if (status == PDYN_OK) status = reader_name(r, at, "body", index, &body->name);
+    if (status == PDYN_OK) status = reader_one_of(at, kinds, 3, &kind);
+    if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
+    if (status != PDYN_OK) return status;
+    struct json_at body_at = json_member(at, kinds[kind]);
+    status = readers[kind](r, &body_at);
+    return status == PDYN_OK ? read_constraints(r, &constraints) : status;
+}

@@ -1,0 +1,125 @@
+#include "accelerate.h"
+
+#include "scene/choices.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- Chebyshev ------------------------------------------------------------------------------- */
+
+/* Of the iteration. Too small is safe and slow; what is seen of it in a few iterations, by how much
+ * directions shrink, is far too small. */
+static const double spectral_radius = 0.99;
+
+enum { DELAY = 2 }; /* iterations without */
+enum { BEFORE, CHEBYSHEV_VECTORS };
+
+/* x_k+1 = omega (x^ - x_k-1) + x_k-1 with x^ from the global step at x_k (Wang 2015, equation 9).
+ */
+static bool propose_chebyshev(struct acceleration *a, const double *x, double *direction) {
+    double square = spectral_radius * spectral_radius, *before = a->vector[BEFORE];
+    bool ready = a->seen >= DELAY;
+    a->omega = a->seen > DELAY ? 4.0 / (4.0 - square * a->omega) : 2.0 / (2.0 - square);
+    for (int k = 0; ready && k < 3 * a->system->particles; k++)
+        direction[k] = a->omega * direction[k] + (a->omega - 1.0) * (x[k] - before[k]);
+    memcpy(before, x, system_bytes(a->system));
+    return ready;
+}
+
+/* ---- Anderson -------------------------------------------------------------------------------- */
+
+/* The last d and G = x + d, and how they changed in the last iterations. */
+enum {
+    LAST_D,
+    LAST_G,
+    CHANGE_D,
+    CHANGE_G = CHANGE_D + ANDERSON_WINDOW,
+    ANDERSON_VECTORS = CHANGE_G + ANDERSON_WINDOW
+};
+
+/* Solves A y = b by L L' in place, n x n; a little is added to the diagonal. */
+static bool solve_small(int n, double A[ANDERSON_WINDOW][ANDERSON_WINDOW], double *b) {
+    for (int i = 0; i < n; i++) {
+        A[i][i] *= 1.0 + 1e-10;
+        for (int j = 0; j <= i; j++) {
+            for (int k = 0; k < j; k++) A[i][j] -= A[i][k] * A[j][k];
+            if (i == j && !(A[i][i] > 0.0)) return false;
+            A[i][j] = i == j ? sqrt(A[i][j]) : A[i][j] / A[j][j];
+        }
+        for (int k = 0; k < i; k++) b[i] -= A[i][k] * b[k];
+        b[i] /= A[i][i];
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++) b[i] -= A[k][i] * b[k];
+        b[i] /= A[i][i];
+    }
+    return true;
+}
+
+/* Keeps how d and G = x + d have changed since the last iteration. */
+static void remember(struct acceleration *a, const double *x, const double *d) {
+    int slot = (a->seen + ANDERSON_WINDOW - 1) % ANDERSON_WINDOW, size = 3 * a->system->particles;
+    double *last_d = a->vector[LAST_D], *last_g = a->vector[LAST_G];
+    double *change_d = a->vector[CHANGE_D + slot], *change_g = a->vector[CHANGE_G + slot];
+    for (int k = 0; k < size; k++) {
+        double g = x[k] + d[k];
+        change_d[k] = d[k] - last_d[k], change_g[k] = g - last_g[k];
+        last_d[k] = d[k], last_g[k] = g;
+    }
+}
+
+/* x_k+1 = G_k - sum theta_j (change of G)_j, with the theta for which d_k - sum theta_j (change of
+ * d)_j is least (Peng, Deng, Zhang, Geng, Qin, Liu 2018, equations 6 and 7). */
+static bool propose_anderson(struct acceleration *a, const double *x, double *direction) {
+    struct system *sys = a->system;
+    double A[ANDERSON_WINDOW][ANDERSON_WINDOW], theta[ANDERSON_WINDOW];
+    double *const *change_d = a->vector + CHANGE_D, *const *change_g = a->vector + CHANGE_G;
+    int n = a->seen < ANDERSON_WINDOW ? a->seen : ANDERSON_WINDOW;
+    remember(a, x, direction);
+    for (int i = 0; i < n; i++) {
+        theta[i] = system_dot(sys, change_d[i], direction);
+        for (int j = 0; j <= i; j++) A[i][j] = system_dot(sys, change_d[i], change_d[j]);
+    }
+    if (!n || !solve_small(n, A, theta)) return false;
+    for (int i = 0; i < n; i++) system_axpy(sys, -theta[i], change_g[i], direction);
+    return true;
+}
+
+/* ---- all of them ----------------------------------------------------------------------------- */
+
+static const struct acceleration_type accelerations[] = {
+    {"none", "the plain step", 0, NULL},
+    {"chebyshev", "Chebyshev semi-iteration (Wang 2015)", CHEBYSHEV_VECTORS, propose_chebyshev},
+    {"anderson", "Anderson acceleration (Peng et al. 2018)", ANDERSON_VECTORS, propose_anderson},
+};
+const struct choices acceleration_choices = {accelerations, sizeof *accelerations,
+                                             sizeof accelerations / sizeof *accelerations};
+
+pdyn_status acceleration_create(struct acceleration *a, const struct acceleration_type *type,
+                                struct system *system) {
+    *a = (struct acceleration){.type = type, .system = system};
+    if (!type->vectors) return PDYN_OK;
+    a->plain = NEW_VECTOR(system->context, system->particles);
+    a->vector = NEW_ARRAY(system->context, type->vectors, double *);
+    for (int k = 0; a->vector && k < type->vectors; k++)
+        if (!(a->vector[k] = NEW_VECTOR(system->context, system->particles))) return PDYN_NO_MEMORY;
+    return a->plain && a->vector ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void acceleration_free(struct acceleration *a) {
+    if (!a->system) return;
+    for (int k = 0; a->vector && k < a->type->vectors; k++)
+        FREE_VECTOR(a->system->context, a->vector[k], a->system->particles);
+    FREE_ARRAY(a->system->context, a->vector, a->type->vectors);
+    FREE_VECTOR(a->system->context, a->plain, a->system->particles);
+}
+
+void acceleration_start(struct acceleration *a) { a->seen = 0; }
+
+bool acceleration_propose(struct acceleration *a, const double *x, double *direction) {
+    if (!a->type->vectors) return false;
+    memcpy(a->plain, direction, system_bytes(a->system));
+    bool proposes = a->type->propose(a, x, direction);
+    a->seen++;
+    return proposes;
+}

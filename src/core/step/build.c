@@ -1,0 +1,523 @@
+/* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver.
+ */
+#include "base/registry.h"
+#include "emit.h"
+#include "geometry/sampling.h"
+#include "sim.h"
+#include "solid_points.h"
+#include "sph/boundary.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { SKIN_PERCENT = 20 }; /* of the support: 1.7 times the pairs, lists kept where little moves */
+
+/* ---- what a module may call ------------------------------------------------------------------ */
+
+static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg) {
+    pool_for(((pdyn_context *)core)->pool, count, grain, fn, arg);
+}
+static void *service_allocate(pdyn_core *core, void *block, size_t old_size, size_t new_size) {
+    return context_resize((pdyn_context *)core, block, old_size, new_size);
+}
+static pdyn_status service_fail(pdyn_core *core, pdyn_status status, const char *message) {
+    return context_fail((pdyn_context *)core, status, "%s", message);
+}
+pdyn_services sim_services(pdyn_context *context) {
+    return (pdyn_services){(pdyn_core *)context, service_for, service_allocate, service_fail};
+}
+
+/* ---- bodies ---------------------------------------------------------------------------------- */
+
+/* The rest positions of all bodies, one after the other. */
+static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
+    pdyn_context *c = sim->context;
+    sim->bodies = sim->scene.bodies;
+    sim->body = NEW_ARRAY(c, sim->bodies, pdyn_body);
+    sim->topology = NEW_ARRAY(c, sim->bodies, struct topology);
+    if (!sim->body || !sim->topology) return PDYN_NO_MEMORY;
+    for (int b = 0; b < sim->bodies; b++) {
+        const struct scene_body *from = &sim->scene.body[b];
+        pdyn_body *body = &sim->body[b];
+        *body = (pdyn_body){.name = from->name,
+                            .first = all->count,
+                            .radius = from->radius,
+                            .rest_density = from->rest_density,
+                            .area_density = from->area_density};
+        pdyn_status status = PDYN_OK;
+        if (from->is_surface)
+            status = points_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
+        else status = points_add_all(c, all, from->start.x, from->start.count);
+        for (int k = 0; status == PDYN_OK && k < from->budget; k++)
+            status = points_add(c, all, (const double[3]){0});
+        if (status != PDYN_OK) return status;
+        body->count = all->count - body->first;
+    }
+    return PDYN_OK;
+}
+
+/* All vectors of the simulation, particles x 3; those of the state a step earlier are the last. */
+enum { VECTORS = 15, HISTORY_VECTORS = 2 };
+
+static void list_vectors(struct pdyn_sim *sim, double **vector[VECTORS]) {
+    double **all[VECTORS] = {&sim->x,         &sim->v,        &sim->x_next,
+                             &sim->gradient,  &sim->trial,    &sim->trial_gradient,
+                             &sim->direction, &sim->negative, &sim->constraint_acceleration,
+                             &sim->system.s,  &sim->x_base,   &sim->v_base,
+                             &sim->rest,      &sim->x_before, &sim->v_before};
+    memcpy(vector, all, sizeof all);
+}
+
+static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all) {
+    pdyn_context *c = sim->context;
+    double **vector[VECTORS];
+    int n = sim->system.particles = all->count;
+    int count = sim->scene.settings.integrator->history ? VECTORS : VECTORS - HISTORY_VECTORS;
+    list_vectors(sim, vector);
+    for (int k = 0; k < count; k++)
+        if (!(*vector[k] = NEW_VECTOR(c, n))) return PDYN_NO_MEMORY;
+    sim->density = NEW_ARRAY(c, n, double);
+    sim->pressure = NEW_ARRAY(c, n, double);
+    sim->pressure_before = NEW_ARRAY(c, n, double);
+    sim->system.mass = NEW_ARRAY(c, n, double);
+    sim->system.partial = NEW_ARRAY(c, pool_blocks(n, SYSTEM_GRAIN), double);
+    if (!sim->density || !sim->pressure || !sim->pressure_before || !sim->system.mass ||
+        !sim->system.partial)
+        return PDYN_NO_MEMORY;
+    memcpy(sim->x, all->x, 3 * (size_t)n * sizeof *sim->x);
+    memcpy(sim->rest, all->x, 3 * (size_t)n * sizeof *sim->rest);
+    return PDYN_OK;
+}
+
+/* Files often have vertices twice along seams. */
+static pdyn_status look_for_seams(struct pdyn_sim *sim, const struct scene_body *body) {
+    int doubles;
+    pdyn_status status = mesh_doubles(sim->context, &body->mesh, &doubles);
+    if (status == PDYN_OK && doubles)
+        context_log(sim->context, PDYN_LOG_WARNING,
+                    "body \"%s\": %d of its vertices lie where another one does already; triangles "
+                    "that do not share a vertex are not joined",
+                    body->name, doubles);
+    return status;
+}
+
+static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
+    const struct scene_body *from = &sim->scene.body[b];
+    struct topology *t = &sim->topology[b];
+    pdyn_body *body = &sim->body[b];
+    pdyn_status status = look_for_seams(sim, from);
+    if (status == PDYN_OK) status = topology_build(sim->context, &from->mesh, t);
+    if (status != PDYN_OK) return status;
+    body->triangles = from->mesh.triangles, body->triangle = from->mesh.triangle;
+    body->across = t->across, body->triangle_area = t->triangle_area;
+    body->vertex_area = t->vertex_area, body->edges = t->edges, body->edge = t->edge;
+    body->edge_share = t->edge_share;
+    body->tets = from->tets.count, body->tet = from->tets.corner;
+    body->tet_volume = from->tets.volume;
+    return PDYN_OK;
+}
+
+static pdyn_status list_bodies(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    sys->body = NEW_ARRAY(sim->context, sim->bodies, struct system_body);
+    if (!sys->body) return PDYN_NO_MEMORY;
+    sys->bodies = sim->bodies;
+    for (int b = 0; b < sys->bodies; b++)
+        sys->body[b] = (struct system_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0};
+    return PDYN_OK;
+}
+
+static pdyn_status fill_bodies(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) {
+        const struct scene_body *from = &sim->scene.body[b];
+        pdyn_body *body = &sim->body[b];
+        double *mass = sim->system.mass + body->first, spacing = 2.0 * body->radius;
+        pdyn_status status = from->is_surface ? describe_surface(sim, b) : PDYN_OK;
+        if (status != PDYN_OK) return status;
+        body->rest = sim->rest + 3 * (size_t)body->first, body->mass = mass;
+        for (int k = 0; k < 4 * body->tets; k++)
+            mass[body->tet[k]] += 0.25 * from->density * body->tet_volume[k / 4];
+        for (int i = 0; i < body->count; i++) {
+            mass[i] += from->is_surface ? body->area_density * body->vertex_area[i]
+                                        : body->rest_density * spacing * spacing * spacing;
+            if (from->is_surface || i < from->start_v.count)
+                memcpy(sim->v + 3 * (size_t)(body->first + i),
+                       from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,
+                       sizeof from->velocity);
+            sim->density[body->first + i] = body->rest_density;
+        }
+    }
+    return PDYN_OK;
+}
+
+static const pdyn_body *find_body(const struct pdyn_sim *sim, const char *name) {
+    int b = 0;
+    while (strcmp(sim->body[b].name, name) != 0) b++;
+    return &sim->body[b];
+}
+
+/* What constraints name becomes what they see. */
+static void find_others(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints; k++) {
+            const struct scene_constraint *c = &sim->scene.body[b].constraint[k];
+            for (const pdyn_param *p = c->type->params; p->name; p++) {
+                pdyn_other *other = (pdyn_other *)((char *)c->params + p->offset);
+                if (p->kind == PDYN_OTHER && other->name) other->body = find_body(sim, other->name);
+            }
+        }
+}
+
+/* Where particles begin is known to the state from now on. */
+static void forget_start(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) {
+        points_free(sim->context, &sim->scene.body[b].start);
+        points_free(sim->context, &sim->scene.body[b].start_v);
+    }
+}
+
+/* ---- neighbours: fluid, cloth and walls ------------------------------------------------------ */
+
+/* The body whose constraint works on SPH sums, or NULL. */
+static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints; k++)
+            if (sim->scene.body[b].constraint[k].type->op) return &sim->body[b];
+    return NULL;
+}
+
+/* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
+static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, int particles,
+                                double *volume, bool *centre, bool *is_wall) {
+    double spacing = 2.0 * fluid->radius;
+    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
+        volume[i] = spacing * spacing * spacing, centre[i] = true;
+    for (int k = 0; sim->samples && k < sim->samples->count; k++)
+        volume[sim->system.particles + k] = sim->samples->rest_volume[k];
+    return solid_points_fill(sim, spacing, volume + particles, is_wall);
+}
+
+static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
+    int n = sim->system.particles + (sim->samples ? sim->samples->count : 0);
+    double support = 4.0 * fluid->radius, skin = 0.01 * SKIN_PERCENT * support;
+    const struct boundary_model *model = sim->scene.settings.boundary;
+    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
+    bool *centre = NEW_ARRAY(sim->context, n, bool);
+    bool *is_wall = NEW_ARRAY(sim->context, sim->boundary.at.count + 1, bool);
+    pdyn_status status = volume && centre && is_wall
+                             ? fill_volumes(sim, fluid, n, volume, centre, is_wall)
+                             : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) {
+        status = sides_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
+                              support + skin, &sim->sides);
+    }
+    motion_carry(sim, 0.0);
+    struct neighbours_points points = {.particles = n,
+                                       .centre = centre,
+                                       .boundary = sim->boundary.at.count,
+                                       .boundary_x = sim->boundary.at.x,
+                                       .moving = sim->motion.points,
+                                       .volume = volume,
+                                       .support = support,
+                                       .is_wall = is_wall,
+                                       .surface_support = model->support * 2.0 * fluid->radius,
+                                       .has_volumes = model->volumes,
+                                       .skin = skin,
+                                       .sides = sim->sides};
+    if (status == PDYN_OK)
+        status = neighbours_create(sim->context, &points, sim->samples, &sim->neighbours);
+    FREE_ARRAY(sim->context, volume, n + sim->boundary.at.count);
+    FREE_ARRAY(sim->context, centre, n);
+    FREE_ARRAY(sim->context, is_wall, sim->boundary.at.count + 1);
+    return status;
+}
+
+/* Particles, then samples. */
+static int way_count(const struct pdyn_sim *sim) {
+    return sim->system.particles + (sim->samples ? sim->samples->count : 0);
+}
+
+/* Surfaces that act from where they are can be passed: not so walls of a box, and published points.
+ */
+static pdyn_status make_limits(struct pdyn_sim *sim) {
+    bool surfaces = sim->samples;
+    for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.patch[k].of_box;
+    if (!surfaces || sim->scene.settings.boundary->volumes) return PDYN_OK;
+    sim->way = NEW_ARRAY(sim->context, way_count(sim), double);
+    return sim->way ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+/* Particles at one and the same place: no constraint knows a way to part them. */
+static void warn_coincident(const struct pdyn_sim *sim, const pdyn_body *fluid) {
+    const pdyn_neighbours *view = neighbours_view(sim->neighbours);
+    int count = 0;
+    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
+        for (int k = view->start[i]; k < view->boundary_start[i]; k++) {
+            int j = view->index[k];
+            if (j == i || j >= sim->system.particles) continue;
+            if (vec3_distance(sim->x + 3 * i, sim->x + 3 * j) > 0.0) continue;
+            count++;
+            break;
+        }
+    if (!count) return;
+    context_log(sim->context, PDYN_LOG_WARNING,
+                "body \"%s\": %d particles lie at the place of another one; nothing parts them: do "
+                "volumes of its fill overlap?",
+                fluid->name, count);
+}
+
+static pdyn_status find_neighbours(struct pdyn_sim *sim) {
+    const pdyn_body *fluid = fluid_body(sim);
+    if (!fluid) return PDYN_OK;
+    double spacing = 2.0 * fluid->radius;
+    pdyn_status status = solid_points_sample(sim, spacing);
+    if (status == PDYN_OK)
+        status = samples_create(sim->context, sim->bodies, sim->body, sim->system.particles,
+                                sim->rest, sim->scene.settings.boundary,
+                                sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
+                                spacing, &sim->samples);
+    if (status == PDYN_OK) status = create_neighbours(sim, fluid);
+    if (status == PDYN_OK) status = make_limits(sim);
+    if (status != PDYN_OK) return status;
+    emit_tell(sim);
+    sim->system.neighbours = sim->neighbours, sim->system.samples = sim->samples;
+    status = system_build_lists(&sim->system, sim->x);
+    if (status == PDYN_OK) warn_coincident(sim, fluid);
+    return status;
+}
+
+/* ---- constraints and solver ------------------------------------------------------------------ */
+
+static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
+                             const struct scene_constraint *c) {
+    struct system *sys = &sim->system;
+    const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
+    pdyn_status status = batch_create(sim->context, c->type, c->params, body, &sim->services, lists,
+                                      false, &sys->batch[sys->batches]);
+    if (status == PDYN_OK) sys->batches++;
+    return status;
+}
+
+static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
+                                  const struct scene_constraint *c) {
+    struct system *sys = &sim->system;
+    pdyn_status status = add_batch(sim, body, c);
+    if (status != PDYN_OK) return status;
+    if (c->type->op) sys->batch[sys->batches - 1]->samples = sim->samples;
+    sys->changing |= c->type->op != NULL;
+    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.at.count);
+    sim->constraints = sys->batches;
+    return batch_join_rows(sys->batch[sys->batches - 1]);
+}
+
+static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
+                              const struct scene_constraint *c) {
+    if (!c->type->damping || c->type->damping(c->params) == 0.0) return PDYN_OK;
+    pdyn_status status = add_batch(sim, body, c);
+    if (status == PDYN_OK) sim->system.batch[sim->system.batches - 1]->damper = true;
+    return status;
+}
+
+typedef pdyn_status add_fn(struct pdyn_sim *sim, const pdyn_body *body,
+                           const struct scene_constraint *c);
+
+/* Calls `add` for every constraint of every body. */
+static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
+    pdyn_status status = PDYN_OK;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints && status == PDYN_OK; k++)
+            status = add(sim, &sim->body[b], &sim->scene.body[b].constraint[k]);
+    return status;
+}
+
+/* First all constraints, then what damps some of them. */
+static pdyn_status make_batches(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    int count = 0;
+    for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
+    if (sim->scene.has_contact) count += 2; /* contact, friction */
+    if (sim->samples) count++;              /* drag */
+    sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
+    if (count && !sys->batch) return PDYN_NO_MEMORY;
+    sys->capacity = count;
+    pdyn_status status = add_each(sim, add_constraint);
+    return status == PDYN_OK ? add_each(sim, add_damper) : status;
+}
+
+static bool has_operator(const struct system *sys) {
+    for (int b = 0; b < sys->batches; b++)
+        if (sys->batch[b]->op) return true;
+    return false;
+}
+
+/* Rows of a sheet or a solid, which stay what they are. */
+static bool has_static(const struct system *sys) {
+    for (int b = 0; b < sys->batches; b++)
+        if (batch_is_static(sys->batch[b])) return true;
+    return false;
+}
+
+/* Fluid alone: its multipliers; with surfaces or solids: conjugate gradients with a coarse level of
+ * these, without one where there are none or contact is all that happens to them; surfaces alone: a
+ * factor, by itself where it is exact. */
+static const char *automatic(struct pdyn_sim *sim, const char **reason) {
+    const struct system *sys = &sim->system;
+    bool newton = sim->scene.settings.newton;
+    if (newton && registry_solver(sim->context, "dual")->fits(&sim->model.view)) {
+        *reason = "nothing but the fluid acts: its pressures are solved for";
+        return "dual";
+    }
+    if (has_operator(sys) && newton && has_static(sys)) {
+        *reason = "the fluid's constraints change every step: blocks and groups of particles "
+                  "precondition";
+        return "hybrid";
+    }
+    if (has_operator(sys)) {
+        *reason = "the fluid's constraints change every step";
+        return "cg";
+    }
+    if (sys->contact) {
+        *reason = "contact changes in every iteration";
+        return "cg";
+    }
+    if (newton) {
+        *reason = "no fluid: a factor of what is static and 3 x 3 blocks precondition the newton "
+                  "step";
+        return "hybrid";
+    }
+    *reason = "the matrix is constant: it is factored once for each length of step";
+    return "cholesky";
+}
+
+static pdyn_status choose_solver(struct pdyn_sim *sim) {
+    const struct scene_settings *set = &sim->scene.settings;
+    const char *name = set->solver_type, *reason = "as the scene asks";
+    model_create(&sim->model, &sim->system, &sim->services);
+    if (!strcmp(name, "auto")) name = automatic(sim, &reason);
+    sim->solver = registry_solver(sim->context, name);
+    if (!sim->solver)
+        return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
+    if (sim->solver->fits && !sim->solver->fits(&sim->model.view))
+        return context_fail(sim->context, PDYN_BAD_INPUT,
+                            "solver \"%s\" does not fit this scene: %s", name,
+                            sim->solver->summary);
+    sim->solver_reason = reason;
+    if (sim->solver->direct && (sim->system.changing || set->newton))
+        context_log(
+            sim->context, PDYN_LOG_WARNING,
+            "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
+            "iteration, %s; \"cg\" needs no factor",
+            name, sim->system.changing ? "fluid" : "newton step",
+            set->newton ? "with 3 unknowns a particle"
+                        : "after a new analysis where neighbours change");
+    sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
+    if (!sim->solver_state) return PDYN_NO_MEMORY;
+    return sim->solver->create(sim->solver_state, &sim->model.view);
+}
+
+/* ---- the life of a simulation ---------------------------------------------------------------- */
+
+static pdyn_status make_drag(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    if (!sim->samples) return PDYN_OK;
+    pdyn_status status = drag_create(sim->context, &sim->scene, sim->body, sys->particles,
+                                     sim->samples, neighbours_view(sim->neighbours), &sys->drag);
+    if (status != PDYN_OK || !sys->drag) return status;
+    sys->changing = true;
+    sys->batch[sys->batches++] = sys->drag->batch;
+    return PDYN_OK;
+}
+
+static pdyn_status build(struct pdyn_sim *sim) {
+    struct points all = {0};
+    sim->services = sim_services(sim->context);
+    sim->system.context = sim->context;
+    pdyn_status status = place_bodies(sim, &all);
+    if (status == PDYN_OK) status = allocate_state(sim, &all);
+    points_free(sim->context, &all);
+    if (status == PDYN_OK) status = list_bodies(sim);
+    if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) find_others(sim);
+    if (status == PDYN_OK) status = emit_create(sim);
+    if (status == PDYN_OK) forget_start(sim);
+    if (status == PDYN_OK) status = find_neighbours(sim);
+    if (status == PDYN_OK) status = make_batches(sim);
+    if (status == PDYN_OK) status = make_drag(sim);
+    if (status == PDYN_OK) status = contact_create(sim);
+    if (status == PDYN_OK) status = solid_load_create(sim);
+    sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
+    if (status == PDYN_OK) status = choose_solver(sim);
+    if (status != PDYN_OK) return status;
+    return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration, &sim->system);
+}
+
+static pdyn_status load(pdyn_context *context, const char *path, const char *text,
+                        const char *const *set, int count, pdyn_sim **out) {
+    if (!context || !path || !out || count < 0 || (count && !set)) return PDYN_BAD_CALL;
+    struct pdyn_sim *sim = *out = NULL;
+    sim = NEW_ARRAY(context, 1, struct pdyn_sim);
+    if (!sim) return PDYN_NO_MEMORY;
+    sim->context = context;
+    pdyn_status status = scene_read(context, path, text, set, count, &sim->scene);
+    if (status == PDYN_OK) status = build(sim);
+    if (status != PDYN_OK) {
+        pdyn_free(sim);
+        return status;
+    }
+    *out = sim;
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set, int count,
+                      pdyn_sim **out) {
+    return load(context, path, NULL, set, count, out);
+}
+
+pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
+                           const char *const *set, int count, pdyn_sim **out) {
+    return text ? load(context, name, text, set, count, out) : PDYN_BAD_CALL;
+}
+
+static void free_system(struct pdyn_sim *sim) {
+    pdyn_context *c = sim->context;
+    struct system *sys = &sim->system;
+    for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
+    contact_free(sys->contact);
+    drag_free(sys->drag);
+    FREE_ARRAY(c, sys->batch, sys->capacity);
+    FREE_ARRAY(c, sys->body, sys->bodies);
+    FREE_ARRAY(c, sys->mass, sys->particles);
+    FREE_ARRAY(c, sys->partial, pool_blocks(sys->particles, SYSTEM_GRAIN));
+}
+
+void pdyn_free(pdyn_sim *sim) {
+    if (!sim) return;
+    pdyn_context *c = sim->context;
+    if (sim->solver_state) {
+        sim->solver->free(sim->solver_state);
+        context_resize(c, sim->solver_state, sim->solver->state_size, 0);
+    }
+    acceleration_free(&sim->acceleration);
+    model_free(&sim->model);
+    double **vector[VECTORS];
+    list_vectors(sim, vector);
+    for (int k = 0; k < VECTORS; k++) FREE_VECTOR(c, *vector[k], sim->system.particles);
+    FREE_ARRAY(c, sim->way, sim->way ? way_count(sim) : 0);
+    FREE_ARRAY(c, sim->density, sim->system.particles);
+    FREE_ARRAY(c, sim->pressure, sim->system.particles);
+    FREE_ARRAY(c, sim->pressure_before, sim->system.particles);
+    free_system(sim);
+    emit_free(sim);
+    neighbours_free(sim->neighbours);
+    samples_free(sim->samples);
+    sides_free(sim->sides);
+    patches_free(c, &sim->boundary);
+    solid_load_free(sim);
+    motion_free(c, &sim->motion);
+    for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
+    FREE_ARRAY(c, sim->topology, sim->bodies);
+    FREE_ARRAY(c, sim->body, sim->bodies);
+    scene_free(c, &sim->scene);
+    FREE_ARRAY(c, sim, 1);
+}

@@ -1,0 +1,309 @@
+/* From a scene to its contact: points, faces and edges of all surfaces and solids, and the check
+ * that none intersects another. */
+#include "contact/contact.h"
+
+#include "emit.h"
+#include "scene/poses.h"
+#include "sim.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- sizes ----------------------------------------------------------------------------------- */
+
+static int compare_edges(const void *a, const void *b) { return memcmp(a, b, 2 * sizeof(int)); }
+
+/* The edges of a mesh, each once, as pairs of points that count from `first`; room for 3 x
+ * triangles. Returns how many. */
+static int mesh_edges(const struct mesh *mesh, int first, int *edge) {
+    int count = 3 * mesh->triangles, kept = 0;
+    for (int k = 0; k < count; k++) {
+        int a = mesh->triangle[k], b = mesh->triangle[k / 3 * 3 + (k + 1) % 3];
+        edge[2 * k] = first + (a < b ? a : b), edge[2 * k + 1] = first + (a < b ? b : a);
+    }
+    qsort(edge, (size_t)count, 2 * sizeof *edge, compare_edges);
+    for (int k = 0; k < count; k++) {
+        if (k && !compare_edges(edge + 2 * k, edge + 2 * kept - 2)) continue;
+        memmove(edge + 2 * kept++, edge + 2 * k, 2 * sizeof *edge);
+    }
+    return kept;
+}
+
+static void count_parts(struct contact *c, const struct pdyn_sim *sim) {
+    int low = INT32_MAX, high = 0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (body->triangles) c->vertices += body->count;
+        c->free += body->count, c->free_faces += body->triangles, c->free_edges += body->edges;
+        if (body->first < low) low = body->first;
+        if (body->first + body->count > high) high = body->first + body->count;
+    }
+    c->points = c->free, c->faces = c->free_faces, c->edges_room = c->free_edges;
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct mesh *mesh = &sim->scene.solid[s].mesh;
+        c->points += mesh->vertices, c->faces += mesh->triangles;
+        c->edges_room += 3 * mesh->triangles;
+    }
+    c->bodies = sim->bodies, c->groups = sim->bodies + sim->scene.solids;
+    c->body = (pdyn_body){.name = "all surfaces", .first = low, .count = high - low};
+}
+
+static bool allocate(struct contact *c) {
+    pdyn_context *x = c->context;
+    size_t n = (size_t)c->points, solids = n - (size_t)c->free;
+    c->owner = NEW_ARRAY(x, c->groups, const char *);
+    c->near = NEW_ARRAY(x, c->groups, double);
+    c->group = NEW_ARRAY(x, n, int);
+    c->column = NEW_ARRAY(x, c->free, int);
+    c->face = NEW_ARRAY(x, 3 * (size_t)c->faces, int);
+    c->edge = NEW_ARRAY(x, 2 * (size_t)c->edges_room, int);
+    c->solid = NEW_ARRAY(x, c->groups - c->bodies, struct contact_solid);
+    double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->step};
+    double **numbers[] = {&c->moved, &c->reach, &c->length, &c->taken, &c->cut};
+    bool good = c->owner && c->near && c->group && c->column && c->face && c->edge;
+    for (int k = 0; k < 5; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
+    for (int k = 0; k < 5; k++) good &= (*numbers[k] = NEW_ARRAY(x, n, double)) != NULL;
+    if (solids) good &= c->solid && (c->begin = NEW_ARRAY(x, 3 * solids, double));
+    if (solids) good &= (c->goal = NEW_ARRAY(x, 3 * solids, double)) != NULL;
+    c->region = NEW_ARRAY(x, n, struct box);
+    c->face_box = NEW_ARRAY(x, c->faces, struct box);
+    c->edge_box = NEW_ARRAY(x, c->edges_room, struct box);
+    return good && c->region && c->face_box && c->edge_box;
+}
+
+/* ---- parts ----------------------------------------------------------------------------------- */
+
+/* A particle is felt where it comes closer than this to a surface, in radii: in water at rest
+ * particles are held farther away by the surface's part in their density. */
+static const double particle_thickness = 0.5;
+
+static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int points) {
+    const pdyn_body *body = &sim->body[b];
+    c->owner[b] = body->name;
+    c->near[b] = c->set->thickness;
+    if (!body->triangles) c->near[b] = fmin(c->near[b], particle_thickness * body->radius);
+    for (int i = 0; i < body->count; i++) {
+        c->column[points + i] = body->first + i;
+        c->group[points + i] = b;
+    }
+    memcpy(c->rest + 3 * (size_t)points, body->rest, 3 * (size_t)body->count * sizeof *c->rest);
+}
+
+static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
+    int points = 0, particles = c->vertices, faces = 0, edges = 0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        int *first = body->triangles ? &points : &particles;
+        add_body(c, sim, b, *first);
+        for (int k = 0; k < 3 * body->triangles; k++)
+            c->face[3 * faces + k] = points + body->triangle[k];
+        for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
+        *first += body->count, faces += body->triangles, edges += body->edges;
+    }
+}
+
+/* Points that no triangle has are of no group. Those of solids that move are kept from the pivot.
+ */
+static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
+    int points = c->free, faces = c->free_faces;
+    c->edges = c->free_edges;
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct scene_solid *solid = &sim->scene.solid[s];
+        const struct mesh *mesh = &solid->mesh;
+        c->owner[c->bodies + s] = solid->name;
+        c->near[c->bodies + s] = c->set->thickness;
+        c->solid[s] = (struct contact_solid){solid, points, mesh->vertices};
+        c->moving |= solid->keys > 0;
+        for (int i = 0; i < mesh->vertices; i++) {
+            c->group[points + i] = -1;
+            memcpy(c->rest + 3 * (points + i), mesh->vertex + 3 * i, 3 * sizeof *c->rest);
+            if (solid->keys) vec3_add(c->rest + 3 * (points + i), -1.0, solid->pivot);
+        }
+        for (int k = 0; k < 3 * mesh->triangles; k++) {
+            c->face[3 * faces + k] = points + mesh->triangle[k];
+            c->group[points + mesh->triangle[k]] = c->bodies + s;
+        }
+        c->edges += mesh_edges(mesh, points, c->edge + 2 * c->edges);
+        points += mesh->vertices, faces += mesh->triangles;
+    }
+}
+
+static pdyn_status plant_trees(struct contact *c) {
+    pdyn_status status = boxes_create(c->context, c->free_faces, &c->face_tree[0]);
+    if (status == PDYN_OK)
+        status = boxes_create(c->context, c->faces - c->free_faces, &c->face_tree[1]);
+    if (status == PDYN_OK) status = boxes_create(c->context, c->free_edges, &c->edge_tree[0]);
+    if (status == PDYN_OK)
+        status = boxes_create(c->context, c->edges - c->free_edges, &c->edge_tree[1]);
+    return status;
+}
+
+/* ---- batches --------------------------------------------------------------------------------- */
+
+static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *type,
+                             struct batch **out) {
+    struct system *sys = &sim->system;
+    const struct contact *c = sys->contact;
+    pdyn_status status = batch_create_changing(sim->context, type, c->set, &c->body, out);
+    if (status == PDYN_OK) sys->batch[sys->batches++] = *out;
+    return status;
+}
+
+static pdyn_status add_batches(struct pdyn_sim *sim) {
+    struct contact *c = sim->system.contact;
+    sim->system.changing = true;
+    sim->anchored |= c->points > c->free;
+    pdyn_status status = add_batch(sim, &contact_touching, &c->touching);
+    if (status == PDYN_OK && c->set->friction > 0.0)
+        status = add_batch(sim, &contact_sticking, &c->sticking);
+    return status;
+}
+
+/* Solids at the start; the first elements. */
+static pdyn_status place(struct pdyn_sim *sim) {
+    struct contact *c = sim->system.contact;
+    for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
+    for (int s = 0; s < c->groups - c->bodies; s++) {
+        const struct contact_solid *solid = &c->solid[s];
+        const double *from = c->rest + 3 * (size_t)solid->first;
+        double *goal = c->goal + 3 * (size_t)(solid->first - c->free);
+        if (solid->solid->keys) pose_place(solid->solid, from, solid->count, 0.0, goal);
+        else memcpy(goal, from, 3 * (size_t)solid->count * sizeof *from);
+    }
+    if (c->goal)
+        memcpy(c->at + 3 * (size_t)c->free, c->goal,
+               3 * (size_t)(c->points - c->free) * sizeof *c->at);
+    pdyn_status status = contact_local(c, sim->x);
+    return status == PDYN_OK ? contact_check(c) : status;
+}
+
+pdyn_status contact_create(struct pdyn_sim *sim) {
+    if (!sim->scene.has_contact) return PDYN_OK;
+    struct contact *c = sim->system.contact = NEW_ARRAY(sim->context, 1, struct contact);
+    if (!c) return PDYN_NO_MEMORY;
+    c->context = sim->context, c->set = &sim->scene.contact;
+    c->live = sim->emit ? sim->emit->live : NULL;
+    count_parts(c, sim);
+    if (!allocate(c)) return context_no_memory(sim->context);
+    add_bodies(c, sim);
+    add_solids(c, sim);
+    pdyn_status status = plant_trees(c);
+    if (status == PDYN_OK) status = add_batches(sim);
+    return status == PDYN_OK ? place(sim) : status;
+}
+
+void contact_free(struct contact *c) {
+    if (!c) return;
+    pdyn_context *x = c->context;
+    size_t n = (size_t)c->points, solids = n - (size_t)c->free;
+    contact_free_pairs(c);
+    FREE_ARRAY(x, c->found, (size_t)c->blocks * (size_t)c->block_room);
+    FREE_ARRAY(x, c->found_count, c->blocks);
+    FREE_ARRAY(x, c->memory_of, c->memory);
+    for (int k = 0; k < 2; k++) {
+        boxes_free(x, &c->face_tree[k]);
+        boxes_free(x, &c->edge_tree[k]);
+    }
+    double *vectors[] = {c->rest, c->at, c->x, c->built, c->step};
+    double *numbers[] = {c->moved, c->reach, c->length, c->taken, c->cut};
+    for (int k = 0; k < 5; k++) FREE_ARRAY(x, vectors[k], 3 * n);
+    for (int k = 0; k < 5; k++) FREE_ARRAY(x, numbers[k], n);
+    FREE_ARRAY(x, c->begin, 3 * solids);
+    FREE_ARRAY(x, c->goal, 3 * solids);
+    FREE_ARRAY(x, c->region, n);
+    FREE_ARRAY(x, c->face_box, c->faces);
+    FREE_ARRAY(x, c->edge_box, c->edges_room);
+    FREE_ARRAY(x, c->owner, c->groups);
+    FREE_ARRAY(x, c->near, c->groups);
+    FREE_ARRAY(x, c->group, n);
+    FREE_ARRAY(x, c->column, c->free);
+    FREE_ARRAY(x, c->face, 3 * (size_t)c->faces);
+    FREE_ARRAY(x, c->edge, 2 * (size_t)c->edges_room);
+    FREE_ARRAY(x, c->solid, c->groups - c->bodies);
+    FREE_ARRAY(x, c, 1);
+}
+
+/* ---- the check at the start ------------------------------------------------------------------ */
+
+/* On which side of a plane through a, b, c a point is: -1, 1, or 0 where that is a matter of
+ * rounding. */
+static int side(const double *a, const double *b, const double *c, const double *d) {
+    double ab[3], ac[3], ad[3], normal[3];
+    for (int k = 0; k < 3; k++) ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ad[k] = d[k] - a[k];
+    vec3_cross(normal, ab, ac);
+    double volume = vec3_dot(normal, ad);
+    double rounding = 1e-12 * vec3_length(ab) * vec3_length(ac) * vec3_length(ad);
+    return volume > rounding ? 1 : volume < -rounding ? -1 : 0;
+}
+
+/* The ends on both sides of the face's plane, and the face around the line through them. */
+static bool passes(const double *p, const double *q, const double *a, const double *b,
+                   const double *c) {
+    if (side(a, b, c, p) * side(a, b, c, q) >= 0) return false;
+    int one = side(p, q, a, b), two = side(p, q, b, c), three = side(p, q, c, a);
+    return one != 0 && one == two && one == three;
+}
+
+struct crossing { /* the edge that is looked at, and what it passes through */
+    const struct contact *contact;
+    int edge, base, face; /* face: -1 for none */
+};
+
+static void try_face(void *user, int id) {
+    struct crossing *s = user;
+    const struct contact *c = s->contact;
+    const int *e = c->edge + 2 * s->edge, *f = c->face + 3 * (s->base + id);
+    bool same = c->group[e[0]] == c->group[f[0]];
+    for (int k = 0; k < 6; k++)
+        if (e[k / 3] == f[k % 3]) return;
+    if (s->face >= 0 || (same && !c->set->self)) return;
+    const double *x = c->at;
+    if (passes(x + 3 * e[0], x + 3 * e[1], x + 3 * f[0], x + 3 * f[1], x + 3 * f[2]))
+        s->face = s->base + id;
+}
+
+/* A triangle of its group that has this edge, counted from the group's first. */
+static int triangle_number(const struct contact *c, const int *corner, int corners) {
+    int number = 0;
+    for (int f = 0; f < c->faces; f++) {
+        const int *face = c->face + 3 * f;
+        int common = 0;
+        if (c->group[face[0]] != c->group[corner[0]]) continue;
+        for (int k = 0; k < 3; k++)
+            for (int m = 0; m < corners; m++) common += face[k] == corner[m];
+        if (common == corners) return number;
+        number++;
+    }
+    return -1;
+}
+
+pdyn_status contact_check(struct contact *c) {
+    for (int e = 0; e < c->edges; e++) {
+        struct crossing s = {.contact = c, .edge = e, .face = -1};
+        boxes_visit(&c->face_tree[0], &c->edge_box[e], 0, try_face, &s);
+        s.base = c->free_faces;
+        if (e < c->free_edges) boxes_visit(&c->face_tree[1], &c->edge_box[e], 0, try_face, &s);
+        if (s.face < 0) continue;
+        const int *edge = c->edge + 2 * e, *face = c->face + 3 * s.face;
+        return context_fail(
+            c->context, PDYN_BAD_INPUT,
+            "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect",
+            triangle_number(c, edge, 2), c->owner[c->group[edge[0]]], triangle_number(c, face, 3),
+            c->owner[c->group[face[0]]]);
+    }
+    for (int e = 0; e < c->touching->view.elements; e++) {
+        const struct touching *t = (const struct touching *)c->touching->view.data + e;
+        double u[3] = {0};
+        for (int k = 0; k < 4; k++) vec3_add(u, t->c[k], c->at + 3 * (size_t)t->point[k]);
+        if (vec3_length(u) >= CONTACT_LEAST * t->thickness) continue;
+        return context_fail(
+            c->context, PDYN_BAD_INPUT,
+            "contact: at the start \"%s\" and \"%s\" are closer than a sixteenth of "
+            "the thickness, at (%g, %g, %g)",
+            c->owner[c->group[t->point[0]]], c->owner[c->group[t->point[3]]],
+            c->at[3 * t->point[0]], c->at[3 * t->point[0] + 1], c->at[3 * t->point[0] + 2]);
+    }
+    return PDYN_OK;
+}

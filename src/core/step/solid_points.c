@@ -1,0 +1,69 @@
+#include "solid_points.h"
+
+#include "motion.h"
+#include "sim.h"
+#include "sph/boundary.h"
+
+static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *solid,
+                                double spacing) {
+    const struct boundary_model *model = sim->scene.settings.boundary;
+    const struct face_grid grid = {solid->open, model->grid * spacing, model->outside * spacing,
+                                   model->beyond * spacing};
+    if (!solid->is_box)
+        return sample_mesh_surface(sim->context, &solid->mesh, model->spots * spacing,
+                                   &sim->boundary);
+    return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
+}
+
+/* Solid number k of the scene. */
+static pdyn_status sample_solid(struct pdyn_sim *sim, int k, double spacing) {
+    struct patches *all = &sim->boundary;
+    int first = all->at.count;
+    pdyn_status status = sample_shape(sim, &sim->scene.solid[k], spacing);
+    for (int i = first; status == PDYN_OK && i < all->at.count; i++) all->patch[i].solid = k;
+    return status;
+}
+
+pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
+    const struct scene *scene = &sim->scene;
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < scene->solids && status == PDYN_OK; k++)
+        if (!scene->solid[k].keys) status = sample_solid(sim, k, spacing);
+    for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
+        int first = sim->boundary.at.count;
+        if (!scene->solid[k].keys) continue;
+        status = sample_solid(sim, k, spacing);
+        if (status == PDYN_OK) status = motion_add(sim, &scene->solid[k], first);
+    }
+    return status;
+}
+
+static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count, double spacing,
+                                     double *volume) {
+    double support = sim->scene.settings.boundary->support * spacing;
+    return neighbours_surface_volumes(sim->context, count, sim->boundary.at.x + 3 * (size_t)first,
+                                      support, volume + first);
+}
+
+/* Volumes 1 / sum W: of all that rests together, and of each solid that moves by itself, for these
+ * stay the same. */
+static pdyn_status fill_published(struct pdyn_sim *sim, double spacing, double *volume) {
+    const struct motion *motion = &sim->motion;
+    int resting = sim->boundary.at.count - motion->points;
+    pdyn_status status = published_volumes(sim, 0, resting, spacing, volume);
+    for (int k = 0; k < motion->solids && status == PDYN_OK; k++)
+        status =
+            published_volumes(sim, motion->solid[k].first, motion->solid[k].count, spacing, volume);
+    return status;
+}
+
+pdyn_status solid_points_fill(struct pdyn_sim *sim, double spacing, double *volume, bool *is_wall) {
+    const struct boundary_model *model = sim->scene.settings.boundary;
+    const struct patches *all = &sim->boundary;
+    for (int k = 0; k < all->at.count; k++) {
+        const struct patch *patch = &all->patch[k];
+        is_wall[k] = model->volumes || patch->of_box;
+        volume[k] = (patch->of_box ? model->layer : 1.0) * patch->area * spacing;
+    }
+    return model->volumes ? fill_published(sim, spacing, volume) : PDYN_OK;
+}

@@ -1,0 +1,82 @@
+/* Reading a simulation's state through the public API. */
+#include "base/archive.h"
+#include "emit.h"
+
+double pdyn_time(const pdyn_sim *sim) { return sim->time; }
+double pdyn_duration(const pdyn_sim *sim) { return sim->scene.settings.duration; }
+double pdyn_frame_interval(const pdyn_sim *sim) { return sim->scene.settings.frame_interval; }
+const char *pdyn_solver_type(const pdyn_sim *sim) { return sim->solver->name; }
+const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim->solver_reason; }
+const char *pdyn_integrator(const pdyn_sim *sim) { return sim->scene.settings.integrator->name; }
+const char *pdyn_step_type(const pdyn_sim *sim) {
+    return sim->scene.settings.newton ? "newton" : "projective";
+}
+
+void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *), void *user) {
+    sim->observer = observer;
+    sim->observer_user = user;
+}
+
+pdyn_state pdyn_get_state(const pdyn_sim *sim) {
+    return (pdyn_state){.particles = sim->system.particles,
+                        .x = sim->x,
+                        .v = sim->v,
+                        .mass = sim->system.mass,
+                        .density = sim->density,
+                        .pressure = sim->pressure,
+                        .live = sim->emit ? sim->emit->live : NULL,
+                        .boundary = sim->boundary.at.count,
+                        .moving = sim->motion.points,
+                        .boundary_x = sim->boundary.at.x,
+                        .bodies = sim->bodies,
+                        .constraints = sim->constraints};
+}
+
+pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
+    if (body < 0 || body >= sim->bodies) return (pdyn_body_info){0};
+    const pdyn_body *b = &sim->body[body];
+    return (pdyn_body_info){.name = b->name,
+                            .first = b->first,
+                            .count = b->count,
+                            .live = emit_count(sim, body),
+                            .radius = b->radius,
+                            .rest_density = b->rest_density,
+                            .triangles = b->triangles,
+                            .triangle = b->triangle,
+                            .residual = sim->system.body[body].residual};
+}
+
+pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
+    if (constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
+    const struct batch *b = sim->system.batch[constraint];
+    return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
+}
+
+/* A number outside of its bounds stands for none (params.h). */
+static bool has_value(const pdyn_param *p, const double *value) {
+    return p->kind == PDYN_REAL && *value >= p->min && *value <= p->max;
+}
+
+pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
+    if (constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
+    const struct batch *b = sim->system.batch[constraint];
+    for (const pdyn_param *p = b->type->params; p->name; p++) {
+        const double *value = (const double *)((const char *)b->params + p->offset);
+        if (has_value(p, value) && parameter-- == 0)
+            return (pdyn_parameter_info){p->name, p->unit, *value};
+    }
+    return (pdyn_parameter_info){0};
+}
+
+/* A vector's bits, of all live particles. */
+static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
+    size_t one = 3 * sizeof *vector;
+    if (!sim->emit) return hash_bytes(hash, vector, (size_t)sim->system.particles * one);
+    for (int i = 0; i < sim->system.particles; i++)
+        if (sim->emit->live[i]) hash = hash_bytes(hash, vector + 3 * i, one);
+    return hash;
+}
+
+uint64_t pdyn_state_hash(const pdyn_sim *sim) {
+    return hash_vector(hash_vector(HASH_BEGIN, sim, sim->x), sim, sim->v);
+}

@@ -1,0 +1,188 @@
+/* One time step: predict (integrator.h), minimise E (minimise.c), then the new velocity. */
+#include "base/clock.h"
+#include "emit.h"
+#include "measure.h"
+#include "minimise.h"
+#include "sim.h"
+#include "timestep.h"
+#include "velocities.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* s = x^ + H v^ + H^2 g, and the iterate starts there. */
+static void predict(struct pdyn_sim *sim, double h) {
+    const double *g = sim->scene.settings.gravity;
+    double H = sim->system.h = sim->scene.settings.integrator->begin(sim, h);
+    sim->system.time = sim->time + h;
+    for (int k = 0; k < 3 * sim->system.particles; k++)
+        sim->system.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
+    emit_hold(sim);
+    memcpy(sim->x_next, sim->system.s, system_bytes(&sim->system));
+    system_begin(&sim->system, sim->x_base, sim->v_base);
+}
+
+/* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
+ * friction between what is close to each other there. */
+static pdyn_status prepare_samples(struct pdyn_sim *sim) {
+    const double *all;
+    if (!sim->samples) return PDYN_OK;
+    samples_stretch(sim->samples, sim->x);
+    neighbours_stretch(sim->neighbours, sim->samples);
+    if (!sim->system.drag) return PDYN_OK;
+    pdyn_status status = system_cover(&sim->system, sim->x, &all);
+    return status == PDYN_OK ? drag_begin(sim->system.drag, all) : status;
+}
+
+/* Where nothing can take momentum away, the step must not either, however far it was solved: the
+ * mean of x - s over the mass is the momentum that an unfinished solve made up. */
+static pdyn_status keep_momentum(struct pdyn_sim *sim) {
+    struct system *sys = &sim->system;
+    double moved[3] = {0}, mass = 0.0, energy;
+    if (sim->anchored) return PDYN_OK;
+    for (int i = 0; i < sys->particles; i++) {
+        if (!emit_is_live(sim, i)) continue;
+        mass += sys->mass[i];
+        for (int a = 0; a < 3; a++)
+            moved[a] += sys->mass[i] * (sim->x_next[3 * i + a] - sys->s[3 * i + a]);
+    }
+    for (int k = 0; k < 3 * sys->particles; k++)
+        if (emit_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
+    return system_local(sys, sim->x_next, &energy, sim->gradient);
+}
+
+static void remember_state(struct pdyn_sim *sim, double h) {
+    sim->history = h;
+    if (!sim->x_before) return;
+    memcpy(sim->x_before, sim->x, system_bytes(&sim->system));
+    memcpy(sim->v_before, sim->v, system_bytes(&sim->system));
+}
+
+/* The iterate becomes the state. */
+static void accept(struct pdyn_sim *sim, double h) {
+    struct system *sys = &sim->system;
+    remember_state(sim, h);
+    velocities_take(sim, h);
+    for (int k = 0; k < 3 * sys->particles; k++)
+        sim->constraint_acceleration[k] = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
+    memcpy(sim->x, sim->x_next, system_bytes(sys));
+    velocities_change(sim, h);
+    for (int b = 0; b < sys->batches; b++) batch_accept(sys->batch[b]);
+    sim->last_h = h;
+    sim->steps++;
+}
+
+/* Where a step of length h would end, in x_next; the state is as it was. */
+static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
+    *progress = (struct progress){0};
+    if (sim->neighbours) neighbours_begin(sim->neighbours, sim->x);
+    pdyn_status status = prepare_samples(sim);
+    if (status != PDYN_OK) return status;
+    predict(sim, h);
+    motion_carry(sim, sim->system.time);
+    struct contact *contact = sim->system.contact;
+    if (contact) status = contact_begin(contact, sim->system.time);
+    if (status == PDYN_OK) status = minimise(sim, progress);
+    if (status == PDYN_OK) status = keep_momentum(sim);
+    return status == PDYN_OK ? measure_finite(sim) : status;
+}
+
+/* After an attempt that failed: solids go back, and nothing that led there is built upon. */
+static pdyn_status take_back(struct pdyn_sim *sim) {
+    motion_carry(sim, sim->time);
+    sim->history = 0.0;
+    if (sim->solver->forget) sim->solver->forget(sim->solver_state);
+    if (sim->scene.settings.newton) sim->damping = 1.0;
+    return sim->system.contact ? contact_take_back(sim->system.contact, sim->x) : PDYN_OK;
+}
+
+/* Adds where and when to what is known. */
+static pdyn_status say_diverged(struct pdyn_sim *sim, double h) {
+    char what[256];
+    snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));
+    return context_fail(sim->context, PDYN_DIVERGED,
+                        "step %ld of %g s at %g s: %s; the state is that of the step before",
+                        sim->steps + 1, h, sim->time, what);
+}
+
+/* A particle that was to go `cfl` radii at most and went twice as far was thrown by a step that was
+ * not solved: where water is squeezed into a corner, it would leave through the wall. */
+static bool has_leapt(const struct pdyn_sim *sim, double h) {
+    const struct scene_settings *set = &sim->scene.settings;
+    if (set->h_fixed > 0.0 || h <= set->h_min) return false;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++)
+            if (vec3_distance(sim->x_next + 3 * i, sim->x + 3 * i) > 2.0 * set->cfl * body->radius)
+                return true;
+    }
+    return false;
+}
+
+/* Attempts shorter and shorter steps until one can be taken, as often as the scene allows. */
+static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct progress *progress,
+                               int *retries) {
+    *end = timestep_choose(sim, INFINITY);
+    pdyn_status status = attempt(sim, end->h, progress);
+    while (*retries < sim->scene.settings.retries &&
+           (status == PDYN_DIVERGED || (status == PDYN_OK && has_leapt(sim, end->h)))) {
+        if ((status = take_back(sim)) != PDYN_OK) return status;
+        *end = timestep_choose(sim, 0.25 * end->h);
+        status = attempt(sim, end->h, progress);
+        ++*retries;
+    }
+    if (status == PDYN_OK && sim->system.contact) status = contact_end(sim->system.contact);
+    if (status != PDYN_OK) motion_carry(sim, sim->time);
+    return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
+}
+
+/* Up to this residual, half of what the weight is for every particle, a step that did not reach its
+ * tolerance is still one to build upon. */
+static const double harmless = 0.5;
+
+static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
+    struct progress progress;
+    struct moment end;
+    int retries = 0;
+    double start = clock_ms(), cpu = clock_cpu_ms();
+    solid_load_begin(sim);
+    sim->system.ms_neighbours = sim->system.ms_local = 0.0;
+    pdyn_status status = attempt_all(sim, &end, &progress, &retries);
+    if (status != PDYN_OK) return status;
+    measure_fetch(sim);
+    sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, harmless);
+    accept(sim, end.h);
+    if (sim->neighbours) neighbours_settle(sim->neighbours);
+    timestep_check(sim, end.h, progress.residual);
+
+    timestep_advance(sim, &end);
+    emit_step(sim);
+    solid_load_end(sim);
+    *info = (pdyn_step_info){.time = sim->time,
+                             .h = end.h,
+                             .frame = end.frame,
+                             .outer_iterations = progress.outer,
+                             .linear_iterations = progress.linear,
+                             .impacts = sim->impacts,
+                             .retries = retries,
+                             .step_residual = progress.residual};
+    measure_step(sim, info);
+    info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
+    info->ms_contact = sim->system.contact ? sim->system.contact->ms : 0.0;
+    info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;
+    info->ms_cpu = clock_cpu_ms() - cpu;
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
+    pdyn_step_info unused;
+    if (!sim) return PDYN_BAD_CALL;
+    if (sim->failed)
+        return context_fail(sim->context, PDYN_BAD_CALL,
+                            "the simulation has failed before: no further step");
+    pdyn_status status = step(sim, info ? info : &unused);
+    sim->failed = status != PDYN_OK;
+    return status;
+}
