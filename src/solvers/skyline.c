@@ -93,7 +93,7 @@ INLINE bool find_last(const struct skyline *s, int i, double *const row[3], int 
         for (int q = 0; q < FOUR; q++) other[q] = row_from(s, i, f + (c + q < n + 3 ? c + q : c));
         multiply_rows(part, row, other, k);
         for (int p = 0; p < 3; p++)
-            sums_of(&all, part[p]), memcpy(sum[p] + c - k, &all, sizeof all);
+            sums_of(&all, part[p]), memcpy(sum[p] + (c - k), &all, sizeof all);
     }
     for (int p = 0; p < 3; p++)
         for (int m = k; m <= n + p; m++) {

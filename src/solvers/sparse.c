@@ -9,9 +9,9 @@ pdyn_status sparse_create(struct sparse *m, pdyn_context *context, int rows, int
     m->start = NEW_ARRAY(context, rows + 1, int);
     if (!m->start) return PDYN_NO_MEMORY;
     for (int i = 0; i < rows; i++) m->start[i + 1] = m->start[i] + counts[i];
-    m->room = (size_t)m->start[rows];
+    m->room = (size_t)m->start[rows] + 1; /* an empty matrix has its entries, too */
     m->entry = NEW_ARRAY(context, m->room, struct entry);
-    return m->entry || !m->room ? PDYN_OK : PDYN_NO_MEMORY;
+    return m->entry ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void sparse_free(struct sparse *m) {
@@ -22,8 +22,8 @@ void sparse_free(struct sparse *m) {
 }
 
 pdyn_status sparse_transpose(const struct sparse *a, struct sparse *out) {
-    int *counts = NEW_ARRAY(a->context, a->columns, int);
-    if (a->columns && !counts) return PDYN_NO_MEMORY;
+    int *counts = NEW_ARRAY(a->context, a->columns + 1, int);
+    if (!counts) return PDYN_NO_MEMORY;
     for (int k = 0; k < a->start[a->rows]; k++) counts[a->entry[k].column]++;
     pdyn_status status = sparse_create(out, a->context, a->columns, a->rows, counts);
     if (status == PDYN_OK) {
@@ -32,7 +32,7 @@ pdyn_status sparse_transpose(const struct sparse *a, struct sparse *out) {
             for (int k = a->start[i]; k < a->start[i + 1]; k++)
                 out->entry[counts[a->entry[k].column]++] = (struct entry){i, a->entry[k].value};
     }
-    FREE_ARRAY(a->context, counts, a->columns);
+    FREE_ARRAY(a->context, counts, a->columns + 1);
     return status;
 }
 

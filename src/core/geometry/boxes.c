@@ -104,6 +104,7 @@ static struct box around(const struct box_group *group) {
 void boxes_sort(struct boxes *boxes, const struct box *box, int count) {
     boxes->count = count;
     count_groups(count, &boxes->levels, boxes->first);
+    if (!count) return;
     find_keys(boxes, box, count);
     sort_keys(boxes, count);
     for (int level = 0, below = count; level < boxes->levels; level++) {
