@@ -10,7 +10,7 @@ import sys
 
 CORE = ["base", "geometry", "scene", "sph", "rows", "contact", "objective", "step", "output"]
 ALLOWED = {
-    "constraints": ["base", "sph"],
+    "constraints": ["base", "geometry", "sph"],
     "solvers": ["base", "objective"],
     "conformance": CORE,
     "app": [],

@@ -4,6 +4,7 @@
  * the distance to a box around all of the others: a sheet that flies towards water is not held. */
 #include "fluid_pairs.h"
 
+#include "geometry/boxes.h"
 #include "projdyn/vec3.h"
 
 /* What the points of a part of a list add at `at`. */
@@ -26,25 +27,18 @@ static const double part_of_way = 0.45;
 /* Never less than this part of a spacing, or nothing would move where a surface is touched. */
 static const double least_way = 0.02;
 
-struct extent {
-    double min[3], max[3];
-};
-
 /* The box around what takes part of `count` particles from `first` on. */
-static struct extent extent_of(const struct fluid *f, const double *x, int first, int count) {
-    struct extent e = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+static struct box box_around(const struct fluid *f, const double *x, int first, int count) {
+    struct box box = box_empty;
     for (int i = first; i < first + count; i++)
-        for (int a = 0; a < 3 && f->lists->volume[i] > 0.0; a++) {
-            e.min[a] = fmin(e.min[a], x[3 * (size_t)i + a]);
-            e.max[a] = fmax(e.max[a], x[3 * (size_t)i + a]);
-        }
-    return e;
+        if (f->lists->volume[i] > 0.0) box_add(&box, x + 3 * (size_t)i);
+    return box;
 }
 
 /* How far a point may go that is not near to any of those in a box. */
-static double way_outside(const struct extent *e, const double *at, double spacing) {
+static double way_outside(const struct box *box, const double *at, double spacing) {
     double d[3];
-    for (int a = 0; a < 3; a++) d[a] = fmax(0.0, fmax(e->min[a] - at[a], at[a] - e->max[a]));
+    for (int a = 0; a < 3; a++) d[a] = fmax(0.0, fmax(box->min[a] - at[a], at[a] - box->max[a]));
     return part_of_way * fmax(spacing, vec3_length(d));
 }
 
@@ -53,7 +47,7 @@ struct limit_call {
     const double *x;
     double *way;
     double spacing;
-    struct extent fluid, samples; /* boxes around these */
+    struct box fluid, samples; /* around these; empty without samples */
 };
 
 WIDE static void limit_block(void *arg, int first, int last, int block) {
@@ -99,8 +93,8 @@ void fluid_limit(void *self, const double *x, double *way) {
                               .x = x,
                               .way = way,
                               .spacing = 0.5 * l->support,
-                              .fluid = extent_of(f, x, f->first, f->count),
-                              .samples = extent_of(f, x, l->particles - samples, samples)};
+                              .fluid = box_around(f, x, f->first, samples ? f->count : 0),
+                              .samples = box_around(f, x, l->particles - samples, samples)};
     f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, limit_block, &call);
     f->services->parallel_for(f->services->core, samples, FLUID_GRAIN, limit_samples, &call);
 }
