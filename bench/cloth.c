@@ -10,7 +10,7 @@
  * plain C, springs one after the other, cholmod_solve2 with its defaults (`plain_simplicial`:
  * without supernodes, where the BLAS is slow). */
 #include "base/clock.h"
-#include "objective/assemble.h"
+#include "objective/assembly.h"
 #include "step/sim.h"
 
 #include <math.h>
@@ -55,8 +55,8 @@ static void step(pdyn_context *context, pdyn_sim *sim) {
 
 /* The state of one simulation goes over to another, as if it were at its first step. */
 static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
-    memcpy(to->x, from->x, system_bytes(&from->system));
-    memcpy(to->v, from->v, system_bytes(&from->system));
+    memcpy(to->x, from->x, objective_bytes(&from->objective));
+    memcpy(to->v, from->v, objective_bytes(&from->objective));
     to->time = from->time, to->frame = from->frame, to->last_h = 0.0;
     to->damping = to->scene.settings.newton ? 0.0 : 1.0;
 }
@@ -82,15 +82,15 @@ struct plain {
 static struct plain *plain_create(pdyn_sim *sim, int supernodal) {
     struct plain *p = allocate(1, sizeof *p);
     struct matrix m = {0};
-    *p = (struct plain){.sim = sim, .n = sim->system.particles};
-    p->spring = sim->system.batch[0], p->pin = sim->system.batch[2];
+    *p = (struct plain){.sim = sim, .n = sim->objective.particles};
+    p->spring = sim->objective.batch[0], p->pin = sim->objective.batch[2];
     p->b = allocate(3 * (size_t)p->n, sizeof *p->b);
     p->x = allocate(3 * (size_t)p->n, sizeof *p->x);
     cholmod_start(&p->common);
     p->common.supernodal = supernodal;
-    sim->system.h = 1.0 / 60.0;
-    if (matrix_pattern(&m, &sim->system, sim->system.batch, 1) != PDYN_OK) die("no matrix");
-    matrix_values(&m, &sim->system, sim->system.batch);
+    sim->objective.h = 1.0 / 60.0;
+    if (matrix_pattern(&m, &sim->objective, sim->objective.batch, 1) != PDYN_OK) die("no matrix");
+    matrix_values(&m, &sim->objective, sim->objective.batch);
     cholmod_sparse A = {.nrow = (size_t)p->n,
                         .ncol = (size_t)p->n,
                         .nzmax = (size_t)m.column_start[p->n],
@@ -119,12 +119,12 @@ static void plain_free(struct plain *p) {
 
 /* b = M/h^2 s + sum of w G' p; flat bending has p = 0. */
 static void plain_local(struct plain *p) {
-    const struct system *sys = &p->sim->system;
+    const struct objective *sys = &p->sim->objective;
     const pdyn_batch *spring = &p->spring->view, *pin = &p->pin->view;
     const double *length = spring->data;
     int n = p->n;
     for (int i = 0; i < n; i++)
-        for (int a = 0; a < 3; a++) p->b[a * n + i] = system_inertia(sys, i) * sys->s[3 * i + a];
+        for (int a = 0; a < 3; a++) p->b[a * n + i] = objective_inertia(sys, i) * sys->s[3 * i + a];
     for (int e = 0; e < spring->elements; e++) {
         int i = spring->column[2 * e], j = spring->column[2 * e + 1];
         double d[3], l = 0.0;
@@ -139,7 +139,7 @@ static void plain_local(struct plain *p) {
 
 /* A step from s, in ms; *error: how far it came. */
 static double plain_step(struct plain *p, const double *best, double start, double *error) {
-    const double *s = p->sim->system.s;
+    const double *s = p->sim->objective.s;
     int n = p->n;
     double begin = clock_ms(), sum = 0.0;
     for (int k = 0; k < 3 * n; k++) p->x[k % 3 * n + k / 3] = s[k];
@@ -244,13 +244,13 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
     pdyn_sim *classic[WAYS];
     struct row row[2 + 3 + 3 * WAYS] = {{0}};
     for (int q = 0; q < WAYS; q++) classic[q] = load_classic(context, n, stiffness, ways[q]);
-    struct trace t = {.size = 3 * newton->system.particles};
+    struct trace t = {.size = 3 * newton->objective.particles};
     double *best = allocate((size_t)t.size, sizeof *best);
     for (int k = 0; k < FALL; k++) step(context, state);
     copy_state(state, newton);
     step(context, newton);
-    memcpy(best, newton->x, system_bytes(&newton->system));
-    t.best = best, t.start = distance(newton->system.s, best, t.size);
+    memcpy(best, newton->x, objective_bytes(&newton->objective));
+    t.best = best, t.start = distance(newton->objective.s, best, t.size);
     newton->scene.settings.tolerance = 0.0;
     newton->scene.settings.outer_iterations = 30;
     struct plain *plain[2] = {plain_create(newton, CHOLMOD_AUTO),
@@ -289,13 +289,13 @@ static void run(pdyn_context *context, int n, double stiffness, int outer, int l
     pdyn_sim *sim = load(context, n, stiffness, cut);
     pdyn_sim *best = load(context, n, stiffness, "\"tolerance\": 1e-7, \"outer_iterations\": 300");
     double sum = 0.0, worst = 0.0, solves = 0.0, ms = 0.0, most = 0.0;
-    int steps = 60, size = 3 * sim->system.particles;
+    int steps = 60, size = 3 * sim->objective.particles;
     for (int k = 0; k < steps; k++) {
         pdyn_step_info info;
         copy_state(sim, best);
         step(context, best);
         if (pdyn_step(sim, &info) != PDYN_OK) die(pdyn_last_error(context));
-        double error = distance(sim->x, best->x, size) / distance(sim->system.s, best->x, size);
+        double error = distance(sim->x, best->x, size) / distance(sim->objective.s, best->x, size);
         sum += error, worst = fmax(worst, error), solves += info.linear_iterations;
         most = fmax(most, info.linear_iterations);
         ms += k ? info.ms_local + info.ms_global : 0.0;

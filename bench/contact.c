@@ -58,7 +58,7 @@ int main(int argc, char **argv) {
     if (pdyn_create(&options, &context) != PDYN_OK) return EXIT_FAILURE;
     if (pdyn_load(context, argv[1], (const char *const *)argv + 2, argc - 2, &sim) != PDYN_OK)
         return fail(context);
-    size_t bytes = 3 * (size_t)sim->system.particles * sizeof(double);
+    size_t bytes = 3 * (size_t)sim->objective.particles * sizeof(double);
     double *half = malloc(bytes);
     if (!half) return EXIT_FAILURE;
     while (pdyn_time(sim) < pdyn_duration(sim) - 1e-9) {
@@ -66,12 +66,13 @@ int main(int argc, char **argv) {
         if (pdyn_step(sim, &info) != PDYN_OK) return fail(context);
         add(&t, sim, &info);
         if (pdyn_time(sim) < 0.5 * pdyn_duration(sim) + 1e-9) memcpy(half, sim->x, bytes);
-        t.contacts += sim->system.contact->touching->view.elements;
+        t.contacts += sim->objective.contact->touching->view.elements;
     }
     double n = (double)t.steps;
-    printf("%d,%ld,%ld,%ld,%.0f,%.1f,%.3g,%.3g,%.2f,%.2f,%.3g\n", sim->system.particles, t.steps,
+    printf("%d,%ld,%ld,%ld,%.0f,%.1f,%.3g,%.3g,%.2f,%.2f,%.3g\n", sim->objective.particles, t.steps,
            t.frames, t.intersections, (double)t.contacts / n, t.outer / n, t.residual / n, t.worst,
-           t.ms_contact / n, t.ms_rest / n, 1e3 * most_moved(half, sim->x, sim->system.particles));
+           t.ms_contact / n, t.ms_rest / n,
+           1e3 * most_moved(half, sim->x, sim->objective.particles));
     free(half);
     pdyn_free(sim);
     pdyn_destroy(context);

@@ -35,7 +35,7 @@ static void die(const char *what) {
 static void note(void *user, const pdyn_iteration *it) {
     struct trace *t = user;
     double now = clock_ms();
-    size_t bytes = 3 * (size_t)t->sim->system.particles * sizeof(double);
+    size_t bytes = 3 * (size_t)t->sim->objective.particles * sizeof(double);
     if (t->count == t->capacity) return;
     struct record *r = &t->record[t->count++];
     *r = (struct record){now - t->start - t->paused, it->energy, it->residual, malloc(bytes)};
@@ -53,7 +53,7 @@ static pdyn_sim *load(pdyn_context *context, const char *scene, int count, const
 /* The state of one simulation of the scene goes over to another, but for what its last step
  * learned. */
 static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
-    size_t bytes = 3 * (size_t)from->system.particles * sizeof(double);
+    size_t bytes = 3 * (size_t)from->objective.particles * sizeof(double);
     memcpy(to->x, from->x, bytes);
     memcpy(to->v, from->v, bytes);
     to->time = from->time, to->frame = from->frame;
@@ -80,11 +80,11 @@ static struct trace solve(pdyn_context *context, const char *scene, const pdyn_s
 static void density_errors(pdyn_sim *sim, const double *x, double *mean, double *max) {
     double energy, count = 0.0;
     *mean = *max = 0.0;
-    system_local(&sim->system, x, &energy, sim->gradient);
-    for (int b = 0; b < sim->system.batches; b++) {
-        const struct batch *batch = sim->system.batch[b];
+    objective_local(&sim->objective, x, &energy, sim->gradient);
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
         if (!batch->op) continue;
-        batch->type->op->density(batch->op, sim->density);
+        batch->type->matrix_free->density(batch->op, sim->density);
         const pdyn_body *body = batch->view.body;
         for (int i = body->first; i < body->first + body->count; i++, count++) {
             double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);
@@ -103,8 +103,8 @@ static double distance(const double *a, const double *b, int n) {
 
 static void print(const char *kind, struct trace *t, const struct trace *best) {
     const struct record *last = &best->record[best->count - 1];
-    int n = 3 * t->sim->system.particles;
-    double start = distance(best->sim->system.s, last->x, n);
+    int n = 3 * t->sim->objective.particles;
+    double start = distance(best->sim->objective.s, last->x, n);
     for (int k = 0; k < t->count; k++) {
         const struct record *r = &t->record[k];
         double mean, max;

@@ -27,7 +27,7 @@ struct soup soup_of(const pdyn_sim *sim) {
         for (int k = 0; k < 3 * body->triangles; k++) *triangle++ = at + body->triangle[k];
         at += body->count;
     }
-    memcpy(s.x + 3 * solids, sim->system.contact->at + 3 * solids,
+    memcpy(s.x + 3 * solids, sim->objective.contact->at + 3 * solids,
            3 * (size_t)(s.points - solids) * sizeof *s.x);
     for (int k = 0; k < sim->scene.solids; k++) {
         const struct mesh *mesh = &sim->scene.solid[k].mesh;

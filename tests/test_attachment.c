@@ -70,11 +70,11 @@ static const char pulled[] =
 
 static void momentum(const pdyn_sim *sim, double p[6]) {
     memset(p, 0, 6 * sizeof *p);
-    for (int i = 0; i < sim->system.particles; i++) {
+    for (int i = 0; i < sim->objective.particles; i++) {
         double turn[3];
         vec3_cross(turn, sim->x + 3 * i, sim->v + 3 * i);
-        vec3_add(p, sim->system.mass[i], sim->v + 3 * i);
-        vec3_add(p + 3, sim->system.mass[i], turn);
+        vec3_add(p, sim->objective.mass[i], sim->v + 3 * i);
+        vec3_add(p + 3, sim->objective.mass[i], turn);
     }
 }
 
@@ -116,7 +116,7 @@ static void test_seam(void **state) {
         "\"constraints\": [{\"type\": \"triangle\", \"stretching_stiffness\": 1000}, {\"type\": "
         "\"attachment\", \"to\": \"a\", \"length\": 0, \"stiffness\": 100, \"damping\": 0.05, "
         "\"vertices\": {\"box\": {\"minimum\": [0.5, -1, -1], \"maximum\": [0.6, 1, 1]}}}]}");
-    const pdyn_batch *seam = &sim->system.batch[2]->view;
+    const pdyn_batch *seam = &sim->objective.batch[2]->view;
     assert_int_equal(seam->elements, 9);
     for (int e = 0; e < 9; e++) assert_true(fabs(vec3_length(seam->u + 3 * e)) < 1e-15);
     for (int n = 0; n < 500; n++) test_step(context, sim);

@@ -147,8 +147,8 @@ static pdyn_sim *load_cylinder(pdyn_context *context) {
 
 static double bending_energy(pdyn_sim *sim, const double *x) {
     double energy, gradient[3 * (AROUND + 1) * (ALONG + 1) + 1] = {0};
-    assert_int_equal(system_local(&sim->system, x, &energy, gradient), PDYN_OK);
-    return sim->system.batch[0]->energy;
+    assert_int_equal(objective_local(&sim->objective, x, &energy, gradient), PDYN_OK);
+    return sim->objective.batch[0]->energy;
 }
 
 /* The rest shape has no energy, wherever it is; unrolled, that of its curvature; curled twice as
@@ -160,17 +160,17 @@ static void test_curved_rest(void **state) {
     static const double axes[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6};
     double moved[3 * (AROUND + 1) * (ALONG + 1) + 1], turn = 2.0 * acos(-1.0) / 3.0 / AROUND;
     double area = AROUND * ALONG * turn * turn, expected = 1.5 * area;
-    for (int v = 0; v < sim->system.particles; v++)
+    for (int v = 0; v < sim->objective.particles; v++)
         vec3_multiply(moved + 3 * v, axes, sim->x + 3 * v);
-    sim->system.h = 1.0;
+    sim->objective.h = 1.0;
     assert_true(bending_energy(sim, sim->x) < 1e-14 * expected);
     assert_true(bending_energy(sim, moved) < 1e-14 * expected);
-    for (int v = 0; v < sim->system.particles; v++) {
+    for (int v = 0; v < sim->objective.particles; v++) {
         double arc = v / (ALONG + 1) * turn;
         memcpy(moved + 3 * v, (double[]){arc, 0.0, sim->x[3 * v + 2]}, 3 * sizeof *moved);
     }
     assert_near(bending_energy(sim, moved) / expected, 1.0, 0.15);
-    for (int v = 0; v < sim->system.particles; v++) {
+    for (int v = 0; v < sim->objective.particles; v++) {
         double arc = v / (ALONG + 1) * turn;
         memcpy(moved + 3 * v,
                (double[]){0.5 * cos(2.0 * arc), 0.5 * sin(2.0 * arc), sim->x[3 * v + 2]},

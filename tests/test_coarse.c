@@ -124,7 +124,7 @@ static void add_block(const struct batch *b, int k, int m, double scale, const d
 
 /* y += A x, from what each element of a batch counts for nodes. */
 static void add_batch(const struct coarse *c, int batch, const double *x, double *y) {
-    const struct batch *b = c->system->batch[batch];
+    const struct batch *b = c->objective->batch[batch];
     const struct sparse *terms = &c->batch[batch].terms, *rows = &c->batch[batch].rows;
     const pdyn_batch *v = &b->view;
     for (int i = 0; terms->start && i < c->a.nodes; i++)
@@ -151,9 +151,9 @@ static void add_batch(const struct coarse *c, int batch, const double *x, double
 
 /* y = A x */
 static void multiply_coarse(const struct coarse *c, const double *x, double *y) {
-    double h = c->system->h;
+    double h = c->objective->h;
     memset(y, 0, 3 * (size_t)c->a.nodes * sizeof *y);
-    for (int b = 0; b < c->system->batches; b++) add_batch(c, b, x, y);
+    for (int b = 0; b < c->objective->batches; b++) add_batch(c, b, x, y);
     for (int i = 0; i < c->a.nodes; i++)
         for (int j = c->a.first[i]; j <= i; j++) {
             size_t block = c->a.start[i] + (size_t)(j - c->a.first[i]);
@@ -185,14 +185,14 @@ static void test_galerkin(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, sheets);
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     size_t n = (size_t)sys->particles;
     double *r = calloc(3 * n + 1, sizeof *r), *z = calloc(3 * n + 1, sizeof *z),
            *y = calloc(3 * n + 1, sizeof *y), rz = 0.0;
     struct coarse c = {0};
     uint64_t seed = 3;
     for (int step = 0; step < 3; step++) test_step(context, sim);
-    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(objective_linearise(sys, 0.0), PDYN_OK);
     assert_int_equal(coarse_create(&c, sys), PDYN_OK);
     check_nodes(&c.p, (int)n);
     for (size_t k = 0; k < 3 * n; k++) r[k] = test_random(&seed);
@@ -205,8 +205,8 @@ static void test_galerkin(void **state) {
     check_restricted(&c, r, c.sum, 1e-12);
     multiply_coarse(&c, c.x, sum);
     assert_true(test_distance(sum, c.sum, 3 * c.p.nodes) < 1e-9);
-    system_apply(sys, z, y);
-    double ratio = system_dot(sys, z, y) / rz;
+    objective_apply(sys, z, y);
+    double ratio = objective_dot(sys, z, y) / rz;
     if (!(fabs(ratio - 1.0) < 0.02)) fail_msg("z.H z is %g of z.P A P' z", ratio);
     coarse_free(&c);
     free(r), free(z), free(y), free(sum);
@@ -249,7 +249,7 @@ static void test_coupled(void **state) {
             if (step >= 10) linear[k] += info.linear_iterations;
         }
     if (!(4 * linear[1] < 3 * linear[0])) fail_msg("%ld, %ld iterations", linear[0], linear[1]);
-    assert_true(test_distance(sim[0]->x, sim[1]->x, 3 * sim[0]->system.particles) < 5e-2);
+    assert_true(test_distance(sim[0]->x, sim[1]->x, 3 * sim[0]->objective.particles) < 5e-2);
     pdyn_free(sim[0]), pdyn_free(sim[1]);
     pdyn_destroy(context);
 }

@@ -87,18 +87,18 @@ static struct trial start(const char *solver) {
     const char *set[] = {solver, "solver.linear_tolerance=1e-12", "solver.tolerance=1e-6"};
     assert_int_equal(
         pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
-    assert_int_equal(contact_begin(t.sim->system.contact, 1.0), PDYN_OK);
-    t.n = 3 * t.sim->system.particles;
+    assert_int_equal(contact_begin(t.sim->objective.contact, 1.0), PDYN_OK);
+    t.n = 3 * t.sim->objective.particles;
     t.x = array(t.n), t.gradient = array(t.n), t.u = array(t.n), t.y = array(t.n), t.z = array(t.n);
     for (int k = 0; k < t.n; k++) {
         t.x[k] = t.sim->x[k] + 2e-5 * test_random(&seed);
         t.u[k] = test_random(&seed);
     }
     double energy;
-    t.sim->system.h = 0.01;
-    assert_int_equal(system_local(&t.sim->system, t.x, &energy, t.gradient), PDYN_OK);
-    assert_true(t.sim->system.contact->touching->view.elements > 20);
-    assert_true(t.sim->system.contact->sticking->view.elements > 20);
+    t.sim->objective.h = 0.01;
+    assert_int_equal(objective_local(&t.sim->objective, t.x, &energy, t.gradient), PDYN_OK);
+    assert_true(t.sim->objective.contact->touching->view.elements > 20);
+    assert_true(t.sim->objective.contact->sticking->view.elements > 20);
     return t;
 }
 
@@ -121,7 +121,7 @@ static double norm(const double *a, int n) { return sqrt(dot(a, a, n)); }
 static void test_gradient(void **state) {
     (void)state;
     struct trial t = start("solver.type=cg");
-    struct contact *c = t.sim->system.contact;
+    struct contact *c = t.sim->objective.contact;
     struct batch *batch[] = {c->touching, c->sticking};
     double h = 1e-9, slope[2] = {0}, expected[2], energy;
     for (int k = 0; k < 2; k++) {
@@ -132,7 +132,7 @@ static void test_gradient(void **state) {
     }
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int k = 0; k < t.n; k++) t.z[k] = t.x[k] + sign * h * t.u[k];
-        assert_int_equal(system_local(&t.sim->system, t.z, &energy, t.y), PDYN_OK);
+        assert_int_equal(objective_local(&t.sim->objective, t.z, &energy, t.y), PDYN_OK);
         for (int k = 0; k < 2; k++) slope[k] += sign * batch[k]->energy / (2.0 * h);
     }
     for (int k = 0; k < 2; k++)
@@ -146,25 +146,25 @@ static void test_hessian(void **state) {
     (void)state;
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     struct trial t = start("solver.type=cg");
-    struct system *sys = &t.sim->system;
+    struct objective *sys = &t.sim->objective;
     double *hz = array(t.n), *blocks = array(2 * t.n), last = 0.0;
     uint64_t seed = 5;
     for (int k = 0; k < t.n; k++) t.z[k] = test_random(&seed);
     for (int k = 0; k <= 2; k++) {
-        assert_int_equal(system_linearise(sys, 0.5 * k), PDYN_OK);
-        system_apply(sys, t.u, t.y), system_apply(sys, t.z, hz);
+        assert_int_equal(objective_linearise(sys, 0.5 * k), PDYN_OK);
+        objective_apply(sys, t.u, t.y), objective_apply(sys, t.z, hz);
         assert_true(fabs(dot(t.z, t.y, t.n) - dot(t.u, hz, t.n)) <=
                     1e-10 * norm(t.y, t.n) * norm(t.z, t.n));
         double quadratic = dot(t.u, t.y, t.n);
         assert_true(quadratic > last);
         last = quadratic;
     }
-    assert_int_equal(system_linearise(sys, 0.2), PDYN_OK);
-    system_diagonal(sys, blocks);
+    assert_int_equal(objective_linearise(sys, 0.2), PDYN_OK);
+    objective_diagonal(sys, blocks);
     for (int i = 0; i < t.n; i++) {
         memset(t.z, 0, (size_t)t.n * sizeof *t.z);
         t.z[i] = 1.0;
-        system_apply(sys, t.z, t.y);
+        objective_apply(sys, t.z, t.y);
         for (int b = 0; b < 6; b++)
             if (column[b] == i % 3)
                 assert_true(fabs(t.y[i / 3 * 3 + row[b]] - blocks[i / 3 * 6 + b]) <=
@@ -179,16 +179,16 @@ static void test_solvers(void **state) {
     (void)state;
     static const char *const solvers[] = {"solver.type=cg", "solver.type=cholesky",
                                           "solver.type=hybrid"};
-    const pdyn_goal goal = {.tolerance = 1e-13, .iterations = 100000};
+    const pdyn_stop stop = {.rel_tol = 1e-13, .max_iterations = 100000};
     for (int k = 0; k < 6; k++) {
         struct trial t = start(solvers[k % 3]);
         int iterations;
-        assert_int_equal(system_linearise(&t.sim->system, k / 3), PDYN_OK);
+        assert_int_equal(objective_linearise(&t.sim->objective, k / 3), PDYN_OK);
         memset(t.y, 0, (size_t)t.n * sizeof *t.y);
         memcpy(t.z, t.u, (size_t)t.n * sizeof *t.z);
-        assert_int_equal(t.sim->solver->solve(t.sim->solver_state, t.z, t.y, &goal, &iterations),
+        assert_int_equal(t.sim->solver->solve(t.sim->solver_state, t.z, t.y, &stop, &iterations),
                          PDYN_OK);
-        system_apply(&t.sim->system, t.y, t.z);
+        objective_apply(&t.sim->objective, t.y, t.z);
         if (!(test_distance(t.z, t.u, t.n) <= 1e-8 * norm(t.u, t.n)))
             fail_msg("%s: residual %g", solvers[k % 3], test_distance(t.z, t.u, t.n));
         finish(&t);
@@ -208,7 +208,7 @@ static void test_steps(void **state) {
             pdyn_load_text(c, scene("", DOWN, CLOTH_AT(5, 0.156), BALL), "test", set, 3, &sim),
             PDYN_OK);
         for (int s = 0; s < 10; s++) assert_true(test_step(c, sim).step_residual <= 1e-7);
-        assert_true(sim->system.contact->touching->view.elements > 0);
+        assert_true(sim->objective.contact->touching->view.elements > 0);
         memcpy(x[k], sim->x, sizeof x[k]);
         pdyn_free(sim);
         pdyn_destroy(c);
@@ -249,7 +249,7 @@ static void test_impact(void **state) {
                  BALL ", " FLOOR));
     for (int k = 0; k < 8; k++) {
         test_step(c, sim), assert_apart(sim);
-        for (int i = 0; i < sim->system.particles; i++) assert_true(sim->x[3 * i + 1] > -0.2);
+        for (int i = 0; i < sim->objective.particles; i++) assert_true(sim->x[3 * i + 1] > -0.2);
     }
     pdyn_free(sim);
     pdyn_destroy(c);
@@ -297,7 +297,7 @@ static void test_press(void **state) {
                        "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0, "
                        "-0.2, 0]}]}"));
     for (int k = 0; k < 15; k++) test_step(c, sim), assert_apart(sim);
-    const struct contact *contact = sim->system.contact;
+    const struct contact *contact = sim->objective.contact;
     double lid = contact->at[3 * contact->solid[1].first + 1];
     assert_true(lid > -0.2 && lid < -0.199);
     pdyn_free(sim);
@@ -425,7 +425,7 @@ static void test_not_self(void **state) {
     pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(c, scene(", 'self': false", DOWN, CLOTH_AT(9, -0.1), FLOOR));
     for (int k = 0; k < 40; k++) test_step(c, sim);
-    const struct contact *contact = sim->system.contact;
+    const struct contact *contact = sim->objective.contact;
     assert_true(contact->touching->view.elements >= 81);
     for (int k = 0; k < contact->pairs; k++)
         assert_true(contact->group[contact->pair[k].point[3]] == 1 ||

@@ -1,7 +1,7 @@
 /* Fluid and surfaces on each other: samples, their forces, momentum, and what a sheet holds. */
 #include "support.h"
 
-#include "sph/samples.h"
+#include "sph/surface_samples.h"
 
 #include "projdyn/vec3.h"
 
@@ -35,7 +35,7 @@ static void test_places(void **state) {
     pdyn_sim *sim = test_load(context, drop);
     const struct samples *s = sim->samples;
     const pdyn_body *sheet = &sim->body[1];
-    int n = sim->system.particles;
+    int n = sim->objective.particles;
     double spacing = 0.5 * 0.02, *x = array(3 * (n + s->count)), area = 0.0;
     samples_extend(s, sim->x, x);
     for (int k = 0; k < s->count; k++) {
@@ -84,7 +84,7 @@ static void reach_every(struct samples *s, int many) {
  * lumped hold more than S' D S. */
 static void check_gather(pdyn_sim *sim, int many) {
     struct samples *s = sim->samples;
-    int n = 3 * sim->system.particles, all = n + 3 * s->count;
+    int n = 3 * sim->objective.particles, all = n + 3 * s->count;
     double *x = array(n), *y = array(n), *up = array(all), *z = array(all);
     double *D = array(2 * all), *blocks = array(2 * n), left = 0.0, right = 0.0, held = 0.0;
     uint64_t seed = 5;
@@ -126,21 +126,21 @@ static void test_line(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, drop);
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     int n = 3 * sys->particles, changed = 0;
     double *u = array(n), *g = array(n), *y = array(n), energy;
     for (int k = 0; k < 8; k++) test_step(context, sim);
     for (double eps = 0.0; eps < 0.5; eps += 0.4) {
-        memcpy(u, sim->x, system_bytes(sys));
+        memcpy(u, sim->x, objective_bytes(sys));
         for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* fluid is pressed together */
-        assert_int_equal(system_local(sys, u, &energy, g), PDYN_OK);
-        assert_int_equal(system_linearise(sys, eps), PDYN_OK);
+        assert_int_equal(objective_local(sys, u, &energy, g), PDYN_OK);
+        assert_int_equal(objective_linearise(sys, eps), PDYN_OK);
         for (int k = 0; k < n; k++) u[k] = -g[k];
-        system_apply(sys, u, y), system_aim(sys, u);
-        double descent = -system_dot(sys, g, u);
-        double t = system_line_minimum(sys, descent, system_dot(sys, u, y));
-        int turns = system_go(sys, t, y);
-        assert_true(t > 0.0 && fabs(system_dot(sys, y, u) - descent) <= 0.02 * descent);
+        objective_apply(sys, u, y), objective_aim(sys, u);
+        double descent = -objective_dot(sys, g, u);
+        double t = objective_line_minimum(sys, descent, objective_dot(sys, u, y));
+        int turns = objective_go(sys, t, y);
+        assert_true(t > 0.0 && fabs(objective_dot(sys, y, u) - descent) <= 0.02 * descent);
         changed += turns;
     }
     assert_true(changed > 0);
@@ -168,7 +168,7 @@ static void test_stretch(void **state) {
 
 static double energy_at(pdyn_sim *sim, const double *x, double *gradient) {
     double energy;
-    assert_int_equal(system_local(&sim->system, x, &energy, gradient), PDYN_OK);
+    assert_int_equal(objective_local(&sim->objective, x, &energy, gradient), PDYN_OK);
     return energy;
 }
 
@@ -178,7 +178,7 @@ static void test_forces(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, drop);
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     const struct batch *fluid = sys->batch[0];
     int n = 3 * sys->particles;
     double *x = array(n), *u = array(n), *moved = array(n), *g = array(n), *other = array(n);
@@ -195,7 +195,7 @@ static void test_forces(void **state) {
         for (int k = 0; k < n; k++) moved[k] = x[k] + sign * h * u[k];
         slope += sign * energy_at(sim, moved, other) / (2.0 * h);
     }
-    double expected = system_dot(sys, g, u);
+    double expected = objective_dot(sys, g, u);
     assert_true(fabs(slope / expected - 1.0) < 1e-5);
     energy_at(sim, x, g);
     for (int i = 0; i < n / 3; i++) {
@@ -215,11 +215,11 @@ static void test_forces(void **state) {
     assert_int_equal(batch_local(rows, x, 0.0, moved), PDYN_OK);
     assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);
     for (int b = 1; b < sys->batches; b++) batch_local(sys->batch[b], x, 0.0, moved);
-    assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(system_dot(sys, g, g)));
+    assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(objective_dot(sys, g, g)));
     batch_linearise(rows, 0.0), batch_linearise(sys->batch[0], 0.0);
     memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
     batch_apply(rows, u, moved), batch_apply(sys->batch[0], u, other);
-    assert_true(test_distance(moved, other, n) < 1e-9 * sqrt(system_dot(sys, moved, moved)));
+    assert_true(test_distance(moved, other, n) < 1e-9 * sqrt(objective_dot(sys, moved, moved)));
     batch_free(rows);
     free(x), free(u), free(moved), free(g), free(other);
     pdyn_free(sim);
@@ -289,9 +289,9 @@ static void keeps_momentum(const char *outer, const char *linear) {
     pdyn_step_info info;
     double begin[3] = {0}, size = 0.0;
     assert_int_equal(pdyn_load_text(context, drop, "drop", set, 3, &sim), PDYN_OK);
-    for (int i = 0; i < sim->system.particles; i++) {
-        vec3_add(begin, sim->system.mass[i], sim->v + 3 * i);
-        size += sim->system.mass[i] * vec3_length(sim->v + 3 * i);
+    for (int i = 0; i < sim->objective.particles; i++) {
+        vec3_add(begin, sim->objective.mass[i], sim->v + 3 * i);
+        size += sim->objective.mass[i] * vec3_length(sim->v + 3 * i);
     }
     for (int step = 0; step < 1000; step++) info = test_step(context, sim);
     assert_true(vec3_distance(info.momentum, begin) < 1e-12 * size);
@@ -308,11 +308,11 @@ static void test_momentum(void **state) {
 static void sum_up(const pdyn_sim *sim, double linear[3], double angular[3], double *energy) {
     double moment[3];
     *energy = linear[0] = linear[1] = linear[2] = angular[0] = angular[1] = angular[2] = 0.0;
-    for (int i = 0; i < sim->system.particles; i++) {
+    for (int i = 0; i < sim->objective.particles; i++) {
         vec3_cross(moment, sim->x + 3 * i, sim->v + 3 * i);
-        vec3_add(linear, sim->system.mass[i], sim->v + 3 * i);
-        vec3_add(angular, sim->system.mass[i], moment);
-        *energy += 0.5 * sim->system.mass[i] * vec3_dot(sim->v + 3 * i, sim->v + 3 * i);
+        vec3_add(linear, sim->objective.mass[i], sim->v + 3 * i);
+        vec3_add(angular, sim->objective.mass[i], moment);
+        *energy += 0.5 * sim->objective.mass[i] * vec3_dot(sim->v + 3 * i, sim->v + 3 * i);
     }
 }
 
@@ -321,21 +321,21 @@ static void test_viscosity(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, drop);
-    int n = 3 * sim->system.particles;
+    int n = 3 * sim->objective.particles;
     double p[2][3], l[2][3], energy[2], *before = array(n), spin[3] = {1, 2, 3};
     uint64_t seed = 4;
     for (int k = 0; k < n; k++)
         sim->x[k] += 0.005 * test_random(&seed), sim->v[k] = test_random(&seed);
     energy_at(sim, sim->x, sim->gradient);
     sum_up(sim, p[0], l[0], &energy[0]);
-    batch_velocity(sim->system.batch[0], sim->v);
+    batch_velocity(sim->objective.batch[0], sim->v);
     sum_up(sim, p[1], l[1], &energy[1]);
     assert_true(vec3_distance(p[0], p[1]) < 1e-15);
     assert_true(vec3_distance(l[0], l[1]) < 1e-9 * vec3_length(l[0]));
     assert_true(energy[1] < 0.99 * energy[0]);
     for (int i = 0; i < n / 3; i++) vec3_cross(sim->v + 3 * i, spin, sim->x + 3 * i);
     memcpy(before, sim->v, (size_t)n * sizeof *before);
-    batch_velocity(sim->system.batch[0], sim->v);
+    batch_velocity(sim->objective.batch[0], sim->v);
     assert_true(test_distance(before, sim->v, n) < 1e-8);
     free(before);
     pdyn_free(sim);
@@ -367,12 +367,12 @@ static int densities(const char *text, int vertices, const char *solids, double 
     snprintf(grid, sizeof grid, "bodies.sheet.surface.grid.vertices=[%d, %d]", vertices, vertices);
     assert_int_equal(pdyn_load_text(context, text, "layers", set, 2, &sim), PDYN_OK);
     int n = sim->body[0].count;
-    for (int i = n; i < sim->system.particles; i++)
+    for (int i = n; i < sim->objective.particles; i++)
         sim->x[3 * i + 1] = 0.002 * sin(60.0 * sim->x[3 * i] + 40.0 * sim->x[3 * i + 2]);
     energy_at(sim, sim->x, sim->gradient);
-    assert_int_equal(system_build_lists(&sim->system, sim->x), PDYN_OK);
+    assert_int_equal(objective_build_lists(&sim->objective, sim->x), PDYN_OK);
     energy_at(sim, sim->x, sim->gradient);
-    sim->system.batch[0]->type->op->density(sim->system.batch[0]->op, density);
+    sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, density);
     pdyn_free(sim);
     pdyn_destroy(context);
     return n;
@@ -470,12 +470,12 @@ static double carried(const char *text, int threads, int steps, double *x) {
     for (int step = 0; step < steps; step++) test_step(context, sim);
     for (int i = sheet->first; i < sheet->first + sheet->count; i++) {
         const double *v = sim->v + 3 * i;
-        along += sim->system.mass[i] * (0.8 * v[0] + 0.6 * v[2]);
-        across += sim->system.mass[i] * (0.6 * v[0] - 0.8 * v[2]);
-        mass += sim->system.mass[i];
+        along += sim->objective.mass[i] * (0.8 * v[0] + 0.6 * v[2]);
+        across += sim->objective.mass[i] * (0.6 * v[0] - 0.8 * v[2]);
+        mass += sim->objective.mass[i];
     }
     assert_true(fabs(across / mass) < 1e-3);
-    if (x) memcpy(x, sim->x, 3 * (size_t)sim->system.particles * sizeof *x);
+    if (x) memcpy(x, sim->x, 3 * (size_t)sim->objective.particles * sizeof *x);
     pdyn_free(sim);
     pdyn_destroy(context);
     return along / mass;
@@ -501,26 +501,26 @@ static void test_friction(void **state) {
     pdyn_context *context = test_context(3);
     pdyn_sim *sim = test_load(context, STREAM("bdf2", UPPER ", " LOWER));
     for (int step = 0; step < 5; step++) test_step(context, sim);
-    struct batch *drag = sim->system.drag->batch;
-    int n = 3 * sim->system.particles;
+    struct batch *friction = sim->objective.surface_friction->batch;
+    int n = 3 * sim->objective.particles;
     double *x = array(n), *g = array(n), *other = array(n), *u = array(n), sum[3] = {0}, size = 0.0;
     uint64_t seed = 3;
     for (int k = 0; k < n; k++) x[k] = sim->x[k] + 1e-3 * test_random(&seed);
-    assert_int_equal(batch_local(drag, x, 0.0, g), PDYN_OK);
+    assert_int_equal(batch_local(friction, x, 0.0, g), PDYN_OK);
     for (int i = 0; i < n / 3; i++) {
         vec3_add(sum, 1.0, g + 3 * i);
         size += vec3_length(g + 3 * i);
     }
     assert_true(size > 0.1 && vec3_length(sum) < 1e-13 * size);
-    double energy = drag->energy, change = 0.0; /* E is quadratic: the mean gradient is exact */
+    double energy = friction->energy, change = 0.0; /* E is quadratic: the mean gradient is exact */
     for (int k = 0; k < n; k++) u[k] = 1e-3 * test_random(&seed), x[k] += u[k];
-    assert_int_equal(batch_local(drag, x, 0.0, other), PDYN_OK);
+    assert_int_equal(batch_local(friction, x, 0.0, other), PDYN_OK);
     for (int k = 0; k < n; k++) change += 0.5 * u[k] * (g[k] + other[k]);
-    assert_true(fabs(drag->energy - energy - change) < 1e-12 * energy);
+    assert_true(fabs(friction->energy - energy - change) < 1e-12 * energy);
     for (int k = 1; k < n; k += 3) x[k] += 1e-3 * test_random(&seed); /* across the sheet */
-    energy = drag->energy;
-    assert_int_equal(batch_local(drag, x, 0.0, other), PDYN_OK);
-    assert_true(fabs(drag->energy / energy - 1.0) < 1e-9);
+    energy = friction->energy;
+    assert_int_equal(batch_local(friction, x, 0.0, other), PDYN_OK);
+    assert_true(fabs(friction->energy / energy - 1.0) < 1e-9);
     free(x), free(g), free(other), free(u);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -558,7 +558,7 @@ static void test_friction_threads(void **state) {
     free(one), free(three);
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, drop);
-    assert_null(sim->system.drag);
+    assert_null(sim->objective.surface_friction);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -617,12 +617,12 @@ struct start {
 
 static void note_start(void *user, const pdyn_iteration *iteration) {
     struct start *start = user;
-    const struct system *sys = &start->sim->system;
+    const struct objective *sys = &start->sim->objective;
     if (iteration->iteration > 0) return;
     start->energy = iteration->energy;
     for (int k = 0; k < 3 * sys->particles; k++)
         start->standing +=
-            0.5 * system_inertia(sys, k / 3) * pow(sys->s[k] - start->sim->x[k], 2.0);
+            0.5 * objective_inertia(sys, k / 3) * pow(sys->s[k] - start->sim->x[k], 2.0);
 }
 
 /* Water that a sheet stops on its way is not crushed against it by what comes behind. */

@@ -74,7 +74,7 @@ static void fold(const char *integrator, double own) {
              "{\"type\": \"bending\", \"bending_rigidity\": %g, \"damping\": %g}", rigidity,
              damping);
     pdyn_sim *sim = load(integrator, "\"grid\": {\"size\": [1, 1], \"vertices\": [2, 2]}", h, text);
-    const struct batch *b = sim->system.batch[0];
+    const struct batch *b = sim->objective.batch[0];
     double mode[4] = {0}, square = 0.0, omega2 = 0.0;
     for (int e = 0; e < b->view.elements; e++) {
         double sum = 0.0;
@@ -82,9 +82,10 @@ static void fold(const char *integrator, double own) {
             sum += b->view.coefficient[k] * b->view.coefficient[k];
         if (sum < 1e-12) continue;
         for (int k = b->view.row_entry[e]; k < b->view.row_entry[e + 1]; k++)
-            mode[b->view.column[k]] = b->view.coefficient[k] / sim->system.mass[b->view.column[k]];
+            mode[b->view.column[k]] =
+                b->view.coefficient[k] / sim->objective.mass[b->view.column[k]];
     }
-    for (int i = 0; i < 4; i++) square += sim->system.mass[i] * mode[i] * mode[i];
+    for (int i = 0; i < 4; i++) square += sim->objective.mass[i] * mode[i] * mode[i];
     for (int e = 0; e < b->view.elements; e++) {
         double u = 0.0;
         for (int k = b->view.row_entry[e]; k < b->view.row_entry[e + 1]; k++)
@@ -126,9 +127,9 @@ static void test_balance(void **state) {
                              constraints[c]);
         uint64_t seed = 17;
         double y[76], sum[3] = {0}, torque[3] = {0}, scale = 0.0;
-        assert_int_equal(sim->system.batches, 2);
+        assert_int_equal(sim->objective.batches, 2);
         assert_int_equal(pdyn_get_state(sim).constraints, 1);
-        struct batch *damper = sim->system.batch[1];
+        struct batch *damper = sim->objective.batch[1];
         for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
         batch_begin(damper, sim->x, sim->v, 0.01);
         for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);

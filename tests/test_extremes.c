@@ -220,9 +220,9 @@ static double moving(const pdyn_step_info *info) {
 static void look_at_start(pdyn_sim *sim, struct course *course) {
     pdyn_step_info info = {0};
     double energy;
-    sim->system.h = 1.0;
-    memcpy(sim->system.s, sim->x, system_bytes(&sim->system));
-    assert_int_equal(system_local(&sim->system, sim->x, &energy, sim->gradient), PDYN_OK);
+    sim->objective.h = 1.0;
+    memcpy(sim->objective.s, sim->x, objective_bytes(&sim->objective));
+    assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
     measure_step(sim, &info);
     course->start = moving(&info) + info.constraint_energy;
     course->all = course->start, course->moving = moving(&info);

@@ -1,5 +1,5 @@
 /* Inlets and outlets: what comes in, where, how dense, and that it goes again. */
-#include "step/emit.h"
+#include "step/live_particles.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -76,7 +76,7 @@ static void test_place(void **state) {
         assert_true(sim->v[3 * i + 1] == -3.0);
     }
     for (int n = 0; n < 10; n++) test_step(context, sim);
-    assert_int_equal(sim->emit->emitted, 2 * in_disc);
+    assert_int_equal(sim->live->emitted, 2 * in_disc);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -138,12 +138,12 @@ static void test_outlet(void **state) {
         for (int n = 0; n < 250; n++) {
             pdyn_step_info info = test_step(context, sim);
             if (n == 100) before = counter.calls;
-            assert_int_equal(info.particles, sim->emit->emitted - sim->emit->removed);
+            assert_int_equal(info.particles, sim->live->emitted - sim->live->removed);
             assert_true(n < 100 || (info.particles > 60 && info.particles < 200));
             for (int i = 0; i < s.particles; i++) assert_true(!s.live[i] || s.x[3 * i + 1] >= 0.0);
         }
         assert_int_equal(counter.calls, before);
-        assert_true(sim->emit->removed > 1400 && !sim->emit->inlet[0].closed);
+        assert_true(sim->live->removed > 1400 && !sim->live->inlet[0].closed);
         hash[threads - 1] = pdyn_state_hash(sim);
         pdyn_free(sim);
         assert_int_equal(pdyn_bytes_in_use(context), 0);

@@ -45,7 +45,7 @@ static void test_free_fall(void **state) {
             sim->scene.settings.h_fixed = step[n % 7];
             pdyn_step_info info = test_step(context, sim);
             fall(&f, kind, info.h, -9.81);
-            for (int i = 0; i < sim->system.particles; i++)
+            for (int i = 0; i < sim->objective.particles; i++)
                 assert_true(fabs(sim->x[3 * i + 1] - f.x) < 1e-11);
             assert_true(fabs(info.momentum[1] - 0.3 * (2.0 - 9.81 * info.time)) < 1e-11);
         }
@@ -132,7 +132,7 @@ static void test_no_bounce(void **state) {
             while (pdyn_time(sim) < 0.3) {
                 pdyn_step_info info = test_step(context, sim);
                 impacts += info.impacts;
-                for (int i = 0; info.time > 0.05 && i < sim->system.particles; i++)
+                for (int i = 0; info.time > 0.05 && i < sim->objective.particles; i++)
                     highest = fmax(highest, sim->x[3 * i + 1]);
             }
             if (!(highest < 0.2)) fail_msg("%s: up to %g m", integrator[kind], highest);
@@ -164,8 +164,8 @@ static void test_splash(void **state) {
             assert_true(all < energy * (1.0 + 1e-3));
             energy = fmin(energy, all);
         }
-        for (int i = 0; i < sim->system.particles; i++)
-            mean += sim->x[3 * i + 1] / sim->system.particles;
+        for (int i = 0; i < sim->objective.particles; i++)
+            mean += sim->x[3 * i + 1] / sim->objective.particles;
         print_message("%s: mean height %.4f m, energy %.4g J\n", integrator[kind], mean, energy);
         assert_true(mean < 0.022); /* a layer's middle is 0.02 above the floor */
         pdyn_free(sim);

@@ -88,10 +88,10 @@ static void test_lattice(void **state) {
                  "\"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [{\"box\": {\"minimum\": "
                  "[0, 0, 0], \"maximum\": [0.8, 0.8, 0.8]}}]}");
     double energy;
-    sim->system.h = 0.01;
-    assert_int_equal(system_local(&sim->system, sim->x, &energy, sim->gradient), PDYN_OK);
-    sim->system.batch[0]->type->op->density(sim->system.batch[0]->op, sim->density);
-    for (int i = 0; i < sim->system.particles; i++)
+    sim->objective.h = 0.01;
+    assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
+    sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, sim->density);
+    for (int i = 0; i < sim->objective.particles; i++)
         assert_true(sim->density[i] > 990.0 && sim->density[i] < 1001.0);
     pdyn_free(sim);
     pdyn_destroy(context);

@@ -1,7 +1,7 @@
 /* Kernels against slow and obvious references: all pairs, double precision, no lists. */
 #include "support.h"
 
-#include "geometry/compact.h"
+#include "geometry/compress.h"
 #include "sph/kernel.h"
 
 #include "projdyn/vec3.h"
@@ -204,22 +204,22 @@ static void test_energy(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, block);
-    int n = sim->system.particles, compressed = 0;
+    int n = sim->objective.particles, compressed = 0;
     size_t bytes = (3 * (size_t)n + 1) * sizeof(double);
     double *x = malloc(bytes), *p = malloc(bytes), *q = malloc(bytes), *g = malloc(bytes), energy;
     double w = 1e6, sum = 0.0;
     uint64_t seed = 11;
     assert_true(x && p && q && g);
     for (int k = 0; k < 3 * n; k++) x[k] = 0.99 * sim->x[k] + 0.004 * test_random(&seed);
-    sim->system.h = 0.01;
-    assert_int_equal(system_local(&sim->system, x, &energy, sim->gradient), PDYN_OK);
-    struct batch *rows, *fluid = sim->system.batch[0];
+    sim->objective.h = 0.01;
+    assert_int_equal(objective_local(&sim->objective, x, &energy, sim->gradient), PDYN_OK);
+    struct batch *rows, *fluid = sim->objective.batch[0];
     assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
                                   neighbours_view(sim->neighbours), true, &rows),
                      PDYN_OK);
     batch_local(rows, x, 0.0, sim->gradient);
     double *density = sim->density;
-    fluid->type->op->density(fluid->op, density);
+    fluid->type->matrix_free->density(fluid->op, density);
     for (int i = 0; i < n; i++) {
         double c = density_error(sim, i, x);
         assert_true(fabs(density[i] / 1000.0 - 1.0 - c) < 1e-12);
@@ -248,14 +248,14 @@ static void test_carried_density(void **state) {
                                "[0.02, 0.01, 0], \"rotate\": [0, 3, 5]}]"};
     pdyn_sim *sim = NULL;
     assert_int_equal(pdyn_load_text(context, block, "block", set, 1, &sim), PDYN_OK);
-    const struct batch *fluid = sim->system.batch[0];
-    sim->system.h = 0.01;
+    const struct batch *fluid = sim->objective.batch[0];
+    sim->objective.h = 0.01;
     for (int k = 0; k <= 10; k++) {
         double energy;
-        motion_carry(sim, 0.1 * k);
-        assert_int_equal(system_local(&sim->system, sim->x, &energy, sim->gradient), PDYN_OK);
-        fluid->type->op->density(fluid->op, sim->density);
-        for (int i = 0; i < sim->system.particles; i++)
+        kinematic_carry(sim, 0.1 * k);
+        assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
+        fluid->type->matrix_free->density(fluid->op, sim->density);
+        for (int i = 0; i < sim->objective.particles; i++)
             assert_true(fabs(sim->density[i] / 1000.0 - 1.0 - density_error(sim, i, sim->x)) <
                         1e-12);
     }
@@ -267,13 +267,14 @@ static void test_carried_density(void **state) {
 /* Sum of the densities at x + t d, each times a pressure. */
 static double pressed_density(struct pdyn_sim *sim, const double *x, double t, const double *d,
                               const double *pressure) {
-    const struct batch *fluid = sim->system.batch[0];
+    const struct batch *fluid = sim->objective.batch[0];
     double energy, sum = 0.0;
-    memcpy(sim->trial, x, 3 * (size_t)sim->system.particles * sizeof *x);
-    system_axpy(&sim->system, t, d, sim->trial);
-    assert_int_equal(system_local(&sim->system, sim->trial, &energy, sim->trial_gradient), PDYN_OK);
-    fluid->type->op->density(fluid->op, sim->density);
-    for (int i = 0; i < sim->system.particles; i++) sum += pressure[i] * sim->density[i];
+    memcpy(sim->trial, x, 3 * (size_t)sim->objective.particles * sizeof *x);
+    objective_axpy(&sim->objective, t, d, sim->trial);
+    assert_int_equal(objective_local(&sim->objective, sim->trial, &energy, sim->trial_gradient),
+                     PDYN_OK);
+    fluid->type->matrix_free->density(fluid->op, sim->density);
+    for (int i = 0; i < sim->objective.particles; i++) sum += pressure[i] * sim->density[i];
     return sum;
 }
 
@@ -283,22 +284,22 @@ static void test_pressure(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, block);
-    int n = sim->system.particles;
-    const struct batch *fluid = sim->system.batch[0];
+    int n = sim->objective.particles;
+    const struct batch *fluid = sim->objective.batch[0];
     double *x = sim->x_next, *d = sim->direction, energy, t = 1e-7;
     uint64_t seed = 5;
     for (int k = 0; k < 3 * n; k++) x[k] = 0.99 * sim->x[k] + 0.004 * test_random(&seed);
     for (int k = 0; k < 3 * n; k++) d[k] = test_random(&seed);
-    memcpy(sim->system.s, x, 3 * (size_t)n * sizeof *x); /* no inertia in the gradient */
-    sim->system.h = 0.01;
-    assert_int_equal(system_local(&sim->system, x, &energy, sim->gradient), PDYN_OK);
-    fluid->type->op->pressure(fluid->op, sim->pressure);
-    double volume = sim->system.mass[0] / 1000.0;
+    memcpy(sim->objective.s, x, 3 * (size_t)n * sizeof *x); /* no inertia in the gradient */
+    sim->objective.h = 0.01;
+    assert_int_equal(objective_local(&sim->objective, x, &energy, sim->gradient), PDYN_OK);
+    fluid->type->matrix_free->pressure(fluid->op, sim->pressure);
+    double volume = sim->objective.mass[0] / 1000.0;
     double work = volume / 1000.0 *
                   (pressed_density(sim, x, t, d, sim->pressure) -
                    pressed_density(sim, x, -t, d, sim->pressure)) /
                   (2.0 * t);
-    double expected = system_dot(&sim->system, sim->gradient, d);
+    double expected = objective_dot(&sim->objective, sim->gradient, d);
     assert_true(fabs(work / expected - 1.0) < 1e-5);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -309,7 +310,7 @@ static void test_pressure(void **state) {
 static pdyn_sim *load_block(pdyn_context *context) {
     pdyn_sim *sim = NULL;
     assert_int_equal(pdyn_load_text(context, block, "block", NULL, 0, &sim), PDYN_OK);
-    sim->system.h = 0.01;
+    sim->objective.h = 0.01;
     return sim;
 }
 
@@ -318,25 +319,26 @@ static void test_transpose(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load_block(context);
-    const struct batch *fluid = sim->system.batch[0];
-    const pdyn_operator *op = fluid->type->op;
+    const struct batch *fluid = sim->objective.batch[0];
+    const pdyn_operator *op = fluid->type->matrix_free;
     double energy, *u = sim->direction, *y = sim->trial, left = 0.0;
     uint64_t seed = 17;
-    for (int k = 0; k < 3 * sim->system.particles; k++) {
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
         sim->x_next[k] = 1.02 * sim->x[k] + 0.004 * test_random(&seed);
         u[k] = test_random(&seed), y[k] = 0.0;
     }
-    assert_int_equal(system_local(&sim->system, sim->x_next, &energy, sim->gradient), PDYN_OK);
-    int count = op->scalars(fluid->op).count;
+    assert_int_equal(objective_local(&sim->objective, sim->x_next, &energy, sim->gradient),
+                     PDYN_OK);
+    int count = op->one_sided(fluid->op).count;
     double *multiplier = malloc((size_t)count * sizeof *multiplier),
            *rate = malloc((size_t)count * sizeof *rate);
     bool *all = malloc((size_t)count * sizeof *all);
-    assert_true(count == sim->system.particles && multiplier && rate && all);
+    assert_true(count == sim->objective.particles && multiplier && rate && all);
     for (int i = 0; i < count; i++) multiplier[i] = test_random(&seed), all[i] = true;
     op->rate(fluid->op, all, u, rate);
     op->force(fluid->op, multiplier, y);
     for (int i = 0; i < count; i++) left += multiplier[i] * rate[i];
-    assert_true(fabs(left / system_dot(&sim->system, y, u) - 1.0) < 1e-10);
+    assert_true(fabs(left / objective_dot(&sim->objective, y, u) - 1.0) < 1e-10);
     free(multiplier), free(rate), free(all);
     pdyn_free(sim);
     pdyn_destroy(context);

@@ -1,7 +1,7 @@
 /* Saved states: the same bits afterwards, and what is no state of the scene is refused. */
 #include "support.h"
 
-#include "output/persist.h"
+#include "output/snapshot.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #include "support.h"
 
 #include "projdyn/vec3.h"
-#include "scene/placed.h"
+#include "scene/transform.h"
 
 static void test_turn(void **state) {
     (void)state;

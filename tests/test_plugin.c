@@ -90,10 +90,10 @@ static void test_tables(void **state) {
     t = good, t.project = NULL, refuse_type(t, "lacks one of");
     t = good, t.width = 0, refuse_type(t, "needs rows and width");
     t = good, t.damping = damping, refuse_type(t, "need each other");
-    t = good, t.tangent = tangent, t.axial = tangent,
+    t = good, t.tangent = tangent, t.tangent_rank1 = tangent,
     refuse_type(t, "expected one of them at most");
     t = good, t.flags = PDYN_ON_PARTICLES | PDYN_ON_SURFACE, refuse_type(t, "no body is both");
-    t = good, t.op = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
+    t = good, t.matrix_free = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");
     t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
 }
@@ -257,8 +257,8 @@ static pdyn_status create(void *self, pdyn_model *given) {
     return PDYN_OK;
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
-    (void)self, (void)b, (void)y, (void)goal, (void)iterations;
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
+    (void)self, (void)b, (void)y, (void)stop, (void)iterations;
     return model->services->set_error(model->services->core, PDYN_SOLVER_FAILED, "no idea");
 }
 
@@ -307,7 +307,7 @@ static void test_model(void **state) {
     for (int k = 0; k < 60; k++) u[k] = test_random(&seed);
     for (int dim = 1; dim <= 3; dim += 2) {
         pdyn_matrix matrix, again;
-        assert_int_equal(system_linearise(&sim->system, dim == 1 ? 1.0 : 0.25), PDYN_OK);
+        assert_int_equal(objective_linearise(&sim->objective, dim == 1 ? 1.0 : 0.25), PDYN_OK);
         assert_int_equal(model->matrix(model, &matrix), PDYN_OK);
         assert_int_equal(matrix.dim, dim);
         model->product(model, u, y);

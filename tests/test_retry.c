@@ -13,13 +13,13 @@ static const char drop[] =
 
 /* The scene's own solver, which fails where a step is longer than `longest`. */
 static const pdyn_global_solver *own;
-static struct system *system_of_own;
+static struct objective *objective_of_own;
 static double longest;
 
-static pdyn_status fail_where_long(void *self, double *b, double *y, const pdyn_goal *goal,
+static pdyn_status fail_where_long(void *self, double *b, double *y, const pdyn_stop *stop,
                                    int *iterations) {
-    pdyn_status status = own->solve(self, b, y, goal, iterations);
-    if (system_of_own->h > longest) y[4] = NAN;
+    pdyn_status status = own->solve(self, b, y, stop, iterations);
+    if (objective_of_own->h > longest) y[4] = NAN;
     return status;
 }
 
@@ -28,7 +28,7 @@ static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const 
     pdyn_sim *sim = NULL;
     assert_int_equal(pdyn_load_text(context, drop, "drop", &set, 1, &sim), PDYN_OK);
     *failing = *(own = sim->solver), failing->solve = fail_where_long;
-    system_of_own = &sim->system, longest = INFINITY, sim->solver = failing;
+    objective_of_own = &sim->objective, longest = INFINITY, sim->solver = failing;
     for (int k = 0; k < 5; k++) assert_int_equal(test_step(context, sim).retries, 0);
     longest = limit;
     return sim;

@@ -1,7 +1,7 @@
 /* Names and what is said about them: near misses, descriptions, and the schema against the tables
  * of parameters. */
-#include "base/near.h"
 #include "base/registry.h"
+#include "base/text.h"
 #include "scene/inlet.h"
 #include "scene_support.h"
 

@@ -1,5 +1,5 @@
 /* Solids given by a few numbers: closed, outward, of the right size, and water stands on them. */
-#include "scene/shape.h"
+#include "scene/primitive_mesh.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -29,7 +29,7 @@ static void check_capsule(const double from[3], const double to[3], double radiu
     struct mesh mesh;
     double pi = acos(-1.0), length = vec3_distance(from, to);
     double exact = pi * radius * radius * (4.0 / 3.0 * radius + length);
-    assert_int_equal(shape_capsule(context, from, to, radius, &mesh), PDYN_OK);
+    assert_int_equal(primitive_capsule(context, from, to, radius, &mesh), PDYN_OK);
     assert_int_equal(mesh_check(context, &mesh, "capsule"), PDYN_OK);
     assert_int_equal(mesh_check_cloth(context, &mesh, "capsule"), PDYN_OK);
     assert_int_equal(mesh_check_closed(context, &mesh, "capsule"), PDYN_OK);
@@ -54,11 +54,11 @@ static void test_box(void **state) {
     pdyn_context *context = test_context(1);
     struct scene_box box = {{-1, 0, 2}, {1, 3, 6}};
     struct mesh mesh;
-    assert_int_equal(shape_box(context, &box, 0, &mesh), PDYN_OK);
+    assert_int_equal(primitive_box(context, &box, 0, &mesh), PDYN_OK);
     assert_int_equal(mesh_check_closed(context, &mesh, "box"), PDYN_OK);
     assert_true(fabs(volume(&mesh) - 24.0) < 1e-12);
     mesh_free(context, &mesh);
-    assert_int_equal(shape_box(context, &box, 1u << 3, &mesh), PDYN_OK); /* without its lid */
+    assert_int_equal(primitive_box(context, &box, 1u << 3, &mesh), PDYN_OK); /* without its lid */
     assert_int_equal(mesh.triangles, 10);
     for (int t = 0; t < mesh.triangles; t++) {
         double low = 3.0;
@@ -74,7 +74,7 @@ static void test_plane(void **state) {
     pdyn_context *context = test_context(1);
     struct mesh mesh;
     double center[3] = {1, 2, 3}, normal[3] = {0, 2, 1};
-    assert_int_equal(shape_plane(context, center, normal, 4.0, &mesh), PDYN_OK);
+    assert_int_equal(primitive_plane(context, center, normal, 4.0, &mesh), PDYN_OK);
     for (int i = 0; i < 4; i++) {
         double d[3] = {mesh.vertex[3 * i] - 1, mesh.vertex[3 * i + 1] - 2,
                        mesh.vertex[3 * i + 2] - 3};

@@ -30,7 +30,7 @@ static double *random_vector(int particles) {
     return u;
 }
 
-static float *to_floats(const struct system *sys, const double *u) {
+static float *to_floats(const struct objective *sys, const double *u) {
     float *out = calloc(single_size(sys), sizeof *out);
     assert_non_null(out);
     for (int k = 0; k < 3 * sys->particles; k++) out[k / 3 * 4 + k % 3] = (float)u[k];
@@ -38,26 +38,26 @@ static float *to_floats(const struct system *sys, const double *u) {
 }
 
 static void compare_diagonals(const struct single *s) {
-    size_t numbers = 6 * (size_t)s->system->particles;
+    size_t numbers = 6 * (size_t)s->objective->particles;
     double *D = calloc(2 * numbers + 1, sizeof *D), *exact = D + numbers, most = 0.0;
     assert_non_null(D);
-    single_diagonal(s, D), system_diagonal(s->system, exact);
+    single_diagonal(s, D), objective_diagonal(s->objective, exact);
     for (size_t k = 0; k < numbers; k++) most = fmax(most, fabs(exact[k]));
     for (size_t k = 0; k < numbers; k++) assert_true(fabs(D[k] - exact[k]) < 1e-12 * most);
     free(D);
 }
 
 /* H u, u.H u and the block diagonal as floats have them, against doubles. */
-static void compare_products(struct system *sys, double eps) {
+static void compare_products(struct objective *sys, double eps) {
     struct single s = {0};
     int n = sys->particles, size = 3 * n;
     double *u = random_vector(n), *y = calloc((size_t)size + 1, sizeof *y), most = 0.0, worst = 0.0;
     float *single_u = to_floats(sys, u), *single_y = calloc(single_size(sys), sizeof *single_y);
     assert_true(y && single_y);
-    assert_int_equal(system_linearise(sys, eps), PDYN_OK);
+    assert_int_equal(objective_linearise(sys, eps), PDYN_OK);
     assert_int_equal(single_create(&s, sys), PDYN_OK);
     single_prepare(&s);
-    system_apply(sys, u, y);
+    objective_apply(sys, u, y);
     double product = single_apply(&s, single_u, single_y), exact = 0.0;
     for (int k = 0; k < size; k++) {
         exact += u[k] * y[k], most = fmax(most, fabs(y[k]));
@@ -97,9 +97,9 @@ static void test_product(void **state) {
             pdyn_context *context = test_context(2);
             snprintf(shape, sizeof shape, scene[k].shape, n);
             pdyn_sim *sim = fall(context, shape, scene[k].constraints);
-            compare_products(&sim->system, 0.0);
-            compare_products(&sim->system, 0.3);
-            compare_products(&sim->system, 1.0);
+            compare_products(&sim->objective, 0.0);
+            compare_products(&sim->objective, 0.3);
+            compare_products(&sim->objective, 1.0);
             pdyn_free(sim);
             assert_int_equal(pdyn_bytes_in_use(context), 0);
             pdyn_destroy(context);
@@ -116,18 +116,18 @@ static void test_common_motion(void **state) {
                          "\"area_density\": 0.2}",
                          "{\"type\": \"spring\", \"stretching_stiffness\": 1e9}, {\"type\": "
                          "\"bending\", \"bending_rigidity\": 1e3}");
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     struct single s = {0};
     double *u = random_vector(sys->particles);
     for (int k = 0; k < 3 * sys->particles; k++) u[k] = 0.3;
     float *single_u = to_floats(sys, u), *y = calloc(single_size(sys), sizeof *y);
     assert_non_null(y);
-    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(objective_linearise(sys, 0.0), PDYN_OK);
     assert_int_equal(single_create(&s, sys), PDYN_OK);
     single_prepare(&s);
     single_apply(&s, single_u, y);
     for (int i = 0; i < sys->particles; i++) {
-        double expected = 0.3 * system_inertia(sys, i);
+        double expected = 0.3 * objective_inertia(sys, i);
         bool pinned = i == 0 || i == 12;
         assert_true(pinned || fabs((double)y[4 * i] - expected) < 3e-7 * expected);
     }
@@ -140,18 +140,18 @@ static void test_common_motion(void **state) {
 /* The residual that a solve leaves, of the one before, which is so small that no constraint changes
  * sides. */
 static double left_by_solve(pdyn_sim *sim, double tolerance) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     int size = 3 * sys->particles, iterations;
     double *b = random_vector(sys->particles), *rest = random_vector(sys->particles);
     double *y = calloc((size_t)size + 1, sizeof *y), *q = calloc((size_t)size + 1, sizeof *q);
-    const pdyn_goal goal = {.tolerance = tolerance, .iterations = 100000, .first = true};
+    const pdyn_stop stop = {.rel_tol = tolerance, .max_iterations = 100000, .first_of_step = true};
     assert_true(y && q);
     for (int k = 0; k < size; k++) b[k] *= 1e-6, rest[k] *= 1e-6;
-    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
-    assert_int_equal(sim->solver->solve(sim->solver_state, rest, y, &goal, &iterations), PDYN_OK);
-    system_apply(sys, y, q);
+    assert_int_equal(objective_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(sim->solver->solve(sim->solver_state, rest, y, &stop, &iterations), PDYN_OK);
+    objective_apply(sys, y, q);
     for (int k = 0; k < size; k++) q[k] -= b[k];
-    double left = system_norm(sys, q) / system_norm(sys, b);
+    double left = objective_norm(sys, q) / objective_norm(sys, b);
     free(b), free(rest), free(y), free(q);
     return left;
 }
@@ -199,11 +199,11 @@ static void solves_create(struct solves *t) {
                   "\"area_density\": 0.2}",
                   "{\"type\": \"spring\", \"stretching_stiffness\": 400}, {\"type\": \"bending\", "
                   "\"bending_rigidity\": 1e-4}");
-    struct system *sys = &t->sim->system;
+    struct objective *sys = &t->sim->objective;
     t->b = random_vector(sys->particles);
     t->y = calloc(3 * (size_t)sys->particles + 1, sizeof *t->y);
     assert_non_null(t->y);
-    assert_int_equal(system_linearise(sys, 0.0), PDYN_OK);
+    assert_int_equal(objective_linearise(sys, 0.0), PDYN_OK);
     assert_int_equal(jacobi_create(&t->jacobi, sys), PDYN_OK);
     assert_int_equal(coarse_create(&t->coarse, sys), PDYN_OK);
     assert_int_equal(single_cg_create(&t->single, sys, &t->jacobi, &t->coarse), PDYN_OK);
@@ -223,23 +223,23 @@ static void solves_free(struct solves *t) {
 /* So many iterations for H y = b, and what they leave of b; cut: as no more are allowed, or else as
  * they do not gain enough. */
 static void solves_solve(struct solves *t, int iterations, bool first, bool cut, double *left) {
-    const pdyn_goal goal = {.tolerance = 1e-9,
-                            .iterations = cut ? iterations : 100,
-                            .gain = cut ? 0.0 : 1e9,
-                            .least = cut || iterations == 1 ? 0 : iterations,
-                            .first = first};
-    struct system *sys = &t->sim->system;
+    const pdyn_stop stop = {.rel_tol = 1e-9,
+                            .max_iterations = cut ? iterations : 100,
+                            .min_progress = cut ? 0.0 : 1e9,
+                            .min_iterations = cut || iterations == 1 ? 0 : iterations,
+                            .first_of_step = first};
+    struct objective *sys = &t->sim->objective;
     int done;
-    memset(t->y, 0, system_bytes(sys));
-    assert_int_equal(single_cg_solve(&t->single, t->b, t->y, &goal, &done), SINGLE_ENOUGH);
+    memset(t->y, 0, objective_bytes(sys));
+    assert_int_equal(single_cg_solve(&t->single, t->b, t->y, &stop, &done), SINGLE_ENOUGH);
     assert_int_equal(done, iterations);
-    system_apply(sys, t->y, left);
+    objective_apply(sys, t->y, left);
     for (int k = 0; k < 3 * sys->particles; k++) left[k] = t->b[k] - left[k];
 }
 
 /* Of a vector along another one. */
-static double cosine(struct system *sys, const double *a, const double *b) {
-    return system_dot(sys, a, b) / sqrt(system_dot(sys, a, a) * system_dot(sys, b, b));
+static double cosine(struct objective *sys, const double *a, const double *b) {
+    return objective_dot(sys, a, b) / sqrt(objective_dot(sys, a, a) * objective_dot(sys, b, b));
 }
 
 /* Conjugate gradients leave a residual at right angles to all steps: after one iteration to the
@@ -248,11 +248,11 @@ static void test_directions(void **state) {
     (void)state;
     struct solves t;
     solves_create(&t);
-    struct system *sys = &t.sim->system;
+    struct objective *sys = &t.sim->objective;
     double *left = random_vector(sys->particles), *block = random_vector(sys->particles);
     double *step = random_vector(sys->particles);
     solves_solve(&t, 1, true, false, left);
-    memcpy(step, t.y, system_bytes(sys));
+    memcpy(step, t.y, objective_bytes(sys));
     jacobi_prepare(&t.jacobi);
     jacobi_apply(&t.jacobi, t.b, block);
     coarse_add(&t.coarse, t.b, block);
@@ -266,8 +266,8 @@ static void test_directions(void **state) {
 
 /* 1/2 y.H y - b.y, H y = b - left */
 static double model(const struct solves *t, const double *left) {
-    struct system *sys = &t->sim->system;
-    return -0.5 * (system_dot(sys, t->b, t->y) + system_dot(sys, left, t->y));
+    struct objective *sys = &t->sim->objective;
+    return -0.5 * (objective_dot(sys, t->b, t->y) + objective_dot(sys, left, t->y));
 }
 
 /* A solve goes on from the one before: two of one iteration come to where one of two does, and
@@ -276,16 +276,16 @@ static void test_goes_on(void **state) {
     (void)state;
     struct solves t;
     solves_create(&t);
-    struct system *sys = &t.sim->system;
+    struct objective *sys = &t.sim->objective;
     double *left = random_vector(sys->particles), *b = random_vector(sys->particles), after[2];
     double once = 0.0;
     solves_solve(&t, 2, true, false, left);
     double together = model(&t, left);
     for (int goes_on = 0; goes_on < 2; goes_on++) {
-        memcpy(t.b, b, system_bytes(sys));
+        memcpy(t.b, b, objective_bytes(sys));
         solves_solve(&t, 1, true, false, left);
         once = model(&t, left);
-        memcpy(t.b, left, system_bytes(sys));
+        memcpy(t.b, left, objective_bytes(sys));
         solves_solve(&t, 1, !goes_on, false, left);
         after[goes_on] = once + model(&t, left);
     }
@@ -302,10 +302,10 @@ static void test_cut_short(void **state) {
     (void)state;
     struct solves t;
     solves_create(&t);
-    struct system *sys = &t.sim->system;
+    struct objective *sys = &t.sim->objective;
     double *left = random_vector(sys->particles), *step = random_vector(sys->particles);
     solves_solve(&t, 1, true, false, left);
-    memcpy(step, t.y, system_bytes(sys));
+    memcpy(step, t.y, objective_bytes(sys));
     double once = model(&t, left);
     solves_solve(&t, 1, true, true, left);
     if (!(model(&t, left) < 1.01 * once)) fail_msg("%g, %g", model(&t, left), once);
@@ -345,8 +345,8 @@ static void test_left_out(void **state) {
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = fill_tank(context, 4000.0);
     assert_true(sim->samples && sim->samples->live > 0 && sim->samples->live < sim->samples->count);
-    compare_products(&sim->system, 0.0);
-    compare_products(&sim->system, 0.3);
+    compare_products(&sim->objective, 0.0);
+    compare_products(&sim->objective, 0.3);
     pdyn_free(sim);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);

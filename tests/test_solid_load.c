@@ -57,7 +57,7 @@ static double mass_of(const pdyn_sim *sim) {
 /* The loads that a step should have: with M (x - s) / h^2 + grad V = r, r the gradient of E, the
  * forces on the solids sum up to the sum of grad V. */
 static struct total expected(const pdyn_sim *sim) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     struct total sum = {{0}, {0}};
     for (int i = 0; i < sys->particles; i++) {
         double force[3], moment[3], w = sys->mass[i] / (sys->h * sys->h);
@@ -74,7 +74,7 @@ static struct total expected(const pdyn_sim *sim) {
 static void assert_momentum(const pdyn_sim *sim, const pdyn_step_info *info, const double before[3],
                             const double force[3]) {
     double left[3] = {0}, weight = G * mass_of(sim);
-    for (int k = 0; k < 3 * sim->system.particles; k++) left[k % 3] += sim->gradient[k];
+    for (int k = 0; k < 3 * sim->objective.particles; k++) left[k % 3] += sim->gradient[k];
     left[1] -= weight;
     for (int a = 0; a < 3; a++) left[a] -= (info->momentum[a] - before[a]) / info->h + force[a];
     if (vec3_length(left) > 1e-9 * weight)
@@ -239,8 +239,8 @@ static void assert_carries(const char *body, const char *integrator, double angl
     pdyn_sim *sim = test_load(c, scene(head, body, FLOOR));
     double mass = mass_of(sim), center[3] = {0};
     struct total mean = mean_load(c, sim, 0, 1.0, 1.5);
-    for (int i = 0; i < sim->system.particles; i++)
-        vec3_add(center, sim->system.mass[i] / mass, sim->x + 3 * i);
+    for (int i = 0; i < sim->objective.particles; i++)
+        vec3_add(center, sim->objective.mass[i] / mass, sim->x + 3 * i);
     for (int a = 0; a < 3; a++) g[a] *= mass;
     vec3_cross(moment, center, g);
     double off = vec3_distance(mean.force, g) / vec3_length(g);

@@ -66,7 +66,7 @@ static void solve_dense(double *A, int n, double *x) {
 static double *factor_twice(int threads, int n, bool lasting, bool compare) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = hang(context, n, "\"time_step\": {\"fixed\": 0.01}");
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     struct matrix matrix = {0};
     struct factor factor = {0};
     int size = 3 * sys->particles;
@@ -147,20 +147,21 @@ static void test_hybrid(void **state) {
 
 /* Twelve linear iterations of a simulation with this solver, in parts of so many; adds up y. */
 static void solve_in_parts(pdyn_sim *sim, int part, const double *b, double *y) {
-    size_t bytes = system_bytes(&sim->system), n = bytes / sizeof *y;
+    size_t bytes = objective_bytes(&sim->objective), n = bytes / sizeof *y;
     double *rest = malloc(bytes), *more = malloc(bytes), *product = malloc(bytes);
     assert_true(rest && more && product);
     memcpy(rest, b, bytes);
     memset(y, 0, bytes);
     for (int done = 0; done < 12; done += part) {
-        const pdyn_goal goal = {.tolerance = 1e-12, .iterations = part, .first = done == 0};
+        const pdyn_stop stop = {
+            .rel_tol = 1e-12, .max_iterations = part, .first_of_step = done == 0};
         int iterations;
         memset(more, 0, bytes);
-        assert_int_equal(sim->solver->solve(sim->solver_state, rest, more, &goal, &iterations),
+        assert_int_equal(sim->solver->solve(sim->solver_state, rest, more, &stop, &iterations),
                          PDYN_OK);
         assert_int_equal(iterations, part);
         for (size_t k = 0; k < n; k++) y[k] += more[k];
-        system_apply(&sim->system, y, product);
+        objective_apply(&sim->objective, y, product);
         for (size_t k = 0; k < n; k++) rest[k] = b[k] - product[k];
     }
     free(rest), free(more), free(product);
@@ -178,7 +179,7 @@ static void test_goes_on(void **state) {
         hang(context, 17, "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
     for (int step = 0; step < 3; step++) test_step(context, sim);
     for (int i = 0; i < N; i++) b[i] = test_random(&seed);
-    assert_int_equal(system_linearise(&sim->system, 0.0), PDYN_OK);
+    assert_int_equal(objective_linearise(&sim->objective, 0.0), PDYN_OK);
     solve_in_parts(sim, 12, b, whole);
     solve_in_parts(sim, 3, b, parts);
     double size = test_distance(whole, (double[N]){0}, N);

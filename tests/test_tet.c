@@ -99,8 +99,8 @@ static void test_stretch(void **state) {
         " \"cells\": [3, 2, 2]}, \"density\": 500}, \"constraints\": [{\"type\": \"tet\","
         " \"stiffness\": 2e4, \"volume_stiffness\": 1e5}]}]}");
     double energy, mass = 0.0, p[3] = {1.15, 0.85, 1.05}, expected = 0.0;
-    for (int i = 0; i < sim->system.particles; i++) {
-        mass += sim->system.mass[i];
+    for (int i = 0; i < sim->objective.particles; i++) {
+        mass += sim->objective.mass[i];
         for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= s[a];
     }
     assert_true(fabs(mass - 500 * V) < 1e-9);
@@ -114,9 +114,9 @@ static void test_stretch(void **state) {
     }
     for (int a = 0; a < 3; a++)
         expected += 0.5 * V * (2e4 * (s[a] - 1) * (s[a] - 1) + 1e5 * (s[a] - p[a]) * (s[a] - p[a]));
-    sim->system.h = 0.01;
-    memcpy(sim->system.s, sim->x, 3 * (size_t)sim->system.particles * sizeof(double));
-    assert_int_equal(system_local(&sim->system, sim->x, &energy, sim->gradient), PDYN_OK);
+    sim->objective.h = 0.01;
+    memcpy(sim->objective.s, sim->x, 3 * (size_t)sim->objective.particles * sizeof(double));
+    assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
     assert_true(fabs(energy - expected) <= 1e-9 * expected);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -136,7 +136,7 @@ static void test_rod(void **state) {
         " {\"minimum\": [-1, 0.49, -1], \"maximum\": [1, 1, 1]}}}]}]}");
     for (int k = 0; k < 60; k++) test_step(context, sim);
     double end = 0.0; /* the mean of the four points there */
-    for (int i = 0; i < sim->system.particles; i++)
+    for (int i = 0; i < sim->objective.particles; i++)
         if (sim->rest[3 * i + 1] < -0.49) end += 0.25 * sim->x[3 * i + 1];
     double longer = -0.5 - end, expected = 1000 * 9.81 / (2.0 * 1e6);
     if (!(fabs(longer - expected) < 0.001 * expected))

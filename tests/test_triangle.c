@@ -35,8 +35,8 @@ static struct batch *load(const char *range) {
              "\"triangle\", \"stretching_stiffness\": 5%s}]}]}",
              range);
     sim = test_load(context, text);
-    sim->system.h = 1.0;
-    return sim->system.batch[0];
+    sim->objective.h = 1.0;
+    return sim->objective.batch[0];
 }
 
 /* u times the inverse of the root of u'u, by Newton's iteration y = (y + y'^-1) / 2 on the 3 x 3
@@ -131,8 +131,8 @@ static double energy_of(const double strain[3]) {
         x[3 * v] = r[0] * (1.0 + strain[0]) + strain[2] * r[2];
         x[3 * v + 2] = r[2] * (1.0 + strain[1]);
     }
-    assert_int_equal(system_local(&sim->system, x, &energy, gradient), PDYN_OK);
-    return sim->system.batch[0]->energy;
+    assert_int_equal(objective_local(&sim->objective, x, &energy, gradient), PDYN_OK);
+    return sim->objective.batch[0]->energy;
 }
 
 /* Young's modulus times thickness Y, no Poisson's effect, shear modulus Y / 2; nothing in range. */

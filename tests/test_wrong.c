@@ -76,7 +76,7 @@ static const pdyn_constraint_type good = {.name = "edges",
                                           .project = project,
                                           .tangent = tangent,
                                           .damping = damping,
-                                          .hold = hold};
+                                          .damping_rest = hold};
 
 /* ---- looking for a fault --------------------------------------------------------------------- */
 
@@ -313,10 +313,11 @@ static void test_mathematics(void **state) {
     t = good, t.tangent = tangent_none, expect(t, "tangent is not that of project");
     t = good, t.tangent = tangent_large, expect(t, "an eigenvalue outside of [0, 1]");
     t = good, t.tangent = tangent_nan, expect(t, "J that is not finite");
-    t = good, t.tangent = NULL, t.axial = axial_large, expect(t, "an eigenvalue outside of [0, 1]");
+    t = good, t.tangent = NULL, t.tangent_rank1 = axial_large,
+    expect(t, "an eigenvalue outside of [0, 1]");
     t.rows = 2, t.width = 1, expect(t, "expected 1 as its tangent is axial");
     t = good, t.linear = linear, expect(t, "`linear` calls linear");
-    t = good, t.hold = hold_nothing, expect(t, "after hold, u is not its own projection");
+    t = good, t.damping_rest = hold_nothing, expect(t, "after hold, u is not its own projection");
 }
 
 /* ---- solvers --------------------------------------------------------------------------------- */
@@ -361,13 +362,13 @@ static void leak(void *self) {
 }
 
 /* Conjugate gradients, plain. */
-static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct solver *s = self;
     pdyn_model *m = s->model;
     int n = 3 * m->particles;
     memcpy(s->r, b, (size_t)n * sizeof *b), memcpy(s->p, b, (size_t)n * sizeof *b);
-    double rr = m->dot(m, s->r, s->r), target = goal->tolerance * goal->tolerance * rr;
-    for (*iterations = 0; *iterations < goal->iterations && rr > target; ++*iterations) {
+    double rr = m->dot(m, s->r, s->r), target = stop->rel_tol * stop->rel_tol * rr;
+    for (*iterations = 0; *iterations < stop->max_iterations && rr > target; ++*iterations) {
         m->product(m, s->p, s->q);
         double step = rr / m->dot(m, s->p, s->q), before = rr;
         for (int k = 0; k < n; k++) y[k] += step * s->p[k], s->r[k] -= step * s->q[k];
@@ -377,31 +378,31 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal
     return PDYN_OK;
 }
 
-static pdyn_status solve_roughly(void *self, double *b, double *y, const pdyn_goal *goal,
+static pdyn_status solve_roughly(void *self, double *b, double *y, const pdyn_stop *stop,
                                  int *iterations) {
-    pdyn_goal rough = *goal;
-    rough.tolerance = 1e-3;
+    pdyn_stop rough = *stop;
+    rough.rel_tol = 1e-3;
     return solve(self, b, y, &rough, iterations);
 }
 
-static pdyn_status solve_by_chance(void *self, double *b, double *y, const pdyn_goal *goal,
+static pdyn_status solve_by_chance(void *self, double *b, double *y, const pdyn_stop *stop,
                                    int *iterations) {
-    pdyn_status status = solve(self, b, y, goal, iterations);
+    pdyn_status status = solve(self, b, y, stop, iterations);
     y[0] *= 1.0 + 1e-10 * (atomic_fetch_add(&calls, 1) % 7);
     return status;
 }
 
-static pdyn_status solve_uncounted(void *self, double *b, double *y, const pdyn_goal *goal,
+static pdyn_status solve_uncounted(void *self, double *b, double *y, const pdyn_stop *stop,
                                    int *iterations) {
-    pdyn_status status = solve(self, b, y, goal, iterations);
+    pdyn_status status = solve(self, b, y, stop, iterations);
     *iterations = 0;
     return status;
 }
 
-static pdyn_status solve_never(void *self, double *b, double *y, const pdyn_goal *goal,
+static pdyn_status solve_never(void *self, double *b, double *y, const pdyn_stop *stop,
                                int *iterations) {
     struct solver *s = self;
-    (void)b, (void)y, (void)goal, (void)iterations;
+    (void)b, (void)y, (void)stop, (void)iterations;
     return s->model->services->set_error(s->model->services->core, PDYN_SOLVER_FAILED, "too hard");
 }
 

@@ -27,7 +27,7 @@ static int elements(const void *par, const pdyn_body *body) {
     return 1;
 }
 
-static void shape(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
+static void row_sizes(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     (void)par, (void)element;
     *rows = b->body->count, *width = 1;
 }
@@ -114,7 +114,7 @@ static const pdyn_constraint_type type = {
     .params = params,
     .data_size = sizeof(double),
     .elements = elements,
-    .shape = shape,
+    .row_sizes = row_sizes,
     .select = select,
     .weight = weight,
     .project = project,

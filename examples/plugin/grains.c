@@ -32,7 +32,7 @@ static bool counts(const pdyn_neighbours *l, int i, int j) {
     return (j > i && j < l->particles - l->samples) || j >= l->particles;
 }
 
-static void shape(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
+static void row_sizes(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     const pdyn_neighbours *l = b->neighbours;
     int i = b->body->first + element;
     (void)par;
@@ -202,9 +202,9 @@ static double local(void *self, const double *x, double *gradient) {
     return energy;
 }
 
-static pdyn_scalars scalars(void *self) {
+static pdyn_one_sided scalars(void *self) {
     struct grains *g = (struct grains *)self;
-    pdyn_scalars s = {g->constraints, g->value, g->k, g->squares, g->held};
+    pdyn_one_sided s = {g->constraints, g->value, g->k, g->squares, g->held};
     return s;
 }
 
@@ -255,7 +255,7 @@ static const pdyn_operator operator_of_grains = {
     .free = release,
     .neighbours = neighbours,
     .local = local,
-    .scalars = scalars,
+    .one_sided = scalars,
     .rate = rate,
     .force = force,
     .diagonal = diagonal,
@@ -269,12 +269,12 @@ static const pdyn_constraint_type type = {
     .params_size = sizeof(struct params),
     .params = params,
     .elements = elements,
-    .shape = shape,
+    .row_sizes = row_sizes,
     .select = select,
     .weight = weight,
     .project = project,
     .tangent = tangent,
-    .op = &operator_of_grains,
+    .matrix_free = &operator_of_grains,
 };
 
 static const pdyn_constraint_type *const types[] = {&type, NULL};

@@ -92,10 +92,10 @@ static void substitute(const struct skyline *s, const double *b, double *y, int 
     }
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct skyline *s = (struct skyline *)self;
     pdyn_matrix m;
-    (void)goal;
+    (void)stop;
     pdyn_status status = s->model->matrix(s->model, &m);
     if (status == PDYN_OK && (!s->L || s->pattern != m.pattern)) status = place(s, &m);
     if (status == PDYN_OK && s->values != m.values) status = factor(s, &m);

@@ -125,10 +125,10 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
 
 /* The state of a simulation, written to a file or read from it. A module hands over what its next
  * step depends on, in the same order both ways. */
-typedef struct pdyn_archive {
+typedef struct pdyn_snapshot {
     bool reading;
-    void (*bytes)(struct pdyn_archive *archive, void *data, size_t size);
-} pdyn_archive;
+    void (*bytes)(struct pdyn_snapshot *snapshot, void *data, size_t size);
+} pdyn_snapshot;
 
 /* ---- operator tier: for a constraint that is too large for generic rows ---------------------- */
 
@@ -177,14 +177,14 @@ typedef struct pdyn_neighbours {
 
 /* One-sided scalar constraints C_i <= 0, as the last local step left them. The energy of constraint
  * i is k_i / 2 max(0, C_i)^2, with k_i constant in a step. */
-typedef struct pdyn_scalars {
+typedef struct pdyn_one_sided {
     int count;               /* first one for each particle of the body, then others if there are */
     const double *value;     /* count: C_i, negative where there is room */
     const double *stiffness; /* count: k_i; 0 where a constraint can do nothing */
     const double *squares;   /* count: |grad C_i|^2 over all its particles */
     const double *held; /* particles: the weights of all constraints that select a particle, N/m:
                            what eps = 1 puts on the diagonal of H */
-} pdyn_scalars;
+} pdyn_one_sided;
 
 /* Vectors (x, u, y, gradient: particles x 3) have room for one number more, so that the last
  * particle's can be loaded as four. */
@@ -197,7 +197,7 @@ typedef struct pdyn_operator {
     /* Local step at x: returns the energy, adds the gradient to `gradient` (particles x 3). */
     double (*local)(void *self, const double *x, double *gradient);
     /* The constraints at the x of the last local step, as have the next three. */
-    pdyn_scalars (*scalars)(void *self);
+    pdyn_one_sided (*one_sided)(void *self);
     /* rate_i = grad C_i . u for the constraints marked in `which` (count), 0 for the others. */
     void (*rate)(void *self, const bool *which, const double *u, double *rate);
     /* y += sum of multiplier_i grad C_i */
@@ -213,7 +213,7 @@ typedef struct pdyn_operator {
      */
     void (*velocity)(void *self, double *v);
     /* What it keeps from step to step. NULL: nothing. */
-    void (*persist)(void *self, pdyn_archive *archive);
+    void (*persist)(void *self, pdyn_snapshot *snapshot);
     /* Lowers way (particles and samples, m) to how far these may go from x so that no particle of
      * the body passes a surface. No iterate moves one farther at once. NULL: no limit. */
     void (*limit)(void *self, const double *x, double *way);
@@ -257,7 +257,8 @@ typedef struct pdyn_constraint_type {
     /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. A row
      * without entries acts on nothing. */
     int rows, width;
-    void (*shape)(const void *params, const pdyn_batch *batch, int element, int *rows, int *width);
+    void (*row_sizes)(const void *params, const pdyn_batch *batch, int element, int *rows,
+                      int *width);
     /* Fill column, coefficient and data. */
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
@@ -269,7 +270,8 @@ typedef struct pdyn_constraint_type {
     /* Instead of `tangent` where an element is one row and J = s I - a a', as it is for points on a
      * plane, a sphere or on one side of these: 4 numbers each, a and s. Less to store and to
      * multiply. */
-    void (*axial)(const void *params, const pdyn_batch *batch, int first, int last, double *axis);
+    void (*tangent_rank1)(const void *params, const pdyn_batch *batch, int first, int last,
+                          double *axis);
     /* p = 0 and J = 0 for all elements, whatever u: then core sums them up to one matrix. NULL: no.
      */
     bool (*linear)(const void *params, const pdyn_batch *batch);
@@ -284,9 +286,9 @@ typedef struct pdyn_constraint_type {
      * `hold` tells at the beginning of every step to take u = G x for its rest shape: data changes
      * such that u is its own projection. NULL: none. */
     double (*damping)(const void *params);
-    void (*hold)(const void *params, const pdyn_batch *batch, int first, int last);
+    void (*damping_rest)(const void *params, const pdyn_batch *batch, int first, int last);
     /* NULL: core derives everything from the rows above. */
-    const pdyn_operator *op;
+    const pdyn_operator *matrix_free;
 } pdyn_constraint_type;
 
 /* ---- the solver table ------------------------------------------------------------------------ */
@@ -322,42 +324,42 @@ typedef struct pdyn_model {
     double (*norm)(struct pdyn_model *model, const double *r);
 } pdyn_model;
 
-typedef struct pdyn_goal { /* when a solve may end: at the first of these */
-    double tolerance;      /* the model's gradient has fallen by this factor, in the model's norm */
-    double gain;           /* an iteration lowers the model by less than this part of the mean of
+typedef struct pdyn_stop { /* when a solve may end: at the first of these */
+    double rel_tol;        /* the model's gradient has fallen by this factor, in the model's norm */
+    double min_progress;   /* an iteration lowers the model by less than this part of the mean of
                               all; 0: never; solvers that cannot tell ignore it */
-    int iterations;        /* so many are done */
-    int least;             /* above 0: so many come first, whatever else is met; the gain of the
+    int max_iterations;    /* so many are done */
+    int min_iterations;    /* above 0: so many come first, whatever else is met; the gain of the
                               very first does not count then */
-    bool first;            /* solve of a step, or of an attempt at one: the models of the solves
+    bool first_of_step;    /* solve of a step, or of an attempt at one: the models of the solves
                               after it differ little from its own */
-} pdyn_goal;
+} pdyn_stop;
 
 typedef struct pdyn_global_solver {
     const char *name, *summary;
     bool direct; /* factors a matrix: costs a factorisation where the constraints change every step
                   */
-    bool keeps_multipliers; /* its memory of the last step; the next one then starts from s */
-    size_t state_size;      /* zeroed before create */
+    bool dual;   /* its memory of the last step; the next one then starts from s */
+    size_t state_size;               /* zeroed before create */
     bool (*fits)(pdyn_model *model); /* NULL: any model */
     /* Refers to the model from now on. After a failure free is called, too. */
     pdyn_status (*create)(void *self, pdyn_model *model);
     /* Minimises the model that has the gradient -b at d = 0; without one-sided constraints that is
-     * H y = b. A direct solver needs no goal and takes the sides of x. y: the d found, particles x
+     * H y = b. A direct solver needs no stop and takes the sides of x. y: the d found, particles x
      * 3, zero on entry; b: particles x 3, may be overwritten; *iterations: 1 for a direct solver.
      */
-    pdyn_status (*solve)(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations);
+    pdyn_status (*solve)(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations);
     /* Drops what it keeps from step to step. NULL: nothing. */
     void (*forget)(void *self);
     void (*free)(void *self);
     /* Writes or reads what the next step depends on. NULL: nothing. */
-    pdyn_status (*persist)(void *self, pdyn_archive *archive);
+    pdyn_status (*persist)(void *self, pdyn_snapshot *snapshot);
 } pdyn_global_solver;
 
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 7u
+#define PDYN_ABI 8u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -138,9 +138,9 @@ static void check_shape(struct check *check, const struct batch *b) {
             fault(check, "elements gives another number when it is called again");
             return;
         }
-    for (int e = 0; e < b->view.elements && t->shape; e++) {
+    for (int e = 0; e < b->view.elements && t->row_sizes; e++) {
         int rows = 0, width = 0, first = b->view.element_row[e];
-        t->shape(b->params, &b->view, e, &rows, &width);
+        t->row_sizes(b->params, &b->view, e, &rows, &width);
         if (rows != b->view.element_row[e + 1] - first ||
             (rows && width != b->view.row_entry[first + 1] - b->view.row_entry[first])) {
             fault(check, "shape gives other rows for element %d when it is called again", e);
@@ -175,9 +175,9 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
 
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
-    const struct call hold = {"hold", t->hold, 1u << DATA},
+    const struct call hold = {"damping_rest", t->damping_rest, 1u << DATA},
                       begin = {"begin", t->begin, 1u << DATA | 1u << WEIGHT};
-    if (t->hold) check_call(check, a, b, &hold, 0);
+    if (t->damping_rest) check_call(check, a, b, &hold, 0);
     if (t->begin) check_call(check, a, b, &begin, 0);
 }
 

@@ -21,7 +21,7 @@ static size_t point_bytes(const struct batch *b) { return 3 * (size_t)b->rows * 
 void check_projection(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     size_t bytes = point_bytes(b);
-    if (check->type->op) return;
+    if (check->type->matrix_free) return;
     batch_local(b, t->x, 0.0, t->y);
     double *once = NEW_ARRAY(t->context, 3 * (size_t)b->rows, double);
     if (!once) return;
@@ -38,9 +38,9 @@ void check_projection(struct check *check, struct trial *t) {
 /* After hold, what was held is its own projection. */
 void check_hold(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
-    if (!check->type->hold) return;
+    if (!check->type->damping_rest) return;
     batch_local(b, t->x, 0.0, t->y);
-    check->type->hold(b->params, &b->view, 0, b->view.elements);
+    check->type->damping_rest(b->params, &b->view, 0, b->view.elements);
     check->type->project(b->params, &b->view, 0, b->view.elements);
     double moved = trial_distance(b->view.u, b->view.p, 3 * b->rows);
     double size = trial_norm(b->view.u, 3 * b->rows);
@@ -108,8 +108,8 @@ static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, 
     double axis[4];
     memset(J, 0, (size_t)(n * n) * sizeof *J);
     if (type->tangent) type->tangent(b->params, &b->view, e, e + 1, J);
-    if (!type->axial) return;
-    type->axial(b->params, &b->view, e, e + 1, axis);
+    if (!type->tangent_rank1) return;
+    type->tangent_rank1(b->params, &b->view, e, e + 1, axis);
     vec3_axis_tangent(J, axis);
 }
 
@@ -119,7 +119,7 @@ void check_tangent(struct check *check, struct trial *t) {
     double J[MOST_NUMBERS * MOST_NUMBERS], D[MOST_NUMBERS * MOST_NUMBERS];
     int elements = b->view.elements, looked = 0, wrong = 0;
     double worst = 0.0;
-    if (!check->type->tangent && !check->type->axial) return;
+    if (!check->type->tangent && !check->type->tangent_rank1) return;
     batch_local(b, t->x, 0.0, t->y);
     for (int k = 0; k < PROBES && k < elements; k++) {
         int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
@@ -179,14 +179,14 @@ void check_momentum(struct check *check, struct trial *t) {
 
 /* H is symmetric and lies between M/h^2 and the projective A, for every eps. */
 void check_bounds(struct check *check, struct trial *t) {
-    struct system *sys = &t->sim->system;
+    struct objective *sys = &t->sim->objective;
     uint64_t seed = 99;
     double last = 0.0;
-    for (int k = 0; k < t->n; k++) last += system_inertia(sys, k / 3) * t->u[k] * t->u[k];
+    for (int k = 0; k < t->n; k++) last += objective_inertia(sys, k / 3) * t->u[k] * t->u[k];
     for (int k = 0; k <= 4; k++) {
-        if (system_linearise(sys, 0.25 * k) != PDYN_OK) return;
+        if (objective_linearise(sys, 0.25 * k) != PDYN_OK) return;
         for (int i = 0; i < t->n; i++) t->z[i] = trial_random(&seed);
-        system_apply(sys, t->u, t->y), system_apply(sys, t->z, t->w);
+        objective_apply(sys, t->u, t->y), objective_apply(sys, t->z, t->w);
         double one = trial_dot(t->z, t->y, t->n), other = trial_dot(t->u, t->w, t->n);
         if (!(fabs(one - other) <= 1e-10 * trial_norm(t->y, t->n) * trial_norm(t->z, t->n))) {
             fault(check, "H is not symmetric: z.H u = %.10g, u.H z = %.10g", one, other);
@@ -205,12 +205,12 @@ void check_bounds(struct check *check, struct trial *t) {
 /* The block diagonal is that of the product. */
 void check_diagonal(struct check *check, struct trial *t) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
-    if (system_linearise(&t->sim->system, 0.3) != PDYN_OK) return;
-    system_diagonal(&t->sim->system, t->da);
+    if (objective_linearise(&t->sim->objective, 0.3) != PDYN_OK) return;
+    objective_diagonal(&t->sim->objective, t->da);
     for (int i = 0; i < t->n; i++) {
         memset(t->z, 0, (size_t)t->n * sizeof *t->z);
         t->z[i] = 1.0;
-        system_apply(&t->sim->system, t->z, t->y);
+        objective_apply(&t->sim->objective, t->z, t->y);
         for (int b = 0; b < 6; b++)
             if (column[b] == i % 3 &&
                 !(fabs(t->y[i / 3 * 3 + row[b]] - t->da[i / 3 * 6 + b]) <= 1e-10 * fabs(t->y[i]))) {

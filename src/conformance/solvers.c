@@ -11,22 +11,22 @@ static bool fits(const pdyn_global_solver *solver, struct trial *t) {
 
 /* Solves H y = u of a trial whose scene has this solver, and looks at what is left. */
 static void solve(struct check *check, struct trial *t, double eps) {
-    const pdyn_goal goal = {.tolerance = 1e-13, .iterations = 100000};
+    const pdyn_stop stop = {.rel_tol = 1e-13, .max_iterations = 100000};
     int iterations = -1;
     const char *solver = t->sim->solver->name;
-    if (system_linearise(&t->sim->system, eps) != PDYN_OK) return;
+    if (objective_linearise(&t->sim->objective, eps) != PDYN_OK) return;
     memset(t->y, 0, (size_t)t->n * sizeof *t->y);
     memcpy(t->z, t->u, (size_t)t->n * sizeof *t->z);
-    if (t->sim->solver->solve(t->sim->solver_state, t->z, t->y, &goal, &iterations) != PDYN_OK) {
+    if (t->sim->solver->solve(t->sim->solver_state, t->z, t->y, &stop, &iterations) != PDYN_OK) {
         fault(check, "with %s: %s", solver, pdyn_last_error(t->context));
         return;
     }
-    system_apply(&t->sim->system, t->y, t->z);
+    objective_apply(&t->sim->objective, t->y, t->z);
     double left = trial_distance(t->z, t->u, t->n) / trial_norm(t->u, t->n);
     if (!(left <= 1e-8)) fault(check, "with %s: H y = b is left with %.3g of b", solver, left);
-    if (iterations < 1 || iterations > goal.iterations)
+    if (iterations < 1 || iterations > stop.max_iterations)
         fault(check, "with %s: %d iterations, expected 1 to %d", solver, iterations,
-              goal.iterations);
+              stop.max_iterations);
 }
 
 /* An H that has its full rank without damping is solved as it is; an operator's damping is the
@@ -35,7 +35,7 @@ static void solve_both(struct check *check, const pdyn_constraint_type *type, co
     for (int damped = 0; damped < 2; damped++) {
         struct trial t;
         if (!trial_start(&t, check, type, solver)) return;
-        solve(check, &t, damped && !type->op ? 1.0 : 0.0);
+        solve(check, &t, damped && !type->matrix_free ? 1.0 : 0.0);
         trial_finish(&t, check);
     }
 }
@@ -56,7 +56,7 @@ enum { STEPS = 3 };
 /* Otherwise everything would fall freely, and no constraint would have work. */
 static void shake(pdyn_sim *sim) {
     uint64_t seed = 11;
-    for (int k = 0; k < 3 * sim->system.particles; k++) sim->v[k] += 0.5 * trial_random(&seed);
+    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->v[k] += 0.5 * trial_random(&seed);
 }
 
 /* The state's hash after some steps; false with a fault. */

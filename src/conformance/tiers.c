@@ -33,7 +33,7 @@ static void compare(struct check *check, struct trial *t, struct batch *a, struc
 }
 
 void check_tiers(struct check *check, struct trial *t) {
-    if (!check->type->op) return;
+    if (!check->type->matrix_free) return;
     batch_local(t->batch, t->x, 0.0, t->y);
     if (!(t->batch->energy > 0.0))
         fault(check, "the operator has no energy at a state that the scene was disturbed to");
@@ -43,7 +43,7 @@ void check_tiers(struct check *check, struct trial *t) {
 /* One matrix stands for rows that are linear. */
 void check_stiffness(struct check *check, struct trial *t) {
     struct batch *rows = NULL;
-    if (!t->batch->stiffness) return;
+    if (!t->batch->linear) return;
     if (batch_create(t->context, check->type, t->batch->params, t->batch->view.body, NULL, NULL,
                      false, &rows) == PDYN_OK)
         compare(check, t, t->batch, rows, "the rows that `linear` calls linear and their matrix");
@@ -53,7 +53,7 @@ void check_stiffness(struct check *check, struct trial *t) {
 /* The model along a direction: its slope is that of the gradient's change, with and without changes
  * of side; without, the change is the product. */
 void check_model(struct check *check, struct trial *t) {
-    if (!check->type->op) return;
+    if (!check->type->matrix_free) return;
     for (double scale = 1e-10; scale < 10.0; scale *= 1e10) {
         double unused;
         for (int k = 0; k < t->n; k++) t->w[k] = scale * t->u[k];

@@ -119,7 +119,7 @@ pdyn_context *trial_context(const pdyn_context *like, int threads) {
 
 /* Everything is near its rest, but nothing is at it. */
 static pdyn_status disturb(struct trial *t) {
-    struct system *sys = &t->sim->system;
+    struct objective *sys = &t->sim->objective;
     uint64_t seed = 7;
     double energy;
     for (int k = 0; k < t->n; k++) {
@@ -129,16 +129,16 @@ static pdyn_status disturb(struct trial *t) {
     }
     for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
     sys->h = 0.004;
-    system_begin(sys, t->sim->x, t->sim->v);
-    return system_local(sys, t->x, &energy, t->gradient);
+    objective_begin(sys, t->sim->x, t->sim->v);
+    return objective_local(sys, t->x, &energy, t->gradient);
 }
 
 static pdyn_status load(struct trial *t, const char *scene) {
     pdyn_context *c = t->context;
     pdyn_status status = pdyn_load_text(c, scene, "a scene for this type", NULL, 0, &t->sim);
     if (status != PDYN_OK) return status;
-    t->batch = t->rows = t->sim->system.batch[0];
-    t->n = 3 * t->sim->system.particles;
+    t->batch = t->rows = t->sim->objective.batch[0];
+    t->n = 3 * t->sim->objective.particles;
     double **vectors[] = {&t->x, &t->gradient, &t->u, &t->y, &t->z, &t->w};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
         if (!(*vectors[k] = NEW_VECTOR(c, t->n / 3))) return PDYN_NO_MEMORY;

@@ -73,7 +73,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
 }
 
-static void axial(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
+static void tangent_rank1(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
     (void)par;
     const double *length = b->data;
     for (int e = first; e < last; e++, axis += 4) vec3_axis_length(axis, b->u + 3 * e, length[e]);
@@ -99,7 +99,7 @@ const pdyn_constraint_type pdyn_constraint_attachment = {
     .select = select,
     .weight = weight,
     .project = project,
-    .axial = axial,
+    .tangent_rank1 = tangent_rank1,
     .damping = damping,
-    .hold = hold,
+    .damping_rest = hold,
 };

@@ -27,7 +27,7 @@ static int elements(const void *par, const pdyn_body *body) {
     return 3 * body->triangles;
 }
 
-static void shape(const void *par, const pdyn_batch *b, int e, int *rows, int *width) {
+static void row_sizes(const void *par, const pdyn_batch *b, int e, int *rows, int *width) {
     int node[PLATE_NODES];
     (void)par;
     *rows = 1, *width = plate_nodes(b->body, e / 3, node);
@@ -88,12 +88,12 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .params = params,
     .data_size = sizeof(double),
     .elements = elements,
-    .shape = shape,
+    .row_sizes = row_sizes,
     .select = select,
     .weight = weight,
     .project = project_bends,
-    .axial = axial_bends,
+    .tangent_rank1 = axial_bends,
     .linear = linear,
     .damping = damping,
-    .hold = hold,
+    .damping_rest = hold,
 };

@@ -45,7 +45,7 @@ static int elements(const void *par, const pdyn_body *body) {
 static int first_sample(const pdyn_neighbours *l) { return l->particles - l->samples; }
 
 /* A row is a particle, or a sample and thus the three corners of its triangle. */
-static void shape(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
+static void row_sizes(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     (void)par;
     const pdyn_neighbours *l = b->neighbours;
     int i = b->body->first + element;
@@ -170,11 +170,11 @@ const pdyn_constraint_type pdyn_constraint_fluid = {
     .alternatives = alternatives,
     .resolve = fluid_resolve,
     .elements = elements,
-    .shape = shape,
+    .row_sizes = row_sizes,
     .select = select,
     .weight = weight,
     .project = project,
     .tangent = tangent,
     .energy = energy,
-    .op = &fluid_operator,
+    .matrix_free = &fluid_operator,
 };

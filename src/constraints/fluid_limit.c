@@ -4,7 +4,7 @@
  * the distance to a box around all of the others: a sheet that flies towards water is not held. */
 #include "fluid_pairs.h"
 
-#include "geometry/boxes.h"
+#include "geometry/bvh.h"
 #include "projdyn/vec3.h"
 
 /* What the points of a part of a list add at `at`. */

@@ -109,13 +109,13 @@ static double local(void *self, const double *x, double *gradient) {
     return energy;
 }
 
-static pdyn_scalars scalars(void *self) {
+static pdyn_one_sided scalars(void *self) {
     const struct fluid *f = self;
-    return (pdyn_scalars){.count = f->count,
-                          .value = f->value + f->first,
-                          .stiffness = f->stiffness + f->first,
-                          .squares = f->squares + f->first,
-                          .held = f->held};
+    return (pdyn_one_sided){.count = f->count,
+                            .value = f->value + f->first,
+                            .stiffness = f->stiffness + f->first,
+                            .squares = f->squares + f->first,
+                            .held = f->held};
 }
 
 static void density(void *self, double *out) {
@@ -142,9 +142,9 @@ static void accept(void *self) {
     for_particles(f, f->particles, set_stiffness, NULL, NULL);
 }
 
-static void persist(void *self, pdyn_archive *archive) {
+static void persist(void *self, pdyn_snapshot *snapshot) {
     struct fluid *f = self;
-    archive->bytes(archive, f->stiffness + f->first, (size_t)f->count * sizeof *f->stiffness);
+    snapshot->bytes(snapshot, f->stiffness + f->first, (size_t)f->count * sizeof *f->stiffness);
 }
 
 const pdyn_operator fluid_operator = {
@@ -152,7 +152,7 @@ const pdyn_operator fluid_operator = {
     .free = release,
     .neighbours = neighbours,
     .local = local,
-    .scalars = scalars,
+    .one_sided = scalars,
     .rate = fluid_rate,
     .force = fluid_force,
     .diagonal = fluid_diagonal,

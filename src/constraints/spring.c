@@ -88,7 +88,7 @@ const pdyn_constraint_type pdyn_constraint_spring = {
     .select = select,
     .weight = weight,
     .project = project_springs,
-    .axial = axial_springs,
+    .tangent_rank1 = axial_springs,
     .damping = damping,
-    .hold = hold,
+    .damping_rest = hold,
 };

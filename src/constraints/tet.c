@@ -238,5 +238,5 @@ const pdyn_constraint_type pdyn_constraint_tet = {
     .project = project,
     .tangent = tangent,
     .damping = damping,
-    .hold = hold,
+    .damping_rest = hold,
 };

@@ -169,5 +169,5 @@ const pdyn_constraint_type pdyn_constraint_triangle = {
     .project = project,
     .tangent = tangent,
     .damping = damping,
-    .hold = hold,
+    .damping_rest = hold,
 };

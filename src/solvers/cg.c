@@ -25,16 +25,16 @@ static double precondition(void *self) {
 
 static pdyn_status create(void *self, pdyn_model *model) {
     struct cg *cg = self;
-    struct system *system = model_system(model);
+    struct objective *objective = model_system(model);
     cg->krylov.prepare = prepare, cg->krylov.precondition = precondition, cg->krylov.self = cg;
     cg->krylov.patient = true;
-    pdyn_status status = krylov_create(&cg->krylov, system->context, system);
-    return status == PDYN_OK ? jacobi_create(&cg->jacobi, system) : status;
+    pdyn_status status = krylov_create(&cg->krylov, objective->context, objective);
+    return status == PDYN_OK ? jacobi_create(&cg->jacobi, objective) : status;
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct cg *cg = self;
-    krylov_solve(&cg->krylov, b, y, goal, iterations);
+    krylov_solve(&cg->krylov, b, y, stop, iterations);
     return PDYN_OK;
 }
 

@@ -25,7 +25,9 @@ INLINE void part_diagonal(struct part *B, double d) {
 }
 
 /* Of one row each, with B = m m' + a I. */
-static bool has_axes(const struct batch *b) { return b->type->axial && batch_has_blocks(b); }
+static bool has_axes(const struct batch *b) {
+    return b->type->tangent_rank1 && batch_has_blocks(b);
+}
 
 /* The 3 x 3 part of B between rows r and m of an element that has none. */
 INLINE void part_load(struct part *B, const struct batch *b, int e, int r, int m) {
@@ -113,7 +115,7 @@ INLINE void add_rest(const struct coarse *s, int i) {
 WIDE static void take_coarse_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct coarse *s = arg;
-    const struct system *sys = s->system;
+    const struct objective *sys = s->objective;
     for (int i = first; i < last; i++) {
         for (int j = s->a.first[i]; j <= i; j++) {
             size_t k = s->a.start[i] + (size_t)(j - s->a.first[i]);
@@ -136,8 +138,8 @@ WIDE static void take_coarse_rows(void *arg, int first, int last, int block) {
 }
 
 void coarse_prepare(struct coarse *s, bool first) {
-    struct system *sys = s->system;
-    bool again = s->left <= 0 || (first && !sys->changing);
+    struct objective *sys = s->objective;
+    bool again = s->left <= 0 || (first && !sys->dynamic_rows);
     if (!s->p.nodes || !again) return;
     if (s->rest) {
         memset(s->rest, 0, 6 * (size_t)sys->particles * sizeof *s->rest);
@@ -148,10 +150,10 @@ void coarse_prepare(struct coarse *s, bool first) {
     s->left = skyline_factor(&s->a) ? s->worth : 0;
 }
 
-void coarse_persist(struct coarse *s, pdyn_archive *archive) {
+void coarse_persist(struct coarse *s, pdyn_snapshot *snapshot) {
     if (!s->p.nodes) return;
-    archive->bytes(archive, &s->left, sizeof s->left);
-    archive->bytes(archive, s->a.value, skyline_size(&s->a) * sizeof *s->a.value);
+    snapshot->bytes(snapshot, &s->left, sizeof s->left);
+    snapshot->bytes(snapshot, s->a.value, skyline_size(&s->a) * sizeof *s->a.value);
 }
 
 /* ---- a product ------------------------------------------------------------------------------- */
@@ -196,14 +198,14 @@ static void add_moves(void *arg, int first, int last, int block) {
 
 void coarse_solve_single(struct coarse *s, const float *r) {
     s->single = r, s->left--;
-    pool_for(s->system->context->pool, s->p.nodes, LIGHT_GRAIN, restrict_residual, s);
+    pool_for(s->objective->context->pool, s->p.nodes, LIGHT_GRAIN, restrict_residual, s);
     skyline_solve(&s->a, s->x);
     for (int node = 0; node < s->p.nodes; node++)
         for (int a = 0; a < 3; a++) s->moved[4 * node + a] = (float)s->x[3 * node + a];
 }
 
 double coarse_add(struct coarse *s, const double *r, double *z) {
-    struct pool *pool = s->system->context->pool;
+    struct pool *pool = s->objective->context->pool;
     double rz = 0.0;
     if (!s->p.nodes) return 0.0;
     s->single = NULL, s->r = r, s->z = z, s->left--;
@@ -211,6 +213,6 @@ double coarse_add(struct coarse *s, const double *r, double *z) {
     memcpy(s->sum, s->x, 3 * (size_t)s->p.nodes * sizeof *s->x);
     skyline_solve(&s->a, s->x);
     for (int k = 0; k < 3 * s->p.nodes; k++) rz += s->sum[k] * s->x[k];
-    pool_for(pool, s->system->particles, SYSTEM_GRAIN, add_moves, s);
+    pool_for(pool, s->objective->particles, PARTICLE_GRAIN, add_moves, s);
     return rz;
 }

@@ -14,7 +14,7 @@ struct followed {              /* the rows of a batch, as nodes have them */
 };
 
 struct coarse {
-    struct system *system;
+    struct objective *objective;
     struct interpolation p;
     struct followed *batch; /* batches: of those that are static and have no matrix already */
     struct skyline a;
@@ -30,7 +30,7 @@ struct coarse {
 };
 
 /* Zeroed before. */
-pdyn_status coarse_create(struct coarse *coarse, struct system *system);
+pdyn_status coarse_create(struct coarse *coarse, struct objective *objective);
 void coarse_free(struct coarse *coarse);
 
 /* Makes and factors the matrix of H as it is linearised, unless the last one is not used up; first:
@@ -41,6 +41,6 @@ void coarse_solve_single(struct coarse *coarse, const float *r);
 /* z += P A^-1 P' r; returns r.z of that. */
 double coarse_add(struct coarse *coarse, const double *r, double *z);
 
-void coarse_persist(struct coarse *coarse, pdyn_archive *archive);
+void coarse_persist(struct coarse *coarse, pdyn_snapshot *snapshot);
 
 #endif

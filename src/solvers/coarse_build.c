@@ -103,19 +103,19 @@ static double trace_of(const struct batch *b) {
 
 /* A matrix that stands for rows, far beyond what others of its body tie, and little beside these.
  */
-static bool is_far_and_little(const struct system *sys, const struct batch *b) {
+static bool is_far_and_little(const struct objective *sys, const struct batch *b) {
     double others = 0.0;
-    if (!b->stiffness) return false;
+    if (!b->linear) return false;
     for (int k = 0; k < sys->batches; k++) {
         const struct batch *other = sys->batch[k];
-        if (batch_is_static(other) && !other->stiffness && other->view.body == b->view.body)
+        if (batch_is_static(other) && !other->linear && other->view.body == b->view.body)
             others += trace_of(other);
     }
     return trace_of(b) <= little * others;
 }
 
 static pdyn_status create_pattern(struct coarse *s) {
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     int *first = NEW_ARRAY(sys->context, s->p.nodes, int);
     if (!first) return PDYN_NO_MEMORY;
     for (int i = 0; i < s->p.nodes; i++) first[i] = i;
@@ -189,7 +189,7 @@ static void add_number(const struct coarse *s, int i, int j, double number, doub
         }
 }
 
-static void take_stiffness(struct coarse *s, const struct stiffness *k) {
+static void take_stiffness(struct coarse *s, const struct linear_rows *k) {
     for (int i = 0; i < k->count; i++) {
         add_number(s, k->first + i, k->first + i, k->diagonal[i], s->stiffness);
         for (int m = k->start[i]; m < k->start[i + 1]; m++)
@@ -198,7 +198,7 @@ static void take_stiffness(struct coarse *s, const struct stiffness *k) {
 }
 
 static pdyn_status take_numbers(struct coarse *s) {
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     pdyn_status status = PDYN_OK;
     s->stiffness = NEW_ARRAY(sys->context, s->a.start[s->a.nodes], double);
     s->mass = NEW_ARRAY(sys->context, s->a.start[s->a.nodes], double);
@@ -207,14 +207,14 @@ static pdyn_status take_numbers(struct coarse *s) {
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
         const struct batch *batch = sys->batch[b];
         if (!batch_is_static(batch)) continue;
-        if (!batch->stiffness) status = take_batch(s, batch, &s->batch[b]);
-        else take_stiffness(s, batch->stiffness), sparse_free(&s->batch[b].rows);
+        if (!batch->linear) status = take_batch(s, batch, &s->batch[b]);
+        else take_stiffness(s, batch->linear), sparse_free(&s->batch[b].rows);
     }
     return status;
 }
 
 static pdyn_status create_matrix(struct coarse *s) {
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     pdyn_status status = PDYN_OK;
     s->batch = NEW_ARRAY(sys->context, sys->batches, struct followed);
     if (!s->batch) return PDYN_NO_MEMORY;
@@ -228,9 +228,9 @@ static pdyn_status create_matrix(struct coarse *s) {
 /* What making and factoring the matrix takes, in terms. */
 static double find_cost(const struct coarse *s) {
     double cost = 0.0;
-    for (int b = 0; b < s->system->batches; b++) {
+    for (int b = 0; b < s->objective->batches; b++) {
         const struct followed *f = &s->batch[b];
-        const pdyn_batch *v = &s->system->batch[b]->view;
+        const pdyn_batch *v = &s->objective->batch[b]->view;
         if (f->terms.start) cost += f->terms.start[f->terms.rows];
         for (int e = 0; f->rows.start && e < v->elements; e++) {
             double entries =
@@ -247,49 +247,50 @@ static double find_cost(const struct coarse *s) {
 
 /* After how many products with its inverse that has paid. */
 static int find_worth(const struct coarse *s) {
-    const struct system *sys = s->system;
-    if (sys->changing) return WORTH;
+    const struct objective *sys = s->objective;
+    if (sys->dynamic_rows) return WORTH;
     return 1 + (int)(WORTH_STATIC * find_cost(s) / (terms_of_iteration * sys->particles));
 }
 
 static int smaller(int a, int b) { return a < b ? a : b; }
 
-static int most_nodes(const struct system *sys) {
-    if (sys->changing) return smaller(sys->particles / PARTICLES_OF_NODE, MOST_NODES);
+static int most_nodes(const struct objective *sys) {
+    if (sys->dynamic_rows) return smaller(sys->particles / PARTICLES_OF_NODE, MOST_NODES);
     int few = smaller(sys->particles / PARTICLES_OF_FEW, FEW_NODES);
     int many = smaller(sys->particles / PARTICLES_OF_NODE_STATIC, MOST_NODES);
     return few < many ? many : few;
 }
 
-pdyn_status coarse_create(struct coarse *s, struct system *system) {
-    pdyn_context *c = system->context;
-    s->system = system;
-    pdyn_status status = interpolation_create(&s->p, system, most_nodes(system));
+pdyn_status coarse_create(struct coarse *s, struct objective *objective) {
+    pdyn_context *c = objective->context;
+    s->objective = objective;
+    pdyn_status status = interpolation_create(&s->p, objective, most_nodes(objective));
     if (status == PDYN_OK && s->p.nodes) status = create_matrix(s);
     if (status != PDYN_OK || !s->p.nodes) return status;
     s->worth = find_worth(s);
     s->x = NEW_ARRAY(c, 3 * s->p.nodes, double);
     s->sum = NEW_ARRAY(c, 3 * s->p.nodes, double);
     s->moved = NEW_ARRAY(c, 4 * s->p.nodes, float);
-    if (system->changing) s->rest = NEW_ARRAY(c, 6 * (size_t)system->particles, double);
-    return s->x && s->sum && s->moved && (s->rest || !system->changing) ? PDYN_OK : PDYN_NO_MEMORY;
+    if (objective->dynamic_rows) s->rest = NEW_ARRAY(c, 6 * (size_t)objective->particles, double);
+    return s->x && s->sum && s->moved && (s->rest || !objective->dynamic_rows) ? PDYN_OK
+                                                                               : PDYN_NO_MEMORY;
 }
 
 void coarse_free(struct coarse *s) {
-    if (!s->system) return;
-    pdyn_context *c = s->system->context;
+    if (!s->objective) return;
+    pdyn_context *c = s->objective->context;
     size_t blocks = s->a.start ? s->a.start[s->a.nodes] : 0;
-    for (int b = 0; s->batch && b < s->system->batches; b++) {
+    for (int b = 0; s->batch && b < s->objective->batches; b++) {
         struct followed *f = &s->batch[b];
         sparse_free(&f->rows), sparse_free(&f->nodes), sparse_free(&f->terms);
     }
-    FREE_ARRAY(c, s->batch, s->system->batches);
+    FREE_ARRAY(c, s->batch, s->objective->batches);
     FREE_ARRAY(c, s->stiffness, blocks);
     FREE_ARRAY(c, s->mass, blocks);
     skyline_free(&s->a);
     FREE_ARRAY(c, s->x, 3 * s->p.nodes);
     FREE_ARRAY(c, s->sum, 3 * s->p.nodes);
     FREE_ARRAY(c, s->moved, 4 * s->p.nodes);
-    FREE_ARRAY(c, s->rest, 6 * (size_t)s->system->particles);
+    FREE_ARRAY(c, s->rest, 6 * (size_t)s->objective->particles);
     interpolation_free(&s->p);
 }

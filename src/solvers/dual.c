@@ -16,8 +16,8 @@
  *
  * Bounds: multipliers may become negative on the way, until what does so matters; then they are
  * clipped and the conjugate directions begin anew. */
-#include "objective/solver.h"
-#include "objective/system.h"
+#include "objective/objective.h"
+#include "objective/solver_view.h"
 
 #include <math.h>
 #include <string.h>
@@ -31,8 +31,8 @@ static const double much_room = 0.1;
 
 struct dual {
     pdyn_context *context;
-    struct system *system;
-    struct scalars *at; /* the constraints */
+    struct objective *objective;
+    struct one_sided *at; /* the constraints */
     int count;
     double *multiplier; /* count: lambda, kept from step to step */
     double *g;          /* count: C + G d - lambda / k: what the multiplier does not meet */
@@ -61,18 +61,18 @@ static void release(void *self) {
     FREE_ARRAY(s->context, s->q, s->count);
     FREE_ARRAY(s->context, s->inverse, s->count);
     FREE_ARRAY(s->context, s->in, s->count);
-    FREE_ARRAY(s->context, s->sums, SUMS * (size_t)pool_blocks(s->count, SYSTEM_GRAIN));
+    FREE_ARRAY(s->context, s->sums, SUMS * (size_t)pool_blocks(s->count, PARTICLE_GRAIN));
 }
 
 static bool fits(pdyn_model *model) {
-    const struct system *system = model_system(model);
-    return system->batches == 1 && system->batch[0]->op;
+    const struct objective *objective = model_system(model);
+    return objective->batches == 1 && objective->batch[0]->op;
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
     struct dual *s = self;
-    s->system = model_system(model), s->context = s->system->context;
-    s->at = &s->system->batch[0]->scalars;
+    s->objective = model_system(model), s->context = s->objective->context;
+    s->at = &s->objective->batch[0]->one_sided;
     return PDYN_OK;
 }
 
@@ -87,7 +87,7 @@ static pdyn_status reserve(struct dual *s, int count) {
     s->q = NEW_ARRAY(s->context, count, double);
     s->inverse = NEW_ARRAY(s->context, count, double);
     s->in = NEW_ARRAY(s->context, count, bool);
-    s->sums = NEW_ARRAY(s->context, SUMS * (size_t)pool_blocks(count, SYSTEM_GRAIN), double);
+    s->sums = NEW_ARRAY(s->context, SUMS * (size_t)pool_blocks(count, PARTICLE_GRAIN), double);
     bool good = s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums;
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
@@ -97,12 +97,13 @@ static pdyn_status reserve(struct dual *s, int count) {
 static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, const double *in,
                     double *out) {
     struct call call = {s, scale, in, out};
-    pool_for(s->context->pool, count, SYSTEM_GRAIN, fn, &call);
+    pool_for(s->context->pool, count, PARTICLE_GRAIN, fn, &call);
 }
 
 static double sum_of(const struct dual *s, int which) {
     double sum = 0.0;
-    for (int b = 0; b < pool_blocks(s->count, SYSTEM_GRAIN); b++) sum += s->sums[SUMS * b + which];
+    for (int b = 0; b < pool_blocks(s->count, PARTICLE_GRAIN); b++)
+        sum += s->sums[SUMS * b + which];
     return sum;
 }
 
@@ -111,12 +112,12 @@ static double larger(double a, double b) { return a > b ? a : b; }
 
 /* What a force moves a particle, m/N: B^-1. */
 static double mobility(const struct dual *s, int i) {
-    return 1.0 / (system_inertia(s->system, i) + s->system->eps * s->at->at.held[i]);
+    return 1.0 / (objective_inertia(s->objective, i) + s->objective->eps * s->at->at.held[i]);
 }
 
 /* k of the model: what the damping leaves of it. */
 static double stiffness(const struct dual *s, int i) {
-    return (1.0 - s->system->eps) * s->at->at.stiffness[i];
+    return (1.0 - s->objective->eps) * s->at->at.stiffness[i];
 }
 
 /* out = B^-1 (in - out), in: NULL for 0 */
@@ -132,10 +133,10 @@ static void move(void *arg, int first, int last, int block) {
 
 /* d = B^-1 (b - G' multiplier), b: NULL for 0 */
 static void displace(struct dual *s, const double *b, const double *multiplier) {
-    size_t n = 3 * (size_t)s->system->particles;
+    size_t n = 3 * (size_t)s->objective->particles;
     memset(s->d, 0, n * sizeof *s->d);
     s->at->op->force(s->at->self, multiplier, s->d);
-    for_all(s, s->system->particles, move, 0.0, b, s->d);
+    for_all(s, s->objective->particles, move, 0.0, b, s->d);
 }
 
 /* lambda - K max(0, C): what a multiplier adds to the forces that b contains. */
@@ -146,8 +147,8 @@ static double change(const struct dual *s, int i) {
 static void begin(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_scalars *at = &s->at->at;
-    const pdyn_body *body = s->system->batch[0]->view.body;
+    const pdyn_one_sided *at = &s->at->at;
+    const pdyn_body *body = s->objective->batch[0]->view.body;
     for (int i = first; i < last; i++) {
         int particle = body->first + (i < body->count ? i : 0);
         s->in[i] = stiffness(s, i) > 0.0;
@@ -162,7 +163,7 @@ static void begin(void *arg, int first, int last, int block) {
 static void find_residual(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_scalars *at = &s->at->at;
+    const pdyn_one_sided *at = &s->at->at;
     for (int i = first; i < last; i++) {
         s->g[i] = at->value[i] + s->q[i];
         if (s->in[i]) s->g[i] -= s->multiplier[i] / stiffness(s, i);
@@ -176,7 +177,7 @@ static void find_residual(void *arg, int first, int last, int block) {
 static void advance(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct dual *s = c->s;
-    const pdyn_scalars *at = &s->at->at;
+    const pdyn_one_sided *at = &s->at->at;
     double beyond = 0.0, all = 0.0, gradient = 0.0, gz = 0.0;
     for (int i = first; i < last; i++) {
         if (!s->in[i]) continue;
@@ -272,15 +273,15 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
     }
 }
 
-static pdyn_status solve(void *self, double *b, double *y, const pdyn_goal *goal, int *iterations) {
+static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct dual *s = self;
     pdyn_status status = reserve(s, s->at->at.count);
     if (status != PDYN_OK) return status;
     s->d = y;
-    s->target = goal->tolerance * sqrt(system_dot(s->system, b, b));
+    s->target = stop->rel_tol * sqrt(objective_dot(s->objective, b, b));
     *iterations = 0;
     start(s, b);
-    iterate(s, goal->iterations, iterations);
+    iterate(s, stop->max_iterations, iterations);
     for_all(s, s->count, find_change, 0.0, NULL, NULL);
     displace(s, b, s->p);
     return PDYN_OK;
@@ -291,12 +292,12 @@ static void forget(void *self) {
     if (s->multiplier) memset(s->multiplier, 0, (size_t)s->count * sizeof *s->multiplier);
 }
 
-static pdyn_status persist(void *self, pdyn_archive *archive) {
+static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct dual *s = self;
     int count = s->count;
-    archive->bytes(archive, &count, sizeof count);
-    if (archive->reading && reserve(s, count) != PDYN_OK) return PDYN_NO_MEMORY;
-    if (count) archive->bytes(archive, s->multiplier, (size_t)count * sizeof *s->multiplier);
+    snapshot->bytes(snapshot, &count, sizeof count);
+    if (snapshot->reading && reserve(s, count) != PDYN_OK) return PDYN_NO_MEMORY;
+    if (count) snapshot->bytes(snapshot, s->multiplier, (size_t)count * sizeof *s->multiplier);
     return PDYN_OK;
 }
 
@@ -304,7 +305,7 @@ const pdyn_global_solver pdyn_solver_dual = {
     .name = "dual",
     .summary = "conjugate gradients on the multipliers (pressures), kept from step to step; for "
                "scenes of fluid alone",
-    .keeps_multipliers = true,
+    .dual = true,
     .state_size = sizeof(struct dual),
     .fits = fits,
     .create = create,

@@ -1,9 +1,9 @@
-/* A sparse Cholesky factor of a matrix (assemble.h), by CHOLMOD. Where x, y and z do not couple, it
+/* A sparse Cholesky factor of a matrix (assembly.h), by CHOLMOD. Where x, y and z do not couple, it
  * is solved with by panels.h. */
 #ifndef PDYN_FACTOR_H
 #define PDYN_FACTOR_H
 
-#include "objective/assemble.h"
+#include "objective/assembly.h"
 #include "panels.h"
 
 #include <suitesparse/cholmod.h>

@@ -1,6 +1,6 @@
 #include "interpolation.h"
 
-#include "objective/assemble.h"
+#include "objective/assembly.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ static const float little = 0.05F;
 /* ---- the matrix of a level ------------------------------------------------------------------- */
 
 /* What holds each particle in place: the sums of A's rows but for inertia. */
-static void take_held(const struct system *sys, float *sum) {
+static void take_held(const struct objective *sys, float *sum) {
     for (int b = 0; b < sys->batches; b++) {
         const struct batch *batch = sys->batch[b];
         const pdyn_batch *v = &batch->view;
@@ -66,7 +66,7 @@ static pdyn_status take_matrix(const struct matrix *m, const float *sum, struct 
 }
 
 /* A of static rows, as x, y and z see it. */
-static pdyn_status first_level(struct system *sys, struct sparse *out) {
+static pdyn_status first_level(struct objective *sys, struct sparse *out) {
     pdyn_context *c = sys->context;
     struct matrix m = {0};
     struct batch **rows = NEW_ARRAY(c, sys->batches, struct batch *);
@@ -321,7 +321,7 @@ static pdyn_status put_in_order(const struct sparse *a, struct sparse *p) {
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-pdyn_status interpolation_create(struct interpolation *p, struct system *sys, int most) {
+pdyn_status interpolation_create(struct interpolation *p, struct objective *sys, int most) {
     struct sparse a = {0};
     pdyn_status status = first_level(sys, &a);
     if (status == PDYN_OK) status = climb(&a, &p->particles, most);

@@ -4,7 +4,7 @@
 #ifndef PDYN_INTERPOLATION_H
 #define PDYN_INTERPOLATION_H
 
-#include "objective/system.h"
+#include "objective/objective.h"
 #include "sparse.h"
 
 struct interpolation {
@@ -15,7 +15,7 @@ struct interpolation {
 
 /* Zeroed before. The weights of rows are known. At most so many nodes, unless there are more pieces
  * that nothing ties. */
-pdyn_status interpolation_create(struct interpolation *p, struct system *system, int most);
+pdyn_status interpolation_create(struct interpolation *p, struct objective *objective, int most);
 void interpolation_free(struct interpolation *p);
 
 #endif

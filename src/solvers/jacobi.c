@@ -20,7 +20,7 @@ static void invert_blocks(void *arg, int first, int last, int block) {
     const struct jacobi *s = arg;
     for (int i = first; i < last; i++) {
         double *D = s->inverse + 6 * (size_t)i;
-        if (!s->held[i]) soften(D, system_inertia(s->system, i));
+        if (!s->held[i]) soften(D, objective_inertia(s->objective, i));
         block_invert(D);
     }
 }
@@ -32,39 +32,39 @@ WIDE static void precondition_block(void *arg, int first, int last, int block) {
     double *z = s->z + 3 * (size_t)first;
     for (int i = first; i < last; i++)
         block_multiply(z + 3 * (i - first), s->inverse + 6 * (size_t)i, r + 3 * (i - first));
-    s->system->partial[block] = simd_dot(r, z, 3 * (last - first));
+    s->objective->partial[block] = simd_dot(r, z, 3 * (last - first));
 }
 
-pdyn_status jacobi_create(struct jacobi *s, struct system *system) {
-    size_t n = (size_t)system->particles;
-    s->system = system;
-    s->inverse = NEW_ARRAY(system->context, 6 * n, double);
-    s->held = NEW_ARRAY(system->context, n, bool);
+pdyn_status jacobi_create(struct jacobi *s, struct objective *objective) {
+    size_t n = (size_t)objective->particles;
+    s->objective = objective;
+    s->inverse = NEW_ARRAY(objective->context, 6 * n, double);
+    s->held = NEW_ARRAY(objective->context, n, bool);
     if (n && (!s->inverse || !s->held)) return PDYN_NO_MEMORY;
-    for (int b = 0; b < system->batches; b++) batch_mark_held(system->batch[b], s->held);
+    for (int b = 0; b < objective->batches; b++) batch_mark_held(objective->batch[b], s->held);
     return PDYN_OK;
 }
 
 void jacobi_free(struct jacobi *s) {
-    if (!s->system) return;
-    size_t n = (size_t)s->system->particles;
-    FREE_ARRAY(s->system->context, s->inverse, 6 * n);
-    FREE_ARRAY(s->system->context, s->held, n);
+    if (!s->objective) return;
+    size_t n = (size_t)s->objective->particles;
+    FREE_ARRAY(s->objective->context, s->inverse, 6 * n);
+    FREE_ARRAY(s->objective->context, s->held, n);
 }
 
 static void for_particles(struct jacobi *s, pdyn_range_fn *fn) {
-    pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, s);
+    pool_for(s->objective->context->pool, s->objective->particles, PARTICLE_GRAIN, fn, s);
 }
 
 void jacobi_invert(struct jacobi *s) { for_particles(s, invert_blocks); }
 
 void jacobi_prepare(struct jacobi *s) {
-    system_diagonal(s->system, s->inverse);
+    objective_diagonal(s->objective, s->inverse);
     jacobi_invert(s);
 }
 
 double jacobi_apply(struct jacobi *s, const double *r, double *z) {
     s->r = r, s->z = z;
     for_particles(s, precondition_block);
-    return system_partial_sum(s->system);
+    return objective_partial_sum(s->objective);
 }

@@ -2,17 +2,17 @@
 #ifndef PDYN_JACOBI_H
 #define PDYN_JACOBI_H
 
-#include "objective/system.h"
+#include "objective/objective.h"
 
 struct jacobi {
-    struct system *system;
+    struct objective *objective;
     double *inverse; /* particles x 6 */
     bool *held;      /* particles: some rows hold it */
     const double *r; /* of the product that runs */
     double *z;
 };
 
-pdyn_status jacobi_create(struct jacobi *jacobi, struct system *system);
+pdyn_status jacobi_create(struct jacobi *jacobi, struct objective *objective);
 void jacobi_free(struct jacobi *jacobi); /* zeroed is fine */
 
 /* Takes the blocks of H as it is linearised. */

@@ -10,12 +10,12 @@
 #ifndef PDYN_KRYLOV_H
 #define PDYN_KRYLOV_H
 
-#include "objective/solver.h"
-#include "objective/system.h"
+#include "objective/objective.h"
+#include "objective/solver_view.h"
 
 struct krylov {
     pdyn_context *context;
-    struct system *system;
+    struct objective *objective;
     double *r, *z, *p, *q, *d; /* particles x 3 */
     double curvature;          /* p.q, q = H p as H was then; 0: p is no direction yet */
     bool patient;              /* of a solver: goes on where iterations gain little */
@@ -25,15 +25,16 @@ struct krylov {
     double (*precondition)(void *self);
     /* NULL, or a linear solve of its own: d = H^-1 r, |r| = size, and r what is left of it, at most
      * `target`. false: there is none, r is as it was. */
-    bool (*linear)(void *self, double size, double target, const pdyn_goal *goal, int *iterations);
+    bool (*linear)(void *self, double size, double target, const pdyn_stop *stop, int *iterations);
     void *self;
 };
 
-pdyn_status krylov_create(struct krylov *krylov, pdyn_context *context, struct system *system);
+pdyn_status krylov_create(struct krylov *krylov, pdyn_context *context,
+                          struct objective *objective);
 void krylov_free(struct krylov *krylov);
 
 /* As pdyn_global_solver.solve. */
-void krylov_solve(struct krylov *krylov, double *b, double *y, const pdyn_goal *goal,
+void krylov_solve(struct krylov *krylov, double *b, double *y, const pdyn_stop *stop,
                   int *iterations);
 
 #endif

@@ -75,13 +75,13 @@ INLINE void multiply_axis(const struct single *s, const float *B, int row, const
 WIDE static void multiply_elements(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const struct batch *b = c->s->system->batch[c->batch];
+    const struct batch *b = c->s->objective->batch[c->batch];
     const float *B = c->s->block[c->batch];
     int row = c->s->batch_row[c->batch];
     for (int e = first; e < last; e++) {
         int r = b->view.element_row[e], rows = b->view.element_row[e + 1] - r;
         const float *own = B + b->block_start[e];
-        if (b->type->axial) multiply_axis(c->s, own, row + r, c->u);
+        if (b->type->tangent_rank1) multiply_axis(c->s, own, row + r, c->u);
         else if (rows == 1) multiply_few(c->s, own, row + r, 1, c->u);
         else if (rows == 2) multiply_few(c->s, own, row + r, 2, c->u);
         else if (rows == 3) multiply_few(c->s, own, row + r, 3, c->u);
@@ -159,7 +159,7 @@ INLINE void multiply_patch(const struct call *c, int patch, v4 *product) {
         v4f_load(&u, c->u, i);
         if (s->rows) gather(s->touch + t, s->touch_start[i + 1] - t, s->flux, &y);
         y += sums[m] + s->self[i] * u;
-        if (s->wide_y && i < s->system->particles) add_wide(s, i, &y);
+        if (s->wide_y && i < s->objective->particles) add_wide(s, i, &y);
         y[3] = 0.0F;
         products += u * y;
         v4f_store(c->y, i, &y);
@@ -187,14 +187,14 @@ WIDE static void widen(void *arg, int first, int last, int block) {
 /* wide_y = what batches that are left out give */
 static void multiply_wide(struct call *call) {
     struct single *s = call->s;
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     pool_for(sys->context->pool, sys->particles, PARTICLES, widen, call);
     for (int b = 0; b < sys->batches; b++)
         if (s->way[b] == LEFT_OUT) batch_apply(sys->batch[b], s->wide_u, s->wide_y);
 }
 
 double single_apply(struct single *s, const float *u, float *y) {
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     struct call call = {.s = s, .u = u, .y = y};
     double sum = 0.0;
     if (s->wide_u) multiply_wide(&call);
@@ -213,7 +213,7 @@ WIDE static void take_inertia(void *arg, int first, int last, int block) {
     (void)block;
     const struct single *s = ((const struct call *)arg)->s;
     for (int i = first; i < last; i++) {
-        double inertia = system_inertia(s->system, i), *D = s->diagonal + 6 * (size_t)i;
+        double inertia = objective_inertia(s->objective, i), *D = s->diagonal + 6 * (size_t)i;
         s->self[i] = (float)(s->own[i] + inertia);
         memset(D, 0, 6 * sizeof *D);
         D[0] = D[3] = D[5] = inertia;
@@ -233,7 +233,7 @@ static void take_weights(const struct single *s, const struct batch *b) {
 static void take_plain(const struct batch *b, int e, float *B) {
     int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
     memset(B, 0, (b->block_start[e + 1] - b->block_start[e]) * sizeof *B);
-    if (b->type->axial) B[3] = (float)b->view.weight[e];
+    if (b->type->tangent_rank1) B[3] = (float)b->view.weight[e];
     else
         for (int k = 0; k < n; k++) B[k * n + k] = (float)b->view.weight[e];
 }
@@ -241,7 +241,7 @@ static void take_plain(const struct batch *b, int e, float *B) {
 WIDE static void take_blocks(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    const struct batch *b = c->s->system->batch[c->batch];
+    const struct batch *b = c->s->objective->batch[c->batch];
     float *to = c->s->block[c->batch];
     if (batch_has_blocks(b))
         for (size_t k = b->block_start[first]; k < b->block_start[last]; k++)
@@ -265,7 +265,7 @@ INLINE void take_link(const struct single *s, struct source *source, int t, int 
     const struct origin *from = &s->origin[PATCH * t + m];
     if (from->row < 0) return;
     if (from->batch != source->batch) {
-        const struct batch *b = s->system->batch[from->batch];
+        const struct batch *b = s->objective->batch[from->batch];
         *source =
             (struct source){from->batch, b->view.weight, batch_has_blocks(b) ? b->block : NULL};
     }
@@ -288,7 +288,7 @@ WIDE static void take_links(void *arg, int first, int last, int block) {
             int i = s->member[PATCH * k + m];
             for (int t = s->link_start[k]; t < s->link_start[k + 1]; t++)
                 take_link(s, &source, t, m, &sum);
-            if (i == s->system->particles) continue;
+            if (i == s->objective->particles) continue;
             double *D = s->diagonal + 6 * (size_t)i;
             D[0] += sum.x[0] + sum.plain, D[1] += sum.x[1], D[2] += sum.x[2];
             D[3] += sum.y[1] + sum.plain, D[4] += sum.y[2], D[5] += sum.zz + sum.plain;
@@ -296,13 +296,13 @@ WIDE static void take_links(void *arg, int first, int last, int block) {
 }
 
 void single_prepare(struct single *s) {
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     struct call call = {.s = s};
     pool_for(sys->context->pool, sys->particles, PARTICLES, take_inertia, &call);
     pool_for(sys->context->pool, s->patches, SINGLE_GRAIN, take_links, &call);
     for (; call.batch < sys->batches; call.batch++) {
         struct batch *b = sys->batch[call.batch];
-        if (s->way[call.batch] == NUMBERS) stiffness_diagonal(b->stiffness, s->diagonal);
+        if (s->way[call.batch] == NUMBERS) linear_rows_diagonal(b->linear, s->diagonal);
         if (s->way[call.batch] == WEIGHTS) take_weights(s, b);
         if (s->way[call.batch] == ROWS)
             pool_for(sys->context->pool, b->view.elements, ELEMENTS, take_blocks, &call);
@@ -310,7 +310,8 @@ void single_prepare(struct single *s) {
 }
 
 void single_diagonal(const struct single *s, double *blocks) {
-    memcpy(blocks, s->diagonal, 6 * (size_t)s->system->particles * sizeof *blocks);
-    for (int b = 0; b < s->system->batches; b++)
-        if (s->way[b] == LEFT_OUT || s->way[b] == ROWS) batch_diagonal(s->system->batch[b], blocks);
+    memcpy(blocks, s->diagonal, 6 * (size_t)s->objective->particles * sizeof *blocks);
+    for (int b = 0; b < s->objective->batches; b++)
+        if (s->way[b] == LEFT_OUT || s->way[b] == ROWS)
+            batch_diagonal(s->objective->batch[b], blocks);
 }

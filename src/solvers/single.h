@@ -8,14 +8,14 @@
  * fourth lanes 0.
  *
  * Particles are taken in patches of four neighbours, side by side in sixteen lanes. Linear batches
- * (stiffness.h) are numbers, of all four for each particle that one of them is tied to, as these
+ * (linear_rows.h) are numbers, of all four for each particle that one of them is tied to, as these
  * have most of their neighbours in common; rows that are differences of two particles are links, a
  * block for each end; rows of one particle without a tangent, as pins are, are weights of that.
  * What is none of these goes through fluxes, B G u, in a pass before. */
 #ifndef PDYN_SINGLE_H
 #define PDYN_SINGLE_H
 
-#include "objective/system.h"
+#include "objective/objective.h"
 
 enum { PATCH = 4 };          /* particles */
 enum { SINGLE_GRAIN = 128 }; /* patches: worth waking a thread for */
@@ -44,7 +44,7 @@ struct origin { /* of a link's block; row < 0: none */
 };
 
 struct single {
-    struct system *system;
+    struct objective *objective;
     enum single_way *way; /* batches */
     int patches, rows, entries;
     int *member;       /* patches x PATCH: particles, or one beyond the last */
@@ -68,18 +68,18 @@ struct single {
 };
 
 /* Floats of a vector. */
-static inline size_t single_size(const struct system *system) {
-    return 4 * ((size_t)system->particles + 1);
+static inline size_t single_size(const struct objective *objective) {
+    return 4 * ((size_t)objective->particles + 1);
 }
 
 /* Zeroed before; the batches' rows are known. */
-pdyn_status single_create(struct single *single, struct system *system);
+pdyn_status single_create(struct single *single, struct objective *objective);
 void single_free(struct single *single);
 
 /* Takes the system's linearisation. */
 void single_prepare(struct single *single);
 
-/* The 3 x 3 block diagonal of H, as system_diagonal, taken from what single_prepare met. */
+/* The 3 x 3 block diagonal of H, as objective_diagonal, taken from what single_prepare met. */
 void single_diagonal(const struct single *single, double *blocks);
 
 /* y = H u; returns u.y. */

@@ -19,25 +19,25 @@ static bool is_links(const struct batch *b) {
 
 /* All of its rows are one particle's, their blocks w I. */
 static bool is_weights(const struct batch *b) {
-    return !b->type->tangent && !b->type->axial && b->single && b->width == 1;
+    return !b->type->tangent && !b->type->tangent_rank1 && b->single && b->width == 1;
 }
 
 /* Beside what is left out, rows stay where they are: they would go through doubles and floats. */
 static enum single_way way_of(const struct batch *b, bool changing) {
     if (!batch_is_static(b)) return LEFT_OUT;
-    if (b->stiffness) return NUMBERS;
+    if (b->linear) return NUMBERS;
     if (is_links(b)) return LINKS;
     if (is_weights(b)) return WEIGHTS;
     return changing ? LEFT_OUT : ROWS;
 }
 
 static bool choose_ways(struct single *s) {
-    struct system *sys = s->system;
+    struct objective *sys = s->objective;
     bool all = true;
     s->way = NEW_ARRAY(sys->context, sys->batches, enum single_way);
     if (sys->batches && !s->way) return false;
     for (int b = 0; b < sys->batches; b++) {
-        s->way[b] = way_of(sys->batch[b], sys->changing);
+        s->way[b] = way_of(sys->batch[b], sys->dynamic_rows);
         all &= s->way[b] != LEFT_OUT;
     }
     s->patches = (sys->particles + PATCH - 1) / PATCH;
@@ -53,7 +53,7 @@ static bool choose_ways(struct single *s) {
 struct walk {
     const struct single *s;
     int i, batch, at, end;
-    const struct stiffness *k;
+    const struct linear_rows *k;
 };
 
 static struct walk walk_begin(const struct single *s, int i) {
@@ -62,8 +62,8 @@ static struct walk walk_begin(const struct single *s, int i) {
 
 static bool walk_next(struct walk *w) {
     while (++w->at >= w->end) {
-        if (++w->batch >= w->s->system->batches) return false;
-        w->k = w->s->system->batch[w->batch]->stiffness;
+        if (++w->batch >= w->s->objective->batches) return false;
+        w->k = w->s->objective->batch[w->batch]->linear;
         w->at = w->end = 0;
         if (!w->k || w->i < w->k->first || w->i >= w->k->first + w->k->count) continue;
         w->at = w->k->start[w->i - w->k->first] - 1, w->end = w->k->start[w->i - w->k->first + 1];
@@ -97,13 +97,13 @@ static int choose_member(struct builder *b, int k, int members) {
             if (more < fewest) best = j, fewest = more;
         }
     if (best >= 0) return best;
-    while (b->next < b->s->system->particles && b->patch[b->next] >= 0) b->next++;
+    while (b->next < b->s->objective->particles && b->patch[b->next] >= 0) b->next++;
     return b->next;
 }
 
 static void choose_patches(struct builder *b) {
     struct single *s = b->s;
-    int n = s->system->particles;
+    int n = s->objective->particles;
     for (int i = 0; i < n; i++) b->patch[i] = b->seen[i] = -1;
     for (int k = 0; k < s->patches; k++)
         for (int m = 0; m < PATCH; m++) {
@@ -164,26 +164,26 @@ static void fill_patch(struct builder *b, int k) {
 
 static bool take_numbers(struct builder *b) {
     struct single *s = b->s;
-    int n = s->system->particles;
+    int n = s->objective->particles;
     choose_patches(b);
     for (int i = 0; i < n; i++) b->seen[i] = -1;
     for (int k = 0; k < s->patches; k++)
         s->number_start[k + 1] = s->number_start[k] + (count_patch(b, k) + 3) / 4;
     int count = s->number_start[s->patches];
-    s->numbers = NEW_ARRAY(s->system->context, count, struct numbers);
+    s->numbers = NEW_ARRAY(s->objective->context, count, struct numbers);
     if (count && !s->numbers) return false;
     for (int i = 0; i < n; i++) b->seen[i] = -1;
     for (int k = 0; k < s->patches; k++) fill_patch(b, k);
-    for (int k = 0; k < s->system->batches; k++) {
-        const struct stiffness *from = s->system->batch[k]->stiffness;
+    for (int k = 0; k < s->objective->batches; k++) {
+        const struct linear_rows *from = s->objective->batch[k]->linear;
         for (int i = 0; from && i < from->count; i++) s->own[from->first + i] += from->own[i];
     }
     return true;
 }
 
 static bool create_numbers(struct single *s) {
-    pdyn_context *c = s->system->context;
-    size_t n = (size_t)s->system->particles;
+    pdyn_context *c = s->objective->context;
+    size_t n = (size_t)s->objective->particles;
     struct builder b = {.s = s,
                         .patch = NEW_ARRAY(c, n, int),
                         .seen = NEW_ARRAY(c, n, int),
@@ -201,8 +201,8 @@ static bool create_numbers(struct single *s) {
 static int links_of(const struct single *s, int k, int m, struct links *links,
                     struct origin *origin) {
     int count = 0, i = s->member[PATCH * k + m];
-    for (int n = 0; n < s->system->batches; n++) {
-        const struct batch *b = s->system->batch[n];
+    for (int n = 0; n < s->objective->batches; n++) {
+        const struct batch *b = s->objective->batch[n];
         int at = i - b->touch_first;
         if (s->way[n] != LINKS || at < 0 || at >= b->touch_count) continue;
         for (int t = b->touch_start[at]; t < b->touch_start[at + 1]; t++, count++)
@@ -226,7 +226,7 @@ static void count_links(struct single *s) {
 }
 
 static bool create_links(struct single *s) {
-    pdyn_context *c = s->system->context;
+    pdyn_context *c = s->objective->context;
     count_links(s);
     size_t count = (size_t)s->link_start[s->patches];
     if (!count) return true;
@@ -248,7 +248,7 @@ static bool create_links(struct single *s) {
 /* ---- rows ------------------------------------------------------------------------------------ */
 
 static void take_rows(struct single *s, int batch, int *next) {
-    const struct batch *b = s->system->batch[batch];
+    const struct batch *b = s->objective->batch[batch];
     const pdyn_batch *v = &b->view;
     int row = s->batch_row[batch], before = s->row_start[row];
     for (int r = 0; r < b->rows; r++) s->row_start[row + r + 1] = before + v->row_entry[r + 1];
@@ -265,21 +265,21 @@ static void sum_up(int *start, int count) {
 }
 
 static void count_rows(struct single *s) {
-    for (int b = 0; b < s->system->batches; b++) {
-        const struct batch *batch = s->system->batch[b];
+    for (int b = 0; b < s->objective->batches; b++) {
+        const struct batch *batch = s->objective->batch[b];
         bool rows = s->way[b] == ROWS;
         for (int k = 0; rows && k < batch->entries; k++)
             s->touch_start[batch->view.column[k] + 1]++;
         s->batch_row[b + 1] = s->batch_row[b] + (rows ? batch->rows : 0);
         s->entries += rows ? batch->entries : 0;
     }
-    sum_up(s->touch_start, s->system->particles + 1);
-    s->rows = s->batch_row[s->system->batches];
+    sum_up(s->touch_start, s->objective->particles + 1);
+    s->rows = s->batch_row[s->objective->batches];
 }
 
 static bool allocate(struct single *s) {
-    pdyn_context *c = s->system->context;
-    size_t n = (size_t)s->system->particles, batches = (size_t)s->system->batches;
+    pdyn_context *c = s->objective->context;
+    size_t n = (size_t)s->objective->particles, batches = (size_t)s->objective->batches;
     s->member = NEW_ARRAY(c, PATCH * (size_t)s->patches, int);
     s->number_start = NEW_ARRAY(c, s->patches + 1, int);
     s->link_start = NEW_ARRAY(c, s->patches + 1, int);
@@ -296,7 +296,7 @@ static bool allocate(struct single *s) {
 }
 
 static bool allocate_rows(struct single *s) {
-    pdyn_context *c = s->system->context;
+    pdyn_context *c = s->objective->context;
     s->row_start = NEW_ARRAY(c, s->rows + 1, int);
     s->entry = NEW_ARRAY(c, s->entries, struct selected);
     s->touch = NEW_ARRAY(c, s->entries, struct selected);
@@ -305,16 +305,16 @@ static bool allocate_rows(struct single *s) {
 }
 
 static bool create_rows(struct single *s) {
-    pdyn_context *c = s->system->context;
-    int n = s->system->particles;
+    pdyn_context *c = s->objective->context;
+    int n = s->objective->particles;
     count_rows(s);
     if (!allocate_rows(s)) return false;
     int *next = NEW_ARRAY(c, n + 1, int);
     if (!next) return false;
     memcpy(next, s->touch_start, ((size_t)n + 1) * sizeof *next);
     bool good = true;
-    for (int b = 0; good && b < s->system->batches; b++) {
-        const struct batch *batch = s->system->batch[b];
+    for (int b = 0; good && b < s->objective->batches; b++) {
+        const struct batch *batch = s->objective->batch[b];
         if (s->way[b] != ROWS) continue;
         s->block[b] = NEW_ARRAY(c, batch_block_numbers(batch), float);
         good = s->block[b];
@@ -324,23 +324,23 @@ static bool create_rows(struct single *s) {
     return good;
 }
 
-pdyn_status single_create(struct single *s, struct system *system) {
-    s->system = system;
+pdyn_status single_create(struct single *s, struct objective *objective) {
+    s->objective = objective;
     bool good =
         choose_ways(s) && allocate(s) && create_numbers(s) && create_rows(s) && create_links(s);
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void single_free(struct single *s) {
-    if (!s->system) return;
-    pdyn_context *c = s->system->context;
-    size_t n = (size_t)s->system->particles;
+    if (!s->objective) return;
+    pdyn_context *c = s->objective->context;
+    size_t n = (size_t)s->objective->particles;
     size_t links = s->link_start ? (size_t)s->link_start[s->patches] : 0;
-    for (int b = 0; s->block && b < s->system->batches; b++)
-        if (s->block[b]) FREE_ARRAY(c, s->block[b], batch_block_numbers(s->system->batch[b]));
-    FREE_ARRAY(c, s->block, s->system->batches);
-    FREE_ARRAY(c, s->way, s->system->batches);
-    if (!s->system->samples) {
+    for (int b = 0; s->block && b < s->objective->batches; b++)
+        if (s->block[b]) FREE_ARRAY(c, s->block[b], batch_block_numbers(s->objective->batch[b]));
+    FREE_ARRAY(c, s->block, s->objective->batches);
+    FREE_ARRAY(c, s->way, s->objective->batches);
+    if (!s->objective->samples) {
         FREE_VECTOR(c, s->wide_u, n);
         FREE_VECTOR(c, s->wide_y, n);
     }
@@ -357,7 +357,7 @@ void single_free(struct single *s) {
     FREE_ARRAY(c, s->entry, s->entries);
     FREE_ARRAY(c, s->touch_start, n + 2);
     FREE_ARRAY(c, s->touch, s->entries);
-    FREE_ARRAY(c, s->batch_row, s->system->batches + 1);
+    FREE_ARRAY(c, s->batch_row, s->objective->batches + 1);
     FREE_ARRAY(c, s->flux, 4 * (size_t)s->rows);
     FREE_ARRAY(c, s->partial, pool_blocks(s->patches, SINGLE_GRAIN));
 }

@@ -17,29 +17,29 @@ struct call {
     bool coarse;
 };
 
-pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct jacobi *jacobi,
-                             struct coarse *coarse) {
-    pdyn_context *c = system->context;
+pdyn_status single_cg_create(struct single_cg *s, struct objective *objective,
+                             struct jacobi *jacobi, struct coarse *coarse) {
+    pdyn_context *c = objective->context;
     float **vector[] = {&s->r, &s->z, &s->p, &s->q};
-    int blocks = pool_blocks(system->particles, SYSTEM_GRAIN);
+    int blocks = pool_blocks(objective->particles, PARTICLE_GRAIN);
     bool good = true;
-    s->system = system, s->jacobi = jacobi, s->coarse = coarse;
+    s->objective = objective, s->jacobi = jacobi, s->coarse = coarse;
     for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
-        good &= (*vector[k] = NEW_ARRAY(c, single_size(system), float)) != NULL;
-    s->inverse = NEW_ARRAY(c, 9 * (size_t)system->particles + 1, float);
+        good &= (*vector[k] = NEW_ARRAY(c, single_size(objective), float)) != NULL;
+    s->inverse = NEW_ARRAY(c, 9 * (size_t)objective->particles + 1, float);
     s->sums = NEW_ARRAY(c, blocks, struct single_sums);
     good &= s->inverse && (!blocks || s->sums);
-    return good ? single_create(&s->product, system) : PDYN_NO_MEMORY;
+    return good ? single_create(&s->product, objective) : PDYN_NO_MEMORY;
 }
 
 void single_cg_free(struct single_cg *s) {
-    if (!s->system) return;
-    pdyn_context *c = s->system->context;
+    if (!s->objective) return;
+    pdyn_context *c = s->objective->context;
     float *vector[] = {s->r, s->z, s->p, s->q};
     for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
-        FREE_ARRAY(c, vector[k], single_size(s->system));
-    FREE_ARRAY(c, s->inverse, 9 * (size_t)s->system->particles + 1);
-    FREE_ARRAY(c, s->sums, pool_blocks(s->system->particles, SYSTEM_GRAIN));
+        FREE_ARRAY(c, vector[k], single_size(s->objective));
+    FREE_ARRAY(c, s->inverse, 9 * (size_t)s->objective->particles + 1);
+    FREE_ARRAY(c, s->sums, pool_blocks(s->objective->particles, PARTICLE_GRAIN));
     single_free(&s->product);
 }
 
@@ -48,8 +48,8 @@ void single_cg_free(struct single_cg *s) {
 static struct single_sums for_particles(struct single_cg *s, pdyn_range_fn *fn, struct call *call) {
     struct single_sums all = {0};
     call->s = s;
-    pool_for(s->system->context->pool, s->system->particles, SYSTEM_GRAIN, fn, call);
-    for (int k = 0; k < pool_blocks(s->system->particles, SYSTEM_GRAIN); k++) {
+    pool_for(s->objective->context->pool, s->objective->particles, PARTICLE_GRAIN, fn, call);
+    for (int k = 0; k < pool_blocks(s->objective->particles, PARTICLE_GRAIN); k++) {
         const struct single_sums *part = &s->sums[k];
         all.rz += part->rz, all.zq += part->zq, all.rp += part->rp, all.rr += part->rr;
     }
@@ -142,13 +142,13 @@ INLINE void advance(const struct call *c, int first, int last, v4 *rr) {
     }
 }
 
-/* The same of all bodies; sums: of |r|, as system_norm */
+/* The same of all bodies; sums: of |r|, as objective_norm */
 WIDE static void go_on(void *arg, int first, int last, int block) {
     const struct call *c = arg;
-    const struct system *sys = c->s->system;
+    const struct objective *sys = c->s->objective;
     double sum = 0.0;
-    for (int b = system_body_of(sys, first), end; first < last; first = end, b++) {
-        const struct system_body *body = &sys->body[b];
+    for (int b = objective_body_of(sys, first), end; first < last; first = end, b++) {
+        const struct objective_body *body = &sys->body[b];
         v4 rr = {0};
         end = body->first + body->count < last ? body->first + body->count : last;
         advance(c, first, end, &rr);
@@ -187,18 +187,18 @@ static double go_along(struct single_cg *s, struct call *call, bool coarse, doub
 
 void single_cg_prepare(struct single_cg *s) { single_prepare(&s->product); }
 
-static void begin(struct single_cg *s, struct call *call, const pdyn_goal *goal) {
+static void begin(struct single_cg *s, struct call *call, const pdyn_stop *stop) {
     single_diagonal(&s->product, s->jacobi->inverse);
     jacobi_invert(s->jacobi);
     for_particles(s, begin_single, call);
-    coarse_prepare(s->coarse, goal->first);
-    if (goal->first) s->curvature = 0.0;
+    coarse_prepare(s->coarse, stop->first_of_step);
+    if (stop->first_of_step) s->curvature = 0.0;
 }
 
 /* `gain` of the last iteration, `gained` by those that count. */
-static bool is_enough(const pdyn_goal *goal, int iterations, double gain, double gained) {
-    int count = goal->least > 0 ? iterations - 1 : iterations;
-    return iterations >= goal->least && gain * count < goal->gain * gained;
+static bool is_enough(const pdyn_stop *stop, int iterations, double gain, double gained) {
+    int count = stop->min_iterations > 0 ? iterations - 1 : iterations;
+    return iterations >= stop->min_iterations && gain * count < stop->min_progress * gained;
 }
 
 /* Most of what few iterations leave is stiff motion between nodes: a step by blocks alone, which
@@ -206,27 +206,27 @@ static bool is_enough(const pdyn_goal *goal, int iterations, double gain, double
  * product is dear. */
 static enum single_end cut_short(struct single_cg *s, struct call *call) {
     double rr;
-    if (!s->system->changing) go_along(s, call, false, &rr);
+    if (!s->objective->dynamic_rows) go_along(s, call, false, &rr);
     return SINGLE_ENOUGH;
 }
 
 enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
-                                const pdyn_goal *goal, int *iterations) {
-    s->length = sqrt(system_dot(s->system, b, b));
+                                const pdyn_stop *stop, int *iterations) {
+    s->length = sqrt(objective_dot(s->objective, b, b));
     struct call call = {.b = b, .y = y};
-    double relative = s->length / system_norm(s->system, b), rr = 1.0, gained = 0.0,
+    double relative = s->length / objective_norm(s->objective, b), rr = 1.0, gained = 0.0,
            gain = INFINITY;
     *iterations = 0;
     if (!(s->length > 0.0)) return SINGLE_SOLVED;
     call.scale = 1.0 / s->length;
-    begin(s, &call, goal);
-    while (*iterations < goal->least || rr > goal->tolerance * goal->tolerance) {
-        if (*iterations >= goal->iterations) return cut_short(s, &call);
-        if (is_enough(goal, *iterations, gain, gained)) return SINGLE_ENOUGH;
+    begin(s, &call, stop);
+    while (*iterations < stop->min_iterations || rr > stop->rel_tol * stop->rel_tol) {
+        if (*iterations >= stop->max_iterations) return cut_short(s, &call);
+        if (is_enough(stop, *iterations, gain, gained)) return SINGLE_ENOUGH;
         gain = go_along(s, &call, true, &rr);
         if (!(gain > 0.0)) return SINGLE_EXHAUSTED;
         rr *= relative * relative;
-        if (*iterations > 0 || goal->least == 0) gained += gain;
+        if (*iterations > 0 || stop->min_iterations == 0) gained += gain;
         ++*iterations;
     }
     return SINGLE_SOLVED;

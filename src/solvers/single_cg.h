@@ -11,7 +11,7 @@
 #include "single.h"
 
 struct single_cg {
-    struct system *system;
+    struct objective *objective;
     struct jacobi *jacobi; /* D */
     struct coarse *coarse;
     struct single product; /* H */
@@ -23,8 +23,8 @@ struct single_cg {
 };
 
 /* Zeroed before; what it is given outlives it. */
-pdyn_status single_cg_create(struct single_cg *s, struct system *system, struct jacobi *jacobi,
-                             struct coarse *coarse);
+pdyn_status single_cg_create(struct single_cg *s, struct objective *objective,
+                             struct jacobi *jacobi, struct coarse *coarse);
 void single_cg_free(struct single_cg *s);
 
 enum single_end {
@@ -37,7 +37,7 @@ enum single_end {
 void single_cg_prepare(struct single_cg *s);
 /* As pdyn_global_solver.solve, but b stays. */
 enum single_end single_cg_solve(struct single_cg *s, const double *b, double *y,
-                                const pdyn_goal *goal, int *iterations);
+                                const pdyn_stop *stop, int *iterations);
 
 /* Of the last solve, as floats have it. */
 void single_cg_residual(struct single_cg *s, double *r);

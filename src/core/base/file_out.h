@@ -4,7 +4,7 @@
 #define PDYN_FILE_OUT_H
 
 #include "context.h"
-#include "near.h"
+#include "text.h"
 
 #include <stdio.h>
 

@@ -183,19 +183,19 @@ pdyn_status contact_take_back(struct contact *c, const double *x) {
 pdyn_status contact_end(struct contact *c) { return c->sticking ? contact_remember(c) : PDYN_OK; }
 
 /* The pairs are listed again where they were, for their order decides how sums are rounded. */
-void contact_persist(struct contact *c, const double *x, struct archive *a) {
+void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
-    archive_bytes(a, c->region, n * sizeof *c->region);
-    archive_bytes(a, c->reach, n * sizeof *c->reach);
-    archive_bytes(a, c->built, 3 * n * sizeof *c->built);
-    archive_bytes(a, c->at, 3 * n * sizeof *c->at);
+    snapshot_file_bytes(a, c->region, n * sizeof *c->region);
+    snapshot_file_bytes(a, c->reach, n * sizeof *c->reach);
+    snapshot_file_bytes(a, c->built, 3 * n * sizeof *c->built);
+    snapshot_file_bytes(a, c->at, 3 * n * sizeof *c->at);
     ARCHIVE(a, c->behind);
     int remembered = c->remembered;
     ARCHIVE(a, remembered);
     pdyn_status status = a->status;
     if (status == PDYN_OK) status = contact_make_memory(c, remembered);
     if (status == PDYN_OK)
-        archive_bytes(a, c->memory_of, (size_t)remembered * sizeof *c->memory_of);
+        snapshot_file_bytes(a, c->memory_of, (size_t)remembered * sizeof *c->memory_of);
     if (status == PDYN_OK && a->view.reading) status = contact_list(c);
     if (status == PDYN_OK && a->view.reading) status = contact_local(c, x);
     if (a->status == PDYN_OK) a->status = status;

@@ -16,9 +16,9 @@
 #ifndef PDYN_CONTACT_H
 #define PDYN_CONTACT_H
 
-#include "base/archive.h"
-#include "geometry/boxes.h"
-#include "geometry/closest.h"
+#include "base/snapshot_file.h"
+#include "geometry/bvh.h"
+#include "geometry/distance.h"
 #include "rows/batch.h"
 #include "scene/scene.h"
 
@@ -92,9 +92,9 @@ struct contact {
     struct box *region;    /* points: in these, the pairs are known */
     double *built;         /* points x 3, m: where these were when the pairs were listed */
     double *moved, *reach; /* points, m: how far they are from there, and may be */
-    struct box *face_box, *edge_box;         /* faces, edges_room */
-    struct boxes face_tree[2], edge_tree[2]; /* of surfaces; of solids */
-    int pairs, room;                         /* room: of `pair` and the arrays that go with it */
+    struct box *face_box, *edge_box;       /* faces, edges_room */
+    struct bvh face_tree[2], edge_tree[2]; /* of surfaces; of solids */
+    int pairs, room;                       /* room: of `pair` and the arrays that go with it */
     struct pair *pair;
     int block_room, blocks; /* of the search */
     struct pair *found;     /* blocks x block_room */
@@ -117,8 +117,8 @@ struct contact {
     struct remembered *memory_of;
 };
 
-/* Points, batches, and the check that nothing intersects; sim->system.contact stays NULL in a scene
- * without contact. */
+/* Points, batches, and the check that nothing intersects; sim->objective.contact stays NULL in a
+ * scene without contact. */
 pdyn_status contact_create(struct pdyn_sim *sim);
 void contact_free(struct contact *contact);
 
@@ -133,7 +133,7 @@ pdyn_status contact_take_back(struct contact *contact, const double *x);
 pdyn_status contact_end(struct contact *contact);
 
 /* What the next step depends on, besides x; reading, at x. */
-void contact_persist(struct contact *contact, const double *x, struct archive *archive);
+void contact_persist(struct contact *contact, const double *x, struct snapshot_file *snapshot);
 
 /* Brings target (particles x 3) back to where the paths from x lead that are free; solids come
  * along from where they were. */

@@ -53,7 +53,7 @@ const pdyn_constraint_type contact_touching = {
     .rows = 1,
     .width = 4,
     .project = project_touching,
-    .axial = axial_touching,
+    .tangent_rank1 = axial_touching,
     .energy = energy_touching,
 };
 

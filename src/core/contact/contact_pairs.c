@@ -68,10 +68,10 @@ static void wrap(const struct contact *c, const int *corner, int corners, struct
 static void plant(struct contact *c) {
     for (int f = 0; f < c->faces; f++) wrap(c, c->face + 3 * f, 3, &c->face_box[f]);
     for (int e = 0; e < c->edges; e++) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
-    boxes_sort(&c->face_tree[0], c->face_box, c->free_faces);
-    boxes_sort(&c->face_tree[1], c->face_box + c->free_faces, c->faces - c->free_faces);
-    boxes_sort(&c->edge_tree[0], c->edge_box, c->free_edges);
-    boxes_sort(&c->edge_tree[1], c->edge_box + c->free_edges, c->edges - c->free_edges);
+    bvh_sort(&c->face_tree[0], c->face_box, c->free_faces);
+    bvh_sort(&c->face_tree[1], c->face_box + c->free_faces, c->faces - c->free_faces);
+    bvh_sort(&c->edge_tree[0], c->edge_box, c->free_edges);
+    bvh_sort(&c->edge_tree[1], c->edge_box + c->free_edges, c->edges - c->free_edges);
 }
 
 /* ---- the search ------------------------------------------------------------------------------ */
@@ -138,11 +138,11 @@ static void visit(void *user, int id) {
 static void search_around(struct search *s, const struct box *box) {
     struct contact *c = s->contact;
     s->base = 0;
-    boxes_visit(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0, visit,
-                s);
+    bvh_visit(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0, visit,
+              s);
     if (!s->edges && s->a >= c->vertices) return; /* what solids do to fluids is not contact's */
     s->base = s->edges ? c->free_edges : c->free_faces;
-    boxes_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
+    bvh_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
 }
 
 /* A particle that has not come yet, or is gone. */

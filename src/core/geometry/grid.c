@@ -1,7 +1,7 @@
 #include "grid.h"
 
 #include "base/simd.h"
-#include "compact.h"
+#include "compress.h"
 
 #include <math.h>
 #include <string.h>

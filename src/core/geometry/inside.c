@@ -28,7 +28,7 @@ static pdyn_status lay_lattice(pdyn_context *context, const struct mesh *mesh, d
         cuts[a] = sample_cells(max - min, spacing);
         out->origin[a] = 0.5 * (min + max) - 0.5 * spacing * (cuts[a] - 1.0);
     }
-    if (!(cuts[0] * cuts[1] * cuts[2] < POINTS_MOST)) return points_too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MOST)) return point_list_too_many(context);
     if (!(cuts[0] * cuts[1] * cuts[2] > 0.0)) return PDYN_OK;
     for (int a = 0; a < 3; a++) out->n[a] = (long)cuts[a];
     out->mark = NEW_ARRAY(context, out->n[0] * out->n[1] * out->n[2], unsigned char);
@@ -154,7 +154,8 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
 
 /* ---- the volume ------------------------------------------------------------------------------ */
 
-static pdyn_status add_inside(pdyn_context *context, const struct lattice *l, struct points *out) {
+static pdyn_status add_inside(pdyn_context *context, const struct lattice *l,
+                              struct point_list *out) {
     for (long k = 0; k < l->n[2]; k++)
         for (long j = 0; j < l->n[1]; j++) {
             const unsigned char *mark = marks(l, j, k);
@@ -163,7 +164,7 @@ static pdyn_status add_inside(pdyn_context *context, const struct lattice *l, st
                 inside ^= mark[i] & PASSED;
                 if (!inside || mark[i] & CLOSE) continue;
                 double x[3] = {place(l, 0, i), place(l, 1, j), place(l, 2, k)};
-                pdyn_status status = points_add(context, out, x);
+                pdyn_status status = point_list_add(context, out, x);
                 if (status != PDYN_OK) return status;
             }
         }
@@ -171,7 +172,7 @@ static pdyn_status add_inside(pdyn_context *context, const struct lattice *l, st
 }
 
 pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
-                               struct points *out) {
+                               struct point_list *out) {
     struct lattice lattice;
     pdyn_status status = lay_lattice(context, mesh, 2.0 * radius, &lattice);
     if (status != PDYN_OK) return status;

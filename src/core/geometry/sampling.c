@@ -6,27 +6,27 @@
 #include <string.h>
 
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
-                              struct points *out) {
+                              struct point_list *out) {
     double cuts[3];
     long n[3];
     for (int a = 0; a < 3; a++) cuts[a] = sample_cells(box->max[a] - box->min[a], 2.0 * radius);
-    if (!(cuts[0] * cuts[1] * cuts[2] < POINTS_MOST)) return points_too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MOST)) return point_list_too_many(context);
     for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (long k = 0; k < n[0] * n[1] * n[2]; k++) {
         long cell[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
         double x[3];
         for (int a = 0; a < 3; a++) x[a] = box->min[a] + radius * (2.0 * (double)cell[a] + 1.0);
-        pdyn_status status = points_add(context, out, x);
+        pdyn_status status = point_list_add(context, out, x);
         if (status != PDYN_OK) return status;
     }
     return PDYN_OK;
 }
 
 pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
-                                 double radius, struct points *out) {
+                                 double radius, struct point_list *out) {
     double reach = sphere->radius - radius, half = floor(reach / (2.0 * radius) + 1e-9);
     double side = 2.0 * half + 1.0;
-    if (!(side * side * side < POINTS_MOST)) return points_too_many(context);
+    if (!(side * side * side < POINT_LIST_MOST)) return point_list_too_many(context);
     pdyn_status status = PDYN_OK;
     for (double k = -half; k <= half; k++)
         for (double j = -half; j <= half; j++)
@@ -34,7 +34,7 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
                 double from_centre[3] = {2.0 * radius * i, 2.0 * radius * j, 2.0 * radius * k};
                 if (vec3_length(from_centre) > reach * (1.0 + 1e-9)) continue;
                 vec3_add(from_centre, 1.0, sphere->center);
-                status = points_add(context, out, from_centre);
+                status = point_list_add(context, out, from_centre);
                 if (status != PDYN_OK) return status;
             }
     return status;
@@ -44,7 +44,7 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
 
 void patches_free(pdyn_context *context, struct patches *patches) {
     FREE_ARRAY(context, patches->patch, patches->capacity);
-    points_free(context, &patches->at);
+    point_list_free(context, &patches->at);
     *patches = (struct patches){0};
 }
 
@@ -59,7 +59,7 @@ static pdyn_status add_patch(pdyn_context *context, struct patches *patches, con
         patches->patch = grown, patches->capacity = capacity;
     }
     patches->patch[count] = *patch;
-    return points_add(context, &patches->at, x);
+    return point_list_add(context, &patches->at, x);
 }
 
 /* One face: across axis a, at its lower or upper end. */
@@ -74,7 +74,7 @@ static pdyn_status sample_face(pdyn_context *context, const struct scene_box *bo
         double length = box->max[b] - box->min[b] + under + over;
         double cuts = ceil(length / grid->spacing - 1e-9);
         if (b == a) continue;
-        if (!(cuts < POINTS_MOST)) return points_too_many(context);
+        if (!(cuts < POINT_LIST_MOST)) return point_list_too_many(context);
         n[b] = (long)cuts, pitch[b] = length / cuts, low[b] = box->min[b] - under;
     }
     int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -102,7 +102,7 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
 /* ---- meshes: candidates in a fixed order, each taken unless one taken before is too close ---- */
 
 static pdyn_status add_spot(pdyn_context *context, struct spots *spots, const struct spot *spot) {
-    if (spots->count == POINTS_MOST) return points_too_many(context);
+    if (spots->count == POINT_LIST_MOST) return point_list_too_many(context);
     if ((size_t)spots->count == spots->capacity) {
         size_t capacity = 2 * spots->capacity + 1024;
         struct spot *grown = context_resize(context, spots->spot, spots->capacity * sizeof *grown,

@@ -3,7 +3,7 @@
 #define PDYN_SAMPLING_H
 
 #include "mesh.h"
-#include "points.h"
+#include "point_list.h"
 #include "primitives.h"
 
 #include <math.h>
@@ -16,18 +16,18 @@ static inline double sample_cells(double edge, double spacing) {
 /* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum.
  */
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
-                              struct points *out);
+                              struct point_list *out);
 
 /* Adds a cubic lattice of particles of this radius, each wholly inside the sphere, one of them in
  * its centre. */
 pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
-                                 double radius, struct points *out);
+                                 double radius, struct point_list *out);
 
 /* Adds a cubic lattice of particles of this radius, each wholly inside a mesh that passed
  * mesh_check_closed; it lies in the middle of the mesh's bounding box. Inside is what an odd number
  * of the mesh's sheets separates from the outside. */
 pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
-                               struct points *out);
+                               struct point_list *out);
 
 struct patch {   /* what a point of a surface stands for */
     double area; /* m^2 */
@@ -36,7 +36,7 @@ struct patch {   /* what a point of a surface stands for */
 };
 
 struct patches { /* points on surfaces */
-    struct points at;
+    struct point_list at;
     size_t capacity;
     struct patch *patch; /* at.count */
 };

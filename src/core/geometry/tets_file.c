@@ -1,6 +1,6 @@
 /* Tetrahedra from files: TetGen's .node and .ele, Gmsh's .msh (2.2 and 4.1, ASCII). Counts in a
  * file are believed only as far as the file is long: arrays grow with what is read. */
-#include "base/near.h"
+#include "base/text.h"
 #include "mesh_file.h"
 #include "tets.h"
 

@@ -2,7 +2,7 @@
  * pressure; faces. */
 #include "base/file_out.h"
 #include "output.h"
-#include "step/emit.h"
+#include "step/live_particles.h"
 
 static const enum byte_order order = LITTLE_ENDIAN_BYTES;
 
@@ -29,7 +29,7 @@ pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path) {
     pdyn_body_info info = pdyn_get_body(sim, body);
     write_header(&file, &info, pdyn_time(sim));
     for (int i = info.first; i < info.first + info.count; i++) {
-        if (!emit_is_live(sim, i)) continue;
+        if (!live_particles_has(sim, i)) continue;
         file_out_reals(&file, order, state.x + 3 * i, 3);
         file_out_reals(&file, order, state.v + 3 * i, 3);
         if (info.triangles) continue;

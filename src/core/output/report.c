@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "base/file_out.h"
 #include "output.h"
-#include "step/emit.h"
+#include "step/live_particles.h"
 #include "step/measure.h"
 
 #include <jansson.h>
@@ -49,7 +49,8 @@ void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_inf
     double number[STEP_COLUMNS];
     step_numbers(info, number);
     for (int k = 0; k < STEP_COLUMNS; k++) count(&report->tally[k], number[k]);
-    for (int b = 0; b < sim->bodies; b++) count(&report->residual[b], sim->system.body[b].residual);
+    for (int b = 0; b < sim->bodies; b++)
+        count(&report->residual[b], sim->objective.body[b].residual);
     report->unsolved += info->step_residual > sim->scene.settings.tolerance;
     report->end = *info;
     report->steps++;
@@ -94,7 +95,7 @@ static json_t *mean_max(const struct report *report, int column) {
 
 /* fluid: that there is room for; start, peak and end: that were live. */
 static json_t *particles(const struct report *report, const pdyn_sim *sim) {
-    const struct emit *e = sim->emit;
+    const struct live_particles *e = sim->live;
     pdyn_state state = pdyn_get_state(sim);
     int fluid = 0, cloth = 0;
     for (int b = 0; b < state.bodies; b++) {

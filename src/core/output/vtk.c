@@ -1,7 +1,7 @@
 /* Legacy VTK, version 4.2, binary (big endian): an unstructured grid of points and cells. */
 #include "base/file_out.h"
 #include "output.h"
-#include "step/emit.h"
+#include "step/live_particles.h"
 
 enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
 
@@ -23,7 +23,8 @@ static void write_values(struct file_out *file, const pdyn_sim *sim, const pdyn_
                        (size_t)width * (size_t)info->count);
     else
         for (int i = info->first; i < info->first + info->count; i++)
-            if (emit_is_live(sim, i)) file_out_reals(file, order, value + width * i, (size_t)width);
+            if (live_particles_has(sim, i))
+                file_out_reals(file, order, value + width * i, (size_t)width);
 }
 
 static void write_types(struct file_out *file, int type, int count) {

@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "base/file_out.h"
 #include "output.h"
-#include "persist.h"
+#include "snapshot.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -236,7 +236,7 @@ static pdyn_status add_row(pdyn_writer *writer, const pdyn_step_info *info) {
     *writer->row = '\0';
     for (int k = 0; k < STEP_COLUMNS; k++) add_number(writer, number[k]);
     for (int b = 0; b < writer->sim->bodies; b++)
-        add_number(writer, writer->sim->system.body[b].residual);
+        add_number(writer, writer->sim->objective.body[b].residual);
     text_append(writer->row, writer->row_size, "\n");
     text_end(&locale);
     return write_row(writer);
@@ -254,10 +254,10 @@ pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
 /* ---- saving and resuming --------------------------------------------------------------------- */
 
 /* What the writer has written so far; of a run that goes on, what it had. */
-static void persist_writer(pdyn_writer *writer, struct archive *a) {
+static void persist_writer(pdyn_writer *writer, struct snapshot_file *a) {
     struct report *report = &writer->report;
     double run_ms = clock_ms() - report->opened_ms;
-    archive_expect(a, sizeof *report, "numbers in its report");
+    snapshot_file_expect(a, sizeof *report, "numbers in its report");
     ARCHIVE(a, writer->ply);
     ARCHIVE(a, writer->metrics_size);
     ARCHIVE(a, run_ms);
@@ -265,39 +265,39 @@ static void persist_writer(pdyn_writer *writer, struct archive *a) {
     report->residual = NULL; /* no address goes into a file */
     ARCHIVE(a, *report);
     report->residual = residual;
-    archive_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
+    snapshot_file_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
     ARCHIVE(a, writer->frames);
     report->opened_ms = clock_ms() - run_ms;
 }
 
-static pdyn_status persist_all(pdyn_writer *writer, struct archive *a) {
+static pdyn_status persist_all(pdyn_writer *writer, struct snapshot_file *a) {
     pdyn_status status = persist(writer->sim, a);
     if (status != PDYN_OK) return status;
     persist_writer(writer, a);
     if (a->view.reading && a->status == PDYN_OK) a->status = reserve_times(writer, writer->frames);
     if (a->status == PDYN_OK)
-        archive_bytes(a, writer->time, (size_t)writer->frames * sizeof *writer->time);
+        snapshot_file_bytes(a, writer->time, (size_t)writer->frames * sizeof *writer->time);
     return a->status;
 }
 
 pdyn_status pdyn_writer_save(pdyn_writer *writer) {
-    struct archive a;
+    struct snapshot_file a;
     if (!writer) return PDYN_BAD_CALL;
     double start = clock_ms();
-    pdyn_status status = archive_create(writer->context, path_of(writer, "state.pdyn"), &a);
+    pdyn_status status = snapshot_file_create(writer->context, path_of(writer, "state.pdyn"), &a);
     if (status != PDYN_OK) return status;
     persist_all(writer, &a);
-    status = archive_close(&a);
+    status = snapshot_file_close(&a);
     writer->report.output_ms += clock_ms() - start;
     return status;
 }
 
 static pdyn_status load_state(pdyn_writer *writer) {
-    struct archive a;
-    pdyn_status status = archive_open(writer->context, path_of(writer, "state.pdyn"), &a);
+    struct snapshot_file a;
+    pdyn_status status = snapshot_file_open(writer->context, path_of(writer, "state.pdyn"), &a);
     if (status != PDYN_OK) return status;
     persist_all(writer, &a);
-    return archive_close(&a);
+    return snapshot_file_close(&a);
 }
 
 /* What was written after the state was saved will be written again. */

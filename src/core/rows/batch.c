@@ -39,7 +39,7 @@ static const double *extend(const struct batch *b, const double *u) {
 /* Where an operator adds to y, until it is gathered. */
 static double *begin_output(const struct batch *b, double *y) {
     if (!b->samples) return y;
-    size_t all = 3 * (size_t)b->scalars.particles;
+    size_t all = 3 * (size_t)b->one_sided.particles;
     size_t own = y == b->samples->output ? 3 * (size_t)b->samples->particles : 0;
     memset(b->samples->output + own, 0, (all - own) * sizeof *y);
     return b->samples->output;
@@ -140,13 +140,13 @@ static void local_rows(void *arg, int first, int last, int block) {
 pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {
     b->view.time = time;
     if (b->op) {
-        b->energy = b->type->op->local(b->op, x, begin_output(b, gradient));
+        b->energy = b->type->matrix_free->local(b->op, x, begin_output(b, gradient));
         end_output(b, gradient);
-        return scalars_begin(&b->scalars);
+        return one_sided_begin(&b->one_sided);
     }
     b->energy = 0.0;
-    if (b->stiffness) {
-        b->energy = stiffness_energy(b->stiffness, x, gradient);
+    if (b->linear) {
+        b->energy = linear_rows_energy(b->linear, x, gradient);
         return PDYN_OK;
     }
     for_range(b, b->view.elements, BATCH_GRAIN, local_rows, x, NULL, 0.0);
@@ -162,7 +162,7 @@ static void hold_rows(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct batch *b = c->batch;
     gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in);
-    b->type->hold(b->params, &b->view, first, last);
+    b->type->damping_rest(b->params, &b->view, first, last);
 }
 
 static void weigh_rows(void *arg, int first, int last, int block) {
@@ -249,7 +249,7 @@ static void linearise_axes(void *arg, int first, int last, int block) {
     struct batch *b = c->batch;
     for (int e = first, end; e < last; e = end) {
         end = last - e > PIECE ? e + PIECE : last;
-        b->type->axial(b->params, &b->view, e, end, b->block + b->block_start[e]);
+        b->type->tangent_rank1(b->params, &b->view, e, end, b->block + b->block_start[e]);
         damp_axes(b, e, end, c->number);
     }
 }
@@ -261,8 +261,8 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
     if (b->op || !batch_has_blocks(b) || !b->rows) return PDYN_OK;
     if (!b->block) b->block = NEW_ARRAY(b->context, batch_block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
-    for_range(b, b->view.elements, BATCH_GRAIN, b->type->axial ? linearise_axes : linearise_rows,
-              NULL, NULL, eps);
+    for_range(b, b->view.elements, BATCH_GRAIN,
+              b->type->tangent_rank1 ? linearise_axes : linearise_rows, NULL, NULL, eps);
     return PDYN_OK;
 }
 
@@ -315,15 +315,15 @@ WIDE static void apply_rows(void *arg, int first, int last, int block) {
 
 void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
-        scalars_apply(&b->scalars, b->eps, extend(b, u), begin_output(b, y));
+        one_sided_apply(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
         end_output(b, y);
         return;
     }
-    if (b->stiffness) {
-        stiffness_apply(b->stiffness, u, y);
+    if (b->linear) {
+        linear_rows_apply(b->linear, u, y);
         return;
     }
-    bool axes = b->type->axial && batch_has_blocks(b);
+    bool axes = b->type->tangent_rank1 && batch_has_blocks(b);
     for_range(b, b->view.elements, BATCH_GRAIN, axes ? apply_axes : apply_rows, u, NULL, 0.0);
     batch_scatter(b, y);
 }
@@ -331,19 +331,19 @@ void batch_apply(struct batch *b, const double *u, double *y) {
 static bool has_sides(const struct batch *b) { return b->op && b->eps < 1.0; }
 
 void batch_aim(struct batch *b, const double *u) {
-    if (has_sides(b)) scalars_aim(&b->scalars, extend(b, u));
+    if (has_sides(b)) one_sided_aim(&b->one_sided, extend(b, u));
 }
 
-int batch_turns(struct batch *b) { return has_sides(b) ? scalars_turns(&b->scalars) : 0; }
+int batch_turns(struct batch *b) { return has_sides(b) ? one_sided_turns(&b->one_sided) : 0; }
 
 double batch_slope(struct batch *b, double t, double *curvature) {
     *curvature = 0.0;
-    return b->op ? scalars_slope(&b->scalars, b->eps, t, curvature) : 0.0;
+    return b->op ? one_sided_slope(&b->one_sided, b->eps, t, curvature) : 0.0;
 }
 
 int batch_go(struct batch *b, double t, double *y) {
     if (!b->op) return 0;
-    int changed = scalars_go(&b->scalars, b->eps, t, begin_output(b, y));
+    int changed = one_sided_go(&b->one_sided, b->eps, t, begin_output(b, y));
     end_output(b, y);
     return changed;
 }
@@ -355,13 +355,13 @@ static void find_acceleration(struct batch *b, const struct velocity_change *cha
     int n = 3 * change->particles;
     memset(a, 0, (size_t)n * sizeof *a);
     if (b->op) {
-        scalars_forces(&b->scalars, begin_output(b, a));
+        one_sided_forces(&b->one_sided, begin_output(b, a));
         end_output(b, a);
     } else batch_scatter(b, a);
     for (int k = 0; k < n; k++) a[k] /= change->mass[k / 3];
 }
 
-/* flux = its impact part, row by row. As in scalars.c, the larger of two changes counts: by this
+/* flux = its impact part, row by row. As in one_sided.c, the larger of two changes counts: by this
  * row alone, and by all, for many contacts of a point share what stops it. */
 static void keep_impacts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
@@ -400,10 +400,10 @@ static int row_impacts(struct batch *b, const struct velocity_change *change, do
 }
 
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
-    scalars_rate_acceleration(&b->scalars, extend(b, change->scratch));
-    scalars_rate_slowed(&b->scalars, extend(b, change->slowed));
-    int count = scalars_impacts(&b->scalars, change->mass[b->view.body->first], change->h,
-                                begin_output(b, force));
+    one_sided_rate_acceleration(&b->one_sided, extend(b, change->scratch));
+    one_sided_rate_slowed(&b->one_sided, extend(b, change->slowed));
+    int count = one_sided_impacts(&b->one_sided, change->mass[b->view.body->first], change->h,
+                                  begin_output(b, force));
     end_output(b, force);
     return count;
 }
@@ -415,21 +415,21 @@ int batch_impacts(struct batch *b, const struct velocity_change *change, double 
 }
 
 void batch_limit(struct batch *b, const double *x, double *way) {
-    if (b->op && b->type->op->limit) b->type->op->limit(b->op, x, way);
+    if (b->op && b->type->matrix_free->limit) b->type->matrix_free->limit(b->op, x, way);
 }
 
 void batch_accept(struct batch *b) {
-    if (b->op && b->type->op->accept) b->type->op->accept(b->op);
+    if (b->op && b->type->matrix_free->accept) b->type->matrix_free->accept(b->op);
 }
 
 void batch_velocity(struct batch *b, double *v) {
-    if (!b->op || !b->type->op->velocity) return;
+    if (!b->op || !b->type->matrix_free->velocity) return;
     if (!b->samples) {
-        b->type->op->velocity(b->op, v);
+        b->type->matrix_free->velocity(b->op, v);
         return;
     }
     samples_follow(b->samples, v);
-    b->type->op->velocity(b->op, b->samples->input);
+    b->type->matrix_free->velocity(b->op, b->samples->input);
     memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }
 
@@ -444,7 +444,7 @@ void batch_block(const struct batch *b, int k, int m, double B[9]) {
         n = 3 * (b->view.element_row[e + 1] - r0);
     bool same = b->entry_row[k] == b->entry_row[m], blocks = batch_has_blocks(b);
     const double *own = blocks ? b->block + b->block_start[e] : NULL;
-    if (blocks && b->type->axial) {
+    if (blocks && b->type->tangent_rank1) {
         block_of_axis(own, B);
         return;
     }
@@ -527,16 +527,16 @@ WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
 /* What adds the rows' part for a range of the particles that they touch. */
 static pdyn_range_fn *diagonal_of(const struct batch *b) {
     if (!b->single) return diagonal_rows;
-    return b->type->axial && batch_has_blocks(b) ? diagonal_axes : diagonal_single;
+    return b->type->tangent_rank1 && batch_has_blocks(b) ? diagonal_axes : diagonal_single;
 }
 
 void batch_diagonal(struct batch *b, double *blocks) {
     if (b->op && b->samples) {
-        memset(b->samples->blocks, 0, 6 * (size_t)b->scalars.particles * sizeof *blocks);
-        scalars_diagonal(&b->scalars, b->eps, b->samples->blocks);
+        memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
+        one_sided_diagonal(&b->one_sided, b->eps, b->samples->blocks);
         samples_gather_blocks(b->samples, b->samples->blocks, blocks);
-    } else if (b->op) scalars_diagonal(&b->scalars, b->eps, blocks);
-    else if (b->stiffness) stiffness_diagonal(b->stiffness, blocks);
+    } else if (b->op) one_sided_diagonal(&b->one_sided, b->eps, blocks);
+    else if (b->linear) linear_rows_diagonal(b->linear, blocks);
     else for_range(b, b->touch_count, PARTICLES, diagonal_of(b), NULL, blocks, 0.0);
 }
 

@@ -5,10 +5,10 @@
 #define PDYN_BATCH_H
 
 #include "base/context.h"
+#include "linear_rows.h"
+#include "one_sided.h"
 #include "projdyn/module.h"
-#include "scalars.h"
 #include "sph/neighbours.h"
-#include "stiffness.h"
 
 enum { BATCH_GRAIN = 2048 }; /* elements: worth waking a thread for */
 
@@ -21,13 +21,13 @@ struct batch {
     pdyn_context *context;
     const pdyn_constraint_type *type;
     const void *params;
-    pdyn_batch view;         /* what the type sees; arrays owned here */
-    void *op;                /* operator tier: the type's state */
-    struct scalars scalars;  /* and its constraints */
-    struct samples *samples; /* its vectors go on with these; NULL: not */
-    double eps;              /* damping of the current linearisation */
-    double energy;           /* J, at the last local step */
-    bool damper;             /* holds back the rate of strain, see pdyn_constraint_type.damping */
+    pdyn_batch view;            /* what the type sees; arrays owned here */
+    void *op;                   /* operator tier: the type's state */
+    struct one_sided one_sided; /* and its constraints */
+    struct samples *samples;    /* its vectors go on with these; NULL: not */
+    double eps;                 /* damping of the current linearisation */
+    double energy;              /* J, at the last local step */
+    bool damper; /* holds back the rate of strain, see pdyn_constraint_type.damping */
 
     /* rows tier */
     bool changing; /* elements come and go */
@@ -44,7 +44,7 @@ struct batch {
                             if axial B = m m' + a I, 4 numbers, m and a; NULL until eps is below 1
                             for the first time */
     double *partial;     /* a partial energy for each parallel block */
-    struct stiffness *stiffness;    /* stands for all rows in products and local steps; NULL: not */
+    struct linear_rows *linear;     /* stands for all rows in products and local steps; NULL: not */
     int *entry_element, *entry_row; /* entries: where they belong */
     int touch_first, touch_count;   /* the rows touch only these particles of the system */
     int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
@@ -100,7 +100,7 @@ struct velocity_change {  /* in a step of effective length h, s */
     double *scratch; /* particles x 3 */
 };
 
-/* Of a type with one side: force += the impact part (scalars.h) of its forces at the last local
+/* Of a type with one side: force += the impact part (one_sided.h) of its forces at the last local
  * step, N, as gradients of its energy. Returns how many constraints or rows have an impact. The
  * rows' flux is lost. */
 int batch_impacts(struct batch *batch, const struct velocity_change *change, double *force);
@@ -114,7 +114,7 @@ void batch_limit(struct batch *batch, const double *x, double *way);
 /* The step that ended at the x of the last local step was taken. */
 void batch_accept(struct batch *batch);
 
-/* The model along a direction u, see scalars.h. */
+/* The model along a direction u, see one_sided.h. */
 void batch_aim(struct batch *batch, const double *u);
 int batch_turns(struct batch *batch);
 double batch_slope(struct batch *batch, double t, double *curvature);
@@ -128,7 +128,7 @@ void batch_mark_held(const struct batch *batch, bool *held);
 
 /* Rows tier: the components of a row are not independent, B is not w I. */
 static inline bool batch_has_blocks(const struct batch *b) {
-    return b->eps < 1.0 && !b->stiffness && (b->type->tangent || b->type->axial);
+    return b->eps < 1.0 && !b->linear && (b->type->tangent || b->type->tangent_rank1);
 }
 /* Rows tier: numbers in batch->block, with room to load the last column as four. */
 size_t batch_block_numbers(const struct batch *batch);

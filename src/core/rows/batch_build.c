@@ -58,10 +58,10 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
     long rows = 0, entries = 0;
     for (int e = 0; e < v->elements; e++) {
         int n = t->rows, width = t->width;
-        if (t->shape) t->shape(b->params, v, e, &n, &width);
+        if (t->row_sizes) t->row_sizes(b->params, v, e, &n, &width);
         if (n < 0 || width < 0)
             return fault(b, "element %d has %d rows of %d entries", e, n, width);
-        if (t->axial && n != 1)
+        if (t->tangent_rank1 && n != 1)
             return fault(b, "element %d has %d rows, expected 1 as its tangent is axial", e, n);
         rows += n;
         entries += (long)n * width;
@@ -75,7 +75,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
     if (rows && !*row_width) return PDYN_NO_MEMORY;
     for (int e = 0; e < v->elements; e++) {
         int n = t->rows, width = t->width;
-        if (t->shape) t->shape(b->params, v, e, &n, &width);
+        if (t->row_sizes) t->row_sizes(b->params, v, e, &n, &width);
         for (int r = element_row[e]; r < element_row[e + 1]; r++) (*row_width)[r] = width;
     }
     return PDYN_OK;
@@ -90,7 +90,7 @@ static void number_rows(struct batch *b) {
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < b->room.elements; e++) {
         size_t n = 3 * (size_t)(v->element_row[e + 1] - v->element_row[e]);
-        b->block_start[e + 1] = b->block_start[e] + (b->type->axial ? 4 : n * n);
+        b->block_start[e + 1] = b->block_start[e] + (b->type->tangent_rank1 ? 4 : n * n);
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
                 b->entry_element[k] = e, b->entry_row[k] = r;
@@ -227,12 +227,14 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     pdyn_status status = PDYN_OK;
     if (b->view.elements < 0)
         status = fault(b, "it has %d elements", b->view.elements), b->view.elements = 0;
-    else if (!type->op || rows_only) status = create_rows(b);
-    else if (!(b->op = type->op->create(params, body, services)))
+    else if (!type->matrix_free || rows_only) status = create_rows(b);
+    else if (!(b->op = type->matrix_free->create(params, body, services)))
         status = context_no_memory(context);
     else {
-        b->scalars = (struct scalars){
-            .context = context, .op = type->op, .self = b->op, .particles = neighbours->particles};
+        b->one_sided = (struct one_sided){.context = context,
+                                          .op = type->matrix_free,
+                                          .self = b->op,
+                                          .particles = neighbours->particles};
         status = batch_neighbours(b, neighbours);
     }
     if (status == PDYN_OK) return status;
@@ -243,7 +245,7 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
 
 pdyn_status batch_join_rows(struct batch *b) {
     if (b->op || !b->type->linear || !b->type->linear(b->params, &b->view)) return PDYN_OK;
-    return stiffness_create(b->context, b, &b->stiffness);
+    return linear_rows_create(b->context, b, &b->linear);
 }
 
 /* ---- elements that come and go --------------------------------------------------------------- */
@@ -284,16 +286,17 @@ pdyn_status batch_resize(struct batch *b, int elements) {
 }
 
 pdyn_status batch_neighbours(struct batch *b, const pdyn_neighbours *neighbours) {
-    if (b->op && !b->type->op->neighbours(b->op, neighbours)) return context_no_memory(b->context);
+    if (b->op && !b->type->matrix_free->neighbours(b->op, neighbours))
+        return context_no_memory(b->context);
     return PDYN_OK;
 }
 
 void batch_free(struct batch *b) {
     if (!b) return;
     pdyn_context *c = b->context;
-    if (b->op) b->type->op->free(b->op), scalars_free(&b->scalars);
+    if (b->op) b->type->matrix_free->free(b->op), one_sided_free(&b->one_sided);
     free_rows(b);
-    stiffness_free(b->stiffness);
+    linear_rows_free(b->linear);
     FREE_ARRAY(c, b->touch_start, b->touch_count + 2);
     FREE_ARRAY(c, b, 1);
 }

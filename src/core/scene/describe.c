@@ -1,7 +1,7 @@
 /* What is registered, as text for people. */
 #include "base/context.h"
-#include "base/near.h"
 #include "base/registry.h"
+#include "base/text.h"
 #include "choices.h"
 #include "params.h"
 

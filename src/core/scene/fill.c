@@ -2,7 +2,7 @@
 
 #include "geometry/sampling.h"
 #include "params.h"
-#include "placed.h"
+#include "transform.h"
 
 #include <math.h>
 
@@ -50,7 +50,7 @@ static pdyn_status count_added(const struct json_at *at, struct fill *fill, int 
 }
 
 static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
-    struct points *start = &fill->body->start;
+    struct point_list *start = &fill->body->start;
     struct scene_sphere sphere;
     int before = start->count;
     pdyn_status status = params_sphere(at, &sphere);
@@ -63,7 +63,7 @@ static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
 static pdyn_status fill_placed_mesh(const struct json_at *at, struct fill *fill,
                                     const struct mesh *mesh) {
     pdyn_context *context = at->file->context;
-    struct points *start = &fill->body->start;
+    struct point_list *start = &fill->body->start;
     int before = start->count;
     pdyn_status status = mesh_check(context, mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(context, mesh, json_string_value(at->value));
@@ -76,7 +76,7 @@ static pdyn_status fill_mesh(const struct json_at *at, struct fill *fill) {
     struct mesh mesh = {0};
     struct transform transform;
     pdyn_status status = transform_read(fill->entry, -1e6, &transform);
-    if (status == PDYN_OK) status = placed_mesh(at, &mesh);
+    if (status == PDYN_OK) status = transform_mesh(at, &mesh);
     if (status != PDYN_OK) return status;
     transform_points(&transform, mesh.vertex, mesh.vertices);
     status = fill_placed_mesh(at, fill, &mesh);
@@ -90,9 +90,9 @@ static pdyn_status fill_placed_file(const struct json_at *at, struct fill *fill,
     struct scene_body *body = fill->body;
     pdyn_status status = fill_count(at, particles->count, fill->so_far);
     if (status == PDYN_OK)
-        status = points_add_all(context, &body->start, particles->x, particles->count);
+        status = point_list_add_all(context, &body->start, particles->x, particles->count);
     if (status == PDYN_OK && particles->v && !fill->has_velocity)
-        status = points_add_all(context, &body->start_v, particles->v, particles->count);
+        status = point_list_add_all(context, &body->start_v, particles->v, particles->count);
     return status;
 }
 
@@ -100,7 +100,7 @@ static pdyn_status fill_file(const struct json_at *at, struct fill *fill) {
     struct particles particles = {0};
     struct transform transform;
     pdyn_status status = transform_read(fill->entry, -1e6, &transform);
-    if (status == PDYN_OK) status = placed_particles(at, &particles);
+    if (status == PDYN_OK) status = transform_particles(at, &particles);
     if (status != PDYN_OK) return status;
     transform_points(&transform, particles.x, particles.count);
     if (particles.v) transform_directions(&transform, particles.v, particles.count);
@@ -130,7 +130,7 @@ static pdyn_status find_shape(const struct json_at *at, int *out) {
         at, "expected exactly one of \"box\", \"sphere\", \"mesh\" and \"file\", found %d", found);
 }
 
-pdyn_status fill_check_range(const struct json_at *at, const struct points *points, int first) {
+pdyn_status fill_check_range(const struct json_at *at, const struct point_list *points, int first) {
     for (size_t i = 3 * (size_t)first; i < 3 * (size_t)points->count; i++)
         if (!(fabs(points->x[i]) <= FILL_FARTHEST))
             return json_fail(at,
@@ -157,7 +157,7 @@ pdyn_status fill_read(const struct json_at *at, struct scene_body *body, double 
     status = shapes[shape].fill(&inner, &fill);
     if (status == PDYN_OK) status = fill_check_range(&inner, &body->start, first);
     while (status == PDYN_OK && body->start_v.count < body->start.count)
-        status =
-            points_add(at->file->context, &body->start_v, fill.has_velocity ? own : body->velocity);
+        status = point_list_add(at->file->context, &body->start_v,
+                                fill.has_velocity ? own : body->velocity);
     return status;
 }

@@ -13,7 +13,7 @@ enum { MOST_PARTICLES = 1 << 27 };
 pdyn_status fill_count(const struct json_at *at, double count, double *so_far);
 
 /* The points from `first` on are finite and none is farther than FILL_FARTHEST. */
-pdyn_status fill_check_range(const struct json_at *at, const struct points *points, int first);
+pdyn_status fill_check_range(const struct json_at *at, const struct point_list *points, int first);
 
 /* Adds what one entry of "fill" says to the start of a body, whose radius and velocity are known.
  */

@@ -20,7 +20,7 @@ static void add_mesh(struct heights *h, const struct mesh *mesh, double speed) {
 }
 
 static void add_body(struct heights *h, const struct scene_body *body) {
-    const struct points *start = &body->start, *v = &body->start_v;
+    const struct point_list *start = &body->start, *v = &body->start_v;
     if (body->is_surface) add_mesh(h, &body->mesh, vec3_length(body->velocity));
     for (int i = 0; i < start->count; i++)
         add(h, start->x + 3 * (size_t)i, body->radius,

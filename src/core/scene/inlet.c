@@ -24,7 +24,7 @@ const pdyn_param outlet_params[] = {{"outside", PDYN_BOOL, offsetof(struct scene
 struct opening {
     double center[3], across[3], up[3];
     double spacing; /* m, of the lattice */
-    struct points *layer;
+    struct point_list *layer;
 };
 
 /* ---- the plane ------------------------------------------------------------------------------- */
@@ -69,7 +69,7 @@ static pdyn_status add_point(const struct json_at *at, const struct opening *o, 
     double x[3] = {o->center[0], o->center[1], o->center[2]};
     vec3_add(x, i * o->spacing, o->across);
     vec3_add(x, j * o->spacing, o->up);
-    return points_add(at->file->context, o->layer, x);
+    return point_list_add(at->file->context, o->layer, x);
 }
 
 static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {

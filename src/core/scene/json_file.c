@@ -1,7 +1,7 @@
 #include "json_file.h"
 
-#include "base/near.h"
 #include "base/registry.h"
+#include "base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>

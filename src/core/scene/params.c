@@ -1,6 +1,6 @@
 #include "params.h"
 
-#include "base/near.h"
+#include "base/text.h"
 
 #include "projdyn/vec3.h"
 

@@ -2,8 +2,8 @@
 #ifndef PDYN_POSES_H
 #define PDYN_POSES_H
 
-#include "placed.h"
 #include "scene.h"
+#include "transform.h"
 
 struct pose {
     struct transform at;            /* from the pivot; its scale is 1 */

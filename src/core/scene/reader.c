@@ -1,6 +1,6 @@
 #include "reader.h"
 
-#include "base/near.h"
+#include "base/text.h"
 #include "fill.h"
 
 #include <stdio.h>

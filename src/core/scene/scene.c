@@ -1,11 +1,11 @@
-#include "base/archive.h"
-#include "base/near.h"
 #include "base/registry.h"
+#include "base/snapshot_file.h"
+#include "base/text.h"
 #include "head.h"
 #include "inlet.h"
 #include "params.h"
-#include "placed.h"
 #include "reader.h"
+#include "transform.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -134,7 +134,7 @@ static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int i
     char *path = NULL;
     size_t size = 0;
     (void)index;
-    pdyn_status status = placed_path(at, "the name of a plug-in's shared object", &path, &size);
+    pdyn_status status = transform_path(at, "the name of a plug-in's shared object", &path, &size);
     if (status != PDYN_OK) return status;
     status = json_wrap(at, pdyn_load_plugin(r->context, path));
     FREE_ARRAY(r->context, path, size);
@@ -213,10 +213,10 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
         context_resize(context, constraint->params, constraint->type->params_size, 0);
     }
     FREE_ARRAY(context, body->constraint, body->constraints);
-    for (int k = 0; k < body->inlets; k++) points_free(context, &body->inlet[k].layer);
+    for (int k = 0; k < body->inlets; k++) point_list_free(context, &body->inlet[k].layer);
     FREE_ARRAY(context, body->inlet, body->inlets);
-    points_free(context, &body->start);
-    points_free(context, &body->start_v);
+    point_list_free(context, &body->start);
+    point_list_free(context, &body->start_v);
     mesh_free(context, &body->mesh);
     tets_free(context, &body->tets);
     free_text(context, &body->name);

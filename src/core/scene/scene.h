@@ -6,17 +6,17 @@
 
 #include "base/context.h"
 #include "geometry/mesh.h"
-#include "geometry/points.h"
+#include "geometry/point_list.h"
 #include "geometry/primitives.h"
 #include "geometry/tets.h"
 #include "projdyn/module.h"
 
-struct scene_inlet {        /* lets one layer of particles in after the other, a spacing apart */
-    double direction[3];    /* of length 1 */
-    double speed;           /* m/s */
-    double start, duration; /* s; duration 0: until the end of the scene */
-    double layers;          /* in all, whole */
-    struct points layer;    /* where its particles enter */
+struct scene_inlet {         /* lets one layer of particles in after the other, a spacing apart */
+    double direction[3];     /* of length 1 */
+    double speed;            /* m/s */
+    double start, duration;  /* s; duration 0: until the end of the scene */
+    double layers;           /* in all, whole */
+    struct point_list layer; /* where its particles enter */
 };
 
 struct scene_outlet { /* removes particles */
@@ -35,13 +35,13 @@ struct scene_body {
     bool is_surface;
     struct mesh mesh; /* surface: rest positions in the world, after scale, rotation, translation */
     struct tets tets; /* of a surface that is the outside of a volume */
-    struct points start, start_v; /* particles: where they begin, and how fast, m/s */
-    double radius;                /* m */
-    double rest_density;          /* kg/m^3 */
-    double area_density;          /* kg/m^2 */
-    double fluid_friction;        /* Pa s/m, of a surface or a volume */
-    double density;               /* kg/m^3, of a volume */
-    int inlets;                   /* of particles */
+    struct point_list start, start_v; /* particles: where they begin, and how fast, m/s */
+    double radius;                    /* m */
+    double rest_density;              /* kg/m^3 */
+    double area_density;              /* kg/m^2 */
+    double fluid_friction;            /* Pa s/m, of a surface or a volume */
+    double density;                   /* kg/m^3, of a volume */
+    int inlets;                       /* of particles */
     struct scene_inlet *inlet;
     int budget;         /* particles that the inlets may add to those at the start */
     double velocity[3]; /* m/s, at the start; of particles, what a fill says goes first */

@@ -2,8 +2,8 @@
 #include "fill.h"
 #include "inlet.h"
 #include "params.h"
-#include "placed.h"
 #include "reader.h"
+#include "transform.h"
 
 #include <math.h>
 #include <string.h>
@@ -114,7 +114,7 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
     if (grid.value) status = read_grid(r, &grid, &body->mesh);
-    else status = placed_mesh(&mesh, &body->mesh);
+    else status = transform_mesh(&mesh, &body->mesh);
     if (status == PDYN_OK && mesh.value)
         status = fill_count(&mesh, body->mesh.vertices, &r->particles);
     if (status != PDYN_OK) return status;
@@ -155,7 +155,7 @@ static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
     char *path = NULL;
     size_t size = 0;
     pdyn_status status =
-        placed_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
+        transform_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
     if (status != PDYN_OK) return status;
     status = json_wrap(at, tets_read(r->context, path, &r->body->mesh, &r->body->tets));
     FREE_ARRAY(r->context, path, size);
@@ -208,7 +208,7 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
                          body->is_surface ? "a surface" : "a body of particles");
     if (type->flags & PDYN_ON_PARTICLES && body->is_surface)
         return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
-    if (type->op && r->operator_used)
+    if (type->matrix_free && r->operator_used)
         return json_fail(
             at, "only one body may have a \"%s\" constraint; put all volumes into its \"fill\"",
             type->name);
@@ -229,7 +229,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
     if (status == PDYN_OK) status = params_check_alternatives(at, type->alternatives);
     if (status != PDYN_OK) return status;
-    r->operator_used |= type->op != NULL;
+    r->operator_used |= type->matrix_free != NULL;
     constraint->params = context_array(r->context, type->params_size, 1);
     if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
     return params_read(at, type->params, body->is_surface ? &body->mesh : NULL, constraint->params);

@@ -1,7 +1,7 @@
 #include "params.h"
-#include "placed.h"
+#include "primitive_mesh.h"
 #include "reader.h"
-#include "shape.h"
+#include "transform.h"
 
 #include "projdyn/vec3.h"
 
@@ -35,14 +35,14 @@ static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
     if (status == PDYN_OK && r->solid->open == 0x3F)
         status = json_fail(&open, "all six sides are open: no wall is left");
     if (status != PDYN_OK) return status;
-    return shape_box(r->context, walls, r->solid->open, &r->solid->mesh);
+    return primitive_box(r->context, walls, r->solid->open, &r->solid->mesh);
 }
 
 static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
                                const struct json_at *mesh) {
     struct transform transform;
     pdyn_status status = transform_read(owner, -1e6, &transform);
-    if (status == PDYN_OK) status = placed_mesh(mesh, &r->solid->mesh);
+    if (status == PDYN_OK) status = transform_mesh(mesh, &r->solid->mesh);
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
     memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
@@ -52,19 +52,19 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
 static pdyn_status read_sphere(struct reader *r, const struct json_at *owner,
                                const struct json_at *sphere) {
     (void)owner;
-    return shape_read_sphere(sphere, &r->solid->mesh, r->solid->pivot);
+    return primitive_read_sphere(sphere, &r->solid->mesh, r->solid->pivot);
 }
 
 static pdyn_status read_capsule(struct reader *r, const struct json_at *owner,
                                 const struct json_at *capsule) {
     (void)owner;
-    return shape_read_capsule(capsule, &r->solid->mesh, r->solid->pivot);
+    return primitive_read_capsule(capsule, &r->solid->mesh, r->solid->pivot);
 }
 
 static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
                               const struct json_at *plane) {
     (void)owner;
-    return shape_read_plane(plane, &r->solid->mesh, r->solid->pivot);
+    return primitive_read_plane(plane, &r->solid->mesh, r->solid->pivot);
 }
 
 enum { SHAPES = 5, BOX = 0, MESH = 1 };

@@ -1,5 +1,5 @@
 /* A scene's text with its overrides done. */
-#include "base/near.h"
+#include "base/text.h"
 #include "json_file.h"
 
 #include <stdlib.h>

@@ -17,13 +17,13 @@ struct lists {
 
 /* Who sees whom: empty in a scene without surfaces. */
 struct visibility {
-    struct sides *sides;  /* NULL where there is no surface */
-    double *decided_at;   /* system x 3, m: where the particles were when it was decided */
-    const double *state;  /* system x 3, m: where the step begins, until its first local step */
-    struct lists before;  /* the lists before; of these, start and surface_start and index */
-    bool known, complete; /* those before, and these, hold every pair that they should */
-    bool decided;         /* decided_at is set */
-    double *granted;      /* particles, see pdyn_neighbours */
+    struct occlusion *sides; /* NULL where there is no surface */
+    double *decided_at;      /* system x 3, m: where the particles were when it was decided */
+    const double *state;     /* system x 3, m: where the step begins, until its first local step */
+    struct lists before;     /* the lists before; of these, start and surface_start and index */
+    bool known, complete;    /* those before, and these, hold every pair that they should */
+    bool decided;            /* decided_at is set */
+    double *granted;         /* particles, see pdyn_neighbours */
 };
 
 struct neighbours {
@@ -54,7 +54,7 @@ struct neighbours {
 };
 
 /* Memory; points->sides NULL: none. */
-pdyn_status visibility_create(struct neighbours *neighbours, struct sides *sides);
+pdyn_status visibility_create(struct neighbours *neighbours, struct occlusion *sides);
 void visibility_free(struct neighbours *neighbours);
 
 /* Before the lists are built at x: they become those before. */
@@ -63,6 +63,6 @@ void visibility_keep(struct neighbours *neighbours, const double *x);
 /* Takes what surfaces hide out of the new lists. */
 void visibility_hide(struct neighbours *neighbours);
 
-void visibility_persist(struct neighbours *neighbours, pdyn_archive *archive);
+void visibility_persist(struct neighbours *neighbours, pdyn_snapshot *snapshot);
 
 #endif

@@ -315,14 +315,14 @@ pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     return PDYN_OK;
 }
 
-pdyn_status neighbours_persist(struct neighbours *n, pdyn_archive *archive) {
+pdyn_status neighbours_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
     bool built = n->built;
-    archive->bytes(archive, &built, sizeof built);
-    archive->bytes(archive, n->built_x, 3 * (size_t)n->view.particles * sizeof *n->built_x);
+    snapshot->bytes(snapshot, &built, sizeof built);
+    snapshot->bytes(snapshot, n->built_x, 3 * (size_t)n->view.particles * sizeof *n->built_x);
     if (n->carried)
-        archive->bytes(archive, n->built_carried, 3 * (size_t)n->carried * sizeof(double));
-    visibility_persist(n, archive);
-    if (!archive->reading || !built) return PDYN_OK;
+        snapshot->bytes(snapshot, n->built_carried, 3 * (size_t)n->carried * sizeof(double));
+    visibility_persist(n, snapshot);
+    if (!snapshot->reading || !built) return PDYN_OK;
     if (n->carried) memcpy(carried_x(n), n->built_carried, 3 * (size_t)n->carried * sizeof(double));
     pdyn_status status = sort_boundary(n);
     return status == PDYN_OK ? neighbours_build(n, n->built_x) : status;

@@ -8,9 +8,9 @@
 #define PDYN_NEIGHBOURS_H
 
 #include "base/context.h"
+#include "occlusion.h"
 #include "projdyn/module.h"
-#include "samples.h"
-#include "sides.h"
+#include "surface_samples.h"
 
 struct neighbours;
 
@@ -25,7 +25,7 @@ struct neighbours_points { /* all arrays are copied */
     double support, surface_support; /* m: see pdyn_neighbours */
     double skin;                     /* m */
     bool has_volumes;                /* the same */
-    struct sides *sides;             /* what hides centres from each other, or NULL; not copied */
+    struct occlusion *sides;         /* what hides centres from each other, or NULL; not copied */
 };
 
 /* samples: the last particles, or NULL for none; they must stay. Memory: 129 bytes per particle,
@@ -53,7 +53,7 @@ pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 
 /* Writes where the lists were built, or reads it and builds them there. Who takes part has to be
  * known before; boundary points that move have to be moved after. */
-pdyn_status neighbours_persist(struct neighbours *neighbours, pdyn_archive *archive);
+pdyn_status neighbours_persist(struct neighbours *neighbours, pdyn_snapshot *snapshot);
 
 /* A step begins where the system's particles are at x, which stay there until it ends. */
 void neighbours_begin(struct neighbours *neighbours, const double *x);

@@ -14,7 +14,7 @@
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-pdyn_status visibility_create(struct neighbours *n, struct sides *sides) {
+pdyn_status visibility_create(struct neighbours *n, struct occlusion *sides) {
     struct visibility *v = &n->sight;
     pdyn_context *c = n->context;
     int particles = n->view.particles;
@@ -41,12 +41,12 @@ void visibility_free(struct neighbours *n) {
     FREE_ARRAY(c, v->granted, particles);
 }
 
-void visibility_persist(struct neighbours *n, pdyn_archive *archive) {
+void visibility_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
     struct visibility *v = &n->sight;
     if (!v->sides) return;
-    archive->bytes(archive, &v->decided, sizeof v->decided);
-    archive->bytes(archive, v->decided_at, 3 * (size_t)n->system * sizeof *v->decided_at);
-    archive->bytes(archive, v->granted, (size_t)n->view.particles * sizeof *v->granted);
+    snapshot->bytes(snapshot, &v->decided, sizeof v->decided);
+    snapshot->bytes(snapshot, v->decided_at, 3 * (size_t)n->system * sizeof *v->decided_at);
+    snapshot->bytes(snapshot, v->granted, (size_t)n->view.particles * sizeof *v->granted);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
@@ -88,7 +88,7 @@ static const double *place_of(const struct neighbours *n, int i) {
 }
 
 static bool is_hidden(const struct neighbours *n, int i, int j) {
-    return sides_between(n->sight.sides, i, place_of(n, i), j, place_of(n, j));
+    return occlusion_blocks(n->sight.sides, i, place_of(n, i), j, place_of(n, j));
 }
 
 /* Was fluid particle j in the list of i? */
@@ -126,7 +126,7 @@ static void find_clearances(void *arg, int first, int last, int block) {
     const struct neighbours *n = arg;
     for (int k = first; k < last; k++) {
         int i = k < n->active ? n->id[k] : n->view.particles + k - n->active;
-        if (can_hide(n, i)) sides_approach(n->sight.sides, i, place_of(n, i));
+        if (can_hide(n, i)) occlusion_measure(n->sight.sides, i, place_of(n, i));
     }
 }
 
@@ -134,7 +134,7 @@ static void find_clearances(void *arg, int first, int last, int block) {
 static int hide_fluid(struct neighbours *n, int i) {
     struct visibility *v = &n->sight;
     struct lists *l = &n->lists;
-    bool grants = v->state && v->known && sides_near(v->sides, i) && was_covered(n, i);
+    bool grants = v->state && v->known && occlusion_is_near(v->sides, i) && was_covered(n, i);
     int to = l->start[i];
     for (int s = l->start[i]; s < l->surface_start[i]; s++) {
         int j = l->index[s];
@@ -175,7 +175,7 @@ void visibility_hide(struct neighbours *n) {
     int boundary = n->view.points - n->view.particles;
     if (!v->sides) return;
     for (int k = 0; k < n->centres; k++) box_add(&centres, place_of(n, n->id[k]));
-    sides_plant(v->sides, v->decided_at, &centres);
+    occlusion_update(v->sides, v->decided_at, &centres);
     pool_for(n->context->pool, n->active + boundary, NEIGHBOURS_GRAIN, find_clearances, n);
     pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, hide, n);
     v->decided = v->complete = true;

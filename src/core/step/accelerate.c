@@ -20,9 +20,9 @@ static bool propose_chebyshev(struct acceleration *a, const double *x, double *d
     double square = spectral_radius * spectral_radius, *before = a->vector[BEFORE];
     bool ready = a->seen >= DELAY;
     a->omega = a->seen > DELAY ? 4.0 / (4.0 - square * a->omega) : 2.0 / (2.0 - square);
-    for (int k = 0; ready && k < 3 * a->system->particles; k++)
+    for (int k = 0; ready && k < 3 * a->objective->particles; k++)
         direction[k] = a->omega * direction[k] + (a->omega - 1.0) * (x[k] - before[k]);
-    memcpy(before, x, system_bytes(a->system));
+    memcpy(before, x, objective_bytes(a->objective));
     return ready;
 }
 
@@ -58,7 +58,8 @@ static bool solve_small(int n, double A[ANDERSON_WINDOW][ANDERSON_WINDOW], doubl
 
 /* Keeps how d and G = x + d have changed since the last iteration. */
 static void remember(struct acceleration *a, const double *x, const double *d) {
-    int slot = (a->seen + ANDERSON_WINDOW - 1) % ANDERSON_WINDOW, size = 3 * a->system->particles;
+    int slot = (a->seen + ANDERSON_WINDOW - 1) % ANDERSON_WINDOW,
+        size = 3 * a->objective->particles;
     double *last_d = a->vector[LAST_D], *last_g = a->vector[LAST_G];
     double *change_d = a->vector[CHANGE_D + slot], *change_g = a->vector[CHANGE_G + slot];
     for (int k = 0; k < size; k++) {
@@ -71,17 +72,17 @@ static void remember(struct acceleration *a, const double *x, const double *d) {
 /* x_k+1 = G_k - sum theta_j (change of G)_j, with the theta for which d_k - sum theta_j (change of
  * d)_j is least (Peng, Deng, Zhang, Geng, Qin, Liu 2018, equations 6 and 7). */
 static bool propose_anderson(struct acceleration *a, const double *x, double *direction) {
-    struct system *sys = a->system;
+    struct objective *sys = a->objective;
     double A[ANDERSON_WINDOW][ANDERSON_WINDOW], theta[ANDERSON_WINDOW];
     double *const *change_d = a->vector + CHANGE_D, *const *change_g = a->vector + CHANGE_G;
     int n = a->seen < ANDERSON_WINDOW ? a->seen : ANDERSON_WINDOW;
     remember(a, x, direction);
     for (int i = 0; i < n; i++) {
-        theta[i] = system_dot(sys, change_d[i], direction);
-        for (int j = 0; j <= i; j++) A[i][j] = system_dot(sys, change_d[i], change_d[j]);
+        theta[i] = objective_dot(sys, change_d[i], direction);
+        for (int j = 0; j <= i; j++) A[i][j] = objective_dot(sys, change_d[i], change_d[j]);
     }
     if (!n || !solve_small(n, A, theta)) return false;
-    for (int i = 0; i < n; i++) system_axpy(sys, -theta[i], change_g[i], direction);
+    for (int i = 0; i < n; i++) objective_axpy(sys, -theta[i], change_g[i], direction);
     return true;
 }
 
@@ -96,29 +97,30 @@ const struct choices acceleration_choices = {accelerations, sizeof *acceleration
                                              sizeof accelerations / sizeof *accelerations};
 
 pdyn_status acceleration_create(struct acceleration *a, const struct acceleration_type *type,
-                                struct system *system) {
-    *a = (struct acceleration){.type = type, .system = system};
+                                struct objective *objective) {
+    *a = (struct acceleration){.type = type, .objective = objective};
     if (!type->vectors) return PDYN_OK;
-    a->plain = NEW_VECTOR(system->context, system->particles);
-    a->vector = NEW_ARRAY(system->context, type->vectors, double *);
+    a->plain = NEW_VECTOR(objective->context, objective->particles);
+    a->vector = NEW_ARRAY(objective->context, type->vectors, double *);
     for (int k = 0; a->vector && k < type->vectors; k++)
-        if (!(a->vector[k] = NEW_VECTOR(system->context, system->particles))) return PDYN_NO_MEMORY;
+        if (!(a->vector[k] = NEW_VECTOR(objective->context, objective->particles)))
+            return PDYN_NO_MEMORY;
     return a->plain && a->vector ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void acceleration_free(struct acceleration *a) {
-    if (!a->system) return;
+    if (!a->objective) return;
     for (int k = 0; a->vector && k < a->type->vectors; k++)
-        FREE_VECTOR(a->system->context, a->vector[k], a->system->particles);
-    FREE_ARRAY(a->system->context, a->vector, a->type->vectors);
-    FREE_VECTOR(a->system->context, a->plain, a->system->particles);
+        FREE_VECTOR(a->objective->context, a->vector[k], a->objective->particles);
+    FREE_ARRAY(a->objective->context, a->vector, a->type->vectors);
+    FREE_VECTOR(a->objective->context, a->plain, a->objective->particles);
 }
 
 void acceleration_start(struct acceleration *a) { a->seen = 0; }
 
 bool acceleration_propose(struct acceleration *a, const double *x, double *direction) {
     if (!a->type->vectors) return false;
-    memcpy(a->plain, direction, system_bytes(a->system));
+    memcpy(a->plain, direction, objective_bytes(a->objective));
     bool proposes = a->type->propose(a, x, direction);
     a->seen++;
     return proposes;

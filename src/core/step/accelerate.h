@@ -4,7 +4,7 @@
 #ifndef PDYN_ACCELERATE_H
 #define PDYN_ACCELERATE_H
 
-#include "objective/system.h"
+#include "objective/objective.h"
 
 struct acceleration;
 
@@ -20,7 +20,7 @@ enum { ANDERSON_WINDOW = 5 };
 
 struct acceleration {
     const struct acceleration_type *type;
-    struct system *system;
+    struct objective *objective;
     double **vector; /* type->vectors: the type's own */
     double *plain;   /* particles x 3: the direction of the global step */
     int seen;        /* iterations since the start */
@@ -28,7 +28,7 @@ struct acceleration {
 };
 
 pdyn_status acceleration_create(struct acceleration *a, const struct acceleration_type *type,
-                                struct system *system);
+                                struct objective *objective);
 void acceleration_free(struct acceleration *a); /* zeroed or created */
 /* A new step, or a proposal that was not taken: forgets what it has seen. */
 void acceleration_start(struct acceleration *a);

@@ -1,8 +1,8 @@
 /* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver.
  */
 #include "base/registry.h"
-#include "emit.h"
 #include "geometry/sampling.h"
+#include "live_particles.h"
 #include "sim.h"
 #include "solid_points.h"
 #include "sph/boundary.h"
@@ -31,7 +31,7 @@ pdyn_services sim_services(pdyn_context *context) {
 /* ---- bodies ---------------------------------------------------------------------------------- */
 
 /* The rest positions of all bodies, one after the other. */
-static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
+static pdyn_status place_bodies(struct pdyn_sim *sim, struct point_list *all) {
     pdyn_context *c = sim->context;
     sim->bodies = sim->scene.bodies;
     sim->body = NEW_ARRAY(c, sim->bodies, pdyn_body);
@@ -47,10 +47,10 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
                             .area_density = from->area_density};
         pdyn_status status = PDYN_OK;
         if (from->is_surface)
-            status = points_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
-        else status = points_add_all(c, all, from->start.x, from->start.count);
+            status = point_list_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
+        else status = point_list_add_all(c, all, from->start.x, from->start.count);
         for (int k = 0; status == PDYN_OK && k < from->budget; k++)
-            status = points_add(c, all, (const double[3]){0});
+            status = point_list_add(c, all, (const double[3]){0});
         if (status != PDYN_OK) return status;
         body->count = all->count - body->first;
     }
@@ -61,18 +61,18 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct points *all) {
 enum { VECTORS = 15, HISTORY_VECTORS = 2 };
 
 static void list_vectors(struct pdyn_sim *sim, double **vector[VECTORS]) {
-    double **all[VECTORS] = {&sim->x,         &sim->v,        &sim->x_next,
-                             &sim->gradient,  &sim->trial,    &sim->trial_gradient,
-                             &sim->direction, &sim->negative, &sim->constraint_acceleration,
-                             &sim->system.s,  &sim->x_base,   &sim->v_base,
-                             &sim->rest,      &sim->x_before, &sim->v_before};
+    double **all[VECTORS] = {&sim->x,           &sim->v,        &sim->x_next,
+                             &sim->gradient,    &sim->trial,    &sim->trial_gradient,
+                             &sim->direction,   &sim->negative, &sim->constraint_acceleration,
+                             &sim->objective.s, &sim->x_base,   &sim->v_base,
+                             &sim->rest,        &sim->x_before, &sim->v_before};
     memcpy(vector, all, sizeof all);
 }
 
-static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all) {
+static pdyn_status allocate_state(struct pdyn_sim *sim, const struct point_list *all) {
     pdyn_context *c = sim->context;
     double **vector[VECTORS];
-    int n = sim->system.particles = all->count;
+    int n = sim->objective.particles = all->count;
     int count = sim->scene.settings.integrator->history ? VECTORS : VECTORS - HISTORY_VECTORS;
     list_vectors(sim, vector);
     for (int k = 0; k < count; k++)
@@ -80,10 +80,10 @@ static pdyn_status allocate_state(struct pdyn_sim *sim, const struct points *all
     sim->density = NEW_ARRAY(c, n, double);
     sim->pressure = NEW_ARRAY(c, n, double);
     sim->pressure_before = NEW_ARRAY(c, n, double);
-    sim->system.mass = NEW_ARRAY(c, n, double);
-    sim->system.partial = NEW_ARRAY(c, pool_blocks(n, SYSTEM_GRAIN), double);
-    if (!sim->density || !sim->pressure || !sim->pressure_before || !sim->system.mass ||
-        !sim->system.partial)
+    sim->objective.mass = NEW_ARRAY(c, n, double);
+    sim->objective.partial = NEW_ARRAY(c, pool_blocks(n, PARTICLE_GRAIN), double);
+    if (!sim->density || !sim->pressure || !sim->pressure_before || !sim->objective.mass ||
+        !sim->objective.partial)
         return PDYN_NO_MEMORY;
     memcpy(sim->x, all->x, 3 * (size_t)n * sizeof *sim->x);
     memcpy(sim->rest, all->x, 3 * (size_t)n * sizeof *sim->rest);
@@ -119,12 +119,12 @@ static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
 }
 
 static pdyn_status list_bodies(struct pdyn_sim *sim) {
-    struct system *sys = &sim->system;
-    sys->body = NEW_ARRAY(sim->context, sim->bodies, struct system_body);
+    struct objective *sys = &sim->objective;
+    sys->body = NEW_ARRAY(sim->context, sim->bodies, struct objective_body);
     if (!sys->body) return PDYN_NO_MEMORY;
     sys->bodies = sim->bodies;
     for (int b = 0; b < sys->bodies; b++)
-        sys->body[b] = (struct system_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0};
+        sys->body[b] = (struct objective_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0};
     return PDYN_OK;
 }
 
@@ -132,7 +132,7 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         const struct scene_body *from = &sim->scene.body[b];
         pdyn_body *body = &sim->body[b];
-        double *mass = sim->system.mass + body->first, spacing = 2.0 * body->radius;
+        double *mass = sim->objective.mass + body->first, spacing = 2.0 * body->radius;
         pdyn_status status = from->is_surface ? describe_surface(sim, b) : PDYN_OK;
         if (status != PDYN_OK) return status;
         body->rest = sim->rest + 3 * (size_t)body->first, body->mass = mass;
@@ -172,8 +172,8 @@ static void find_others(struct pdyn_sim *sim) {
 /* Where particles begin is known to the state from now on. */
 static void forget_start(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
-        points_free(sim->context, &sim->scene.body[b].start);
-        points_free(sim->context, &sim->scene.body[b].start_v);
+        point_list_free(sim->context, &sim->scene.body[b].start);
+        point_list_free(sim->context, &sim->scene.body[b].start_v);
     }
 }
 
@@ -183,7 +183,7 @@ static void forget_start(struct pdyn_sim *sim) {
 static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].constraints; k++)
-            if (sim->scene.body[b].constraint[k].type->op) return &sim->body[b];
+            if (sim->scene.body[b].constraint[k].type->matrix_free) return &sim->body[b];
     return NULL;
 }
 
@@ -194,12 +194,12 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, in
     for (int i = fluid->first; i < fluid->first + fluid->count; i++)
         volume[i] = spacing * spacing * spacing, centre[i] = true;
     for (int k = 0; sim->samples && k < sim->samples->count; k++)
-        volume[sim->system.particles + k] = sim->samples->rest_volume[k];
+        volume[sim->objective.particles + k] = sim->samples->rest_volume[k];
     return solid_points_fill(sim, spacing, volume + particles, is_wall);
 }
 
 static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
-    int n = sim->system.particles + (sim->samples ? sim->samples->count : 0);
+    int n = sim->objective.particles + (sim->samples ? sim->samples->count : 0);
     double support = 4.0 * fluid->radius, skin = 0.01 * SKIN_PERCENT * support;
     const struct boundary_model *model = sim->scene.settings.boundary;
     double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
@@ -209,10 +209,10 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
                              ? fill_volumes(sim, fluid, n, volume, centre, is_wall)
                              : PDYN_NO_MEMORY;
     if (status == PDYN_OK) {
-        status = sides_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
-                              support + skin, &sim->sides);
+        status = occlusion_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
+                                  support + skin, &sim->sides);
     }
-    motion_carry(sim, 0.0);
+    kinematic_carry(sim, 0.0);
     struct neighbours_points points = {.particles = n,
                                        .centre = centre,
                                        .boundary = sim->boundary.at.count,
@@ -235,7 +235,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
 
 /* Particles, then samples. */
 static int way_count(const struct pdyn_sim *sim) {
-    return sim->system.particles + (sim->samples ? sim->samples->count : 0);
+    return sim->objective.particles + (sim->samples ? sim->samples->count : 0);
 }
 
 /* Surfaces that act from where they are can be passed: not so walls of a box, and published points.
@@ -255,7 +255,7 @@ static void warn_coincident(const struct pdyn_sim *sim, const pdyn_body *fluid) 
     for (int i = fluid->first; i < fluid->first + fluid->count; i++)
         for (int k = view->start[i]; k < view->boundary_start[i]; k++) {
             int j = view->index[k];
-            if (j == i || j >= sim->system.particles) continue;
+            if (j == i || j >= sim->objective.particles) continue;
             if (vec3_distance(sim->x + 3 * i, sim->x + 3 * j) > 0.0) continue;
             count++;
             break;
@@ -273,16 +273,16 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     double spacing = 2.0 * fluid->radius;
     pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK)
-        status = samples_create(sim->context, sim->bodies, sim->body, sim->system.particles,
+        status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
                                 sim->rest, sim->scene.settings.boundary,
                                 sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
                                 spacing, &sim->samples);
     if (status == PDYN_OK) status = create_neighbours(sim, fluid);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
-    emit_tell(sim);
-    sim->system.neighbours = sim->neighbours, sim->system.samples = sim->samples;
-    status = system_build_lists(&sim->system, sim->x);
+    live_particles_tell(sim);
+    sim->objective.neighbours = sim->neighbours, sim->objective.samples = sim->samples;
+    status = objective_build_lists(&sim->objective, sim->x);
     if (status == PDYN_OK) warn_coincident(sim, fluid);
     return status;
 }
@@ -291,7 +291,7 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
                              const struct scene_constraint *c) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
     pdyn_status status = batch_create(sim->context, c->type, c->params, body, &sim->services, lists,
                                       false, &sys->batch[sys->batches]);
@@ -301,12 +301,13 @@ static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
 
 static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
                                   const struct scene_constraint *c) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     pdyn_status status = add_batch(sim, body, c);
     if (status != PDYN_OK) return status;
-    if (c->type->op) sys->batch[sys->batches - 1]->samples = sim->samples;
-    sys->changing |= c->type->op != NULL;
-    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (c->type->op && sim->boundary.at.count);
+    if (c->type->matrix_free) sys->batch[sys->batches - 1]->samples = sim->samples;
+    sys->dynamic_rows |= c->type->matrix_free != NULL;
+    sim->anchored |=
+        (c->type->flags & PDYN_ANCHORED) || (c->type->matrix_free && sim->boundary.at.count);
     sim->constraints = sys->batches;
     return batch_join_rows(sys->batch[sys->batches - 1]);
 }
@@ -315,7 +316,7 @@ static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
                               const struct scene_constraint *c) {
     if (!c->type->damping || c->type->damping(c->params) == 0.0) return PDYN_OK;
     pdyn_status status = add_batch(sim, body, c);
-    if (status == PDYN_OK) sim->system.batch[sim->system.batches - 1]->damper = true;
+    if (status == PDYN_OK) sim->objective.batch[sim->objective.batches - 1]->damper = true;
     return status;
 }
 
@@ -333,7 +334,7 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
 
 /* First all constraints, then what damps some of them. */
 static pdyn_status make_batches(struct pdyn_sim *sim) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     if (sim->scene.has_contact) count += 2; /* contact, friction */
@@ -345,14 +346,14 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     return status == PDYN_OK ? add_each(sim, add_damper) : status;
 }
 
-static bool has_operator(const struct system *sys) {
+static bool has_operator(const struct objective *sys) {
     for (int b = 0; b < sys->batches; b++)
         if (sys->batch[b]->op) return true;
     return false;
 }
 
 /* Rows of a sheet or a solid, which stay what they are. */
-static bool has_static(const struct system *sys) {
+static bool has_static(const struct objective *sys) {
     for (int b = 0; b < sys->batches; b++)
         if (batch_is_static(sys->batch[b])) return true;
     return false;
@@ -362,7 +363,7 @@ static bool has_static(const struct system *sys) {
  * these, without one where there are none or contact is all that happens to them; surfaces alone: a
  * factor, by itself where it is exact. */
 static const char *automatic(struct pdyn_sim *sim, const char **reason) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     bool newton = sim->scene.settings.newton;
     if (newton && registry_solver(sim->context, "dual")->fits(&sim->model.view)) {
         *reason = "nothing but the fluid acts: its pressures are solved for";
@@ -393,7 +394,7 @@ static const char *automatic(struct pdyn_sim *sim, const char **reason) {
 static pdyn_status choose_solver(struct pdyn_sim *sim) {
     const struct scene_settings *set = &sim->scene.settings;
     const char *name = set->solver_type, *reason = "as the scene asks";
-    model_create(&sim->model, &sim->system, &sim->services);
+    model_create(&sim->model, &sim->objective, &sim->services);
     if (!strcmp(name, "auto")) name = automatic(sim, &reason);
     sim->solver = registry_solver(sim->context, name);
     if (!sim->solver)
@@ -403,12 +404,12 @@ static pdyn_status choose_solver(struct pdyn_sim *sim) {
                             "solver \"%s\" does not fit this scene: %s", name,
                             sim->solver->summary);
     sim->solver_reason = reason;
-    if (sim->solver->direct && (sim->system.changing || set->newton))
+    if (sim->solver->direct && (sim->objective.dynamic_rows || set->newton))
         context_log(
             sim->context, PDYN_LOG_WARNING,
             "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
             "iteration, %s; \"cg\" needs no factor",
-            name, sim->system.changing ? "fluid" : "newton step",
+            name, sim->objective.dynamic_rows ? "fluid" : "newton step",
             set->newton ? "with 3 unknowns a particle"
                         : "after a new analysis where neighbours change");
     sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
@@ -419,27 +420,28 @@ static pdyn_status choose_solver(struct pdyn_sim *sim) {
 /* ---- the life of a simulation ---------------------------------------------------------------- */
 
 static pdyn_status make_drag(struct pdyn_sim *sim) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     if (!sim->samples) return PDYN_OK;
-    pdyn_status status = drag_create(sim->context, &sim->scene, sim->body, sys->particles,
-                                     sim->samples, neighbours_view(sim->neighbours), &sys->drag);
-    if (status != PDYN_OK || !sys->drag) return status;
-    sys->changing = true;
-    sys->batch[sys->batches++] = sys->drag->batch;
+    pdyn_status status =
+        surface_friction_create(sim->context, &sim->scene, sim->body, sys->particles, sim->samples,
+                                neighbours_view(sim->neighbours), &sys->surface_friction);
+    if (status != PDYN_OK || !sys->surface_friction) return status;
+    sys->dynamic_rows = true;
+    sys->batch[sys->batches++] = sys->surface_friction->batch;
     return PDYN_OK;
 }
 
 static pdyn_status build(struct pdyn_sim *sim) {
-    struct points all = {0};
+    struct point_list all = {0};
     sim->services = sim_services(sim->context);
-    sim->system.context = sim->context;
+    sim->objective.context = sim->context;
     pdyn_status status = place_bodies(sim, &all);
     if (status == PDYN_OK) status = allocate_state(sim, &all);
-    points_free(sim->context, &all);
+    point_list_free(sim->context, &all);
     if (status == PDYN_OK) status = list_bodies(sim);
     if (status == PDYN_OK) status = fill_bodies(sim);
     if (status == PDYN_OK) find_others(sim);
-    if (status == PDYN_OK) status = emit_create(sim);
+    if (status == PDYN_OK) status = live_particles_create(sim);
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
@@ -449,7 +451,8 @@ static pdyn_status build(struct pdyn_sim *sim) {
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = choose_solver(sim);
     if (status != PDYN_OK) return status;
-    return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration, &sim->system);
+    return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration,
+                               &sim->objective);
 }
 
 static pdyn_status load(pdyn_context *context, const char *path, const char *text,
@@ -481,14 +484,14 @@ pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *
 
 static void free_system(struct pdyn_sim *sim) {
     pdyn_context *c = sim->context;
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
     contact_free(sys->contact);
-    drag_free(sys->drag);
+    surface_friction_free(sys->surface_friction);
     FREE_ARRAY(c, sys->batch, sys->capacity);
     FREE_ARRAY(c, sys->body, sys->bodies);
     FREE_ARRAY(c, sys->mass, sys->particles);
-    FREE_ARRAY(c, sys->partial, pool_blocks(sys->particles, SYSTEM_GRAIN));
+    FREE_ARRAY(c, sys->partial, pool_blocks(sys->particles, PARTICLE_GRAIN));
 }
 
 void pdyn_free(pdyn_sim *sim) {
@@ -502,19 +505,19 @@ void pdyn_free(pdyn_sim *sim) {
     model_free(&sim->model);
     double **vector[VECTORS];
     list_vectors(sim, vector);
-    for (int k = 0; k < VECTORS; k++) FREE_VECTOR(c, *vector[k], sim->system.particles);
+    for (int k = 0; k < VECTORS; k++) FREE_VECTOR(c, *vector[k], sim->objective.particles);
     FREE_ARRAY(c, sim->way, sim->way ? way_count(sim) : 0);
-    FREE_ARRAY(c, sim->density, sim->system.particles);
-    FREE_ARRAY(c, sim->pressure, sim->system.particles);
-    FREE_ARRAY(c, sim->pressure_before, sim->system.particles);
+    FREE_ARRAY(c, sim->density, sim->objective.particles);
+    FREE_ARRAY(c, sim->pressure, sim->objective.particles);
+    FREE_ARRAY(c, sim->pressure_before, sim->objective.particles);
     free_system(sim);
-    emit_free(sim);
+    live_particles_free(sim);
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
-    sides_free(sim->sides);
+    occlusion_free(sim->sides);
     patches_free(c, &sim->boundary);
     solid_load_free(sim);
-    motion_free(c, &sim->motion);
+    kinematic_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
     FREE_ARRAY(c, sim->topology, sim->bodies);
     FREE_ARRAY(c, sim->body, sim->bodies);

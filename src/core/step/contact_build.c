@@ -2,7 +2,7 @@
  * that none intersects another. */
 #include "contact/contact.h"
 
-#include "emit.h"
+#include "live_particles.h"
 #include "scene/poses.h"
 #include "sim.h"
 
@@ -131,12 +131,12 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
 }
 
 static pdyn_status plant_trees(struct contact *c) {
-    pdyn_status status = boxes_create(c->context, c->free_faces, &c->face_tree[0]);
+    pdyn_status status = bvh_create(c->context, c->free_faces, &c->face_tree[0]);
     if (status == PDYN_OK)
-        status = boxes_create(c->context, c->faces - c->free_faces, &c->face_tree[1]);
-    if (status == PDYN_OK) status = boxes_create(c->context, c->free_edges, &c->edge_tree[0]);
+        status = bvh_create(c->context, c->faces - c->free_faces, &c->face_tree[1]);
+    if (status == PDYN_OK) status = bvh_create(c->context, c->free_edges, &c->edge_tree[0]);
     if (status == PDYN_OK)
-        status = boxes_create(c->context, c->edges - c->free_edges, &c->edge_tree[1]);
+        status = bvh_create(c->context, c->edges - c->free_edges, &c->edge_tree[1]);
     return status;
 }
 
@@ -144,7 +144,7 @@ static pdyn_status plant_trees(struct contact *c) {
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *type,
                              struct batch **out) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     const struct contact *c = sys->contact;
     pdyn_status status = batch_create_changing(sim->context, type, c->set, &c->body, out);
     if (status == PDYN_OK) sys->batch[sys->batches++] = *out;
@@ -152,8 +152,8 @@ static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *t
 }
 
 static pdyn_status add_batches(struct pdyn_sim *sim) {
-    struct contact *c = sim->system.contact;
-    sim->system.changing = true;
+    struct contact *c = sim->objective.contact;
+    sim->objective.dynamic_rows = true;
     sim->anchored |= c->points > c->free;
     pdyn_status status = add_batch(sim, &contact_touching, &c->touching);
     if (status == PDYN_OK && c->set->friction > 0.0)
@@ -163,7 +163,7 @@ static pdyn_status add_batches(struct pdyn_sim *sim) {
 
 /* Solids at the start; the first elements. */
 static pdyn_status place(struct pdyn_sim *sim) {
-    struct contact *c = sim->system.contact;
+    struct contact *c = sim->objective.contact;
     for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
     for (int s = 0; s < c->groups - c->bodies; s++) {
         const struct contact_solid *solid = &c->solid[s];
@@ -181,10 +181,10 @@ static pdyn_status place(struct pdyn_sim *sim) {
 
 pdyn_status contact_create(struct pdyn_sim *sim) {
     if (!sim->scene.has_contact) return PDYN_OK;
-    struct contact *c = sim->system.contact = NEW_ARRAY(sim->context, 1, struct contact);
+    struct contact *c = sim->objective.contact = NEW_ARRAY(sim->context, 1, struct contact);
     if (!c) return PDYN_NO_MEMORY;
     c->context = sim->context, c->set = &sim->scene.contact;
-    c->live = sim->emit ? sim->emit->live : NULL;
+    c->live = sim->live ? sim->live->live : NULL;
     count_parts(c, sim);
     if (!allocate(c)) return context_no_memory(sim->context);
     add_bodies(c, sim);
@@ -203,8 +203,8 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->found_count, c->blocks);
     FREE_ARRAY(x, c->memory_of, c->memory);
     for (int k = 0; k < 2; k++) {
-        boxes_free(x, &c->face_tree[k]);
-        boxes_free(x, &c->edge_tree[k]);
+        bvh_free(x, &c->face_tree[k]);
+        bvh_free(x, &c->edge_tree[k]);
     }
     double *vectors[] = {c->rest, c->at, c->x, c->built, c->step};
     double *numbers[] = {c->moved, c->reach, c->length, c->taken, c->cut};
@@ -282,9 +282,9 @@ static int triangle_number(const struct contact *c, const int *corner, int corne
 pdyn_status contact_check(struct contact *c) {
     for (int e = 0; e < c->edges; e++) {
         struct crossing s = {.contact = c, .edge = e, .face = -1};
-        boxes_visit(&c->face_tree[0], &c->edge_box[e], 0, try_face, &s);
+        bvh_visit(&c->face_tree[0], &c->edge_box[e], 0, try_face, &s);
         s.base = c->free_faces;
-        if (e < c->free_edges) boxes_visit(&c->face_tree[1], &c->edge_box[e], 0, try_face, &s);
+        if (e < c->free_edges) bvh_visit(&c->face_tree[1], &c->edge_box[e], 0, try_face, &s);
         if (s.face < 0) continue;
         const int *edge = c->edge + 2 * e, *face = c->face + 3 * s.face;
         return context_fail(

@@ -1,6 +1,6 @@
 #include "integrator.h"
 
-#include "emit.h"
+#include "live_particles.h"
 #include "scene/choices.h"
 #include "sim.h"
 
@@ -10,15 +10,15 @@
 
 /* base = x_n + part (x_n - x_(n-1)), and the same of the velocities. */
 static void extrapolate(struct pdyn_sim *sim, double part) {
-    for (int k = 0; k < 3 * sim->system.particles; k++) {
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
         sim->x_base[k] = sim->x[k] + part * (sim->x[k] - sim->x_before[k]);
         sim->v_base[k] = sim->v[k] + part * (sim->v[k] - sim->v_before[k]);
     }
 }
 
 static double begin_euler(struct pdyn_sim *sim, double h) {
-    memcpy(sim->x_base, sim->x, system_bytes(&sim->system));
-    memcpy(sim->v_base, sim->v, system_bytes(&sim->system));
+    memcpy(sim->x_base, sim->x, objective_bytes(&sim->objective));
+    memcpy(sim->v_base, sim->v, objective_bytes(&sim->objective));
     return h;
 }
 
@@ -44,7 +44,7 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
  * left out, *excess per mass, all get in equal parts. */
 static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
                              double excess[2][3]) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     double part = sys->h / h, mass = 0.0;
     memset(excess, 0, 6 * sizeof **excess);
     for (int i = 0; i < sys->particles; i++) {
@@ -63,7 +63,7 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
             excess[0][a] += m * (1.0 - kept) * lost;
             excess[1][a] -= m * (1.0 - kept) * gained;
         }
-        mass += emit_is_live(sim, i) ? m : 0.0;
+        mass += live_particles_has(sim, i) ? m : 0.0;
     }
     for (int a = 0; a < 3; a++) excess[0][a] /= mass, excess[1][a] /= mass;
 }
@@ -73,20 +73,20 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
  * over h, as with Euler, and v_before gets it as well, as if it had been there before. Both are
  * sums of constraints' forces, so that momentum stays. */
 int integrator_impacts(struct pdyn_sim *sim, double h) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     double H = sys->h, *force = sim->trial_gradient, *slowed = sim->trial;
     struct velocity_change change = {slowed, sys->particles, sys->mass, H, sim->direction};
     int count = 0;
     if (!sim->v_before) return 0;
-    memset(force, 0, system_bytes(sys));
-    memcpy(slowed, sim->v_before, system_bytes(sys));
-    system_axpy(sys, -1.0, sim->v, slowed);
+    memset(force, 0, objective_bytes(sys));
+    memcpy(slowed, sim->v_before, objective_bytes(sys));
+    objective_axpy(sys, -1.0, sim->v, slowed);
     for (int b = 0; b < sys->batches; b++) count += batch_impacts(sys->batch[b], &change, force);
     double excess[2][3];
     for (int k = 0; k < 3 * sys->particles; k++) force[k] = -H * force[k] / sys->mass[k / 3];
     shift_velocities(sim, h, force, excess);
     for (int k = 0; !sim->anchored && k < 3 * sys->particles; k++) {
-        if (!emit_is_live(sim, k / 3)) continue;
+        if (!live_particles_has(sim, k / 3)) continue;
         sim->v[k] -= excess[0][k % 3];
         sim->v_before[k] -= excess[1][k % 3];
     }

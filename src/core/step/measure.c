@@ -1,6 +1,6 @@
 #include "measure.h"
 
-#include "emit.h"
+#include "live_particles.h"
 
 #include "projdyn/vec3.h"
 
@@ -8,11 +8,11 @@
 
 void measure_weights(struct pdyn_sim *sim) {
     double g = vec3_length(sim->scene.settings.gravity);
-    for (int b = 0; b < sim->system.bodies; b++) {
-        struct system_body *body = &sim->system.body[b];
+    for (int b = 0; b < sim->objective.bodies; b++) {
+        struct objective_body *body = &sim->objective.body[b];
         double sum = 0.0;
         for (int i = body->first; i < body->first + body->count; i++)
-            if (emit_is_live(sim, i)) sum += sim->system.mass[i] * sim->system.mass[i];
+            if (live_particles_has(sim, i)) sum += sim->objective.mass[i] * sim->objective.mass[i];
         /* 1 before the first particle */
         body->weight = sum > 0.0 ? (g > 0.0 ? g : 9.81) * sqrt(sum) : 1.0;
     }
@@ -20,15 +20,15 @@ void measure_weights(struct pdyn_sim *sim) {
 
 /* What an operator knows about its particles at the end of a step. */
 static void fetch(struct pdyn_sim *sim, const struct batch *b) {
-    if (b->op && b->type->op->density) b->type->op->density(b->op, sim->density);
-    if (!b->op || !b->type->op->pressure) return;
+    if (b->op && b->type->matrix_free->density) b->type->matrix_free->density(b->op, sim->density);
+    if (!b->op || !b->type->matrix_free->pressure) return;
     memcpy(sim->pressure_before, sim->pressure,
-           (size_t)sim->system.particles * sizeof *sim->pressure);
-    b->type->op->pressure(b->op, sim->pressure);
+           (size_t)sim->objective.particles * sizeof *sim->pressure);
+    b->type->matrix_free->pressure(b->op, sim->pressure);
 }
 
 pdyn_status measure_finite(struct pdyn_sim *sim) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     for (int k = 0; k < 3 * sys->particles; k++)
         if (!isfinite(sim->x_next[k]))
             return context_fail(sim->context, PDYN_DIVERGED, "particle %d has no finite position",
@@ -37,7 +37,7 @@ pdyn_status measure_finite(struct pdyn_sim *sim) {
 }
 
 void measure_fetch(struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->system.batches; b++) fetch(sim, sim->system.batch[b]);
+    for (int b = 0; b < sim->objective.batches; b++) fetch(sim, sim->objective.batch[b]);
 }
 
 static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
@@ -46,7 +46,7 @@ static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
         const pdyn_body *body = &sim->body[b];
         if (body->rest_density == 0.0) continue;
         for (int i = body->first; i < body->first + body->count; i++) {
-            if (!emit_is_live(sim, i)) continue;
+            if (!live_particles_has(sim, i)) continue;
             double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);
             sum += error, count++;
             info->density_error_max = fmax(info->density_error_max, error);
@@ -57,7 +57,7 @@ static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
 }
 
 static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     for (int i = 0; i < sys->particles; i++) {
         const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
         info->kinetic_energy += 0.5 * sys->mass[i] * vec3_dot(v, v);
@@ -74,7 +74,7 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
  * the pin's own part. At a solved step that is the force in the pin; before, it shows what is
  * missing. */
 static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     for (int b = 0; b < sys->batches; b++) {
         const struct batch *pin = sys->batch[b];
         if (!(pin->type->flags & PDYN_REACTION)) continue;

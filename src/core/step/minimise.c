@@ -32,15 +32,15 @@ struct taken {                 /* a step along the direction */
 };
 
 static void take_trial(struct pdyn_sim *sim) {
-    memcpy(sim->x_next, sim->trial, system_bytes(&sim->system));
-    memcpy(sim->gradient, sim->trial_gradient, system_bytes(&sim->system));
+    memcpy(sim->x_next, sim->trial, objective_bytes(&sim->objective));
+    memcpy(sim->gradient, sim->trial_gradient, objective_bytes(&sim->objective));
 }
 
 /* Shortens displacements (particles x 3) to what is free of surfaces; the least part that is left.
  */
 static double limit_moves(const struct pdyn_sim *sim, double *moves) {
     double least = 1.0;
-    for (int i = 0; sim->way && i < sim->system.particles; i++) {
+    for (int i = 0; sim->way && i < sim->objective.particles; i++) {
         double *own = moves + 3 * (size_t)i, length = vec3_length(own);
         if (!(length > sim->way[i])) continue;
         double part = sim->way[i] / length;
@@ -51,7 +51,7 @@ static double limit_moves(const struct pdyn_sim *sim, double *moves) {
 }
 
 static pdyn_status find_way(struct pdyn_sim *sim, const double *x) {
-    return sim->way ? system_limit(&sim->system, x, sim->way) : PDYN_OK;
+    return sim->way ? objective_limit(&sim->objective, x, sim->way) : PDYN_OK;
 }
 
 /* ---- one global step ------------------------------------------------------------------------- */
@@ -60,18 +60,18 @@ static pdyn_status find_way(struct pdyn_sim *sim, const double *x) {
 static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
     /* for the step, to first order */
-    double enough = 0.5 * set->tolerance / system_norm(&sim->system, sim->gradient);
-    bool far = p->outer == 0 && !sim->system.changing && enough < set->linear_tolerance;
-    const pdyn_goal goal = {.tolerance = fmax(set->linear_tolerance, enough),
-                            .gain = worth,
-                            .least = far ? LEAST : 0,
-                            .iterations = set->linear_iterations,
-                            .first = p->outer == 0};
+    double enough = 0.5 * set->tolerance / objective_norm(&sim->objective, sim->gradient);
+    bool far = p->outer == 0 && !sim->objective.dynamic_rows && enough < set->linear_tolerance;
+    const pdyn_stop stop = {.rel_tol = fmax(set->linear_tolerance, enough),
+                            .min_progress = worth,
+                            .min_iterations = far ? LEAST : 0,
+                            .max_iterations = set->linear_iterations,
+                            .first_of_step = p->outer == 0};
     int iterations = 0;
-    memset(sim->direction, 0, system_bytes(&sim->system));
-    for (int k = 0; k < 3 * sim->system.particles; k++) sim->negative[k] = -sim->gradient[k];
+    memset(sim->direction, 0, objective_bytes(&sim->objective));
+    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->negative[k] = -sim->gradient[k];
     pdyn_status status =
-        sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &goal, &iterations);
+        sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &stop, &iterations);
     p->linear += iterations;
     return status;
 }
@@ -79,7 +79,7 @@ static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
 /* sim->trial: x_next and a part of the direction, of which every point goes as far as its way is
  * free. *slope, of E along the direction, becomes that along the way. */
 static pdyn_status go_part(struct pdyn_sim *sim, double part, double *least, double *slope) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 * sys->particles; k++) sim->trial[k] = part * sim->direction[k];
     bool blocked = part > *least;
@@ -89,8 +89,8 @@ static pdyn_status go_part(struct pdyn_sim *sim, double part, double *least, dou
         taken *= contact_least(sys->contact);
     }
     if (blocked) *least = part * taken;
-    *slope = part > *least ? system_dot(sys, sim->gradient, sim->trial) : part * *slope;
-    system_axpy(sys, 1.0, sim->x_next, sim->trial);
+    *slope = part > *least ? objective_dot(sys, sim->gradient, sim->trial) : part * *slope;
+    objective_axpy(sys, 1.0, sim->x_next, sim->trial);
     return status;
 }
 
@@ -119,15 +119,17 @@ static bool is_good(const struct rule *rule, const struct taken *step, double en
  * less far. */
 static pdyn_status go_down(struct pdyn_sim *sim, const struct rule *rule, double *energy,
                            struct taken *step) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     double trial, least = sys->contact || sim->way ? 0.0 : 1.0;
-    *step = (struct taken){.length = 1.0, .slope = system_dot(sys, sim->gradient, sim->direction)};
+    *step =
+        (struct taken){.length = 1.0, .slope = objective_dot(sys, sim->gradient, sim->direction)};
     for (int k = 1; k <= rule->tries; k++, step->length = next_part(step->length, least)) {
         double slope = step->slope;
         pdyn_status status = go_part(sim, step->length, &least, &slope);
-        if (status == PDYN_OK) status = system_local(sys, sim->trial, &trial, sim->trial_gradient);
+        if (status == PDYN_OK)
+            status = objective_local(sys, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        step->slope_after = system_dot(sys, sim->trial_gradient, sim->direction);
+        step->slope_after = objective_dot(sys, sim->trial_gradient, sim->direction);
         if (is_good(rule, step, trial, slope, step->length <= least, k == rule->tries)) {
             take_trial(sim);
             *energy = trial;
@@ -143,11 +145,10 @@ static pdyn_status go_down(struct pdyn_sim *sim, const struct rule *rule, double
 static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
                            struct taken *step) {
     struct rule rule = {.bound = *energy, .armijo = 1e-4, .uphill = 0.7, .tries = BACKTRACKS};
-    if (sim->solver->keeps_multipliers)
-        rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
+    if (sim->solver->dual) rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
     pdyn_status status = go_down(sim, &rule, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
-    return system_local(&sim->system, sim->x_next, energy, sim->gradient);
+    return objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
 }
 
 /* Where an acceleration leads, if E falls on the way; otherwise goes down along the direction. */
@@ -160,7 +161,7 @@ static pdyn_status extrapolate(struct pdyn_sim *sim, double before, double *ener
     status = go_down(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     acceleration_start(a);
-    memcpy(sim->direction, a->plain, system_bytes(&sim->system));
+    memcpy(sim->direction, a->plain, objective_bytes(&sim->objective));
     return descend(sim, before, energy, step);
 }
 
@@ -188,16 +189,17 @@ static double adapt_to_length(double eps, const struct taken *step) {
 static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *moved) {
     struct taken taken = {0};
     double energy = p->energy;
-    bool first = sim->solver->keeps_multipliers && p->outer == 0;
+    bool first = sim->solver->dual && p->outer == 0;
     pdyn_status status = find_way(sim, sim->x_next);
-    if (status == PDYN_OK) status = system_linearise(&sim->system, first ? 0.0 : sim->damping);
+    if (status == PDYN_OK)
+        status = objective_linearise(&sim->objective, first ? 0.0 : sim->damping);
     if (status == PDYN_OK) status = solve_model(sim, p);
     if (status == PDYN_OK) status = extrapolate(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
     *moved = taken.length > 0.0 || sim->damping < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
-    if (!sim->solver->keeps_multipliers) sim->damping = adapt_to_length(sim->damping, &taken);
+    if (!sim->solver->dual) sim->damping = adapt_to_length(sim->damping, &taken);
     else if (!first) sim->damping = adapt_to_slope(sim->damping, &taken);
     return PDYN_OK;
 }
@@ -208,41 +210,41 @@ static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *m
  * out gravity instead would look as good in density and destroy the motion of unconverged steps.)
  */
 static void repeat_acceleration(struct pdyn_sim *sim, double *x) {
-    double h = sim->system.h;
-    memcpy(x, sim->system.s, system_bytes(&sim->system));
-    system_axpy(&sim->system, h * h, sim->constraint_acceleration, x);
+    double h = sim->objective.h;
+    memcpy(x, sim->objective.s, objective_bytes(&sim->objective));
+    objective_axpy(&sim->objective, h * h, sim->constraint_acceleration, x);
 }
 
 /* The local step at x, or as far on the way there as it is free. *least: the least part of it that
  * a particle went. */
 static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, double *energy,
                             double *gradient) {
-    struct contact *contact = sim->system.contact;
+    struct contact *contact = sim->objective.contact;
     *least = 1.0;
     if (sim->way) {
-        system_axpy(&sim->system, -1.0, sim->x, x);
+        objective_axpy(&sim->objective, -1.0, sim->x, x);
         *least = limit_moves(sim, x);
-        system_axpy(&sim->system, 1.0, sim->x, x);
+        objective_axpy(&sim->objective, 1.0, sim->x, x);
     }
     pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
     if (contact) *least = fmin(*least, contact_least(contact));
-    return status == PDYN_OK ? system_local(&sim->system, x, energy, gradient) : status;
+    return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
 /* The local step a part of the way from the state to s. */
 static pdyn_status start_after(struct pdyn_sim *sim, double part, double *energy) {
     double least;
-    for (int k = 0; k < 3 * sim->system.particles; k++)
-        sim->x_next[k] = sim->x[k] + part * (sim->system.s[k] - sim->x[k]);
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        sim->x_next[k] = sim->x[k] + part * (sim->objective.s[k] - sim->x[k]);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
 /* What inertia alone adds to E at the state: E is not below it there. */
 static double inertia_of_standing(const struct pdyn_sim *sim) {
     double sum = 0.0;
-    for (int k = 0; k < 3 * sim->system.particles; k++) {
-        double moved = sim->system.s[k] - sim->x[k];
-        sum += 0.5 * system_inertia(&sim->system, k / 3) * moved * moved;
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
+        double moved = sim->objective.s[k] - sim->x[k];
+        sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
     }
     return sum;
 }
@@ -281,10 +283,10 @@ static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
 /* With multipliers, the solver keeps what is needed. Only a fluid that moves less than its
  * constraints move it, at rest, starts where these put it: there it is solved already. */
 static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
-    struct system *sys = &sim->system;
-    double moved = system_dot(sys, sim->v, sim->v), least;
+    struct objective *sys = &sim->objective;
+    double moved = objective_dot(sys, sim->v, sim->v), least;
     double pushed = sys->h * sys->h *
-                    system_dot(sys, sim->constraint_acceleration, sim->constraint_acceleration);
+                    objective_dot(sys, sim->constraint_acceleration, sim->constraint_acceleration);
     if (moved < pushed) repeat_acceleration(sim, sim->x_next);
     if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);
@@ -305,22 +307,22 @@ static void observe(const struct pdyn_sim *sim, const struct progress *p, int li
 
 /* Solids that wait for a surface go on. */
 static pdyn_status push(struct pdyn_sim *sim, double *energy) {
-    struct contact *contact = sim->system.contact;
+    struct contact *contact = sim->objective.contact;
     if (!contact || !contact->behind) return PDYN_OK;
     pdyn_status status = contact_advance(contact, sim->x_next);
-    return status == PDYN_OK ? system_local(&sim->system, sim->x_next, energy, sim->gradient)
+    return status == PDYN_OK ? objective_local(&sim->objective, sim->x_next, energy, sim->gradient)
                              : status;
 }
 
 static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {
     return p->residual <= sim->scene.settings.tolerance &&
-           !(sim->system.contact && sim->system.contact->behind);
+           !(sim->objective.contact && sim->objective.contact->behind);
 }
 
 /* Names the constraint that it comes from, if there is one. */
 static pdyn_status say_not_finite(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->system.batches; b++) {
-        const struct batch *batch = sim->system.batch[b];
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
         if (!isfinite(batch->energy))
             return context_fail(sim->context, PDYN_DIVERGED,
                                 "the energy of constraint \"%s\" on body \"%s\" is not finite",
@@ -337,12 +339,12 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     measure_weights(sim);
     pdyn_status status = find_way(sim, sim->x);
     if (status == PDYN_OK)
-        status = sim->solver->keeps_multipliers ? start_multipliers(sim, &p->energy)
-                                                : start_positions(sim, &p->energy);
+        status = sim->solver->dual ? start_multipliers(sim, &p->energy)
+                                   : start_positions(sim, &p->energy);
     p->before = p->energy;
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
-        p->residual = system_residual(&sim->system, sim->gradient);
+        p->residual = objective_residual(&sim->objective, sim->gradient);
         if (!isfinite(p->energy) || !isfinite(p->residual)) return say_not_finite(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;

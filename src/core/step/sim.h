@@ -7,9 +7,9 @@
 #include "geometry/mesh.h"
 #include "geometry/sampling.h"
 #include "integrator.h"
-#include "motion.h"
-#include "objective/solver.h"
-#include "objective/system.h"
+#include "kinematic_solids.h"
+#include "objective/objective.h"
+#include "objective/solver_view.h"
 #include "rows/batch.h"
 #include "scene/scene.h"
 #include "solid_load.h"
@@ -22,21 +22,21 @@ struct pdyn_sim {
     bool warned; /* of too long a step */
 
     int bodies;
-    pdyn_body *body;           /* what modules see */
-    struct topology *topology; /* bodies; empty for particles */
-    double *rest;              /* particles x 3: the bodies' rest positions, m */
-    struct patches boundary;   /* points on the solids */
-    struct motion motion;      /* of the last of these */
-    struct solid_loads *loads; /* forces on the solids; NULL in a scene without */
-    pdyn_services services;    /* what operators may call */
+    pdyn_body *body;                /* what modules see */
+    struct topology *topology;      /* bodies; empty for particles */
+    double *rest;                   /* particles x 3: the bodies' rest positions, m */
+    struct patches boundary;        /* points on the solids */
+    struct kinematic_solids motion; /* of the last of these */
+    struct solid_loads *loads;      /* forces on the solids; NULL in a scene without */
+    pdyn_services services;         /* what operators may call */
 
-    int constraints;         /* batches that are constraints of the scene; their dampers follow */
-    struct system system;    /* particles' masses, prediction, batches: what is minimised */
-    double *x, *v;           /* particles x 3: the state, m, m/s */
-    double *density;         /* particles, kg/m^3 */
-    double *pressure;        /* particles, Pa, */
-    double *pressure_before; /* and a step before */
-    double *x_next;          /* particles x 3: the iterate */
+    int constraints; /* batches that are constraints of the scene; their dampers follow */
+    struct objective objective; /* particles' masses, prediction, batches: what is minimised */
+    double *x, *v;              /* particles x 3: the state, m, m/s */
+    double *density;            /* particles, kg/m^3 */
+    double *pressure;           /* particles, Pa, */
+    double *pressure_before;    /* and a step before */
+    double *x_next;             /* particles x 3: the iterate */
     double *way;      /* particles, samples, m: how far each may go at once; NULL: no limit */
     double *gradient; /* particles x 3: of E at the iterate, N */
     double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
@@ -51,11 +51,11 @@ struct pdyn_sim {
     double damping; /* eps, kept from step to step */
     bool anchored;  /* some constraint can take momentum from the system */
 
-    struct emit *emit; /* particles that come and go; NULL where none does */
+    struct live_particles *live; /* particles that come and go; NULL where none does */
 
     struct neighbours *neighbours; /* NULL where no constraint needs them */
     struct samples *samples;       /* on surfaces, where these meet a fluid; otherwise NULL */
-    struct sides *sides;           /* the same surfaces, between fluid and fluid */
+    struct occlusion *sides;       /* the same surfaces, between fluid and fluid */
 
     struct model model; /* what the solver sees */
     const pdyn_global_solver *solver;

@@ -27,10 +27,10 @@ static pdyn_status add_operators(const struct pdyn_sim *sim) {
     if (!count) return PDYN_OK;
     double *force = NEW_ARRAY(sim->context, count, double);
     if (!force) return PDYN_NO_MEMORY;
-    for (int b = 0; b < sim->system.batches; b++) {
-        const struct batch *batch = sim->system.batch[b];
-        if (batch->op && batch->type->op->boundary_force)
-            batch->type->op->boundary_force(batch->op, force);
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
+        if (batch->op && batch->type->matrix_free->boundary_force)
+            batch->type->matrix_free->boundary_force(batch->op, force);
     }
     add_points(sim, force);
     FREE_ARRAY(sim->context, force, count);
@@ -43,7 +43,7 @@ static pdyn_status add_operators(const struct pdyn_sim *sim) {
  * flux: impacts leave their own in it. */
 static void add_pair(const struct pdyn_sim *sim, const struct touching *pair, const pdyn_batch *v,
                      int e) {
-    const struct contact *c = sim->system.contact;
+    const struct contact *c = sim->objective.contact;
     for (int k = 0; k < 4; k++) {
         double force[3];
         int point = pair->point[k];
@@ -56,7 +56,7 @@ static void add_pair(const struct pdyn_sim *sim, const struct touching *pair, co
 }
 
 static void add_contact(const struct pdyn_sim *sim) {
-    const struct contact *c = sim->system.contact;
+    const struct contact *c = sim->objective.contact;
     if (!c) return;
     const pdyn_batch *v = &c->touching->view;
     for (int e = 0; e < v->elements; e++) add_pair(sim, (const struct touching *)v->data + e, v, e);

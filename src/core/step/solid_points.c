@@ -1,6 +1,6 @@
 #include "solid_points.h"
 
-#include "motion.h"
+#include "kinematic_solids.h"
 #include "sim.h"
 #include "sph/boundary.h"
 
@@ -33,7 +33,7 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
         int first = sim->boundary.at.count;
         if (!scene->solid[k].keys) continue;
         status = sample_solid(sim, k, spacing);
-        if (status == PDYN_OK) status = motion_add(sim, &scene->solid[k], first);
+        if (status == PDYN_OK) status = kinematic_add(sim, &scene->solid[k], first);
     }
     return status;
 }
@@ -48,7 +48,7 @@ static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count,
 /* Volumes 1 / sum W: of all that rests together, and of each solid that moves by itself, for these
  * stay the same. */
 static pdyn_status fill_published(struct pdyn_sim *sim, double spacing, double *volume) {
-    const struct motion *motion = &sim->motion;
+    const struct kinematic_solids *motion = &sim->motion;
     int resting = sim->boundary.at.count - motion->points;
     pdyn_status status = published_volumes(sim, 0, resting, spacing, volume);
     for (int k = 0; k < motion->solids && status == PDYN_OK; k++)

@@ -1,6 +1,6 @@
 /* Reading a simulation's state through the public API. */
-#include "base/archive.h"
-#include "emit.h"
+#include "base/snapshot_file.h"
+#include "live_particles.h"
 
 double pdyn_time(const pdyn_sim *sim) { return sim->time; }
 double pdyn_duration(const pdyn_sim *sim) { return sim->scene.settings.duration; }
@@ -18,13 +18,13 @@ void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iterati
 }
 
 pdyn_state pdyn_get_state(const pdyn_sim *sim) {
-    return (pdyn_state){.particles = sim->system.particles,
+    return (pdyn_state){.particles = sim->objective.particles,
                         .x = sim->x,
                         .v = sim->v,
-                        .mass = sim->system.mass,
+                        .mass = sim->objective.mass,
                         .density = sim->density,
                         .pressure = sim->pressure,
-                        .live = sim->emit ? sim->emit->live : NULL,
+                        .live = sim->live ? sim->live->live : NULL,
                         .boundary = sim->boundary.at.count,
                         .moving = sim->motion.points,
                         .boundary_x = sim->boundary.at.x,
@@ -38,17 +38,17 @@ pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
     return (pdyn_body_info){.name = b->name,
                             .first = b->first,
                             .count = b->count,
-                            .live = emit_count(sim, body),
+                            .live = live_particles_count(sim, body),
                             .radius = b->radius,
                             .rest_density = b->rest_density,
                             .triangles = b->triangles,
                             .triangle = b->triangle,
-                            .residual = sim->system.body[body].residual};
+                            .residual = sim->objective.body[body].residual};
 }
 
 pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
     if (constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
-    const struct batch *b = sim->system.batch[constraint];
+    const struct batch *b = sim->objective.batch[constraint];
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
 
@@ -59,7 +59,7 @@ static bool has_value(const pdyn_param *p, const double *value) {
 
 pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
     if (constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
-    const struct batch *b = sim->system.batch[constraint];
+    const struct batch *b = sim->objective.batch[constraint];
     for (const pdyn_param *p = b->type->params; p->name; p++) {
         const double *value = (const double *)((const char *)b->params + p->offset);
         if (has_value(p, value) && parameter-- == 0)
@@ -71,9 +71,9 @@ pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int 
 /* A vector's bits, of all live particles. */
 static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
     size_t one = 3 * sizeof *vector;
-    if (!sim->emit) return hash_bytes(hash, vector, (size_t)sim->system.particles * one);
-    for (int i = 0; i < sim->system.particles; i++)
-        if (sim->emit->live[i]) hash = hash_bytes(hash, vector + 3 * i, one);
+    if (!sim->live) return hash_bytes(hash, vector, (size_t)sim->objective.particles * one);
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (sim->live->live[i]) hash = hash_bytes(hash, vector + 3 * i, one);
     return hash;
 }
 

@@ -1,6 +1,6 @@
 /* One time step: predict (integrator.h), minimise E (minimise.c), then the new velocity. */
 #include "base/clock.h"
-#include "emit.h"
+#include "live_particles.h"
 #include "measure.h"
 #include "minimise.h"
 #include "sim.h"
@@ -15,13 +15,13 @@
 /* s = x^ + H v^ + H^2 g, and the iterate starts there. */
 static void predict(struct pdyn_sim *sim, double h) {
     const double *g = sim->scene.settings.gravity;
-    double H = sim->system.h = sim->scene.settings.integrator->begin(sim, h);
-    sim->system.time = sim->time + h;
-    for (int k = 0; k < 3 * sim->system.particles; k++)
-        sim->system.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
-    emit_hold(sim);
-    memcpy(sim->x_next, sim->system.s, system_bytes(&sim->system));
-    system_begin(&sim->system, sim->x_base, sim->v_base);
+    double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, h);
+    sim->objective.time = sim->time + h;
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        sim->objective.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
+    live_particles_hold(sim);
+    memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
+    objective_begin(&sim->objective, sim->x_base, sim->v_base);
 }
 
 /* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
@@ -31,43 +31,44 @@ static pdyn_status prepare_samples(struct pdyn_sim *sim) {
     if (!sim->samples) return PDYN_OK;
     samples_stretch(sim->samples, sim->x);
     neighbours_stretch(sim->neighbours, sim->samples);
-    if (!sim->system.drag) return PDYN_OK;
-    pdyn_status status = system_cover(&sim->system, sim->x, &all);
-    return status == PDYN_OK ? drag_begin(sim->system.drag, all) : status;
+    if (!sim->objective.surface_friction) return PDYN_OK;
+    pdyn_status status = objective_cover(&sim->objective, sim->x, &all);
+    return status == PDYN_OK ? surface_friction_begin(sim->objective.surface_friction, all)
+                             : status;
 }
 
 /* Where nothing can take momentum away, the step must not either, however far it was solved: the
  * mean of x - s over the mass is the momentum that an unfinished solve made up. */
 static pdyn_status keep_momentum(struct pdyn_sim *sim) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     double moved[3] = {0}, mass = 0.0, energy;
     if (sim->anchored) return PDYN_OK;
     for (int i = 0; i < sys->particles; i++) {
-        if (!emit_is_live(sim, i)) continue;
+        if (!live_particles_has(sim, i)) continue;
         mass += sys->mass[i];
         for (int a = 0; a < 3; a++)
             moved[a] += sys->mass[i] * (sim->x_next[3 * i + a] - sys->s[3 * i + a]);
     }
     for (int k = 0; k < 3 * sys->particles; k++)
-        if (emit_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
-    return system_local(sys, sim->x_next, &energy, sim->gradient);
+        if (live_particles_has(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
+    return objective_local(sys, sim->x_next, &energy, sim->gradient);
 }
 
 static void remember_state(struct pdyn_sim *sim, double h) {
     sim->history = h;
     if (!sim->x_before) return;
-    memcpy(sim->x_before, sim->x, system_bytes(&sim->system));
-    memcpy(sim->v_before, sim->v, system_bytes(&sim->system));
+    memcpy(sim->x_before, sim->x, objective_bytes(&sim->objective));
+    memcpy(sim->v_before, sim->v, objective_bytes(&sim->objective));
 }
 
 /* The iterate becomes the state. */
 static void accept(struct pdyn_sim *sim, double h) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     remember_state(sim, h);
     velocities_take(sim, h);
     for (int k = 0; k < 3 * sys->particles; k++)
         sim->constraint_acceleration[k] = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
-    memcpy(sim->x, sim->x_next, system_bytes(sys));
+    memcpy(sim->x, sim->x_next, objective_bytes(sys));
     velocities_change(sim, h);
     for (int b = 0; b < sys->batches; b++) batch_accept(sys->batch[b]);
     sim->last_h = h;
@@ -81,9 +82,9 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     pdyn_status status = prepare_samples(sim);
     if (status != PDYN_OK) return status;
     predict(sim, h);
-    motion_carry(sim, sim->system.time);
-    struct contact *contact = sim->system.contact;
-    if (contact) status = contact_begin(contact, sim->system.time);
+    kinematic_carry(sim, sim->objective.time);
+    struct contact *contact = sim->objective.contact;
+    if (contact) status = contact_begin(contact, sim->objective.time);
     if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     return status == PDYN_OK ? measure_finite(sim) : status;
@@ -91,11 +92,11 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
 
 /* After an attempt that failed: solids go back, and nothing that led there is built upon. */
 static pdyn_status take_back(struct pdyn_sim *sim) {
-    motion_carry(sim, sim->time);
+    kinematic_carry(sim, sim->time);
     sim->history = 0.0;
     if (sim->solver->forget) sim->solver->forget(sim->solver_state);
     if (sim->scene.settings.newton) sim->damping = 1.0;
-    return sim->system.contact ? contact_take_back(sim->system.contact, sim->x) : PDYN_OK;
+    return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
 
 /* Adds where and when to what is known. */
@@ -133,8 +134,8 @@ static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct 
         status = attempt(sim, end->h, progress);
         ++*retries;
     }
-    if (status == PDYN_OK && sim->system.contact) status = contact_end(sim->system.contact);
-    if (status != PDYN_OK) motion_carry(sim, sim->time);
+    if (status == PDYN_OK && sim->objective.contact) status = contact_end(sim->objective.contact);
+    if (status != PDYN_OK) kinematic_carry(sim, sim->time);
     return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
 }
 
@@ -148,7 +149,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     int retries = 0;
     double start = clock_ms(), cpu = clock_cpu_ms();
     solid_load_begin(sim);
-    sim->system.ms_neighbours = sim->system.ms_local = 0.0;
+    sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
     pdyn_status status = attempt_all(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
     measure_fetch(sim);
@@ -158,7 +159,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);
-    emit_step(sim);
+    live_particles_step(sim);
     solid_load_end(sim);
     *info = (pdyn_step_info){.time = sim->time,
                              .h = end.h,
@@ -169,8 +170,8 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
                              .retries = retries,
                              .step_residual = progress.residual};
     measure_step(sim, info);
-    info->ms_neighbours = sim->system.ms_neighbours, info->ms_local = sim->system.ms_local;
-    info->ms_contact = sim->system.contact ? sim->system.contact->ms : 0.0;
+    info->ms_neighbours = sim->objective.ms_neighbours, info->ms_local = sim->objective.ms_local;
+    info->ms_contact = sim->objective.contact ? sim->objective.contact->ms : 0.0;
     info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;
     info->ms_cpu = clock_cpu_ms() - cpu;
     return PDYN_OK;

@@ -49,7 +49,7 @@ static const double most_swing = 0.6; /* radii */
 
 static double swing_limit(const struct pdyn_sim *sim) {
     double limit = INFINITY;
-    for (int b = 0; b < sim->bodies && sim->solver->keeps_multipliers; b++) {
+    for (int b = 0; b < sim->bodies && sim->solver->dual; b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->radius == 0.0) continue;
         double pressure =
@@ -65,7 +65,7 @@ static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *set = &sim->scene.settings;
     double radius, h = sim->last_h > 0.0 ? fmin(set->h_max, 1.1 * sim->last_h) : set->h_max;
     double speed =
-        fmax(fastest(sim, h, &radius), motion_speed(&sim->motion, sim->time, sim->time + h));
+        fmax(fastest(sim, h, &radius), kinematic_speed(&sim->motion, sim->time, sim->time + h));
     if (radius > 0.0 && speed * h > set->cfl * radius) h = set->cfl * radius / speed;
     return fmax(fmin(h, swing_limit(sim)), set->h_min);
 }

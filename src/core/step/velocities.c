@@ -1,6 +1,6 @@
 #include "velocities.h"
 
-#include "emit.h"
+#include "live_particles.h"
 
 #include "projdyn/vec3.h"
 
@@ -9,10 +9,10 @@
 /* v = (x_next - from) / h. Positions can meet a momentum up to their rounding; velocities take the
  * rest, so that it does not add up over many steps. */
 static void divide(struct pdyn_sim *sim, const double *from, double h) {
-    const double *g = sim->scene.settings.gravity, H = sim->system.h;
+    const double *g = sim->scene.settings.gravity, H = sim->objective.h;
     double excess[3] = {0}, mass = 0.0;
-    for (int i = 0; i < sim->system.particles; i++) {
-        double m = emit_is_live(sim, i) ? sim->system.mass[i] : 0.0;
+    for (int i = 0; i < sim->objective.particles; i++) {
+        double m = live_particles_has(sim, i) ? sim->objective.mass[i] : 0.0;
         mass += m;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double v = (sim->x_next[k] - from[k]) / h;
@@ -21,8 +21,8 @@ static void divide(struct pdyn_sim *sim, const double *from, double h) {
         }
     }
     if (sim->anchored) return;
-    for (int k = 0; k < 3 * sim->system.particles; k++)
-        if (emit_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        if (live_particles_has(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
 }
 
 /* ---- steps that were not solved -------------------------------------------------------------- */
@@ -31,10 +31,10 @@ static void divide(struct pdyn_sim *sim, const double *from, double h) {
 static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
     double mass = 0.0;
     mean[0] = mean[1] = mean[2] = 0.0;
-    for (int i = 0; i < sim->system.particles && !sim->anchored; i++) {
-        if (!emit_is_live(sim, i)) continue;
-        mass += sim->system.mass[i];
-        vec3_add(mean, sim->system.mass[i], sim->v + 3 * i);
+    for (int i = 0; i < sim->objective.particles && !sim->anchored; i++) {
+        if (!live_particles_has(sim, i)) continue;
+        mass += sim->objective.mass[i];
+        vec3_add(mean, sim->objective.mass[i], sim->v + 3 * i);
     }
     for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
 }
@@ -43,7 +43,7 @@ static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
  * h, J. Convex constraints do not give more energy on that way than the work of their forces at its
  * end; r is what those forces and inertia leave open (theory.md). */
 static double gain_of(const struct pdyn_sim *sim, int i, double h) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     const double *v = sim->v + 3 * i, m = sys->mass[i];
     const double *v_n = (sim->v_before ? sim->v_before : sim->v_base) + 3 * i;
     double change[3], r[3];
@@ -59,19 +59,20 @@ static double gain_of(const struct pdyn_sim *sim, int i, double h) {
 
 /* The motion relative to the mean pays for what was gained. */
 static void pay_for_work(struct pdyn_sim *sim, double h) {
-    const struct system *sys = &sim->system;
+    const struct objective *sys = &sim->objective;
     double gained = 0.0, kinetic = 0.0, mean[3];
     mean_velocity(sim, mean);
     for (int i = 0; i < sys->particles; i++) {
         double own = vec3_distance(sim->v + 3 * i, mean);
-        if (!emit_is_live(sim, i)) continue;
+        if (!live_particles_has(sim, i)) continue;
         gained += gain_of(sim, i, h);
         kinetic += 0.5 * sys->mass[i] * own * own;
     }
     if (!(gained > 0.0)) return;
     double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
     for (int k = 0; k < 3 * sys->particles; k++)
-        if (emit_is_live(sim, k / 3)) sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
+        if (live_particles_has(sim, k / 3))
+            sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
 }
 
 /* Velocities by the displacement, as Euler has them: an x^ that was not reached, because something
@@ -88,19 +89,19 @@ static void take_unsolved(struct pdyn_sim *sim, double h) {
 /* Multipliers meet the inertia exactly, however early a solve ends, and the classic step is stiffer
  * than E: both may be cut short. */
 void velocities_take(struct pdyn_sim *sim, double h) {
-    if (sim->unfinished && sim->scene.settings.newton && !sim->solver->keeps_multipliers) {
+    if (sim->unfinished && sim->scene.settings.newton && !sim->solver->dual) {
         take_unsolved(sim, h);
         return;
     }
-    divide(sim, sim->x_base, sim->system.h);
+    divide(sim, sim->x_base, sim->objective.h);
     sim->impacts = integrator_impacts(sim, h);
 }
 
 /* The next steps see a change of v as an acceleration of change / H, where change / h is meant. */
 void velocities_change(struct pdyn_sim *sim, double h) {
-    struct system *sys = &sim->system;
+    struct objective *sys = &sim->objective;
     double part = sys->h / h, *before = sim->trial;
-    memcpy(before, sim->v, system_bytes(sys));
+    memcpy(before, sim->v, objective_bytes(sys));
     for (int b = 0; b < sys->batches; b++) batch_velocity(sys->batch[b], sim->v);
     if (part == 1.0) return;
     for (int k = 0; k < 3 * sys->particles; k++)

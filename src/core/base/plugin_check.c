@@ -1,0 +1,117 @@
+/* What can be told from the tables of a plug-in before anything of it runs. */
+#include "registry.h"
+
+#include <math.h>
+#include <string.h>
+
+static pdyn_status fail(pdyn_context *context, const char *name, const char *what) {
+    return context_fail(context, PDYN_BAD_INPUT, "type \"%.64s\": %s", name, what);
+}
+
+static bool is_name(const char *name) {
+    return name && *name && strlen(name) < 32 &&
+           strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") ==
+               strlen(name);
+}
+
+static pdyn_status check_names(pdyn_context *context, const char *name, const char *summary) {
+    if (!is_name(name))
+        return context_fail(context, PDYN_BAD_INPUT,
+                            "a type has no name of 1 to 31 letters, digits, '_' and '-'");
+    return summary && *summary ? PDYN_OK : fail(context, name, "it has no summary");
+}
+
+/* ---- parameters ------------------------------------------------------------------------------ */
+
+static const size_t kind_size[] = {[PDYN_REAL] = sizeof(double),
+                                   [PDYN_INT] = sizeof(int),
+                                   [PDYN_BOOL] = sizeof(bool),
+                                   [PDYN_VECTOR] = 3 * sizeof(double),
+                                   [PDYN_VERTICES] = sizeof(pdyn_vertices),
+                                   [PDYN_PATH] = sizeof(pdyn_path),
+                                   [PDYN_OTHER] = sizeof(pdyn_other)};
+
+/* What is wrong with a parameter, given those before it; NULL: nothing. */
+static const char *param_fault(const pdyn_constraint_type *type, const pdyn_param *p) {
+    if (!is_name(p->name) || !strcmp(p->name, "type")) return "its name cannot be a key of a scene";
+    if ((unsigned)p->kind >= sizeof kind_size / sizeof *kind_size) return "its kind is unknown";
+    if (!p->unit || !p->doc) return "it has no unit or no doc";
+    if (p->offset > type->params_size || kind_size[p->kind] > type->params_size - p->offset)
+        return "it lies outside of params_size";
+    if (p->kind <= PDYN_VECTOR && p->kind != PDYN_BOOL && !(p->min <= p->max))
+        return "its bounds are not ordered";
+    for (const pdyn_param *q = type->params; q < p; q++) {
+        if (!strcmp(q->name, p->name)) return "its name is there twice";
+        if (p->offset < q->offset + kind_size[q->kind] &&
+            q->offset < p->offset + kind_size[p->kind])
+            return "it overlaps another one";
+    }
+    return NULL;
+}
+
+static pdyn_status check_params(pdyn_context *context, const pdyn_constraint_type *type) {
+    if (!type->params) return fail(context, type->name, "it has no table of parameters");
+    for (const pdyn_param *p = type->params; p->name; p++) {
+        const char *fault = param_fault(type, p);
+        if (fault)
+            return context_fail(context, PDYN_BAD_INPUT, "type \"%s\": parameter \"%.32s\": %s",
+                                type->name, p->name, fault);
+    }
+    return PDYN_OK;
+}
+
+static const pdyn_param *find_param(const pdyn_constraint_type *type, const char *name) {
+    const pdyn_param *p = type->params;
+    while (p->name && strcmp(p->name, name) != 0) p++;
+    return p->name ? p : NULL;
+}
+
+static const char *alternatives_fault(const pdyn_constraint_type *type) {
+    int defaults = 0;
+    for (const char *const *name = type->alternatives; name && *name; name++) {
+        const pdyn_param *p = find_param(type, *name);
+        if (!p || p->required) return "an alternative is not a parameter, or a required one";
+        defaults += params_has_default(p);
+    }
+    return defaults > 1 ? "more than one alternative has a default" : NULL;
+}
+
+/* ---- types ----------------------------------------------------------------------------------- */
+
+static const char *operator_fault(const pdyn_operator *op) {
+    bool whole = op->create && op->free && op->neighbours && op->local && op->one_sided &&
+                 op->rate && op->force && op->diagonal;
+    return whole ? NULL : "its operator lacks a callback";
+}
+
+static const char *constraint_fault(const pdyn_constraint_type *t) {
+    if (!t->elements || !t->select || !t->weight || !t->project)
+        return "it lacks one of elements, select, weight, project";
+    if (!t->row_sizes && (t->rows < 1 || t->width < 1))
+        return "without row_sizes, it needs rows and width";
+    if ((t->flags & (PDYN_ON_SURFACE | PDYN_ON_VOLUME)) && (t->flags & PDYN_ON_PARTICLES))
+        return "no body is both a surface and particles";
+    if (alternatives_fault(t)) return alternatives_fault(t);
+    if (t->tangent && t->tangent_rank1)
+        return "it has tangent and tangent_rank1, expected one of them at most";
+    if (!t->damping != !t->damping_rest) return "damping and damping_rest need each other";
+    if (t->matrix_free && !(t->flags & PDYN_ON_PARTICLES))
+        return "an operator works on neighbour lists: it needs PDYN_ON_PARTICLES";
+    return t->matrix_free ? operator_fault(t->matrix_free) : NULL;
+}
+
+pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_type *type) {
+    pdyn_status status = check_names(context, type->name, type->summary);
+    if (status == PDYN_OK) status = check_params(context, type);
+    if (status != PDYN_OK) return status;
+    const char *fault = constraint_fault(type);
+    return fault ? fail(context, type->name, fault) : PDYN_OK;
+}
+
+pdyn_status table_check_solver(pdyn_context *context, const pdyn_global_solver *type) {
+    pdyn_status status = check_names(context, type->name, type->summary);
+    if (status != PDYN_OK) return status;
+    return type->create && type->solve && type->free
+               ? PDYN_OK
+               : fail(context, type->name, "it lacks one of create, solve, free");
+}

@@ -1,0 +1,83 @@
+#include "text.h"
+
+#include "registry.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { LONGEST = 64 }; /* characters of a word that is worth a hint */
+
+static int least(int a, int b) { return a < b ? a : b; }
+
+/* Insertions, deletions, replacements and swaps of neighbours that turn a into b, in any case. */
+static int edit_distance(const char *a, const char *b) {
+    int rows[3][LONGEST + 1], m = (int)strlen(a), n = (int)strlen(b);
+    int *before = rows[0], *above = rows[1], *row = rows[2];
+    for (int j = 0; j <= n; j++) row[j] = j;
+    for (int i = 1; i <= m; i++) {
+        int *oldest = before;
+        before = above, above = row, row = oldest;
+        row[0] = i;
+        for (int j = 1; j <= n; j++) {
+            int p = tolower((unsigned char)a[i - 1]), q = tolower((unsigned char)b[j - 1]);
+            row[j] = least(above[j - 1] + (p != q), 1 + least(above[j], row[j - 1]));
+            if (i > 1 && j > 1 && p == tolower((unsigned char)b[j - 2]) &&
+                q == tolower((unsigned char)a[i - 2]))
+                row[j] = least(row[j], before[j - 2] + 1);
+        }
+    }
+    return row[n];
+}
+
+const char *registry_near_miss(const char *name, const char *const *names, int count) {
+    size_t length = strlen(name);
+    if (!length || length > LONGEST) return NULL;
+    const char *nearest = NULL;
+    int best = (int)(length + 2) / 3 + 1; /* a third of the letters may be wrong */
+    for (int i = 0; i < count; i++) {
+        if (strlen(names[i]) > LONGEST) continue;
+        int distance = edit_distance(name, names[i]);
+        if (length > 3 && strstr(names[i], name)) distance = least(distance, best - 1);
+        if (distance < best) best = distance, nearest = names[i];
+    }
+    return nearest;
+}
+
+void text_append(char *text, size_t size, const char *format, ...) {
+    size_t length = strlen(text);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text + length, size - length, format, args);
+    va_end(args);
+}
+
+void text_clip(char *text, size_t size, const char *from) {
+    size_t length = strlen(from), keep = length < size ? length : size - 4;
+    if (keep < length)
+        while (keep && ((unsigned char)from[keep] & 0xC0) == 0x80) keep--;
+    for (size_t i = 0; i < keep; i++) {
+        unsigned char c = (unsigned char)from[i];
+        text[i] = c < 0x20 || c == 0x7F ? '?' : from[i];
+    }
+    strcpy(text + keep, keep < length ? "..." : "");
+}
+
+void text_hint(char *text, size_t size, const char *word, const char *const *names, int count) {
+    const char *nearest = registry_near_miss(word, names, count);
+    if (nearest) text_append(text, size, "; did you mean \"%s\"?", nearest);
+    for (int i = 0; i < count; i++)
+        text_append(text, size, "%s%s", i ? ", " : "; known: ", names[i]);
+}
+
+bool text_begin(struct text_locale *locale) {
+    locale->plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (locale->plain) locale->before = uselocale(locale->plain);
+    return locale->plain != (locale_t)0;
+}
+
+void text_end(struct text_locale *locale) {
+    uselocale(locale->before);
+    freelocale(locale->plain);
+}

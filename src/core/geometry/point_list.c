@@ -1,0 +1,37 @@
+#include "point_list.h"
+
+#include <string.h>
+
+pdyn_status point_list_too_many(pdyn_context *context) {
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "more than %d points: the particle radius is too small "
+                        "for the size of the scene",
+                        POINT_LIST_MOST);
+}
+
+pdyn_status point_list_add(pdyn_context *context, struct point_list *points, const double x[3]) {
+    size_t need = 3 * ((size_t)points->count + 1);
+    if (points->count == POINT_LIST_MOST) return point_list_too_many(context);
+    if (need > points->capacity) {
+        size_t capacity = 2 * need + 3 * 1024;
+        double *x_new = context_resize(context, points->x, points->capacity * sizeof *x_new,
+                                       capacity * sizeof *x_new);
+        if (!x_new) return context_no_memory(context);
+        points->x = x_new, points->capacity = capacity;
+    }
+    memcpy(points->x + 3 * (size_t)points->count++, x, 3 * sizeof *x);
+    return PDYN_OK;
+}
+
+pdyn_status point_list_add_all(pdyn_context *context, struct point_list *points, const double *x,
+                               int count) {
+    pdyn_status status = PDYN_OK;
+    for (int i = 0; status == PDYN_OK && i < count; i++)
+        status = point_list_add(context, points, x + 3 * (size_t)i);
+    return status;
+}
+
+void point_list_free(pdyn_context *context, struct point_list *points) {
+    FREE_ARRAY(context, points->x, points->capacity);
+    *points = (struct point_list){0};
+}

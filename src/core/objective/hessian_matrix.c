@@ -1,0 +1,65 @@
+#include "hessian_matrix.h"
+
+static void free_twins(struct hessian_matrix *c) {
+    for (int b = 0; b < c->objective->batches; b++)
+        if (c->rows[b] && c->rows[b] != c->objective->batch[b]) {
+            batch_free(c->rows[b]);
+            c->rows[b] = NULL;
+        }
+}
+
+void hessian_matrix_free(struct hessian_matrix *c) {
+    if (!c->context) return;
+    if (c->rows) free_twins(c);
+    FREE_ARRAY(c->context, c->rows, c->objective->batches);
+    FREE_VECTOR(c->context, c->unused, c->objective->particles);
+    matrix_free(&c->matrix);
+}
+
+pdyn_status hessian_matrix_create(struct hessian_matrix *c, struct objective *objective) {
+    pdyn_context *context = objective->context;
+    c->context = context, c->objective = objective;
+    c->rows = NEW_ARRAY(context, objective->batches, struct batch *);
+    c->unused = NEW_VECTOR(context, objective->particles);
+    if ((objective->batches && !c->rows) || !c->unused) return PDYN_NO_MEMORY;
+    for (int b = 0; b < objective->batches; b++)
+        if (!objective->batch[b]->op) c->rows[b] = objective->batch[b];
+    return PDYN_OK;
+}
+
+/* Rows of the operators at the current lists and the x of the last local step. */
+static pdyn_status update_twins(struct hessian_matrix *c, bool lists_moved) {
+    struct objective *sys = c->objective;
+    if (!sys->dynamic_rows) return PDYN_OK;
+    if (lists_moved) free_twins(c);
+    for (int b = 0; b < sys->batches; b++) {
+        const struct batch *from = sys->batch[b];
+        if (!from->op) continue;
+        pdyn_status status =
+            c->rows[b] ? PDYN_OK
+                       : batch_create(c->context, from->type, from->params, from->view.body, NULL,
+                                      neighbours_view(sys->neighbours), true, &c->rows[b]);
+        if (status != PDYN_OK) return status;
+        status = batch_local(c->rows[b], sys->x, sys->time, c->unused);
+        if (status == PDYN_OK) status = batch_linearise(c->rows[b], sys->eps);
+        if (status != PDYN_OK) return status;
+    }
+    return PDYN_OK;
+}
+
+pdyn_status hessian_matrix_update(struct hessian_matrix *c, bool *pattern, bool *values) {
+    struct objective *sys = c->objective;
+    int dim = sys->eps < 1.0 ? 3 : 1;
+    bool moved = sys->dynamic_rows && c->lists != sys->lists;
+    *pattern =
+        c->matrix.dim != dim || (moved && dim == 3) || c->revision != objective_revision(sys);
+    *values = *pattern || moved || dim == 3 || c->h != sys->h || c->weights != sys->weights;
+    if (!*values) return PDYN_OK;
+    pdyn_status status = update_twins(c, moved);
+    if (status == PDYN_OK && *pattern) status = matrix_pattern(&c->matrix, sys, c->rows, dim);
+    if (status != PDYN_OK) return status;
+    matrix_values(&c->matrix, sys, c->rows);
+    c->h = sys->h, c->weights = sys->weights;
+    c->lists = sys->lists, c->revision = objective_revision(sys);
+    return PDYN_OK;
+}

@@ -1,0 +1,278 @@
+#include "objective.h"
+
+#include "base/clock.h"
+#include "base/simd.h"
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+struct call {
+    struct objective *objective;
+    const double *a, *b;
+    double *out;
+    double scale;
+};
+
+static void for_particles(struct objective *sys, pdyn_range_fn *fn, const double *a,
+                          const double *b, double *out, double scale) {
+    struct call call = {sys, a, b, out, scale};
+    pool_for(sys->context->pool, sys->particles, PARTICLE_GRAIN, fn, &call);
+}
+
+double objective_partial_sum(const struct objective *sys) {
+    double sum = 0.0;
+    for (int k = 0; k < pool_blocks(sys->particles, PARTICLE_GRAIN); k++) sum += sys->partial[k];
+    return sum;
+}
+
+/* ---- energy and gradient --------------------------------------------------------------------- */
+
+static void inertia(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    double energy = 0.0;
+    for (int i = first; i < last; i++) {
+        double w = objective_inertia(c->objective, i);
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            double d = c->a[k] - c->objective->s[k];
+            c->out[k] = w * d;
+            energy += 0.5 * w * d * d;
+        }
+    }
+    c->objective->partial[block] = energy;
+}
+
+/* What SPH sums work on: x, and the samples of surfaces. */
+static const double *extend(const struct objective *sys, const double *x) {
+    if (!sys->samples) return x;
+    samples_extend(sys->samples, x, sys->samples->x);
+    return sys->samples->x;
+}
+
+pdyn_status objective_tell_lists(struct objective *sys) {
+    const pdyn_neighbours *view = neighbours_view(sys->neighbours);
+    pdyn_status status = PDYN_OK;
+    if (sys->samples) samples_reach(sys->samples, view);
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        status = batch_neighbours(sys->batch[b], view);
+    sys->lists = view->revision;
+    return status;
+}
+
+/* Lists built at extended x, known to every batch. */
+static pdyn_status build_lists(struct objective *sys, const double *x) {
+    double start = clock_ms();
+    pdyn_status status = neighbours_build(sys->neighbours, x);
+    if (status == PDYN_OK) status = objective_tell_lists(sys);
+    sys->ms_neighbours += clock_ms() - start;
+    return status;
+}
+
+pdyn_status objective_build_lists(struct objective *sys, const double *x) {
+    return build_lists(sys, extend(sys, x));
+}
+
+static bool lists_hold(const struct objective *sys, const double *x) {
+    return !sys->neighbours || neighbours_hold(sys->neighbours, x);
+}
+
+pdyn_status objective_cover(struct objective *sys, const double *x, const double **all) {
+    *all = extend(sys, x);
+    return lists_hold(sys, *all) ? PDYN_OK : build_lists(sys, *all);
+}
+
+pdyn_status objective_local(struct objective *sys, const double *x, double *energy,
+                            double *gradient) {
+    const double *all;
+    pdyn_status status = objective_cover(sys, x, &all);
+    if (sys->neighbours) neighbours_decided(sys->neighbours);
+    if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
+    if (status != PDYN_OK) return status;
+    double start = clock_ms();
+    sys->x = x;
+    for_particles(sys, inertia, x, NULL, gradient, 0.0);
+    *energy = objective_partial_sum(sys);
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
+        status = batch_local(sys->batch[b], sys->batch[b]->op ? all : x, sys->time, gradient);
+        *energy += sys->batch[b]->energy;
+    }
+    sys->ms_local += clock_ms() - start;
+    return status;
+}
+
+pdyn_status objective_limit(struct objective *sys, const double *x, double *way) {
+    const double *all;
+    pdyn_status status = objective_cover(sys, x, &all);
+    int samples = sys->samples ? sys->samples->count : 0;
+    for (int i = 0; i < sys->particles + samples; i++) way[i] = INFINITY;
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        batch_limit(sys->batch[b], all, way);
+    if (samples) samples_limit(sys->samples, way);
+    return status;
+}
+
+void objective_begin(struct objective *sys, const double *x, const double *v) {
+    bool moved = false;
+    for (int b = 0; b < sys->batches; b++) moved |= batch_begin(sys->batch[b], x, v, sys->h);
+    sys->weights += moved;
+}
+
+/* ---- the operator H -------------------------------------------------------------------------- */
+
+pdyn_status objective_linearise(struct objective *sys, double eps) {
+    pdyn_status status = PDYN_OK;
+    sys->eps = eps;
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        status = batch_linearise(sys->batch[b], eps);
+    return status;
+}
+
+unsigned objective_revision(const struct objective *sys) {
+    unsigned sum = 0;
+    for (int b = 0; b < sys->batches; b++) sum += sys->batch[b]->revision;
+    return sum;
+}
+
+WIDE static void apply_inertia(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++) {
+        double w = objective_inertia(c->objective, i);
+        for (int k = 3 * i; k < 3 * i + 3; k++) c->out[k] = w * c->a[k];
+    }
+}
+
+void objective_apply(struct objective *sys, const double *u, double *y) {
+    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
+    for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
+}
+
+/* ---- the model along a direction ------------------------------------------------------------- */
+
+void objective_aim(struct objective *sys, const double *u) {
+    for (int b = 0; b < sys->batches; b++) batch_aim(sys->batch[b], u);
+}
+
+int objective_turns(struct objective *sys) {
+    int turns = 0;
+    for (int b = 0; b < sys->batches; b++) turns += batch_turns(sys->batch[b]);
+    return turns;
+}
+
+static double sides_slope(struct objective *sys, double t, double *curvature) {
+    double sum = *curvature = 0.0;
+    for (int b = 0; b < sys->batches; b++) {
+        double more;
+        sum += batch_slope(sys->batch[b], t, &more);
+        *curvature += more;
+    }
+    return sum;
+}
+
+/* The slope rises along the line, linear in pieces: Newton's iteration, kept between what is known
+ * to be short of the minimum and beyond. */
+double objective_line_minimum(struct objective *sys, double descent, double curvature) {
+    double bend, start = sides_slope(sys, 0.0, &bend);
+    double low = 0.0, high = INFINITY, t = descent / curvature;
+    curvature -= bend;
+    for (int k = 0; k < 20; k++) {
+        double slope = sides_slope(sys, t, &bend) - start + t * curvature - descent;
+        if (fabs(slope) <= 0.01 * descent) break;
+        if (slope < 0.0) low = t;
+        else high = t;
+        t -= slope / (curvature + bend);
+        if (!(t > low && t < high)) t = isfinite(high) ? 0.5 * (low + high) : 2.0 * low;
+    }
+    return t;
+}
+
+static void scale_block(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] *= c->scale;
+}
+
+int objective_go(struct objective *sys, double t, double *y) {
+    int changed = 0;
+    for_particles(sys, scale_block, NULL, NULL, y, t);
+    for (int b = 0; b < sys->batches; b++) changed += batch_go(sys->batch[b], t, y);
+    return changed;
+}
+
+void objective_diagonal(struct objective *sys, double *blocks) {
+    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
+    for (int i = 0; i < sys->particles; i++)
+        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
+    for (int b = 0; b < sys->batches; b++) batch_diagonal(sys->batch[b], blocks);
+}
+
+/* ---- vectors --------------------------------------------------------------------------------- */
+
+WIDE static void dot_block(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    c->objective->partial[block] = simd_dot(c->a + 3 * first, c->b + 3 * first, 3 * (last - first));
+}
+
+double objective_dot(struct objective *sys, const double *a, const double *b) {
+    for_particles(sys, dot_block, a, b, NULL, 0.0);
+    return objective_partial_sum(sys);
+}
+
+/* ---- residuals ------------------------------------------------------------------------------- */
+
+int objective_body_of(const struct objective *sys, int particle) {
+    int low = 0, high = sys->bodies;
+    while (high - low > 1) {
+        int middle = low + (high - low) / 2;
+        if (sys->body[middle].first <= particle) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+double objective_norm_part(const struct objective *sys, const double *r, int first, int last) {
+    double sum = 0.0;
+    for (int b = objective_body_of(sys, first), end; first < last; first = end, b++) {
+        const struct objective_body *body = &sys->body[b];
+        end = body->first + body->count < last ? body->first + body->count : last;
+        const double *own = r + 3 * (size_t)first;
+        sum += simd_dot(own, own, 3 * (end - first)) / (body->weight * body->weight);
+    }
+    return sum;
+}
+
+static void norm_block(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    c->objective->partial[block] = objective_norm_part(c->objective, c->a, first, last);
+}
+
+double objective_norm(struct objective *sys, const double *r) {
+    for_particles(sys, norm_block, r, NULL, NULL, 0.0);
+    return sqrt(objective_partial_sum(sys));
+}
+
+double objective_residual(struct objective *sys, const double *gradient) {
+    double largest = 0.0;
+    for (int b = 0; b < sys->bodies; b++) {
+        struct objective_body *body = &sys->body[b];
+        const double *own = gradient + 3 * (size_t)body->first;
+        struct call call = {sys, own, own, NULL, 0.0};
+        pool_for(sys->context->pool, body->count, PARTICLE_GRAIN, dot_block, &call);
+        double sum = 0.0;
+        for (int k = 0; k < pool_blocks(body->count, PARTICLE_GRAIN); k++) sum += sys->partial[k];
+        body->residual = sqrt(sum) / body->weight;
+        /* not fmax, which would lose what is no number */
+        if (!(body->residual <= largest)) largest = body->residual;
+    }
+    return largest;
+}
+
+WIDE static void axpy_block(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->a[k];
+}
+
+void objective_axpy(struct objective *sys, double scale, const double *x, double *y) {
+    for_particles(sys, axpy_block, x, NULL, y, scale);
+}

@@ -1,0 +1,243 @@
+#include "one_sided.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+
+enum { GRAIN = 2048 };
+
+struct call {
+    struct one_sided *s;
+    const double *u;
+    double *out;
+    double eps, t;
+};
+
+void one_sided_free(struct one_sided *s) {
+    FREE_ARRAY(s->context, s->reached, s->capacity);
+    FREE_ARRAY(s->context, s->rate, s->capacity);
+    FREE_ARRAY(s->context, s->multiplier, s->capacity);
+    FREE_ARRAY(s->context, s->acts, s->capacity);
+    FREE_ARRAY(s->context, s->possible, s->capacity);
+    FREE_ARRAY(s->context, s->partial, 2 * (size_t)pool_blocks(s->capacity, GRAIN));
+    s->capacity = 0;
+}
+
+static pdyn_status reserve(struct one_sided *s, int count) {
+    if (count <= s->capacity) return PDYN_OK;
+    one_sided_free(s);
+    s->capacity = count;
+    s->reached = NEW_ARRAY(s->context, count, double);
+    s->rate = NEW_ARRAY(s->context, count, double);
+    s->multiplier = NEW_ARRAY(s->context, count, double);
+    s->acts = NEW_ARRAY(s->context, count, bool);
+    s->possible = NEW_ARRAY(s->context, count, bool);
+    s->partial = NEW_ARRAY(s->context, 2 * (size_t)pool_blocks(count, GRAIN), double);
+    bool good = s->reached && s->rate && s->multiplier && s->acts && s->possible && s->partial;
+    return good ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+static void for_all(struct one_sided *s, int count, pdyn_range_fn *fn, const double *u, double *out,
+                    double eps, double t) {
+    struct call call = {s, u, out, eps, t};
+    pool_for(s->context->pool, count, GRAIN, fn, &call);
+}
+
+/* The sum of what each block counted. */
+static int sum_counts(const struct one_sided *s) {
+    double sum = 0.0;
+    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++) sum += s->partial[b];
+    return (int)sum;
+}
+
+static void take_sides(void *arg, int first, int last, int block) {
+    (void)block;
+    struct one_sided *s = ((const struct call *)arg)->s;
+    for (int i = first; i < last; i++) {
+        s->reached[i] = s->at.value[i];
+        s->possible[i] = s->at.stiffness[i] > 0.0;
+        s->acts[i] = s->possible[i] && s->at.value[i] > 0.0;
+    }
+}
+
+pdyn_status one_sided_begin(struct one_sided *s) {
+    s->at = s->op->one_sided(s->self);
+    pdyn_status status = reserve(s, s->at.count);
+    if (status == PDYN_OK) for_all(s, s->at.count, take_sides, NULL, NULL, 0.0, 0.0);
+    return status;
+}
+
+/* ---- H --------------------------------------------------------------------------------------- */
+
+static void add_held(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const double *held = c->s->at.held;
+    for (int i = first; i < last; i++)
+        if (held[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * held[i], c->u + 3 * i);
+}
+
+static void damp(struct one_sided *s, double eps, const double *u, double *y) {
+    if (eps > 0.0) for_all(s, s->particles, add_held, u, y, eps, 0.0);
+}
+
+static void multiply_stiffness(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct one_sided *s = c->s;
+    for (int i = first; i < last; i++) s->multiplier[i] *= (1.0 - c->eps) * s->at.stiffness[i];
+}
+
+void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y) {
+    if (eps < 1.0) {
+        s->op->rate(s->self, s->acts, u, s->multiplier);
+        for_all(s, s->at.count, multiply_stiffness, NULL, NULL, eps, 0.0);
+        s->op->force(s->self, s->multiplier, y);
+    }
+    damp(s, eps, u, y);
+}
+
+static void acting_stiffness(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const struct one_sided *s = c->s;
+    for (int i = first; i < last; i++)
+        s->multiplier[i] = s->acts[i] ? (1.0 - c->eps) * s->at.stiffness[i] : 0.0;
+}
+
+static void add_held_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int i = first; i < last; i++)
+        for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.held[i];
+}
+
+void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
+    for_all(s, s->at.count, acting_stiffness, NULL, NULL, eps, 0.0);
+    s->op->diagonal(s->self, s->multiplier, blocks);
+    if (eps > 0.0) for_all(s, s->particles, add_held_blocks, NULL, blocks, eps, 0.0);
+}
+
+/* ---- along a direction ----------------------------------------------------------------------- */
+
+void one_sided_aim(struct one_sided *s, const double *u) {
+    s->op->rate(s->self, s->possible, u, s->rate);
+}
+
+static bool acts_at(const struct one_sided *s, int i, double t) {
+    return s->possible[i] && s->reached[i] + t * s->rate[i] > 0.0;
+}
+
+static void count_turns(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    double turns = 0.0;
+    for (int i = first; i < last; i++) turns += acts_at(c->s, i, c->t) != c->s->acts[i];
+    c->s->partial[block] = turns;
+}
+
+int one_sided_turns(struct one_sided *s) {
+    for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, 1.0);
+    return sum_counts(s);
+}
+
+static void add_slopes(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct one_sided *s = c->s;
+    double slope = 0.0, curvature = 0.0;
+    for (int i = first; i < last; i++) {
+        double there = s->reached[i] + c->t * s->rate[i];
+        double k = there > 0.0 ? s->at.stiffness[i] * s->rate[i] : 0.0;
+        slope += k * there, curvature += k * s->rate[i];
+    }
+    s->partial[2 * block] = slope, s->partial[2 * block + 1] = curvature;
+}
+
+double one_sided_slope(struct one_sided *s, double eps, double t, double *curvature) {
+    double sum = *curvature = 0.0;
+    if (eps == 1.0) return 0.0;
+    for_all(s, s->at.count, add_slopes, NULL, NULL, eps, t);
+    for (int b = 0; b < pool_blocks(s->at.count, GRAIN); b++)
+        sum += s->partial[2 * b], *curvature += s->partial[2 * b + 1];
+    *curvature *= 1.0 - eps;
+    return (1.0 - eps) * sum;
+}
+
+static void change_sides(void *arg, int first, int last, int block) {
+    const struct call *c = arg;
+    struct one_sided *s = c->s;
+    double changed = 0.0;
+    for (int i = first; i < last; i++) {
+        double to = s->reached[i] + c->t * s->rate[i];
+        bool acts = acts_at(s, i, c->t);
+        double beyond = fmax(0.0, to) - (s->acts[i] ? to : 0.0);
+        s->multiplier[i] = (1.0 - c->eps) * s->at.stiffness[i] * beyond;
+        changed += acts != s->acts[i];
+        s->reached[i] = to, s->acts[i] = acts;
+    }
+    s->partial[block] = changed;
+}
+
+int one_sided_go(struct one_sided *s, double eps, double t, double *y) {
+    if (eps == 1.0) return 0;
+    for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
+    int changed = sum_counts(s);
+    s->op->force(s->self, s->multiplier, y);
+    return changed;
+}
+
+/* ---- impacts --------------------------------------------------------------------------------- */
+
+static void take_forces(void *arg, int first, int last, int block) {
+    (void)block;
+    struct one_sided *s = ((const struct call *)arg)->s;
+    for (int i = first; i < last; i++)
+        s->multiplier[i] = s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
+}
+
+void one_sided_forces(struct one_sided *s, double *y) {
+    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+    s->op->force(s->self, s->multiplier, y);
+}
+
+void one_sided_rate_slowed(struct one_sided *s, const double *slowed) {
+    s->op->rate(s->self, s->acts, slowed, s->rate);
+}
+
+void one_sided_rate_acceleration(struct one_sided *s, const double *acceleration) {
+    s->op->rate(s->self, s->acts, acceleration, s->reached);
+}
+
+struct impacts {
+    struct one_sided *s;
+    double mass, h;
+};
+
+/* rate: of what was slowed down; reached: of the acceleration by all forces. These may cancel where
+ * each of them is large, and one alone does not know how light the other things are that it moves:
+ * the larger of both counts. */
+static double impact_of(const struct impacts *c, int i) {
+    const struct one_sided *s = c->s;
+    if (!s->acts[i]) return 0.0;
+    double value = s->at.value[i], force = s->at.stiffness[i] * value;
+    double change = c->h * fmax(s->reached[i], force * s->at.squares[i] / c->mass);
+    return impact_part(s->rate[i], change, c->h * change / value);
+}
+
+static void take_impacts(void *arg, int first, int last, int block) {
+    const struct impacts *c = arg;
+    struct one_sided *s = c->s;
+    double count = 0.0;
+    for (int i = first; i < last; i++) {
+        double part = impact_of(c, i);
+        s->multiplier[i] = part * s->at.stiffness[i] * s->at.value[i];
+        count += part > 0.5;
+    }
+    s->partial[block] = count;
+}
+
+int one_sided_impacts(struct one_sided *s, double mass, double h, double *y) {
+    struct impacts impacts = {s, mass, h};
+    pool_for(s->context->pool, s->at.count, GRAIN, take_impacts, &impacts);
+    s->op->force(s->self, s->multiplier, y);
+    return sum_counts(s);
+}

@@ -1,0 +1,97 @@
+#include "kinematic_solids.h"
+
+#include "scene/poses.h"
+#include "sim.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* ---- points ---------------------------------------------------------------------------------- */
+
+static pdyn_status make_room(struct pdyn_sim *sim) {
+    struct kinematic_solids *motion = &sim->motion;
+    if (motion->solid) return PDYN_OK;
+    motion->solid = NEW_ARRAY(sim->context, sim->scene.solids, struct moving);
+    if (!motion->solid) return PDYN_NO_MEMORY;
+    motion->capacity = sim->scene.solids;
+    return PDYN_OK;
+}
+
+pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first) {
+    struct kinematic_solids *motion = &sim->motion;
+    struct moving m = {solid, first, sim->boundary.at.count - first, {0}, {0}};
+    pdyn_status status = make_room(sim);
+    for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++) {
+        double *x = sim->boundary.at.x + 3 * (size_t)i, from_pivot[3];
+        for (int a = 0; a < 3; a++) {
+            from_pivot[a] = x[a] - solid->pivot[a];
+            m.min[a] = i == first ? from_pivot[a] : fmin(m.min[a], from_pivot[a]);
+            m.max[a] = i == first ? from_pivot[a] : fmax(m.max[a], from_pivot[a]);
+        }
+        status = point_list_add(sim->context, &motion->placed, from_pivot);
+    }
+    if (status != PDYN_OK) return status;
+    motion->solid[motion->solids++] = m;
+    motion->points = motion->placed.count;
+    return PDYN_OK;
+}
+
+void kinematic_free(pdyn_context *context, struct kinematic_solids *motion) {
+    FREE_ARRAY(context, motion->solid, motion->capacity);
+    point_list_free(context, &motion->placed);
+}
+
+/* ---- carrying -------------------------------------------------------------------------------- */
+
+void kinematic_carry(struct pdyn_sim *sim, double time) {
+    const struct kinematic_solids *motion = &sim->motion;
+    int resting = sim->boundary.at.count - motion->points;
+    if (!motion->points) return;
+    for (int k = 0; k < motion->solids; k++) {
+        const struct moving *m = &motion->solid[k];
+        pose_place(m->solid, motion->placed.x + 3 * (size_t)(m->first - resting), m->count, time,
+                   sim->boundary.at.x + 3 * (size_t)m->first);
+    }
+    if (sim->neighbours) neighbours_move(sim->neighbours, sim->boundary.at.x + 3 * (size_t)resting);
+}
+
+/* ---- speed ----------------------------------------------------------------------------------- */
+
+/* Of the corners of the solid's box, which the speed of no point exceeds. */
+static double fastest_corner(const struct moving *m, const struct pose *pose) {
+    double axis[3], speed = 0.0;
+    pose_turning_axis(pose, axis);
+    for (int corner = 0; corner < 8; corner++) {
+        double r[3], v[3];
+        for (int a = 0; a < 3; a++) r[a] = corner >> a & 1 ? m->max[a] : m->min[a];
+        transform_directions(&pose->at, r, 1);
+        for (int a = 0; a < 3; a++) {
+            int b = (a + 1) % 3, c = (a + 2) % 3;
+            v[a] = pose->velocity[a] + axis[b] * r[c] - axis[c] * r[b];
+        }
+        speed = fmax(speed, vec3_length(v));
+    }
+    return speed;
+}
+
+/* At both ends of each part of the way between two keys. */
+static double fastest(const struct moving *m, double from, double to) {
+    const struct scene_solid *solid = m->solid;
+    double speed = 0.0;
+    for (int k = pose_key_before(solid, from); k < solid->keys; k++) {
+        double begin = k < 0 ? from : fmax(from, solid->key[k].time);
+        double end = k + 1 < solid->keys ? fmin(to, solid->key[k + 1].time) : to;
+        if (begin >= to) break;
+        struct pose first = pose_between(solid, k, begin), last = pose_between(solid, k, end);
+        speed = fmax(speed, fmax(fastest_corner(m, &first), fastest_corner(m, &last)));
+    }
+    return speed;
+}
+
+double kinematic_speed(const struct kinematic_solids *motion, double from, double to) {
+    double speed = 0.0;
+    for (int k = 0; k < motion->solids; k++)
+        speed = fmax(speed, fastest(&motion->solid[k], from, to));
+    return speed;
+}

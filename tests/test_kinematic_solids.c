@@ -1,0 +1,269 @@
+/* Solids that move: where their points are and how fast, and what water does with them. */
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- points ---------------------------------------------------------------------------------- */
+
+static const char *turning =
+    "{\"duration\": 1, \"boundary\": \"points\", \"bodies\": [{\"particles\": {\"radius\": 0.05, "
+    "\"fill\": [{\"box\": "
+    "{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\": "
+    "\"fluid\"}]}], \"solids\": [{\"box\": {\"minimum\": [1, 1, 1], \"maximum\": [2, 3, 4]}, "
+    "\"pivot\": [1, 2, 3], \"motion\": [{\"time\": 1}, {\"time\": 3, \"rotate\": [0, 0, 720], "
+    "\"translate\": [2, 0, 0]}, {\"time\": 4, \"rotate\": [90, 90, 720], \"translate\": [2, 0, "
+    "1]}]}, {\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}]}";
+
+/* The last point at a time, from where it was put: turned from r about the pivot, then moved. */
+static void assert_carried(pdyn_sim *sim, double time, const double turned[3],
+                           const double moved[3]) {
+    static const double pivot[3] = {1.0, 2.0, 3.0};
+    const pdyn_state s = pdyn_get_state(sim);
+    kinematic_carry(sim, time);
+    for (int a = 0; a < 3; a++)
+        assert_true(fabs(s.boundary_x[3 * (s.boundary - 1) + a] - pivot[a] - turned[a] - moved[a]) <
+                    1e-12);
+}
+
+static void test_carry(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, turning);
+    const pdyn_state s = pdyn_get_state(sim);
+    double x = 1.06, y = 1.06, z = 1.06; /* the box' maximum, 0.6 spacings out, from the pivot */
+    assert_true(s.moving > 0 && s.moving < s.boundary); /* the other solid rests */
+    assert_carried(sim, 0.0, (double[]){x, y, z}, (double[]){0, 0, 0});
+    assert_carried(sim, 1.25, (double[]){-y, x, z}, (double[]){0.25, 0, 0});
+    assert_carried(sim, 1.5, (double[]){-x, -y, z}, (double[]){0.5, 0, 0});
+    assert_carried(sim, 2.25, (double[]){-y, x, z}, (double[]){1.25, 0, 0}); /* the second turn */
+    assert_carried(sim, 3.0, (double[]){x, y, z}, (double[]){2, 0, 0});
+    assert_carried(sim, 9.0, (double[]){y, -z, -x}, (double[]){2, 0, 1});
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* The largest speed of a point by central differences. */
+static double measured_speed(pdyn_sim *sim, double *before, double time) {
+    const pdyn_state s = pdyn_get_state(sim);
+    double speed = 0.0, dt = 1e-6;
+    kinematic_carry(sim, time - dt);
+    memcpy(before, s.boundary_x, 3 * (size_t)s.boundary * sizeof *before);
+    kinematic_carry(sim, time + dt);
+    for (int i = 0; i < s.boundary; i++)
+        speed = fmax(speed, vec3_distance(before + 3 * i, s.boundary_x + 3 * i) / (2.0 * dt));
+    return speed;
+}
+
+/* The speed of this box is that of a corner, which is a point. */
+static void test_speed(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, turning);
+    double *before = malloc(3 * (size_t)sim->boundary.at.count * sizeof *before);
+    assert_non_null(before);
+    for (double t = 0.1; t < 5.0; t += 0.1) {
+        if (fabs(t - round(t)) < 0.01) continue; /* at a key the speed jumps */
+        double expected = measured_speed(sim, before, t);
+        assert_true(fabs(kinematic_speed(&sim->motion, t, t + 1e-9) - expected) <
+                    1e-5 * (1.0 + expected));
+    }
+    assert_true(kinematic_speed(&sim->motion, 0.0, 1.0) == 0.0);
+    assert_true(kinematic_speed(&sim->motion, 0.0, 1.001) > 10.0); /* what is ahead counts */
+    assert_true(kinematic_speed(&sim->motion, 2.999, 3.1) > 10.0); /* what is not over, too */
+    free(before);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- a tank that is carried ------------------------------------------------------------------ */
+
+static pdyn_sim *pour(pdyn_context *context, double speed) {
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.0025}, "
+             "\"solver\": {\"tolerance\": 1e-3, \"linear_tolerance\": 1e-3}, \"bodies\": "
+             "[{\"particles\": {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], "
+             "\"maximum\": [0.2, 0.24, 0.16]}}]}, \"velocity\": [%g, 0, 0], \"constraints\": "
+             "[{\"type\": \"fluid\", \"stiffness\": 1e5}]}], \"solids\": [{\"box\": {\"minimum\": "
+             "[0, 0, 0], \"maximum\": [0.4, 0.5, 0.16]}, \"open\": [\"+y\"], \"motion\": "
+             "[{\"time\": 0}, {\"time\": 10, \"translate\": [%g, 0, 0]}]}]}",
+             speed, 10.0 * speed);
+    return test_load(context, text);
+}
+
+/* A tank at constant speed is a tank at rest, seen from a cart. */
+static void test_carried_tank(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *resting = pour(context, 0.0), *carried = pour(context, 2.0);
+    const pdyn_state a = pdyn_get_state(resting), b = pdyn_get_state(carried);
+    double farthest = 0.0;
+    while (pdyn_time(resting) < 0.3) test_step(context, resting), test_step(context, carried);
+    for (int i = 0; i < a.particles; i++) {
+        double shifted[3] = {b.x[3 * i] - 2.0 * pdyn_time(carried), b.x[3 * i + 1], b.x[3 * i + 2]};
+        farthest = fmax(farthest, vec3_distance(a.x + 3 * i, shifted));
+    }
+    assert_true(farthest < 1e-4);
+    pdyn_free(resting);
+    pdyn_free(carried);
+    pdyn_destroy(context);
+}
+
+/* ---- a paddle -------------------------------------------------------------------------------- */
+
+enum { TURNS_PER_SECOND = 1 };
+static const double length = 0.3, height = 0.3; /* m, of the paddle, which has no thickness */
+
+static void write_paddle(void) {
+    char text[256];
+    double end = 0.5 * length;
+    snprintf(text, sizeof text, "v %g 0.01 0\nv %g 0.01 0\nv %g %g 0\nv %g %g 0\nf 1 2 3 4\n", -end,
+             end, end, height, -end, height);
+    test_write_text("paddle.obj", text);
+}
+
+static pdyn_sim *stir(pdyn_context *context) {
+    char text[2048];
+    write_paddle();
+    snprintf(text, sizeof text,
+             "{\"duration\": 1, \"frame_interval\": 0.05, \"time_step\": {\"maximum\": 0.05}, "
+             "\"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [{\"particles\": {\"radius\": "
+             "0.02, \"fill\": [{\"box\": {\"minimum\": [-0.24, 0, -0.24], \"maximum\": [0.24, 0.2, "
+             "-0.04]}}, {\"box\": {\"minimum\": [-0.24, 0, 0.04], \"maximum\": [0.24, 0.2, "
+             "0.24]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}], "
+             "\"solids\": [{\"mesh\": \"paddle.obj\", \"motion\": [{\"time\": 0}, {\"time\": 10, "
+             "\"rotate\": [0, %d, 0]}]}, {\"box\": {\"minimum\": [-0.24, 0, -0.24], \"maximum\": "
+             "[0.24, 0.5, 0.24]}, \"open\": [\"+y\"]}]}",
+             3600 * TURNS_PER_SECOND);
+    pdyn_sim *sim = test_load(context, text);
+    test_remove_file("paddle.obj");
+    return sim;
+}
+
+/* Where the particles are on the paddle: along it, up, and in front of it. */
+static void see_from_paddle(const pdyn_sim *sim, double *seen) {
+    const pdyn_state s = pdyn_get_state(sim);
+    double angle = 2.0 * acos(-1.0) * TURNS_PER_SECOND * pdyn_time(sim);
+    for (int i = 0; i < s.particles; i++) {
+        const double *x = s.x + 3 * i;
+        seen[3 * i] = cos(angle) * x[0] - sin(angle) * x[2];
+        seen[3 * i + 1] = x[1];
+        seen[3 * i + 2] = sin(angle) * x[0] + cos(angle) * x[2];
+    }
+}
+
+/* Did a particle change sides, not around an edge but a spacing from it? */
+static bool went_through(const double *before, const double *now) {
+    double along = fmax(fabs(before[0]), fabs(now[0])), up = fmax(before[1], now[1]);
+    return before[2] * now[2] < 0.0 && along < 0.5 * length - 0.04 && up < height - 0.04;
+}
+
+static void assert_in_tank(const pdyn_state *s, double slack) {
+    for (int i = 0; i < s->particles; i++) {
+        const double *x = s->x + 3 * i;
+        if (fabs(x[0]) > 0.24 + slack || fabs(x[2]) > 0.24 + slack || x[1] < -slack)
+            fail_msg("particle %d is at (%g, %g, %g)", i, x[0], x[1], x[2]);
+    }
+}
+
+/* The paddle takes the water along and lets none through; the tank keeps it. */
+static void test_paddle(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = stir(context);
+    const pdyn_state s = pdyn_get_state(sim);
+    size_t size = 3 * (size_t)s.particles * sizeof(double);
+    double *before = malloc(size), *now = malloc(size), spin = 0.0;
+    int through = 0;
+    assert_true(before && now);
+    while (pdyn_time(sim) < 1.5) {
+        see_from_paddle(sim, before);
+        pdyn_step_info info = test_step(context, sim);
+        see_from_paddle(sim, now);
+        assert_in_tank(&s, 0.01);
+        for (int i = 0; i < s.particles; i++) through += went_through(before + 3 * i, now + 3 * i);
+        double tip = 2.0 * acos(-1.0) * TURNS_PER_SECOND * 0.5 * length;
+        assert_true(tip * info.h <= 0.02 * (1.0 + 1e-9)); /* a radius a step */
+    }
+    for (int i = 0; i < s.particles; i++)
+        spin += (s.x[3 * i + 2] * s.v[3 * i] - s.x[3 * i] * s.v[3 * i + 2]) / s.particles;
+    assert_int_equal(through, 0);
+    assert_true(spin > 0.03); /* m^2/s; turning with the paddle they would have 0.24 */
+    free(before), free(now);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- promises of a step ---------------------------------------------------------------------- */
+
+static void test_threads(void **state) {
+    (void)state;
+    uint64_t hash[2];
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1 + 2 * k);
+        pdyn_sim *sim = stir(context);
+        for (int n = 0; n < 40; n++) test_step(context, sim);
+        hash[k] = pdyn_state_hash(sim);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
+static void test_no_allocation(void **state) {
+    (void)state;
+    struct counter counter;
+    pdyn_context *context = test_counting_context(1, &counter);
+    pdyn_sim *sim = stir(context);
+    while (pdyn_time(sim) < 0.5) test_step(context, sim);
+    long before = counter.calls;
+    unsigned lists = neighbours_view(sim->neighbours)->revision;
+    for (int n = 0; n < 20; n++) test_step(context, sim);
+    assert_int_equal(counter.calls, before);
+    assert_true(neighbours_view(sim->neighbours)->revision > lists);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_failing_allocator(void **state) {
+    (void)state;
+    test_failing_scene(turning);
+}
+
+/* A step that cannot be leaves the solids, too, where they were. */
+static void test_divergence(void **state) {
+    (void)state;
+    static const char *const set[] = {"bodies.0.velocity=[1e6, 0, 0]", "time_step.fixed=1000",
+                                      "frame_interval=1000", "solver.retries=0"};
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = NULL;
+    assert_int_equal(pdyn_load_text(context, turning, "test", set, 4, &sim), PDYN_OK);
+    const pdyn_state s = pdyn_get_state(sim);
+    size_t size = 3 * (size_t)s.boundary * sizeof *s.boundary_x;
+    double *before = malloc(size);
+    assert_non_null(before);
+    memcpy(before, s.boundary_x, size);
+    assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+    assert_memory_equal(before, s.boundary_x, size);
+    free(before);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_carry),
+        cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_carried_tank),
+        cmocka_unit_test(test_paddle),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_divergence),
+    };
+    return cmocka_run_group_tests_name("motion", tests, test_enter_directory, test_leave_directory);
+}
