@@ -90,7 +90,7 @@ static struct plain *plain_create(pdyn_sim *sim, int supernodal) {
     p->common.supernodal = supernodal;
     sim->objective.h = 1.0 / 60.0;
     if (matrix_pattern(&m, &sim->objective, sim->objective.batch, 1) != PDYN_OK) die("no matrix");
-    matrix_values(&m, &sim->objective, sim->objective.batch);
+    matrix_values(&m, &sim->objective, sim->objective.batch, true);
     cholmod_sparse A = {.nrow = (size_t)p->n,
                         .ncol = (size_t)p->n,
                         .nzmax = (size_t)m.column_start[p->n],

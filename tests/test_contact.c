@@ -183,7 +183,7 @@ static void test_solvers(void **state) {
     for (int k = 0; k < 6; k++) {
         struct trial t = start(solvers[k % 3]);
         int iterations;
-        assert_int_equal(objective_linearise(&t.sim->objective, k / 3), PDYN_OK);
+        assert_int_equal(solver_view_linearise(&t.sim->model, k / 3), PDYN_OK);
         memset(t.y, 0, (size_t)t.n * sizeof *t.y);
         memcpy(t.z, t.u, (size_t)t.n * sizeof *t.z);
         assert_int_equal(t.sim->solver->solve(t.sim->solver_state, t.z, t.y, &stop, &iterations),

@@ -307,13 +307,13 @@ static void test_model(void **state) {
     for (int k = 0; k < 60; k++) u[k] = test_random(&seed);
     for (int dim = 1; dim <= 3; dim += 2) {
         pdyn_matrix matrix, again;
-        assert_int_equal(objective_linearise(&sim->objective, dim == 1 ? 1.0 : 0.25), PDYN_OK);
+        assert_int_equal(solver_view_linearise(&sim->model, dim == 1 ? 1.0 : 0.25), PDYN_OK);
         assert_int_equal(model->matrix(model, &matrix), PDYN_OK);
         assert_int_equal(matrix.dim, dim);
         model->product(model, u, y);
         multiply(&matrix, u, z);
         assert_true(test_distance(y, z, 60) <= 1e-12 * sqrt(model->dot(model, y, y)));
-        model->diagonal(model, blocks);
+        model->diagonal(model, PDYN_WHOLE, blocks);
         for (int c = 0; c < matrix.size; c++)
             assert_true(fabs(matrix.value[matrix.start[c] + c % dim] -
                              blocks[6 * (c / dim) + place[c % dim]]) <= 1e-9 * fabs(y[0]));

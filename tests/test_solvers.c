@@ -3,7 +3,7 @@
 
 #include "scene/choices.h"
 
-#include "../src/solvers/factor.h"
+#include "../src/solvers/cholmod_factor.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,12 +27,12 @@ static pdyn_sim *hang(pdyn_context *context, int n, const char *settings) {
 }
 
 /* The matrix in full, lower triangle, n x n by rows. */
-static double *dense(const struct matrix *m) {
-    int n = m->particles;
+static double *dense(const pdyn_matrix *m) {
+    int n = m->size;
     double *A = calloc((size_t)n * (size_t)n, sizeof *A);
     assert_non_null(A);
     for (int j = 0; j < n; j++)
-        for (int k = m->column_start[j]; k < m->column_start[j + 1]; k++)
+        for (int k = m->start[j]; k < m->start[j + 1]; k++)
             A[(size_t)m->row[k] * (size_t)n + (size_t)j] = m->value[k];
     return A;
 }
@@ -67,19 +67,21 @@ static double *factor_twice(int threads, int n, bool lasting, bool compare) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = hang(context, n, "\"time_step\": {\"fixed\": 0.01}");
     struct objective *sys = &sim->objective;
-    struct matrix matrix = {0};
+    pdyn_services services = sim_services(context);
+    pdyn_model *model = &sim->model.model;
+    pdyn_matrix matrix;
     struct factor factor = {0};
     int size = 3 * sys->particles;
     double *y = calloc(2 * (size_t)size, sizeof *y), *x = calloc((size_t)size, sizeof *x);
     assert_true(y && x);
-    assert_int_equal(matrix_pattern(&matrix, sys, sys->batch, 1), PDYN_OK);
-    factor_start(&factor, context);
-    assert_int_equal(factor_analyse(&factor, &matrix, lasting), PDYN_OK);
+    factor_start(&factor, &services);
     for (int k = 0; k < 2; k++) {
         uint64_t seed = 3;
         sys->h = k ? 0.001 : 0.02;
-        matrix_values(&matrix, sys, sys->batch);
-        assert_int_equal(factor_numbers(&factor, &matrix), PDYN_OK);
+        assert_int_equal(solver_view_linearise(&sim->model, 1.0), PDYN_OK);
+        assert_int_equal(model->matrix(model, &matrix), PDYN_OK);
+        if (!k) assert_int_equal(factor_analyse(&factor, &matrix, lasting), PDYN_OK);
+        assert_int_equal(factor_compute(&factor, &matrix), PDYN_OK);
         for (int i = 0; i < size; i++) x[i] = test_random(&seed);
         assert_int_equal(factor_solve(&factor, x, y + k * size), PDYN_OK);
         if (!compare) continue;
@@ -89,9 +91,7 @@ static double *factor_twice(int threads, int n, bool lasting, bool compare) {
         assert_true(test_distance(x, y + k * size, size) < 1e-11 * sqrt(norm));
         free(A);
     }
-    if (compare) assert_true(n < 30 || (factor.panels.tasks > 4 && factor.panels.tops > 4));
-    factor_free(&factor);
-    matrix_free(&matrix);
+    factor_end(&factor);
     pdyn_free(sim);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);
@@ -99,7 +99,7 @@ static double *factor_twice(int threads, int n, bool lasting, bool compare) {
     return y;
 }
 
-/* Small ones are all top, larger ones have tasks. */
+/* The factor gives the solution of dense elimination. */
 static void test_factor(void **state) {
     (void)state;
     for (int n = 2; n <= 32; n += n < 5 ? 1 : 9)
@@ -167,8 +167,7 @@ static void solve_in_parts(pdyn_sim *sim, int part, const double *b, double *y) 
     free(rest), free(more), free(product);
 }
 
-/* A solve of cg goes on where the one before ended: several short ones are one long one.
- * (test_single.c has that of hybrid.) */
+/* A solve of cg goes on where the one before ended: several short ones are one long one. */
 static void test_goes_on(void **state) {
     (void)state;
     enum { N = 3 * 17 * 17 };
@@ -179,7 +178,7 @@ static void test_goes_on(void **state) {
         hang(context, 17, "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"cg\"}");
     for (int step = 0; step < 3; step++) test_step(context, sim);
     for (int i = 0; i < N; i++) b[i] = test_random(&seed);
-    assert_int_equal(objective_linearise(&sim->objective, 0.0), PDYN_OK);
+    assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
     solve_in_parts(sim, 12, b, whole);
     solve_in_parts(sim, 3, b, parts);
     double size = test_distance(whole, (double[N]){0}, N);

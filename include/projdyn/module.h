@@ -293,61 +293,96 @@ typedef struct pdyn_constraint_type {
 
 /* ---- the solver table ------------------------------------------------------------------------ */
 
-/* H as a sparse matrix: lower triangle by columns. Without tangents (eps = 1) x, y and z do not
- * couple and have the same matrix: dim is 1. Otherwise it is 3, and row and column 3 i + a belong
- * to component a of particle i; above the diagonal of a diagonal block there are entries as well,
- * which count for nothing. */
+/* A symmetric sparse matrix: lower triangle by columns. dim 1: one row and column per particle,
+ * the same for x, y and z. dim 3: row and column 3 i + a belong to component a of particle i;
+ * entries above the diagonal of a diagonal block are present, too, and have to be ignored. */
 typedef struct pdyn_matrix {
     int dim;
     int size;         /* dim x particles */
     const int *start; /* size + 1: first entry of each column */
     const int *row;   /* entries; ascending in a column */
     const double *value;
-    unsigned pattern, values; /* move when the pattern does, when the values do */
+    unsigned pattern, values; /* counters: they change when the pattern, when the values change */
 } pdyn_matrix;
 
-/* What a global step minimises, 1/2 d.H d - b.d: vectors are particles x 3, with room for one
- * number more. One-sided constraints stay on the sides where the iterate is. */
+/* The elements of one constraint whose rows always exist; they add sum of G' B G to H. */
+typedef struct pdyn_elements {
+    const pdyn_batch *rows;    /* G: element_row, row_entry, column, coefficient; weight */
+    const double *block;       /* B of each element; NULL: B = weight x identity */
+    const size_t *block_start; /* first number of each element in block, (3 rows)^2 of them,
+                                  symmetric; NULL: B = m m' + a I, 4 numbers per element, m and a */
+    bool constant;             /* B = weight x identity for any x and any eps */
+} pdyn_elements;
+
+typedef enum pdyn_part { /* of H */
+                         PDYN_WHOLE,
+                         PDYN_DYNAMIC, /* constraints that change from step to step: matrix-free
+                                          ones, and those whose elements come and go */
+} pdyn_part;
+
+/* The quadratic model of E around an iterate, 1/2 d.H d - b.d, with every one-sided constraint on a
+ * fixed side. Vectors are particles x 3, with room for one number more. */
 typedef struct pdyn_model {
     const pdyn_services *services;
     int particles;
+    const double *mass;  /* particles, kg */
+    double h;            /* s, effective length of the step: H contains mass / h^2; 0 before the
+                            first step */
+    double eps;          /* of H: 0 newton, 1 projective */
+    bool newton;         /* the scene asks for the newton step: eps may be below 1 */
+    bool dynamic;        /* some constraint changes from step to step */
+    const bool *in_rows; /* particles: selected by a row that always exists */
+    int elements_count;  /* constraints whose rows always exist */
+    int one_sided_count; /* matrix-free constraints */
+    int dynamic_count;   /* constraints whose elements come and go */
     /* y = H u */
     void (*product)(struct pdyn_model *model, const double *u, double *y);
-    /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
-    void (*diagonal)(struct pdyn_model *model, double *blocks);
+    /* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
+    void (*diagonal)(struct pdyn_model *model, pdyn_part part, double *blocks);
     /* a . b, the same bits for any number of threads. */
     double (*dot)(struct pdyn_model *model, const double *a, const double *b);
-    /* H assembled, as it is now; valid until the next call. */
-    pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* The length of a residual: the root of the sum over bodies of |r|^2 / |M g|^2, so that no body
      * hides another. */
     double (*norm)(struct pdyn_model *model, const double *r);
+    /* H assembled; valid until the next call. */
+    pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
+    /* The sum of weight G' G over all elements, without inertia, dim 1: which particles are tied,
+     * and how stiffly. Valid until the next call. */
+    pdyn_status (*graph)(struct pdyn_model *model, pdyn_matrix *matrix);
+    /* Elements of constraint k < elements_count, as H contains them. */
+    pdyn_elements (*elements)(struct pdyn_model *model, int k);
+    /* The one-sided constraints of matrix-free constraint k < one_sided_count at the iterate, and
+     * the body that they belong to. */
+    pdyn_one_sided (*one_sided)(struct pdyn_model *model, int k, const pdyn_body **body);
+    /* rate_i = grad C_i . u, force += sum of multiplier_i grad C_i: as in pdyn_operator. */
+    void (*rate)(struct pdyn_model *model, int k, const bool *which, const double *u, double *rate);
+    void (*force)(struct pdyn_model *model, int k, const double *multiplier, double *force);
 } pdyn_model;
 
-typedef struct pdyn_stop { /* when a solve may end: at the first of these */
-    double rel_tol;        /* the model's gradient has fallen by this factor, in the model's norm */
+typedef struct pdyn_stop { /* a solve ends at the first of these */
+    double rel_tol;        /* |b - H y| has fallen by this factor, in the model's norm */
     double min_progress;   /* an iteration lowers the model by less than this part of the mean of
-                              all; 0: never; solvers that cannot tell ignore it */
-    int max_iterations;    /* so many are done */
-    int min_iterations;    /* above 0: so many come first, whatever else is met; the gain of the
-                              very first does not count then */
-    bool first_of_step;    /* solve of a step, or of an attempt at one: the models of the solves
-                              after it differ little from its own */
+                              all iterations of the solve; 0: never */
+    int max_iterations;    /* so many iterations */
+    int min_iterations;    /* run at least this many, even if another criterion is met; above 0, the
+                              progress of the first iteration does not count in the mean */
+    bool first_of_step;    /* the first solve of a step, or of an attempt at one: later models of
+                              the same step differ little from this one */
 } pdyn_stop;
 
 typedef struct pdyn_global_solver {
     const char *name, *summary;
-    bool direct; /* factors a matrix: costs a factorisation where the constraints change every step
-                  */
-    bool dual;   /* its memory of the last step; the next one then starts from s */
-    size_t state_size;               /* zeroed before create */
-    bool (*fits)(pdyn_model *model); /* NULL: any model */
+    bool direct; /* factors H: costs a factorisation wherever H changes */
+    bool dual;   /* solves for multipliers and keeps them from step to step: it decides on the sides
+                    of one-sided constraints itself, and the next step starts from s */
+    size_t state_size; /* zeroed before create */
+    /* How well it suits the scene: 0: it cannot solve it; otherwise the solver with the largest bid
+     * is chosen where a scene asks for none. *reason: why, in words, for the report. NULL: 1. */
+    int (*suits)(const pdyn_model *model, const char **reason);
     /* Refers to the model from now on. After a failure free is called, too. */
     pdyn_status (*create)(void *self, pdyn_model *model);
-    /* Minimises the model that has the gradient -b at d = 0; without one-sided constraints that is
-     * H y = b. A direct solver needs no stop and takes the sides of x. y: the d found, particles x
-     * 3, zero on entry; b: particles x 3, may be overwritten; *iterations: 1 for a direct solver.
-     */
+    /* Solves H y = b. y: particles x 3, zero on entry. b: particles x 3, becomes the residual
+     * b - H y. *iterations: 1 for a direct solver. */
     pdyn_status (*solve)(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations);
     /* Drops what it keeps from step to step. NULL: nothing. */
     void (*forget)(void *self);

@@ -10,9 +10,13 @@ typedef struct svd3 {
     double s[3], left[3][3], right[3][3];
 } svd3;
 
-/* Turns axes i and j of the symmetric A such that A_ij = 0 (Jacobi), and the directions with it. */
+/* Rotates axes i and j of the symmetric A such that A_ij = 0, and the directions with it: Jacobi's
+ * rotation by the smaller of two angles, tan = t (Golub and Van Loan, Matrix Computations, 8.5). */
 static inline void svd3_rotate(double A[3][3], int i, int j, double right[3][3]) {
-    double angle = 0.5 * atan2(2.0 * A[i][j], A[j][j] - A[i][i]), c = cos(angle), s = sin(angle);
+    if (A[i][j] == 0.0) return;
+    double ratio = (A[j][j] - A[i][i]) / (2.0 * A[i][j]);
+    double t = copysign(1.0, ratio) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
+    double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
     for (int k = 0; k < 3; k++) {
         double a = A[k][i], v = right[i][k];
         A[k][i] = c * a - s * A[k][j], A[k][j] = s * a + c * A[k][j];
@@ -48,8 +52,11 @@ static inline svd3 svd3_of(const double *F) {
         A[k / 3][k % 3] = vec3_dot(F + 3 * (k / 3), F + 3 * (k % 3));
         right[k / 3][k % 3] = unit[k / 3][k % 3];
     }
-    for (int sweep = 0; sweep < 6; sweep++)
+    double rounding = 1e-16 * (A[0][0] + A[1][1] + A[2][2]);
+    for (int sweep = 0; sweep < 8; sweep++) {
+        if (fabs(A[0][1]) + fabs(A[0][2]) + fabs(A[1][2]) <= rounding) break;
         for (int k = 0; k < 3; k++) svd3_rotate(A, k < 2 ? 0 : 1, k < 1 ? 1 : 2, right);
+    }
     for (int k = 0; k < 3; k++) { /* the largest first: 3 exchanges sort 3 numbers */
         int i = k == 1 ? 1 : 0, high = order[i + 1];
         if (A[order[i]][order[i]] < A[high][high]) order[i + 1] = order[i], order[i] = high;

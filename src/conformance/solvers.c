@@ -6,7 +6,8 @@
 #include <string.h>
 
 static bool fits(const pdyn_global_solver *solver, struct trial *t) {
-    return !solver->fits || solver->fits(&t->sim->model.view);
+    const char *reason;
+    return !solver->suits || solver->suits(&t->sim->model.model, &reason);
 }
 
 /* Solves H y = u of a trial whose scene has this solver, and looks at what is left. */
@@ -14,7 +15,7 @@ static void solve(struct check *check, struct trial *t, double eps) {
     const pdyn_stop stop = {.rel_tol = 1e-13, .max_iterations = 100000};
     int iterations = -1;
     const char *solver = t->sim->solver->name;
-    if (objective_linearise(&t->sim->objective, eps) != PDYN_OK) return;
+    if (solver_view_linearise(&t->sim->model, eps) != PDYN_OK) return;
     memset(t->y, 0, (size_t)t->n * sizeof *t->y);
     memcpy(t->z, t->u, (size_t)t->n * sizeof *t->z);
     if (t->sim->solver->solve(t->sim->solver_state, t->z, t->y, &stop, &iterations) != PDYN_OK) {

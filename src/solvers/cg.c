@@ -1,49 +1,49 @@
-/* Conjugate gradients (krylov.h) preconditioned with the inverse 3 x 3 block diagonal of H. */
-#include "jacobi.h"
-#include "krylov.h"
+/* Solver "cg": conjugate gradients without a matrix, preconditioned by block Jacobi. It uses
+ * nothing but projdyn/module.h: a solver of a plug-in is written in the same way. */
+#include "block_jacobi.h"
+#include "pcg.h"
 
 struct cg {
-    struct krylov krylov;
-    struct jacobi jacobi;
+    struct pcg pcg;
+    struct block_jacobi jacobi;
 };
 
-static void release(void *self) {
-    struct cg *cg = self;
-    jacobi_free(&cg->jacobi);
-    krylov_free(&cg->krylov);
-}
-
-static void prepare(void *self) {
-    struct cg *cg = self;
-    jacobi_prepare(&cg->jacobi);
-}
-
-static double precondition(void *self) {
-    struct cg *cg = self;
-    return jacobi_apply(&cg->jacobi, cg->krylov.r, cg->krylov.z);
+static int suits(const pdyn_model *model, const char **reason) {
+    *reason = model->dynamic
+                  ? "some constraints change every step, so a constant factorisation does not pay"
+                  : "conjugate gradients solve any scene";
+    return model->dynamic ? 20 : 5;
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
     struct cg *cg = self;
-    struct objective *objective = model_system(model);
-    cg->krylov.prepare = prepare, cg->krylov.precondition = precondition, cg->krylov.self = cg;
-    cg->krylov.patient = true;
-    pdyn_status status = krylov_create(&cg->krylov, objective->context, objective);
-    return status == PDYN_OK ? jacobi_create(&cg->jacobi, objective) : status;
+    pdyn_status status = pcg_create(&cg->pcg, model);
+    return status == PDYN_OK ? block_jacobi_create(&cg->jacobi, model) : status;
+}
+
+static void precondition(void *self, const double *r, double *z) {
+    block_jacobi_apply(&((struct cg *)self)->jacobi, r, z);
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct cg *cg = self;
-    krylov_solve(&cg->krylov, b, y, stop, iterations);
+    block_jacobi_update(&cg->jacobi);
+    pcg_solve(&cg->pcg, precondition, cg, b, y, stop, iterations);
     return PDYN_OK;
+}
+
+static void release(void *self) {
+    struct cg *cg = self;
+    pcg_free(&cg->pcg);
+    block_jacobi_free(&cg->jacobi);
 }
 
 const pdyn_global_solver pdyn_solver_cg = {
     .name = "cg",
-    .summary =
-        "conjugate gradients without a matrix, preconditioned by 3 x 3 blocks; for scenes that "
-        "change every step",
+    .summary = "conjugate gradients without a matrix, preconditioned by block Jacobi; for scenes "
+               "whose constraints change every step",
     .state_size = sizeof(struct cg),
+    .suits = suits,
     .create = create,
     .solve = solve,
     .free = release,

@@ -1,55 +1,63 @@
-/* A sparse Cholesky factor of H by CHOLMOD: analysed when the pattern changes, factored when the
- * values do. With the projective step and static constraints both happen once for each length of
- * step, and a solve is two triangular ones with three right-hand sides; with the newton step the
- * values change in every iteration and x, y, z couple; where neighbours change, the pattern does
- * too. */
-#include "factor.h"
-#include "objective/solver_view.h"
+/* Solver "cholesky": a sparse Cholesky factor of H. It is analysed when the pattern of H changes
+ * and computed when its values change. With the projective step and static constraints both happen
+ * once per length of step, and a solve is two triangular solves with three right-hand sides. With
+ * the newton step the values change in every iteration, and x, y, z couple. */
+#include "cholmod_factor.h"
+
+#include <string.h>
 
 struct cholesky {
-    struct hessian_matrix hessian;
+    pdyn_model *model;
     struct factor factor;
+    unsigned pattern, values; /* of the matrix that the factor belongs to; 0: none */
 };
 
-static void release(void *self) {
-    struct cholesky *c = self;
-    hessian_matrix_free(&c->hessian);
-    factor_free(&c->factor);
+static int suits(const pdyn_model *model, const char **reason) {
+    bool constant = !model->dynamic && !model->newton;
+    *reason = constant ? "the matrix is constant: it is factored once per length of step"
+                       : "a factorisation in every iteration";
+    return constant ? 20 : 2;
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
-    struct cholesky *c = self;
-    struct objective *objective = model_system(model);
-    factor_start(&c->factor, objective->context);
-    return hessian_matrix_create(&c->hessian, objective);
+    struct cholesky *s = self;
+    s->model = model;
+    factor_start(&s->factor, model->services);
+    return PDYN_OK;
 }
 
+static void release(void *self) { factor_end(&((struct cholesky *)self)->factor); }
+
 /* Brings the factor up to date with H. */
-static pdyn_status prepare(struct cholesky *c) {
-    bool pattern, values;
-    bool lasting = !c->hessian.objective->dynamic_rows;
-    pdyn_status status = hessian_matrix_update(&c->hessian, &pattern, &values);
-    if (status == PDYN_OK && pattern)
-        status = factor_analyse(&c->factor, &c->hessian.matrix, lasting);
-    if (status == PDYN_OK && values) status = factor_numbers(&c->factor, &c->hessian.matrix);
+static pdyn_status update_factor(struct cholesky *s) {
+    pdyn_matrix matrix;
+    pdyn_status status = s->model->matrix(s->model, &matrix);
+    if (status == PDYN_OK && s->pattern != matrix.pattern)
+        status = factor_analyse(&s->factor, &matrix, !s->model->dynamic);
+    if (status == PDYN_OK && s->values != matrix.values)
+        status = factor_compute(&s->factor, &matrix);
+    s->pattern = status == PDYN_OK ? matrix.pattern : 0;
+    s->values = status == PDYN_OK ? matrix.values : 0;
     return status;
 }
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     (void)stop;
-    struct cholesky *c = self;
+    struct cholesky *s = self;
     *iterations = 1;
-    pdyn_status status = prepare(c);
-    return status == PDYN_OK ? factor_solve(&c->factor, b, y) : status;
+    pdyn_status status = update_factor(s);
+    if (status == PDYN_OK) status = factor_solve(&s->factor, b, y);
+    memset(b, 0, 3 * (size_t)s->model->particles * sizeof *b); /* the residual is rounding */
+    return status;
 }
 
 const pdyn_global_solver pdyn_solver_cholesky = {
     .name = "cholesky",
-    .summary =
-        "a sparse factor by CHOLMOD, kept while the matrix stays; for static constraints with the "
-        "projective step",
+    .summary = "a sparse Cholesky factor by CHOLMOD, kept while the matrix stays; for static "
+               "constraints with the projective step",
     .direct = true,
     .state_size = sizeof(struct cholesky),
+    .suits = suits,
     .create = create,
     .solve = solve,
     .free = release,

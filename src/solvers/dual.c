@@ -1,23 +1,23 @@
-/* Conjugate gradients on the multipliers, for scenes where the constraints of one operator are all
- * there is: the rest of H, B = M/h^2 + eps held, is then diagonal. With G the gradients of the
- * constraints and K their stiffness, the model of E is minimal where
+/* Solver "dual": conjugate gradients on the multipliers (pressures), for scenes whose only
+ * constraint is a matrix-free one. The rest of H, B = M/h^2 + eps held, is then diagonal. With G
+ * the gradients of the constraints and K their stiffness, the model of E is minimal where
  *
  *     d = B^-1 (b - G' (lambda - K max(0, C))),     b: with the forces of the last local step
  *
  *     C + G d - K^-1 lambda = 0, or less where lambda = 0,     lambda >= 0
  *
  * which is S lambda = rhs with S = K^-1 + G B^-1 G' and bounds: the pressure equation of
- * incompressible SPH (Ihmsen et al. 2014, Bender & Koschier 2015), made compliant by K.
+ * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K.
  *
- * The multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
- * meet the inertia exactly, however early the iteration ends; what is left open is how far each
- * constraint gives way under its multiplier. In the unknowns x (cg.c) it is the other way round: a
- * stiff constraint that is not met yet throws its particles about.
+ * Multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
+ * satisfy the equation of motion exactly, however early the iteration ends; what remains is an
+ * error of the constraints. In the unknowns x (cg.c) it is the other way round: the error of a
+ * stiff constraint is a large force.
  *
- * Bounds: multipliers may become negative on the way, until what does so matters; then they are
- * clipped and the conjugate directions begin anew. */
-#include "objective/objective.h"
-#include "objective/solver_view.h"
+ * Bounds: multipliers may become negative during the iteration, up to a share of the step. Beyond
+ * it they are clipped, and conjugate directions start again. */
+#include "memory.h"
+#include "projdyn/module.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,22 +25,24 @@
 /* Share of a step, in the norm of S's diagonal, that may lie beyond the bounds. */
 static const double most_beyond = 0.05;
 
-/* Constraints with more room than this (a relative density, for a fluid) stay out of a solve; the
- * next local step looks at them again. */
+/* Constraints below minus this (a relative density, for a fluid) stay out of a solve; the next
+ * local step evaluates them again. */
 static const double much_room = 0.1;
 
+enum { GRAIN = 2048, SUMS = 4 };
+
 struct dual {
-    pdyn_context *context;
-    struct objective *objective;
-    struct one_sided *at; /* the constraints */
+    pdyn_model *model;
+    pdyn_one_sided at;     /* the constraints */
+    const pdyn_body *body; /* which they belong to */
     int count;
     double *multiplier; /* count: lambda, kept from step to step */
-    double *g;          /* count: C + G d - lambda / k: what the multiplier does not meet */
+    double *g;          /* count: C + G d - lambda / k: the residual */
     double *p, *q;      /* count: direction; S times it */
     double *inverse;    /* count: of S's diagonal */
-    bool *in;           /* count: takes part */
-    double *d;          /* particles x 3: what the multipliers move */
-    double *sums;       /* four partial sums for each parallel block */
+    bool *in;           /* count: takes part in the solve */
+    double *d;          /* particles x 3: the displacement by the multipliers */
+    double *sums;       /* SUMS partial sums for each parallel block */
     double target;      /* of the gradient's estimate, N */
 };
 
@@ -51,45 +53,50 @@ struct call {
     double *out;
 };
 
-enum { SUMS = 4 };
+static size_t blocks_of(int count) { return ((size_t)count + GRAIN - 1) / GRAIN; }
 
 static void release(void *self) {
     struct dual *s = self;
-    FREE_ARRAY(s->context, s->multiplier, s->count);
-    FREE_ARRAY(s->context, s->g, s->count);
-    FREE_ARRAY(s->context, s->p, s->count);
-    FREE_ARRAY(s->context, s->q, s->count);
-    FREE_ARRAY(s->context, s->inverse, s->count);
-    FREE_ARRAY(s->context, s->in, s->count);
-    FREE_ARRAY(s->context, s->sums, SUMS * (size_t)pool_blocks(s->count, PARTICLE_GRAIN));
+    if (!s->model) return;
+    const pdyn_services *c = s->model->services;
+    FREE(c, s->multiplier, s->count);
+    FREE(c, s->g, s->count);
+    FREE(c, s->p, s->count);
+    FREE(c, s->q, s->count);
+    FREE(c, s->inverse, s->count);
+    FREE(c, s->in, s->count);
+    FREE(c, s->sums, SUMS * blocks_of(s->count));
+    s->count = 0;
 }
 
-static bool fits(pdyn_model *model) {
-    const struct objective *objective = model_system(model);
-    return objective->batches == 1 && objective->batch[0]->op;
+static int suits(const pdyn_model *model, const char **reason) {
+    bool alone = model->one_sided_count == 1 && !model->elements_count && !model->dynamic_count;
+    *reason = "one matrix-free constraint acts alone: its pressures are the unknowns";
+    if (!alone) return 0;
+    return model->newton ? 40 : 1;
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
-    struct dual *s = self;
-    s->objective = model_system(model), s->context = s->objective->context;
-    s->at = &s->objective->batch[0]->one_sided;
+    ((struct dual *)self)->model = model;
     return PDYN_OK;
 }
 
-/* How many constraints there are is known after the first local step. */
+/* The number of constraints is known after the first local step. After a failure there are none. */
 static pdyn_status reserve(struct dual *s, int count) {
+    const pdyn_services *c = s->model->services;
     if (count == s->count) return PDYN_OK;
     release(s);
     s->count = count;
-    s->multiplier = NEW_ARRAY(s->context, count, double);
-    s->g = NEW_ARRAY(s->context, count, double);
-    s->p = NEW_ARRAY(s->context, count, double);
-    s->q = NEW_ARRAY(s->context, count, double);
-    s->inverse = NEW_ARRAY(s->context, count, double);
-    s->in = NEW_ARRAY(s->context, count, bool);
-    s->sums = NEW_ARRAY(s->context, SUMS * (size_t)pool_blocks(count, PARTICLE_GRAIN), double);
-    bool good = s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums;
-    return good ? PDYN_OK : PDYN_NO_MEMORY;
+    s->multiplier = NEW(c, count, double);
+    s->g = NEW(c, count, double);
+    s->p = NEW(c, count, double);
+    s->q = NEW(c, count, double);
+    s->inverse = NEW(c, count, double);
+    s->in = NEW(c, count, bool);
+    s->sums = NEW(c, SUMS * blocks_of(count), double);
+    if (s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums) return PDYN_OK;
+    release(s);
+    return PDYN_NO_MEMORY;
 }
 
 /* ---- loops over constraints and particles ---------------------------------------------------- */
@@ -97,13 +104,12 @@ static pdyn_status reserve(struct dual *s, int count) {
 static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, const double *in,
                     double *out) {
     struct call call = {s, scale, in, out};
-    pool_for(s->context->pool, count, PARTICLE_GRAIN, fn, &call);
+    s->model->services->parallel_for(s->model->services->core, count, GRAIN, fn, &call);
 }
 
 static double sum_of(const struct dual *s, int which) {
     double sum = 0.0;
-    for (int b = 0; b < pool_blocks(s->count, PARTICLE_GRAIN); b++)
-        sum += s->sums[SUMS * b + which];
+    for (size_t b = 0; b < blocks_of(s->count); b++) sum += s->sums[SUMS * b + (size_t)which];
     return sum;
 }
 
@@ -112,12 +118,12 @@ static double larger(double a, double b) { return a > b ? a : b; }
 
 /* What a force moves a particle, m/N: B^-1. */
 static double mobility(const struct dual *s, int i) {
-    return 1.0 / (objective_inertia(s->objective, i) + s->objective->eps * s->at->at.held[i]);
+    return 1.0 / (s->model->mass[i] / (s->model->h * s->model->h) + s->model->eps * s->at.held[i]);
 }
 
 /* k of the model: what the damping leaves of it. */
 static double stiffness(const struct dual *s, int i) {
-    return (1.0 - s->objective->eps) * s->at->at.stiffness[i];
+    return (1.0 - s->model->eps) * s->at.stiffness[i];
 }
 
 /* out = B^-1 (in - out), in: NULL for 0 */
@@ -133,22 +139,22 @@ static void move(void *arg, int first, int last, int block) {
 
 /* d = B^-1 (b - G' multiplier), b: NULL for 0 */
 static void displace(struct dual *s, const double *b, const double *multiplier) {
-    size_t n = 3 * (size_t)s->objective->particles;
+    size_t n = 3 * (size_t)s->model->particles;
     memset(s->d, 0, n * sizeof *s->d);
-    s->at->op->force(s->at->self, multiplier, s->d);
-    for_all(s, s->objective->particles, move, 0.0, b, s->d);
+    s->model->force(s->model, 0, multiplier, s->d);
+    for_all(s, s->model->particles, move, 0.0, b, s->d);
 }
 
 /* lambda - K max(0, C): what a multiplier adds to the forces that b contains. */
 static double change(const struct dual *s, int i) {
-    return s->multiplier[i] - stiffness(s, i) * larger(0.0, s->at->at.value[i]);
+    return s->multiplier[i] - stiffness(s, i) * larger(0.0, s->at.value[i]);
 }
 
 static void begin(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_one_sided *at = &s->at->at;
-    const pdyn_body *body = s->objective->batch[0]->view.body;
+    const pdyn_one_sided *at = &s->at;
+    const pdyn_body *body = s->body;
     for (int i = first; i < last; i++) {
         int particle = body->first + (i < body->count ? i : 0);
         s->in[i] = stiffness(s, i) > 0.0;
@@ -163,7 +169,7 @@ static void begin(void *arg, int first, int last, int block) {
 static void find_residual(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_one_sided *at = &s->at->at;
+    const pdyn_one_sided *at = &s->at;
     for (int i = first; i < last; i++) {
         s->g[i] = at->value[i] + s->q[i];
         if (s->in[i]) s->g[i] -= s->multiplier[i] / stiffness(s, i);
@@ -177,7 +183,7 @@ static void find_residual(void *arg, int first, int last, int block) {
 static void advance(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct dual *s = c->s;
-    const pdyn_one_sided *at = &s->at->at;
+    const pdyn_one_sided *at = &s->at;
     double beyond = 0.0, all = 0.0, gradient = 0.0, gz = 0.0;
     for (int i = first; i < last; i++) {
         if (!s->in[i]) continue;
@@ -219,7 +225,7 @@ static void add_compliance(void *arg, int first, int last, int block) {
 /* q = S p */
 static void multiply(struct dual *s) {
     displace(s, NULL, s->p);
-    s->at->op->rate(s->at->self, s->in, s->d, s->q);
+    s->model->rate(s->model, 0, s->in, s->d, s->q);
     for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
 }
 
@@ -252,7 +258,7 @@ static void find_change(void *arg, int first, int last, int block) {
 static void start(struct dual *s, const double *b) {
     for_all(s, s->count, begin, 0.0, NULL, NULL);
     displace(s, b, s->p);
-    s->at->op->rate(s->at->self, s->in, s->d, s->q);
+    s->model->rate(s->model, 0, s->in, s->d, s->q);
     for_all(s, s->count, find_residual, 0.0, NULL, NULL);
     memset(s->q, 0, (size_t)s->count * sizeof *s->q);
     for_all(s, s->count, advance, 0.0, NULL, NULL);
@@ -275,10 +281,11 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct dual *s = self;
-    pdyn_status status = reserve(s, s->at->at.count);
+    s->at = s->model->one_sided(s->model, 0, &s->body);
+    pdyn_status status = reserve(s, s->at.count);
     if (status != PDYN_OK) return status;
     s->d = y;
-    s->target = stop->rel_tol * sqrt(objective_dot(s->objective, b, b));
+    s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));
     *iterations = 0;
     start(s, b);
     iterate(s, stop->max_iterations, iterations);
@@ -304,10 +311,10 @@ static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
 const pdyn_global_solver pdyn_solver_dual = {
     .name = "dual",
     .summary = "conjugate gradients on the multipliers (pressures), kept from step to step; for "
-               "scenes of fluid alone",
+               "scenes of one fluid alone",
     .dual = true,
     .state_size = sizeof(struct dual),
-    .fits = fits,
+    .suits = suits,
     .create = create,
     .solve = solve,
     .forget = forget,

@@ -1,38 +1,40 @@
 #include "sparse.h"
 
+#include "memory.h"
+
 #include <math.h>
 #include <string.h>
 
-pdyn_status sparse_create(struct sparse *m, pdyn_context *context, int rows, int columns,
+pdyn_status sparse_create(struct sparse *m, const pdyn_services *services, int rows, int columns,
                           const int *counts) {
-    *m = (struct sparse){.context = context, .rows = rows, .columns = columns};
-    m->start = NEW_ARRAY(context, rows + 1, int);
+    *m = (struct sparse){.services = services, .rows = rows, .columns = columns};
+    m->start = NEW(services, rows + 1, int);
     if (!m->start) return PDYN_NO_MEMORY;
     for (int i = 0; i < rows; i++) m->start[i + 1] = m->start[i] + counts[i];
     m->room = (size_t)m->start[rows] + 1; /* an empty matrix has its entries, too */
-    m->entry = NEW_ARRAY(context, m->room, struct entry);
+    m->entry = NEW(services, m->room, struct entry);
     return m->entry ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void sparse_free(struct sparse *m) {
-    if (!m->context) return;
-    FREE_ARRAY(m->context, m->entry, m->room);
-    FREE_ARRAY(m->context, m->start, m->rows + 1);
+    if (!m->services) return;
+    FREE(m->services, m->entry, m->room);
+    FREE(m->services, m->start, m->rows + 1);
     *m = (struct sparse){0};
 }
 
 pdyn_status sparse_transpose(const struct sparse *a, struct sparse *out) {
-    int *counts = NEW_ARRAY(a->context, a->columns + 1, int);
+    int *counts = NEW(a->services, a->columns + 1, int);
     if (!counts) return PDYN_NO_MEMORY;
     for (int k = 0; k < a->start[a->rows]; k++) counts[a->entry[k].column]++;
-    pdyn_status status = sparse_create(out, a->context, a->columns, a->rows, counts);
+    pdyn_status status = sparse_create(out, a->services, a->columns, a->rows, counts);
     if (status == PDYN_OK) {
         memcpy(counts, out->start, (size_t)a->columns * sizeof *counts);
         for (int i = 0; i < a->rows; i++)
             for (int k = a->start[i]; k < a->start[i + 1]; k++)
                 out->entry[counts[a->entry[k].column]++] = (struct entry){i, a->entry[k].value};
     }
-    FREE_ARRAY(a->context, counts, a->columns + 1);
+    FREE(a->services, counts, a->columns + 1);
     return status;
 }
 
@@ -81,10 +83,9 @@ static void multiply(const struct sparse *a, const struct sparse *b, float least
 
 pdyn_status sparse_multiply(const struct sparse *a, const struct sparse *b, float least,
                             struct sparse *out) {
-    pdyn_context *c = a->context;
-    struct row row = {.place = NEW_ARRAY(c, b->columns, int),
-                      .entry = NEW_ARRAY(c, b->columns, struct entry)};
-    int *counts = NEW_ARRAY(c, a->rows, int);
+    const pdyn_services *c = a->services;
+    struct row row = {.place = NEW(c, b->columns, int), .entry = NEW(c, b->columns, struct entry)};
+    int *counts = NEW(c, a->rows, int);
     pdyn_status status = (b->columns && (!row.place || !row.entry)) || (a->rows && !counts)
                              ? PDYN_NO_MEMORY
                              : PDYN_OK;
@@ -94,8 +95,8 @@ pdyn_status sparse_multiply(const struct sparse *a, const struct sparse *b, floa
         status = sparse_create(out, c, a->rows, b->columns, counts);
         if (status == PDYN_OK) multiply(a, b, least, &row, NULL, out);
     }
-    FREE_ARRAY(c, row.place, b->columns);
-    FREE_ARRAY(c, row.entry, b->columns);
-    FREE_ARRAY(c, counts, a->rows);
+    FREE(c, row.place, b->columns);
+    FREE(c, row.entry, b->columns);
+    FREE(c, counts, a->rows);
     return status;
 }

@@ -2,7 +2,7 @@
 #ifndef PDYN_SPARSE_H
 #define PDYN_SPARSE_H
 
-#include "base/context.h"
+#include "projdyn/module.h"
 
 struct entry {
     int column;
@@ -10,7 +10,7 @@ struct entry {
 };
 
 struct sparse {
-    pdyn_context *context;
+    const pdyn_services *services;
     int rows, columns;
     size_t room;         /* of `entry` */
     int *start;          /* rows + 1 */
@@ -18,8 +18,8 @@ struct sparse {
 };
 
 /* Takes the number of entries of every row, which are 0 then. Frees nothing. */
-pdyn_status sparse_create(struct sparse *matrix, pdyn_context *context, int rows, int columns,
-                          const int *counts);
+pdyn_status sparse_create(struct sparse *matrix, const pdyn_services *services, int rows,
+                          int columns, const int *counts);
 void sparse_free(struct sparse *matrix); /* zeroed is fine */
 
 /* Columns ascend. */

@@ -144,10 +144,11 @@ static void add_pair(struct matrix *matrix, const struct batch *b, int k, int m)
     }
 }
 
-void matrix_values(struct matrix *matrix, const struct objective *sys, struct batch *const *rows) {
+void matrix_values(struct matrix *matrix, const struct objective *sys, struct batch *const *rows,
+                   bool inertia) {
     memset(matrix->value, 0, entries_of(matrix) * sizeof *matrix->value);
-    for (int c = 0; c < matrix->dim * matrix->particles; c++) /* the diagonal block comes first */
-        matrix->value[matrix->column_start[c] + c % matrix->dim] =
+    for (int c = 0; inertia && c < matrix->dim * matrix->particles; c++)
+        matrix->value[matrix->column_start[c] + c % matrix->dim] = /* the diagonal block is first */
             objective_inertia(sys, c / matrix->dim);
     visit_batches(matrix, sys, rows, add_pair);
 }

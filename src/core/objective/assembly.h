@@ -22,9 +22,10 @@ struct matrix {
 pdyn_status matrix_pattern(struct matrix *matrix, const struct objective *objective,
                            struct batch *const *rows, int dim);
 
-/* Values of H: with 3 x 3 blocks as the batches were linearised. */
+/* Values of H, as the batches were linearised where dim is 3; without inertia: the sum of the rows'
+ * contributions alone. */
 void matrix_values(struct matrix *matrix, const struct objective *objective,
-                   struct batch *const *rows);
+                   struct batch *const *rows, bool inertia);
 
 void matrix_free(struct matrix *matrix);
 

@@ -58,7 +58,7 @@ pdyn_status hessian_matrix_update(struct hessian_matrix *c, bool *pattern, bool 
     pdyn_status status = update_twins(c, moved);
     if (status == PDYN_OK && *pattern) status = matrix_pattern(&c->matrix, sys, c->rows, dim);
     if (status != PDYN_OK) return status;
-    matrix_values(&c->matrix, sys, c->rows);
+    matrix_values(&c->matrix, sys, c->rows, true);
     c->h = sys->h, c->weights = sys->weights;
     c->lists = sys->lists, c->revision = objective_revision(sys);
     return PDYN_OK;

@@ -206,6 +206,12 @@ void objective_diagonal(struct objective *sys, double *blocks) {
     for (int b = 0; b < sys->batches; b++) batch_diagonal(sys->batch[b], blocks);
 }
 
+void objective_dynamic_diagonal(struct objective *sys, double *blocks) {
+    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
+    for (int b = 0; b < sys->batches; b++)
+        if (!batch_is_static(sys->batch[b])) batch_diagonal(sys->batch[b], blocks);
+}
+
 /* ---- vectors --------------------------------------------------------------------------------- */
 
 WIDE static void dot_block(void *arg, int first, int last, int block) {
@@ -230,7 +236,8 @@ int objective_body_of(const struct objective *sys, int particle) {
     return low;
 }
 
-double objective_norm_part(const struct objective *sys, const double *r, int first, int last) {
+/* The sum over bodies of |r|^2 / |M g|^2, of particles from `first` to before `last`. */
+INLINE double norm_part(const struct objective *sys, const double *r, int first, int last) {
     double sum = 0.0;
     for (int b = objective_body_of(sys, first), end; first < last; first = end, b++) {
         const struct objective_body *body = &sys->body[b];
@@ -241,9 +248,9 @@ double objective_norm_part(const struct objective *sys, const double *r, int fir
     return sum;
 }
 
-static void norm_block(void *arg, int first, int last, int block) {
+WIDE static void norm_block(void *arg, int first, int last, int block) {
     const struct call *c = arg;
-    c->objective->partial[block] = objective_norm_part(c->objective, c->a, first, last);
+    c->objective->partial[block] = norm_part(c->objective, c->a, first, last);
 }
 
 double objective_norm(struct objective *sys, const double *r) {

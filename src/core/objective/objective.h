@@ -91,6 +91,8 @@ int objective_go(struct objective *objective, double t, double *y);
 
 /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
 void objective_diagonal(struct objective *objective, double *blocks);
+/* The same of constraints that change from step to step alone, without inertia. */
+void objective_dynamic_diagonal(struct objective *objective, double *blocks);
 
 /* Sums of 3-vectors' products over all particles, the same bits for any number of threads. */
 double objective_dot(struct objective *objective, const double *a, const double *b);
@@ -98,9 +100,6 @@ double objective_dot(struct objective *objective, const double *a, const double 
 /* The length of a residual: the root of the sum of squares over bodies, each relative to its
  * weight. Where it is below a number, so is the residual of every body. */
 double objective_norm(struct objective *objective, const double *r);
-
-/* What particles from `first` to before `last` add to its square. */
-double objective_norm_part(const struct objective *objective, const double *r, int first, int last);
 
 /* The body of a particle. */
 int objective_body_of(const struct objective *objective, int particle);

@@ -1,49 +1,154 @@
-/* The model of E as solvers of plug-ins see it. */
 #include "solver_view.h"
 
-static void product(pdyn_model *model, const double *u, double *y) {
-    objective_apply(model_system(model), u, y);
+static struct objective *objective_of(pdyn_model *model) {
+    return ((struct solver_view *)model)->objective;
 }
 
-static void diagonal(pdyn_model *model, double *blocks) {
-    objective_diagonal(model_system(model), blocks);
+static bool is_static(const struct batch *b) { return batch_is_static(b); }
+static bool is_matrix_free(const struct batch *b) { return b->op; }
+static bool comes_and_goes(const struct batch *b) { return !b->op && b->changing; }
+
+/* Batch k of those with a property. */
+static struct batch *batch_at(pdyn_model *model, bool (*has)(const struct batch *b), int k) {
+    struct objective *o = objective_of(model);
+    int b = 0;
+    while (!has(o->batch[b]) || k-- > 0) b++;
+    return o->batch[b];
+}
+
+static int count_batches(const struct objective *o, bool (*has)(const struct batch *b)) {
+    int count = 0;
+    for (int b = 0; b < o->batches; b++) count += has(o->batch[b]);
+    return count;
+}
+
+/* ---- H --------------------------------------------------------------------------------------- */
+
+static void product(pdyn_model *model, const double *u, double *y) {
+    objective_apply(objective_of(model), u, y);
+}
+
+static void diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
+    if (part == PDYN_DYNAMIC) objective_dynamic_diagonal(objective_of(model), blocks);
+    else objective_diagonal(objective_of(model), blocks);
 }
 
 static double dot(pdyn_model *model, const double *a, const double *b) {
-    return objective_dot(model_system(model), a, b);
+    return objective_dot(objective_of(model), a, b);
 }
 
 static double norm(pdyn_model *model, const double *r) {
-    return objective_norm(model_system(model), r);
+    return objective_norm(objective_of(model), r);
 }
 
-static pdyn_status matrix(pdyn_model *view, pdyn_matrix *out) {
-    struct model *model = (struct model *)view;
-    struct hessian_matrix *h = &model->hessian;
+/* ---- matrices -------------------------------------------------------------------------------- */
+
+static pdyn_matrix matrix_view(const struct matrix *m) {
+    return (pdyn_matrix){.dim = m->dim,
+                         .size = m->dim * m->particles,
+                         .start = m->column_start,
+                         .row = m->row,
+                         .value = m->value};
+}
+
+static pdyn_status matrix(pdyn_model *model, pdyn_matrix *out) {
+    struct solver_view *view = (struct solver_view *)model;
+    struct hessian_matrix *h = &view->hessian;
     bool pattern = false, values = false;
-    pdyn_status status = h->context ? PDYN_OK : hessian_matrix_create(h, model->objective);
+    pdyn_status status = h->context ? PDYN_OK : hessian_matrix_create(h, view->objective);
     if (status == PDYN_OK) status = hessian_matrix_update(h, &pattern, &values);
     if (status != PDYN_OK) return status;
-    model->pattern += pattern, model->values += values;
-    *out = (pdyn_matrix){.dim = h->matrix.dim,
-                         .size = h->matrix.dim * h->matrix.particles,
-                         .start = h->matrix.column_start,
-                         .row = h->matrix.row,
-                         .value = h->matrix.value,
-                         .pattern = model->pattern,
-                         .values = model->values};
+    view->pattern += pattern, view->values += values;
+    *out = matrix_view(&h->matrix);
+    out->pattern = view->pattern, out->values = view->values;
     return PDYN_OK;
 }
 
-void model_create(struct model *model, struct objective *objective, const pdyn_services *services) {
-    *model = (struct model){.view = {.services = services,
-                                     .particles = objective->particles,
-                                     .product = product,
-                                     .diagonal = diagonal,
-                                     .dot = dot,
-                                     .matrix = matrix,
-                                     .norm = norm},
-                            .objective = objective};
+static pdyn_status graph(pdyn_model *model, pdyn_matrix *out) {
+    struct solver_view *view = (struct solver_view *)model;
+    struct objective *o = view->objective;
+    struct batch **rows = NEW_ARRAY(o->context, o->batches, struct batch *);
+    if (o->batches && !rows) return PDYN_NO_MEMORY;
+    for (int b = 0; b < o->batches; b++)
+        rows[b] = batch_is_static(o->batch[b]) ? o->batch[b] : NULL;
+    pdyn_status status = matrix_pattern(&view->graph, o, rows, 1);
+    if (status == PDYN_OK) {
+        matrix_values(&view->graph, o, rows, false);
+        *out = matrix_view(&view->graph);
+    }
+    FREE_ARRAY(o->context, rows, o->batches);
+    return status;
 }
 
-void model_free(struct model *model) { hessian_matrix_free(&model->hessian); }
+static pdyn_elements elements(pdyn_model *model, int k) {
+    const struct batch *b = batch_at(model, is_static, k);
+    bool blocks = batch_has_blocks(b);
+    return (pdyn_elements){.rows = &b->view,
+                           .block = blocks ? b->block : NULL,
+                           .block_start = blocks && !b->type->tangent_rank1 ? b->block_start : NULL,
+                           .constant = b->linear != NULL};
+}
+
+/* ---- matrix-free constraints ----------------------------------------------------------------- */
+
+static pdyn_one_sided one_sided(pdyn_model *model, int k, const pdyn_body **body) {
+    const struct batch *b = batch_at(model, is_matrix_free, k);
+    *body = b->view.body;
+    return b->one_sided.at;
+}
+
+static void rate(pdyn_model *model, int k, const bool *which, const double *u, double *out) {
+    batch_rate(batch_at(model, is_matrix_free, k), which, u, out);
+}
+
+static void force(pdyn_model *model, int k, const double *multiplier, double *out) {
+    batch_force(batch_at(model, is_matrix_free, k), multiplier, out);
+}
+
+/* ---- the view -------------------------------------------------------------------------------- */
+
+static void update_view(struct solver_view *view) {
+    view->model.h = view->objective->h, view->model.eps = view->objective->eps;
+}
+
+pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bool newton,
+                               const pdyn_services *services) {
+    *view = (struct solver_view){.objective = o};
+    view->in_rows = NEW_ARRAY(o->context, o->particles, bool);
+    if (o->particles && !view->in_rows) return PDYN_NO_MEMORY;
+    for (int b = 0; b < o->batches; b++) batch_mark_held(o->batch[b], view->in_rows);
+    view->model = (pdyn_model){.services = services,
+                               .particles = o->particles,
+                               .mass = o->mass,
+                               .newton = newton,
+                               .dynamic = o->dynamic_rows,
+                               .in_rows = view->in_rows,
+                               .elements_count = count_batches(o, is_static),
+                               .one_sided_count = count_batches(o, is_matrix_free),
+                               .dynamic_count = count_batches(o, comes_and_goes),
+                               .product = product,
+                               .diagonal = diagonal,
+                               .dot = dot,
+                               .norm = norm,
+                               .matrix = matrix,
+                               .graph = graph,
+                               .elements = elements,
+                               .one_sided = one_sided,
+                               .rate = rate,
+                               .force = force};
+    update_view(view);
+    return PDYN_OK;
+}
+
+void solver_view_free(struct solver_view *view) {
+    if (!view->objective) return;
+    hessian_matrix_free(&view->hessian);
+    matrix_free(&view->graph);
+    FREE_ARRAY(view->objective->context, view->in_rows, view->objective->particles);
+}
+
+pdyn_status solver_view_linearise(struct solver_view *view, double eps) {
+    pdyn_status status = objective_linearise(view->objective, eps);
+    update_view(view);
+    return status;
+}

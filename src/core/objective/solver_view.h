@@ -1,4 +1,4 @@
-/* What a solver of the library sees beyond module.h: the system behind a model. */
+/* What a solver sees of the objective: pdyn_model of module.h. */
 #ifndef PDYN_SOLVER_VIEW_H
 #define PDYN_SOLVER_VIEW_H
 
@@ -6,19 +6,22 @@
 #include "hessian_matrix.h"
 #include "projdyn/module.h"
 
-struct model {
-    pdyn_model view; /* what a solver of a plug-in sees */
+struct solver_view {
+    pdyn_model model; /* first: callbacks get its address */
     struct objective *objective;
-    struct hessian_matrix hessian; /* made when it is asked for first */
-    unsigned pattern, values;
+    bool *in_rows;                 /* particles */
+    struct hessian_matrix hessian; /* created when H is asked for first */
+    struct matrix graph;
+    unsigned pattern, values; /* counters of the hessian's changes */
 };
 
-/* `services` outlive the model. */
-void model_create(struct model *model, struct objective *objective, const pdyn_services *services);
-void model_free(struct model *model);
+/* All constraints of the objective exist, and `services` outlive the view. newton: the scene asks
+ * for the newton step. PDYN_NO_MEMORY. */
+pdyn_status solver_view_create(struct solver_view *view, struct objective *objective, bool newton,
+                               const pdyn_services *services);
+void solver_view_free(struct solver_view *view); /* zeroed is fine */
 
-static inline struct objective *model_system(pdyn_model *model) {
-    return ((struct model *)model)->objective;
-}
+/* Linearises the objective at the x of the last local step, with a damping eps, for the solver. */
+pdyn_status solver_view_linearise(struct solver_view *view, double eps);
 
 #endif

@@ -328,6 +328,15 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     batch_scatter(b, y);
 }
 
+void batch_rate(struct batch *b, const bool *which, const double *u, double *rate) {
+    b->type->matrix_free->rate(b->op, which, extend(b, u), rate);
+}
+
+void batch_force(struct batch *b, const double *multiplier, double *y) {
+    b->type->matrix_free->force(b->op, multiplier, begin_output(b, y));
+    end_output(b, y);
+}
+
 static bool has_sides(const struct batch *b) { return b->op && b->eps < 1.0; }
 
 void batch_aim(struct batch *b, const double *u) {

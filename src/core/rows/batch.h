@@ -114,6 +114,11 @@ void batch_limit(struct batch *batch, const double *x, double *way);
 /* The step that ended at the x of the last local step was taken. */
 void batch_accept(struct batch *batch);
 
+/* Operator tier: rate_i = grad C_i . u for the constraints marked in `which`; y += sum of
+ * multiplier_i grad C_i. u, y: particles x 3 */
+void batch_rate(struct batch *batch, const bool *which, const double *u, double *rate);
+void batch_force(struct batch *batch, const double *multiplier, double *y);
+
 /* The model along a direction u, see one_sided.h. */
 void batch_aim(struct batch *batch, const double *u);
 int batch_turns(struct batch *batch);

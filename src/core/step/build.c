@@ -346,75 +346,55 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     return status == PDYN_OK ? add_each(sim, add_damper) : status;
 }
 
-static bool has_operator(const struct objective *sys) {
-    for (int b = 0; b < sys->batches; b++)
-        if (sys->batch[b]->op) return true;
-    return false;
+/* The solver that suits the scene best. */
+static const pdyn_global_solver *best_solver(struct pdyn_sim *sim, const char **reason) {
+    const pdyn_global_solver *best = NULL, *solver;
+    int highest = 0;
+    for (int k = 0; (solver = registry_solver_at(sim->context, k)); k++) {
+        const char *why = "";
+        int bid = solver->suits ? solver->suits(&sim->model.model, &why) : 1;
+        if (bid > highest) best = solver, highest = bid, *reason = why;
+    }
+    return best;
 }
 
-/* Rows of a sheet or a solid, which stay what they are. */
-static bool has_static(const struct objective *sys) {
-    for (int b = 0; b < sys->batches; b++)
-        if (batch_is_static(sys->batch[b])) return true;
-    return false;
-}
-
-/* Fluid alone: its multipliers; with surfaces or solids: conjugate gradients with a coarse level of
- * these, without one where there are none or contact is all that happens to them; surfaces alone: a
- * factor, by itself where it is exact. */
-static const char *automatic(struct pdyn_sim *sim, const char **reason) {
-    const struct objective *sys = &sim->objective;
-    bool newton = sim->scene.settings.newton;
-    if (newton && registry_solver(sim->context, "dual")->fits(&sim->model.view)) {
-        *reason = "nothing but the fluid acts: its pressures are solved for";
-        return "dual";
-    }
-    if (has_operator(sys) && newton && has_static(sys)) {
-        *reason = "the fluid's constraints change every step: blocks and groups of particles "
-                  "precondition";
-        return "hybrid";
-    }
-    if (has_operator(sys)) {
-        *reason = "the fluid's constraints change every step";
-        return "cg";
-    }
-    if (sys->contact) {
-        *reason = "contact changes in every iteration";
-        return "cg";
-    }
-    if (newton) {
-        *reason = "no fluid: a factor of what is static and 3 x 3 blocks precondition the newton "
-                  "step";
-        return "hybrid";
-    }
-    *reason = "the matrix is constant: it is factored once for each length of step";
-    return "cholesky";
-}
-
-static pdyn_status choose_solver(struct pdyn_sim *sim) {
-    const struct scene_settings *set = &sim->scene.settings;
-    const char *name = set->solver_type, *reason = "as the scene asks";
-    model_create(&sim->model, &sim->objective, &sim->services);
-    if (!strcmp(name, "auto")) name = automatic(sim, &reason);
+static pdyn_status find_solver(struct pdyn_sim *sim, const char *name) {
+    const char *reason = "";
     sim->solver = registry_solver(sim->context, name);
+    sim->solver_reason = "as the scene asks";
     if (!sim->solver)
         return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
-    if (sim->solver->fits && !sim->solver->fits(&sim->model.view))
+    if (sim->solver->suits && !sim->solver->suits(&sim->model.model, &reason))
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "solver \"%s\" does not fit this scene: %s", name,
                             sim->solver->summary);
-    sim->solver_reason = reason;
-    if (sim->solver->direct && (sim->objective.dynamic_rows || set->newton))
-        context_log(
-            sim->context, PDYN_LOG_WARNING,
-            "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
-            "iteration, %s; \"cg\" needs no factor",
-            name, sim->objective.dynamic_rows ? "fluid" : "newton step",
-            set->newton ? "with 3 unknowns a particle"
-                        : "after a new analysis where neighbours change");
+    return PDYN_OK;
+}
+
+static void warn_of_factors(const struct pdyn_sim *sim) {
+    bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic_rows;
+    if (!sim->solver->direct || !(dynamic || newton)) return;
+    context_log(sim->context, PDYN_LOG_WARNING,
+                "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
+                "iteration, %s; \"cg\" needs no factor",
+                sim->solver->name, dynamic ? "fluid" : "newton step",
+                newton ? "with 3 unknowns a particle"
+                       : "after a new analysis where neighbours change");
+}
+
+static pdyn_status create_solver(struct pdyn_sim *sim) {
+    const struct scene_settings *set = &sim->scene.settings;
+    pdyn_status status =
+        solver_view_create(&sim->model, &sim->objective, set->newton, &sim->services);
+    if (status != PDYN_OK) return status;
+    if (strcmp(set->solver_type, "auto")) status = find_solver(sim, set->solver_type);
+    else sim->solver = best_solver(sim, &sim->solver_reason);
+    if (status != PDYN_OK) return status;
+    warn_of_factors(sim);
     sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
     if (!sim->solver_state) return PDYN_NO_MEMORY;
-    return sim->solver->create(sim->solver_state, &sim->model.view);
+    status = sim->solver->create(sim->solver_state, &sim->model.model);
+    return status == PDYN_NO_MEMORY ? context_no_memory(sim->context) : status;
 }
 
 /* ---- the life of a simulation ---------------------------------------------------------------- */
@@ -449,7 +429,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
-    if (status == PDYN_OK) status = choose_solver(sim);
+    if (status == PDYN_OK) status = create_solver(sim);
     if (status != PDYN_OK) return status;
     return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration,
                                &sim->objective);
@@ -502,7 +482,7 @@ void pdyn_free(pdyn_sim *sim) {
         context_resize(c, sim->solver_state, sim->solver->state_size, 0);
     }
     acceleration_free(&sim->acceleration);
-    model_free(&sim->model);
+    solver_view_free(&sim->model);
     double **vector[VECTORS];
     list_vectors(sim, vector);
     for (int k = 0; k < VECTORS; k++) FREE_VECTOR(c, *vector[k], sim->objective.particles);

@@ -2,6 +2,7 @@
  * is that of classic Projective Dynamics. */
 #include "minimise.h"
 
+#include "global_step.h"
 #include "measure.h"
 
 #include "projdyn/vec3.h"
@@ -10,13 +11,6 @@
 #include <string.h>
 
 enum { BACKTRACKS = 6 };
-
-/* What an iteration of a linear solve must gain, of the mean: the model is that of a nonlinear E,
- * and a new one is better than the last digits of the old. */
-static const double worth = 0.3;
-/* Iterations of a step's first linear solve where all is static, at least: at s, a few stiff points
- * such as pins are most of the gradient, and one iteration does away with that. */
-enum { LEAST = 5 };
 
 struct rule {      /* what a step along the direction has to meet */
     double bound;  /* J: E ends below it */
@@ -54,27 +48,7 @@ static pdyn_status find_way(struct pdyn_sim *sim, const double *x) {
     return sim->way ? objective_limit(&sim->objective, x, sim->way) : PDYN_OK;
 }
 
-/* ---- one global step ------------------------------------------------------------------------- */
-
-/* The direction to the minimum of E's model. */
-static pdyn_status solve_model(struct pdyn_sim *sim, struct progress *p) {
-    const struct scene_settings *set = &sim->scene.settings;
-    /* for the step, to first order */
-    double enough = 0.5 * set->tolerance / objective_norm(&sim->objective, sim->gradient);
-    bool far = p->outer == 0 && !sim->objective.dynamic_rows && enough < set->linear_tolerance;
-    const pdyn_stop stop = {.rel_tol = fmax(set->linear_tolerance, enough),
-                            .min_progress = worth,
-                            .min_iterations = far ? LEAST : 0,
-                            .max_iterations = set->linear_iterations,
-                            .first_of_step = p->outer == 0};
-    int iterations = 0;
-    memset(sim->direction, 0, objective_bytes(&sim->objective));
-    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->negative[k] = -sim->gradient[k];
-    pdyn_status status =
-        sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &stop, &iterations);
-    p->linear += iterations;
-    return status;
-}
+/* ---- one iteration ----------------------------------------------------------------------- */
 
 /* sim->trial: x_next and a part of the direction, of which every point goes as far as its way is
  * free. *slope, of E along the direction, becomes that along the way. */
@@ -185,15 +159,14 @@ static double adapt_to_length(double eps, const struct taken *step) {
     return step->length < 1.0 ? more_damping(eps, 10.0) : less_damping(eps, 10.0);
 }
 
-/* One global step. *moved is false where no step lowers E any more. */
-static pdyn_status global_step(struct pdyn_sim *sim, struct progress *p, bool *moved) {
+/* A global step and a line search. *moved is false where no step lowers E any more. */
+static pdyn_status iterate(struct pdyn_sim *sim, struct progress *p, bool *moved) {
     struct taken taken = {0};
     double energy = p->energy;
     bool first = sim->solver->dual && p->outer == 0;
     pdyn_status status = find_way(sim, sim->x_next);
     if (status == PDYN_OK)
-        status = objective_linearise(&sim->objective, first ? 0.0 : sim->damping);
-    if (status == PDYN_OK) status = solve_model(sim, p);
+        status = global_step(sim, first ? 0.0 : sim->damping, p->outer == 0, &p->linear);
     if (status == PDYN_OK) status = extrapolate(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
@@ -349,7 +322,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (!moved || is_solved(sim, p) || p->outer >= set->outer_iterations) break;
-        status = global_step(sim, p, &moved);
+        status = iterate(sim, p, &moved);
         if (status == PDYN_OK) status = push(sim, &p->energy);
         p->outer++;
     }

@@ -57,7 +57,7 @@ struct pdyn_sim {
     struct samples *samples;       /* on surfaces, where these meet a fluid; otherwise NULL */
     struct occlusion *sides;       /* the same surfaces, between fluid and fluid */
 
-    struct model model; /* what the solver sees */
+    struct solver_view model; /* what the solver sees */
     const pdyn_global_solver *solver;
     void *solver_state;
     const char *solver_reason;

@@ -1,7 +1,7 @@
-/* The coarse level of hybrid against plain sums and dense elimination, and what it is there for. */
+/* The two-level preconditioner of hybrid: its parts against dense ones, and what it gains. */
 #include "support.h"
 
-#include "../src/solvers/coarse.h"
+#include "../src/solvers/coarse_space.h"
 
 #include <string.h>
 
@@ -13,11 +13,12 @@ static void test_skyline(void **state) {
     enum { NODES = 20, N = 3 * NODES };
     uint64_t seed = 7;
     pdyn_context *context = test_context(1);
+    pdyn_services services = sim_services(context);
     double A[N][N] = {{0}}, x[N], b[N] = {0};
     int first[NODES];
     struct skyline s = {0};
     for (int i = 0; i < NODES; i++) first[i] = (int)(0.5 * (1.0 + test_random(&seed)) * i);
-    assert_int_equal(skyline_create(&s, context, NODES, first), PDYN_OK);
+    assert_int_equal(skyline_create(&s, &services, NODES, first), PDYN_OK);
     for (int i = 0; i < N; i++) {
         x[i] = test_random(&seed);
         for (int j = 3 * first[i / 3]; j < i; j++) A[i][j] = A[j][i] = test_random(&seed);
@@ -40,7 +41,7 @@ static void test_skyline(void **state) {
 enum { WIDTH = 7 };
 
 /* Some entries of a dense matrix. */
-static void make_sparse(pdyn_context *context, float dense[WIDTH][WIDTH], uint64_t *seed,
+static void make_sparse(const pdyn_services *services, float dense[WIDTH][WIDTH], uint64_t *seed,
                         struct sparse *out) {
     int counts[WIDTH] = {0};
     for (int i = 0; i < WIDTH; i++)
@@ -48,7 +49,7 @@ static void make_sparse(pdyn_context *context, float dense[WIDTH][WIDTH], uint64
             dense[i][j] = test_random(seed) > 0.2 ? (float)test_random(seed) : 0.0F;
             counts[i] += dense[i][j] != 0.0F;
         }
-    assert_int_equal(sparse_create(out, context, WIDTH, WIDTH, counts), PDYN_OK);
+    assert_int_equal(sparse_create(out, services, WIDTH, WIDTH, counts), PDYN_OK);
     for (int i = 0; i < WIDTH; i++)
         for (int j = WIDTH - 1, k = out->start[i]; j >= 0; j--)
             if (dense[i][j] != 0.0F) out->entry[k++] = (struct entry){j, dense[i][j]};
@@ -59,9 +60,10 @@ static void test_sparse(void **state) {
     (void)state;
     uint64_t seed = 5;
     pdyn_context *context = test_context(1);
+    pdyn_services services = sim_services(context);
     float a[WIDTH][WIDTH], b[WIDTH][WIDTH];
     struct sparse A, B, back, product;
-    make_sparse(context, a, &seed, &A), make_sparse(context, b, &seed, &B);
+    make_sparse(&services, a, &seed, &A), make_sparse(&services, b, &seed, &B);
     assert_int_equal(sparse_transpose(&A, &back), PDYN_OK);
     assert_int_equal(sparse_multiply(&back, &B, 0.1F, &product), PDYN_OK);
     for (int i = 0; i < WIDTH; i++) {
@@ -79,7 +81,8 @@ static void test_sparse(void **state) {
     pdyn_destroy(context);
 }
 
-/* ---- groups ---------------------------------------------------------------------------------- */
+/* ---- the coarse space
+ * ---------------------------------------------------------------------------------- */
 
 /* Two sheets, of springs and of triangles, which have one row and more an element; bending is one
  * matrix on the first and rows on the second, which is curved. */
@@ -97,7 +100,7 @@ static const char sheets[] =
 
 /* At most a quarter are nodes; all but pins follow some, by weights that add up to 1 where no pin
  * is near. */
-static void check_nodes(const struct interpolation *p, int particles) {
+static void check_nodes(const struct amg_interpolation *p, int particles) {
     int whole = 0;
     assert_true(p->nodes > particles / 40 && p->nodes <= particles / 4);
     assert_true(p->followers.rows == p->nodes && p->particles.rows == particles);
@@ -113,103 +116,35 @@ static void check_nodes(const struct interpolation *p, int particles) {
     assert_true(whole > particles * 9 / 10 && whole < particles);
 }
 
-/* y += scale B x, for the B between the rows of entries k and m, of nodes' vectors. */
-static void add_block(const struct batch *b, int k, int m, double scale, const double *x,
-                      double *y) {
-    double B[9];
-    batch_block(b, k, m, B);
-    for (int p = 0; p < 3; p++)
-        for (int q = 0; q < 3; q++) y[p] += scale * B[3 * p + q] * x[q];
-}
-
-/* y += A x, from what each element of a batch counts for nodes. */
-static void add_batch(const struct coarse *c, int batch, const double *x, double *y) {
-    const struct batch *b = c->objective->batch[batch];
-    const struct sparse *terms = &c->batch[batch].terms, *rows = &c->batch[batch].rows;
-    const pdyn_batch *v = &b->view;
-    for (int i = 0; terms->start && i < c->a.nodes; i++)
-        for (int j = c->a.first[i]; j <= i; j++) {
-            size_t block = c->a.start[i] + (size_t)(j - c->a.first[i]);
-            for (int t = terms->start[block]; t < terms->start[block + 1]; t++) {
-                int k = v->row_entry[v->element_row[terms->entry[t].column]];
-                double value = (double)terms->entry[t].value;
-                add_block(b, k, k, value, x + 3 * j, y + 3 * i);
-                if (j < i) add_block(b, k, k, value, x + 3 * i, y + 3 * j);
-            }
-        }
-    for (int k = 0; rows->start && k < b->entries; k++)
-        for (int m = v->row_entry[v->element_row[b->entry_element[k]]];
-             m < v->row_entry[v->element_row[b->entry_element[k] + 1]]; m++) {
-            int r = b->entry_row[k], l = b->entry_row[m];
-            if (k != v->row_entry[r] || m != v->row_entry[l]) continue;
-            for (int t = rows->start[r]; t < rows->start[r + 1]; t++)
-                for (int u = rows->start[l]; u < rows->start[l + 1]; u++)
-                    add_block(b, k, m, (double)rows->entry[t].value * (double)rows->entry[u].value,
-                              x + 3 * rows->entry[u].column, y + 3 * rows->entry[t].column);
-        }
-}
-
-/* y = A x */
-static void multiply_coarse(const struct coarse *c, const double *x, double *y) {
-    double h = c->objective->h;
-    memset(y, 0, 3 * (size_t)c->a.nodes * sizeof *y);
-    for (int b = 0; b < c->objective->batches; b++) add_batch(c, b, x, y);
-    for (int i = 0; i < c->a.nodes; i++)
-        for (int j = c->a.first[i]; j <= i; j++) {
-            size_t block = c->a.start[i] + (size_t)(j - c->a.first[i]);
-            double number = c->stiffness[block] + c->mass[block] / (h * h);
-            for (int p = 0; p < 3; p++) {
-                y[3 * i + p] += number * x[3 * j + p];
-                if (j < i) y[3 * j + p] += number * x[3 * i + p];
-            }
-        }
-}
-
-/* What x of particles is to nodes, P' x, compared with what it should be. */
-static void check_restricted(const struct coarse *c, const double *x, const double *have,
-                             double tolerance) {
-    const struct sparse *back = &c->p.followers;
-    for (int k = 0; k < 3 * c->p.nodes; k++) {
-        double want = 0.0, size = 0.0;
-        for (int m = back->start[k / 3]; m < back->start[k / 3 + 1]; m++) {
-            double part = (double)back->entry[m].value *
-                          x[3 * (size_t)back->entry[m].column + (size_t)(k % 3)];
-            want += part, size += fabs(part);
-        }
-        if (!(fabs(want - have[k]) < tolerance * size)) fail_msg("%g, %g", want, have[k]);
-    }
-}
-
-/* z = P A^-1 P' r: A is what elements count for nodes, and about P' H P. */
+/* C r = I A^-1 I' r is symmetric, and A is about I' H I: then z = C r has z.H z = r.z. */
 static void test_galerkin(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, sheets);
-    struct objective *sys = &sim->objective;
-    size_t n = (size_t)sys->particles;
-    double *r = calloc(3 * n + 1, sizeof *r), *z = calloc(3 * n + 1, sizeof *z),
-           *y = calloc(3 * n + 1, sizeof *y), rz = 0.0;
-    struct coarse c = {0};
+    pdyn_model *model = &sim->model.model;
+    size_t n = (size_t)model->particles;
+    double *r[2], *z[2], *y = calloc(3 * n + 1, sizeof *y);
+    struct coarse_space c = {0};
     uint64_t seed = 3;
     for (int step = 0; step < 3; step++) test_step(context, sim);
-    assert_int_equal(objective_linearise(sys, 0.0), PDYN_OK);
-    assert_int_equal(coarse_create(&c, sys), PDYN_OK);
-    check_nodes(&c.p, (int)n);
-    for (size_t k = 0; k < 3 * n; k++) r[k] = test_random(&seed);
-    coarse_prepare(&c, true);
-    double product = coarse_add(&c, r, z);
-    for (size_t k = 0; k < 3 * n; k++) rz += r[k] * z[k];
-    assert_true(fabs(product / rz - 1.0) < 1e-12);
-    double *sum = calloc(3 * (size_t)c.p.nodes, sizeof *sum);
-    assert_non_null(sum);
-    check_restricted(&c, r, c.sum, 1e-12);
-    multiply_coarse(&c, c.x, sum);
-    assert_true(test_distance(sum, c.sum, 3 * c.p.nodes) < 1e-9);
-    objective_apply(sys, z, y);
-    double ratio = objective_dot(sys, z, y) / rz;
-    if (!(fabs(ratio - 1.0) < 0.02)) fail_msg("z.H z is %g of z.P A P' z", ratio);
-    coarse_free(&c);
-    free(r), free(z), free(y), free(sum);
+    assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
+    assert_int_equal(coarse_space_create(&c, model), PDYN_OK);
+    check_nodes(&c.interpolation, (int)n);
+    coarse_space_update(&c, true);
+    for (int k = 0; k < 2; k++) {
+        r[k] = calloc(3 * n + 1, sizeof *y), z[k] = calloc(3 * n + 1, sizeof *y);
+        assert_true(r[k] && z[k] && y);
+        for (size_t i = 0; i < 3 * n; i++) r[k][i] = test_random(&seed);
+        coarse_space_correct(&c, r[k], z[k]);
+        model->product(model, z[k], y);
+        double ratio = model->dot(model, z[k], y) / model->dot(model, r[k], z[k]);
+        if (!(fabs(ratio - 1.0) < 0.02)) fail_msg("z.H z is %g of r.z", ratio);
+    }
+    double one = model->dot(model, r[0], z[1]), other = model->dot(model, r[1], z[0]);
+    assert_true(fabs(one - other) < 1e-12 * model->dot(model, r[0], z[0]));
+    for (int k = 0; k < 2; k++) free(r[k]), free(z[k]);
+    free(y);
+    coarse_space_free(&c);
     pdyn_free(sim);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);

@@ -1,23 +1,25 @@
-#include "skyline.h"
+#include "block_skyline.h"
 
-#include "base/simd.h"
+#include "memory.h"
+#include "projdyn/simd.h"
 
 #include <math.h>
 
 enum { FOUR = 4 }; /* columns of L that are found at once */
 
-pdyn_status skyline_create(struct skyline *s, pdyn_context *context, int nodes, const int *first) {
-    s->context = context, s->nodes = nodes;
-    s->first = NEW_ARRAY(context, nodes, int);
-    s->start = NEW_ARRAY(context, nodes + 1, size_t);
-    s->origin = NEW_ARRAY(context, 3 * nodes, ptrdiff_t);
+pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int nodes,
+                           const int *first) {
+    s->services = services, s->nodes = nodes;
+    s->first = NEW(services, nodes, int);
+    s->start = NEW(services, nodes + 1, size_t);
+    s->origin = NEW(services, 3 * nodes, ptrdiff_t);
     if ((nodes && !(s->first && s->origin)) || !s->start) return PDYN_NO_MEMORY;
     for (int i = nodes - 1; i >= 0; i--) {
         bool beyond = i + 1 < nodes && first[i] > s->first[i + 1];
         s->first[i] = beyond ? s->first[i + 1] : first[i];
     }
     for (int i = 0; i < nodes; i++) s->start[i + 1] = s->start[i] + (size_t)(i - s->first[i] + 1);
-    s->value = NEW_ARRAY(context, skyline_size(s), double);
+    s->value = NEW(services, skyline_size(s), double);
     if (nodes && !s->value) return PDYN_NO_MEMORY;
     for (int r = 0; r < 3 * nodes; r++)
         s->origin[r] = skyline_row(s, r / 3, r % 3) - s->value - 3 * s->first[r / 3];
@@ -25,11 +27,11 @@ pdyn_status skyline_create(struct skyline *s, pdyn_context *context, int nodes, 
 }
 
 void skyline_free(struct skyline *s) {
-    if (!s->context) return;
-    if (s->start) FREE_ARRAY(s->context, s->value, skyline_size(s));
-    FREE_ARRAY(s->context, s->start, s->nodes + 1);
-    FREE_ARRAY(s->context, s->first, s->nodes);
-    FREE_ARRAY(s->context, s->origin, 3 * s->nodes);
+    if (!s->services) return;
+    if (s->start) FREE(s->services, s->value, skyline_size(s));
+    FREE(s->services, s->start, s->nodes + 1);
+    FREE(s->services, s->first, s->nodes);
+    FREE(s->services, s->origin, 3 * s->nodes);
 }
 
 /* ---- the factor ------------------------------------------------------------------------------ */

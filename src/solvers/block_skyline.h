@@ -1,13 +1,13 @@
 /* A small symmetric positive definite matrix of 3 x 3 blocks, in block rows from the first block of
  * each to the diagonal: where the order of the unknowns keeps blocks near the diagonal, its
  * Cholesky factor has the same room, and all loops run along rows. */
-#ifndef PDYN_SKYLINE_H
-#define PDYN_SKYLINE_H
+#ifndef PDYN_BLOCK_SKYLINE_H
+#define PDYN_BLOCK_SKYLINE_H
 
-#include "base/context.h"
+#include "projdyn/module.h"
 
 struct skyline {
-    pdyn_context *context;
+    const pdyn_services *services;
     int nodes;         /* block rows */
     int *first;        /* nodes: the first block column of each; those of later rows are no lower */
     size_t *start;     /* nodes + 1: which block is the first one of each, up to the diagonal */
@@ -17,7 +17,7 @@ struct skyline {
 };
 
 /* Takes the first block column of every block row, or an earlier one; all values are 0. */
-pdyn_status skyline_create(struct skyline *skyline, pdyn_context *context, int nodes,
+pdyn_status skyline_create(struct skyline *skyline, const pdyn_services *services, int nodes,
                            const int *first);
 void skyline_free(struct skyline *skyline);
 

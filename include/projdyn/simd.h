@@ -1,0 +1,72 @@
+/* Four lanes at a time, by the compilers' vector types: 3-vectors are padded to four doubles, so
+ * that one is loaded, scaled and added at once. Static functions marked WIDE are compiled for AVX2
+ * and AVX-512 as well as for the plain target and chosen when the program starts. All give the same
+ * bits, but for the kernels of linear solves on machines that cannot multiply and add at once.
+ * Their names are unique in the library, as the choice is global with clang. */
+#ifndef PDYN_SIMD_H
+#define PDYN_SIMD_H
+
+#include <string.h>
+
+typedef double v4 __attribute__((vector_size(32)));
+
+/* Sanitizers do not know the loader's choice between versions of a function. */
+#if !defined(__x86_64__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SIMD_PLAIN
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SIMD_PLAIN
+#endif
+#endif
+
+/* By features for clang, as what versions before 18 make of levels is never chosen. */
+#if defined(SIMD_PLAIN)
+#define WIDE
+#elif defined(__clang__)
+#define WIDE __attribute__((target_clones("avx512f", "fma", "default")))
+#else
+#define WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#endif
+
+/* What WIDE functions call has to become part of them. */
+#define INLINE static inline __attribute__((always_inline))
+
+/* Vectors go by address: by value, the plain and the wide target would pass them differently. */
+
+/* out = a and a fourth lane */
+INLINE void v4_set(v4 *out, const double *a, double last) { *out = (v4){a[0], a[1], a[2], last}; }
+
+/* The four at `index` of an array of fours. */
+INLINE void v4_load(v4 *to, const double *from, int index) {
+    memcpy(to, from + 4 * (size_t)index, sizeof *to);
+}
+INLINE void v4_store(double *to, int index, const v4 *from) {
+    memcpy(to + 4 * (size_t)index, from, sizeof *from);
+}
+
+/* y += a, three lanes of it */
+INLINE void v4_add_to(double *y, const v4 *a) { y[0] += (*a)[0], y[1] += (*a)[1], y[2] += (*a)[2]; }
+
+INLINE double v4_dot(const v4 *a, const v4 *b) {
+    return (*a)[0] * (*b)[0] + (*a)[1] * (*b)[1] + (*a)[2] * (*b)[2];
+}
+
+INLINE double v4_sum(const v4 *a) { return ((*a)[0] + (*a)[2]) + ((*a)[1] + (*a)[3]); }
+
+/* sum of a[k] b[k], in sixteen lanes: no addition waits for the one before */
+INLINE double simd_dot(const double *a, const double *b, int count) {
+    v4 sum[4] = {{0}}, x, y;
+    double rest = 0.0;
+    int k = 0;
+    for (; k + 16 <= count; k += 16)
+        for (int l = 0; l < 4; l++) {
+            memcpy(&x, a + k + 4 * l, sizeof x);
+            memcpy(&y, b + k + 4 * l, sizeof y);
+            sum[l] += x * y;
+        }
+    for (; k < count; k++) rest += a[k] * b[k];
+    v4 all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return v4_sum(&all) + rest;
+}
+
+#endif

@@ -1,0 +1,105 @@
+/* One-sided constraints make the model of E quadratic in pieces. It is minimised by an active-set
+ * iteration: a linear solve with every constraint on a fixed side, then an exact line search along
+ * the result with sides changing (semi-smooth Newton), and again from there. Linear solvers see
+ * fixed sides alone. */
+#include "global_step.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MAX_ROUNDS = 12 }; /* linear solves of one model */
+
+/* Where sides may change, a linear solve reduces its residual by no more than this: its sides may
+ * be wrong. */
+static const double round_tolerance = 0.03;
+
+/* Progress of an iteration, relative to the mean of all, below which a linear solve ends: E is not
+ * quadratic, and a new model is worth more than the last digits of this one. */
+static const double min_progress = 0.3;
+
+/* Iterations of the first linear solve of a step, at least, where all constraints are static: at s,
+ * a few stiff points, such as pins, make up most of the gradient, and one iteration removes that.
+ */
+enum { MIN_ITERATIONS = 5 };
+
+static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
+    const struct scene_settings *set = &sim->scene.settings;
+    bool dynamic = sim->objective.dynamic_rows;
+    /* reaches the step's tolerance, to first order */
+    double enough = 0.5 * set->tolerance / objective_norm(&sim->objective, sim->gradient);
+    bool far = first_of_step && !dynamic && enough < set->linear_tolerance;
+    return (pdyn_stop){.rel_tol = fmax(set->linear_tolerance, enough),
+                       .min_progress = dynamic ? 0.0 : min_progress,
+                       .min_iterations = far ? MIN_ITERATIONS : 0,
+                       .max_iterations = set->linear_iterations,
+                       .first_of_step = first_of_step};
+}
+
+struct round {
+    double *b;  /* minus the gradient of the model where d is */
+    double *d;  /* solution of the linear solve */
+    double *Hd; /* residual of the linear solve; then H d */
+};
+
+/* Moves along round->d to the minimum of the model. b becomes its residual there. */
+static void search_line(struct pdyn_sim *sim, const struct round *at) {
+    struct objective *sys = &sim->objective;
+    for (int k = 0; k < 3 * sys->particles; k++) at->Hd[k] = at->b[k] - at->Hd[k];
+    double descent = objective_dot(sys, at->b, at->d),
+           curvature = objective_dot(sys, at->d, at->Hd);
+    double t = descent > 0.0 ? objective_line_minimum(sys, descent, curvature) : 0.0;
+    objective_go(sys, t, at->Hd);
+    objective_axpy(sys, t, at->d, sim->direction);
+    objective_axpy(sys, -1.0, at->Hd, at->b);
+}
+
+static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, const pdyn_stop *stop,
+                                int *iterations) {
+    int done = 0;
+    memcpy(at->Hd, at->b, objective_bytes(&sim->objective));
+    memset(at->d, 0, objective_bytes(&sim->objective));
+    pdyn_status status = sim->solver->solve(sim->solver_state, at->Hd, at->d, stop, &done);
+    *iterations += done;
+    return status;
+}
+
+/* A direct solver takes the sides of the iterate, and factors H once. */
+static int rounds_of(const struct pdyn_sim *sim) { return sim->solver->direct ? 1 : MAX_ROUNDS; }
+
+static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int *iterations) {
+    struct objective *sys = &sim->objective;
+    const struct round at = {sim->negative, sim->trial, sim->trial_gradient};
+    double size = objective_norm(sys, at.b), target = stop->rel_tol * size;
+    for (int n = 0; n < rounds_of(sim) && size > target && *iterations < stop->max_iterations;
+         n++) {
+        double aim = sys->dynamic_rows ? fmax(target, round_tolerance * size) : target;
+        pdyn_stop part = *stop;
+        part.rel_tol = aim / size, part.max_iterations -= *iterations;
+        part.first_of_step = stop->first_of_step && n == 0;
+        pdyn_status status = solve_linear(sim, &at, &part, iterations);
+        if (status != PDYN_OK) return status;
+        objective_aim(sys, at.d);
+        if (aim == target && !objective_turns(sys)) {
+            objective_axpy(sys, 1.0, at.d, sim->direction);
+            return PDYN_OK;
+        }
+        search_line(sim, &at);
+        size = objective_norm(sys, at.b);
+    }
+    return PDYN_OK;
+}
+
+pdyn_status global_step(struct pdyn_sim *sim, double eps, bool first_of_step, int *linear) {
+    int iterations = 0;
+    pdyn_status status = solver_view_linearise(&sim->model, eps);
+    if (status != PDYN_OK) return status;
+    const pdyn_stop stop = stop_of(sim, first_of_step);
+    memset(sim->direction, 0, objective_bytes(&sim->objective));
+    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->negative[k] = -sim->gradient[k];
+    if (!sim->solver->dual) status = solve_rounds(sim, &stop, &iterations);
+    else
+        status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &stop,
+                                    &iterations);
+    *linear += iterations;
+    return status;
+}

@@ -1,0 +1,21 @@
+/* Interpolation from a few hundred coarse dofs to the particles of cloth and solids: the classical
+ * interpolation of algebraic multigrid (Ruge and Stueben 1987), applied level upon level until few
+ * C-points are left. */
+#ifndef PDYN_AMG_SETUP_H
+#define PDYN_AMG_SETUP_H
+
+#include "projdyn/module.h"
+#include "sparse.h"
+
+struct amg_interpolation {
+    int nodes;               /* coarse dofs; coupled ones have close indices */
+    struct sparse particles; /* I: particles x nodes */
+    struct sparse followers; /* its transpose */
+};
+
+/* From model->graph. At most max_nodes, unless more pieces are not connected. Zeroed before.
+ * PDYN_NO_MEMORY. */
+pdyn_status amg_setup(struct amg_interpolation *out, pdyn_model *model, int max_nodes);
+void amg_free(struct amg_interpolation *interpolation);
+
+#endif

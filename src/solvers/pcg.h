@@ -1,0 +1,30 @@
+/* Preconditioned conjugate gradients for H y = b (Hestenes and Stiefel 1952), without a matrix.
+ *
+ * A direction is made conjugate to the last one only, by the product H p that is stored for it
+ * (Polak-Ribiere form). This is the usual method while H stays the same; and it lets the first
+ * iteration of a solve continue from the last direction of the solve before, if H changed little.
+ */
+#ifndef PDYN_PCG_H
+#define PDYN_PCG_H
+
+#include "projdyn/module.h"
+
+struct pcg {
+    pdyn_model *model;
+    double *z, *p, *q; /* vectors: preconditioned residual; direction; H p */
+    double curvature;  /* p . H p of the last direction; 0: there is none */
+    double *partial;   /* partial sums, one per parallel block */
+};
+
+/* z = P^-1 r, where P approximates H, symmetric positive definite. */
+typedef void pcg_preconditioner(void *self, const double *r, double *z);
+
+pdyn_status pcg_create(struct pcg *pcg, pdyn_model *model); /* PDYN_NO_MEMORY */
+void pcg_free(struct pcg *pcg);                             /* zeroed is fine */
+
+/* As pdyn_global_solver.solve. Ends early where p . H p is not positive: the residual is 0, or not
+ * finite. */
+void pcg_solve(struct pcg *pcg, pcg_preconditioner *precondition, void *self, double *b, double *y,
+               const pdyn_stop *stop, int *iterations);
+
+#endif
