@@ -11,7 +11,7 @@ import sys
 CORE = ["base", "geometry", "scene", "sph", "rows", "contact", "objective", "step", "output"]
 ALLOWED = {
     "constraints": ["base", "geometry", "sph"],
-    "solvers": ["base", "objective"],
+    "solvers": [],
     "conformance": CORE,
     "app": [],
 }

