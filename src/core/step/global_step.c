@@ -63,15 +63,11 @@ static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, co
     return status;
 }
 
-/* A direct solver takes the sides of the iterate, and factors H once. */
-static int rounds_of(const struct pdyn_sim *sim) { return sim->solver->direct ? 1 : MAX_ROUNDS; }
-
 static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int *iterations) {
     struct objective *sys = &sim->objective;
     const struct round at = {sim->negative, sim->trial, sim->trial_gradient};
     double size = objective_norm(sys, at.b), target = stop->rel_tol * size;
-    for (int n = 0; n < rounds_of(sim) && size > target && *iterations < stop->max_iterations;
-         n++) {
+    for (int n = 0; n < MAX_ROUNDS && size > target && *iterations < stop->max_iterations; n++) {
         double aim = sys->dynamic_rows ? fmax(target, round_tolerance * size) : target;
         pdyn_stop part = *stop;
         part.rel_tol = aim / size, part.max_iterations -= *iterations;
@@ -89,6 +85,12 @@ static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int
     return PDYN_OK;
 }
 
+/* A dual solver decides on sides itself. A direct one factors H at the sides of the iterate: other
+ * sides would need another factor, as the next iterate does. */
+static bool has_rounds(const pdyn_global_solver *solver) {
+    return !solver->dual && !solver->direct;
+}
+
 pdyn_status global_step(struct pdyn_sim *sim, double eps, bool first_of_step, int *linear) {
     int iterations = 0;
     pdyn_status status = solver_view_linearise(&sim->model, eps);
@@ -96,7 +98,7 @@ pdyn_status global_step(struct pdyn_sim *sim, double eps, bool first_of_step, in
     const pdyn_stop stop = stop_of(sim, first_of_step);
     memset(sim->direction, 0, objective_bytes(&sim->objective));
     for (int k = 0; k < 3 * sim->objective.particles; k++) sim->negative[k] = -sim->gradient[k];
-    if (!sim->solver->dual) status = solve_rounds(sim, &stop, &iterations);
+    if (has_rounds(sim->solver)) status = solve_rounds(sim, &stop, &iterations);
     else
         status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &stop,
                                     &iterations);
