@@ -36,8 +36,8 @@ void skyline_free(struct skyline *s) {
 
 /* ---- the factor ------------------------------------------------------------------------------ */
 
-/* out = the sums of four */
-INLINE void sums_of(v4 *out, const v4 x[FOUR]) {
+/* out[q] = the sum of the lanes of x[q] */
+INLINE void sum_lanes(v4 *out, const v4 x[FOUR]) {
     v4 a = __builtin_shufflevector(x[0], x[1], 0, 4, 2, 6) +
            __builtin_shufflevector(x[0], x[1], 1, 5, 3, 7);
     v4 b = __builtin_shufflevector(x[2], x[3], 0, 4, 2, 6) +
@@ -45,7 +45,7 @@ INLINE void sums_of(v4 *out, const v4 x[FOUR]) {
     *out = __builtin_shufflevector(a, b, 0, 1, 4, 5) + __builtin_shufflevector(a, b, 2, 3, 6, 7);
 }
 
-/* sum = the products of three rows with four, so many numbers of each */
+/* sum[p][q] = row[p] . other[q] over the first `count` numbers, lane by lane */
 INLINE void multiply_rows(v4 sum[3][FOUR], double *const row[3], const double *const other[FOUR],
                           int count) {
     for (int p = 0; p < 3; p++)
@@ -60,15 +60,15 @@ INLINE void multiply_rows(v4 sum[3][FOUR], double *const row[3], const double *c
     }
 }
 
-/* Columns k, .. of three rows of L, from what A has there and L left of them. other: the rows of L
- * that end in these columns. */
-INLINE void find_four(double *const row[3], const double *const other[FOUR], int k) {
+/* Columns k to k + 3 of three rows of L, from A's values there and L's columns before them. other:
+ * the four rows of L whose diagonals are in these columns. */
+INLINE void factor_four_columns(double *const row[3], const double *const other[FOUR], int k) {
     v4 sum[3][FOUR];
     multiply_rows(sum, row, other, k);
     for (int p = 0; p < 3; p++) {
         double own[FOUR];
         v4 rest, found;
-        sums_of(&rest, sum[p]);
+        sum_lanes(&rest, sum[p]);
         for (int q = 0; q < FOUR; q++) {
             own[q] = row[p][k + q] - rest[q];
             for (int r = 0; r < q; r++) own[q] -= own[r] * other[q][k + r];
@@ -79,27 +79,27 @@ INLINE void find_four(double *const row[3], const double *const other[FOUR], int
     }
 }
 
-/* Scalar row r of L, from the column where block row i begins. */
-INLINE double *row_from(const struct skyline *s, int i, int r) {
+/* Scalar row r of L, from the first column of block row i. */
+INLINE double *row_at(const struct skyline *s, int i, int r) {
     return s->value + s->origin[r] + 3 * s->first[i];
 }
 
-/* Columns k to n + 2 of three rows, their diagonal block and at most three before it. */
-INLINE bool find_last(const struct skyline *s, int i, double *const row[3], int k, int n) {
+/* Columns k to n + 2 of a block row: its diagonal block, and at most three columns before it. */
+INLINE bool factor_diagonal(const struct skyline *s, int i, double *const row[3], int k, int n) {
     int f = 3 * s->first[i];
     double sum[3][2 * FOUR];
     bool good = true;
     for (int c = k; c < n + 3; c += FOUR) {
         v4 part[3][FOUR], all;
         const double *other[FOUR];
-        for (int q = 0; q < FOUR; q++) other[q] = row_from(s, i, f + (c + q < n + 3 ? c + q : c));
+        for (int q = 0; q < FOUR; q++) other[q] = row_at(s, i, f + (c + q < n + 3 ? c + q : c));
         multiply_rows(part, row, other, k);
         for (int p = 0; p < 3; p++)
-            sums_of(&all, part[p]), memcpy(sum[p] + (c - k), &all, sizeof all);
+            sum_lanes(&all, part[p]), memcpy(sum[p] + (c - k), &all, sizeof all);
     }
     for (int p = 0; p < 3; p++)
         for (int m = k; m <= n + p; m++) {
-            const double *other = row_from(s, i, f + m);
+            const double *other = row_at(s, i, f + m);
             double rest = row[p][m] - sum[p][m - k];
             for (int r = k; r < m; r++) rest -= row[p][r] * other[r];
             if (m < n + p) row[p][m] = rest * other[m];
@@ -113,13 +113,13 @@ WIDE static bool factor_rows(const struct skyline *s) {
     for (int i = 0; i < s->nodes; i++) {
         int k = 0, f = 3 * s->first[i], n = 3 * i - f;
         double *row[3];
-        for (int p = 0; p < 3; p++) row[p] = row_from(s, i, 3 * i + p);
+        for (int p = 0; p < 3; p++) row[p] = row_at(s, i, 3 * i + p);
         for (; k + FOUR <= n; k += FOUR) {
             const double *other[FOUR];
-            for (int q = 0; q < FOUR; q++) other[q] = row_from(s, i, f + k + q);
-            find_four(row, other, k);
+            for (int q = 0; q < FOUR; q++) other[q] = row_at(s, i, f + k + q);
+            factor_four_columns(row, other, k);
         }
-        good &= find_last(s, i, row, k, n);
+        good &= factor_diagonal(s, i, row, k, n);
     }
     return good;
 }
@@ -129,7 +129,7 @@ bool skyline_factor(struct skyline *s) { return factor_rows(s); }
 /* ---- solves ---------------------------------------------------------------------------------- */
 
 /* x = L^-1 x in block row i */
-INLINE void go_forward(const double *const row[3], const double *x, int n, double *own) {
+INLINE void substitute_forward(const double *const row[3], const double *x, int n, double *own) {
     v4 sum[3] = {{0}}, a, b;
     double rest[3] = {0};
     int k = 0;
@@ -147,7 +147,7 @@ INLINE void go_forward(const double *const row[3], const double *x, int n, doubl
 }
 
 /* x = L^-T x there, which leaves its part of those before it */
-INLINE void go_back(const double *const row[3], double *x, int n, double *own) {
+INLINE void substitute_backward(const double *const row[3], double *x, int n, double *own) {
     v4 a, b;
     int k = 0;
     for (int p = 2; p >= 0; p--) {
@@ -168,11 +168,11 @@ WIDE static void substitute(const struct skyline *s, double *x) {
     const double *row[3];
     for (int i = 0; i < s->nodes; i++) {
         for (int p = 0; p < 3; p++) row[p] = skyline_row(s, i, p);
-        go_forward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
+        substitute_forward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
     }
     for (int i = s->nodes - 1; i >= 0; i--) {
         for (int p = 0; p < 3; p++) row[p] = skyline_row(s, i, p);
-        go_back(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
+        substitute_backward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
     }
 }
 

@@ -1,6 +1,7 @@
-/* A small symmetric positive definite matrix of 3 x 3 blocks, in block rows from the first block of
- * each to the diagonal: where the order of the unknowns keeps blocks near the diagonal, its
- * Cholesky factor has the same room, and all loops run along rows. */
+/* Skyline storage of a small symmetric positive definite matrix of 3 x 3 blocks: every block row
+ * from its first nonzero block to the diagonal. The Cholesky factor fits into the same storage
+ * (George and Liu 1981), and all loops run along rows. Used for the coarse matrix, which is
+ * factored in every step: a sparse library's analysis and indirect indexing cost more there. */
 #ifndef PDYN_BLOCK_SKYLINE_H
 #define PDYN_BLOCK_SKYLINE_H
 
@@ -9,14 +10,15 @@
 struct skyline {
     const pdyn_services *services;
     int nodes;         /* block rows */
-    int *first;        /* nodes: the first block column of each; those of later rows are no lower */
-    size_t *start;     /* nodes + 1: which block is the first one of each, up to the diagonal */
-    ptrdiff_t *origin; /* nodes x 3: where column 0 of each row would be in `value` */
-    double *value; /* block rows, each of them three rows up to the end of the diagonal block; what
-                      is beyond the diagonal counts for nothing */
+    int *first;        /* nodes: first block column of each block row; ascending */
+    size_t *start;     /* nodes + 1: index of the first block of each block row */
+    ptrdiff_t *origin; /* nodes x 3: offset in `value` of column 0 of each scalar row */
+    double *value;     /* block rows of three scalar rows each, up to the end of the diagonal block;
+                          numbers above the diagonal are ignored */
 };
 
-/* Takes the first block column of every block row, or an earlier one; all values are 0. */
+/* first: the first block column of every block row; it is lowered where a later row begins earlier.
+ * All values are 0. PDYN_NO_MEMORY. */
 pdyn_status skyline_create(struct skyline *skyline, const pdyn_services *services, int nodes,
                            const int *first);
 void skyline_free(struct skyline *skyline);
@@ -29,8 +31,8 @@ static inline double *skyline_row(const struct skyline *s, int i, int p) {
     return s->value + 9 * s->start[i] + (size_t)p * 3 * (size_t)(i - s->first[i] + 1);
 }
 
-/* A becomes L, with the inverse of its diagonal. false: A was not positive definite; then that is 0
- * where there was no pivot. */
+/* Replaces A by its Cholesky factor L, with the inverse of L's diagonal. false: A is not positive
+ * definite; the inverse is 0 for pivots that are not positive. */
 bool skyline_factor(struct skyline *skyline);
 /* x = A^-1 x, with the factor; nodes x 3 */
 void skyline_solve(const struct skyline *skyline, double *x);

@@ -23,11 +23,11 @@
 #include <string.h>
 
 /* Share of a step, in the norm of S's diagonal, that may lie beyond the bounds. */
-static const double most_beyond = 0.05;
+static const double max_beyond = 0.05;
 
 /* Constraints below minus this (a relative density, for a fluid) stay out of a solve; the next
  * local step evaluates them again. */
-static const double much_room = 0.1;
+static const double max_room = 0.1;
 
 enum { GRAIN = 2048, SUMS = 4 };
 
@@ -113,21 +113,21 @@ static double sum_of(const struct dual *s, int which) {
     return sum;
 }
 
-/* fmax is a call, for what it does with what is no number. */
+/* fmax without its rules for NaN, which make it a function call. */
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* What a force moves a particle, m/N: B^-1. */
+/* B^-1 of a particle: its displacement per force, m/N. */
 static double mobility(const struct dual *s, int i) {
     return 1.0 / (s->model->mass[i] / (s->model->h * s->model->h) + s->model->eps * s->at.held[i]);
 }
 
-/* k of the model: what the damping leaves of it. */
+/* Stiffness of constraint i in the damped model, N/m. */
 static double stiffness(const struct dual *s, int i) {
     return (1.0 - s->model->eps) * s->at.stiffness[i];
 }
 
 /* out = B^-1 (in - out), in: NULL for 0 */
-static void move(void *arg, int first, int last, int block) {
+static void apply_mobility(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
@@ -138,19 +138,19 @@ static void move(void *arg, int first, int last, int block) {
 }
 
 /* d = B^-1 (b - G' multiplier), b: NULL for 0 */
-static void displace(struct dual *s, const double *b, const double *multiplier) {
+static void compute_displacement(struct dual *s, const double *b, const double *multiplier) {
     size_t n = 3 * (size_t)s->model->particles;
     memset(s->d, 0, n * sizeof *s->d);
     s->model->force(s->model, 0, multiplier, s->d);
-    for_all(s, s->model->particles, move, 0.0, b, s->d);
+    for_all(s, s->model->particles, apply_mobility, 0.0, b, s->d);
 }
 
-/* lambda - K max(0, C): what a multiplier adds to the forces that b contains. */
-static double change(const struct dual *s, int i) {
+/* lambda - K max(0, C): the change of the force of constraint i relative to the last local step. */
+static double multiplier_change(const struct dual *s, int i) {
     return s->multiplier[i] - stiffness(s, i) * larger(0.0, s->at.value[i]);
 }
 
-static void begin(void *arg, int first, int last, int block) {
+static void start_constraints(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
     const pdyn_one_sided *at = &s->at;
@@ -161,26 +161,26 @@ static void begin(void *arg, int first, int last, int block) {
         if (!s->in[i]) s->multiplier[i] = 0.0;
         s->inverse[i] =
             s->in[i] ? 1.0 / (1.0 / stiffness(s, i) + mobility(s, particle) * at->squares[i]) : 0.0;
-        s->p[i] = change(s, i);
+        s->p[i] = multiplier_change(s, i);
     }
 }
 
-/* q: G d of the start. Leaves out those that have much room. */
-static void find_residual(void *arg, int first, int last, int block) {
+/* g at the start, where q = G d. Constraints far below 0 are left out of the solve. */
+static void compute_residual(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
     const pdyn_one_sided *at = &s->at;
     for (int i = first; i < last; i++) {
         s->g[i] = at->value[i] + s->q[i];
         if (s->in[i]) s->g[i] -= s->multiplier[i] / stiffness(s, i);
-        s->in[i] = s->in[i] && (s->multiplier[i] > 0.0 || s->g[i] > -much_room);
+        s->in[i] = s->in[i] && (s->multiplier[i] > 0.0 || s->g[i] > -max_room);
         s->p[i] = 0.0;
     }
 }
 
-/* Goes along p; scale: how far. Sums: the step beyond the bounds, the step, the model's gradient by
- * its constraints, g . z */
-static void advance(void *arg, int first, int last, int block) {
+/* lambda += scale p, g -= scale q. Partial sums, squared: the part of the step beyond the bounds,
+ * the step, the estimate of the model's gradient; and g . z. */
+static void step_along_direction(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct dual *s = c->s;
     const pdyn_one_sided *at = &s->at;
@@ -200,8 +200,8 @@ static void advance(void *arg, int first, int last, int block) {
     sums[0] = beyond, sums[1] = all, sums[2] = gradient, sums[3] = gz;
 }
 
-/* p = z + scale p where the bounds allow */
-static void next_direction(void *arg, int first, int last, int block) {
+/* p = z + scale p; 0 where lambda = 0 and C < 0 stays so */
+static void update_direction(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     struct dual *s = c->s;
@@ -211,7 +211,7 @@ static void next_direction(void *arg, int first, int last, int block) {
     }
 }
 
-/* q, from -G B^-1 G' p, becomes S p. Sums: g . p, p . q */
+/* q, which is -G B^-1 G' p, becomes S p. Partial sums: g . p, p . q */
 static void add_compliance(void *arg, int first, int last, int block) {
     struct dual *s = ((const struct call *)arg)->s;
     double gp = 0.0, pq = 0.0;
@@ -224,58 +224,58 @@ static void add_compliance(void *arg, int first, int last, int block) {
 
 /* q = S p */
 static void multiply(struct dual *s) {
-    displace(s, NULL, s->p);
+    compute_displacement(s, NULL, s->p);
     s->model->rate(s->model, 0, s->in, s->d, s->q);
     for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
 }
 
-/* p = what leads back to the bounds */
-static void clip(void *arg, int first, int last, int block) {
+/* p = the step from lambda to the bounds */
+static void compute_clipping(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
     for (int i = first; i < last; i++) s->p[i] = larger(0.0, -s->multiplier[i]);
 }
 
-/* Back to the bounds, and g with it. */
-static void project(struct dual *s) {
-    for_all(s, s->count, clip, 0.0, NULL, NULL);
+/* Clips negative multipliers, and updates g. */
+static void clip_multipliers(struct dual *s) {
+    for_all(s, s->count, compute_clipping, 0.0, NULL, NULL);
     multiply(s);
-    for_all(s, s->count, advance, 1.0, NULL, NULL);
+    for_all(s, s->count, step_along_direction, 1.0, NULL, NULL);
 }
 
-/* p = the change, within the bounds */
-static void find_change(void *arg, int first, int last, int block) {
+/* p = change of the multipliers, clipped */
+static void compute_change(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
     for (int i = first; i < last; i++) {
         s->multiplier[i] = larger(0.0, s->multiplier[i]);
-        s->p[i] = change(s, i);
+        s->p[i] = multiplier_change(s, i);
     }
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
 
 static void start(struct dual *s, const double *b) {
-    for_all(s, s->count, begin, 0.0, NULL, NULL);
-    displace(s, b, s->p);
+    for_all(s, s->count, start_constraints, 0.0, NULL, NULL);
+    compute_displacement(s, b, s->p);
     s->model->rate(s->model, 0, s->in, s->d, s->q);
-    for_all(s, s->count, find_residual, 0.0, NULL, NULL);
+    for_all(s, s->count, compute_residual, 0.0, NULL, NULL);
     memset(s->q, 0, (size_t)s->count * sizeof *s->q);
-    for_all(s, s->count, advance, 0.0, NULL, NULL);
+    for_all(s, s->count, step_along_direction, 0.0, NULL, NULL);
 }
 
 static void iterate(struct dual *s, int max_iterations, int *iterations) {
     double before = 0.0;
     while (sum_of(s, 2) > s->target * s->target && *iterations < max_iterations) {
         double gz = sum_of(s, 3);
-        for_all(s, s->count, next_direction, before > 0.0 ? gz / before : 0.0, NULL, NULL);
+        for_all(s, s->count, update_direction, before > 0.0 ? gz / before : 0.0, NULL, NULL);
         before = gz;
         multiply(s);
         double curvature = sum_of(s, 1);
-        if (!(curvature > 0.0)) return; /* the residual is exhausted, or not a number */
-        for_all(s, s->count, advance, sum_of(s, 0) / curvature, NULL, NULL);
+        if (!(curvature > 0.0)) return; /* g is 0, or not finite */
+        for_all(s, s->count, step_along_direction, sum_of(s, 0) / curvature, NULL, NULL);
         ++*iterations;
-        if (sum_of(s, 0) > most_beyond * sum_of(s, 1)) project(s), before = 0.0;
+        if (sum_of(s, 0) > max_beyond * sum_of(s, 1)) clip_multipliers(s), before = 0.0;
     }
 }
 
@@ -289,8 +289,8 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     *iterations = 0;
     start(s, b);
     iterate(s, stop->max_iterations, iterations);
-    for_all(s, s->count, find_change, 0.0, NULL, NULL);
-    displace(s, b, s->p);
+    for_all(s, s->count, compute_change, 0.0, NULL, NULL);
+    compute_displacement(s, b, s->p);
     return PDYN_OK;
 }
 

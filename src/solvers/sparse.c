@@ -57,8 +57,10 @@ static void add_row(struct row *row, const struct sparse *b, int k, float scale)
     }
 }
 
-/* Leaves the row empty. Returns how many of its entries count; `to`: NULL, or where these go. */
-static int take_row(struct row *row, float least, struct entry *to) {
+/* Copies entries above `least` to `to`, if it is not NULL, and empties the row. Returns their
+ * number.
+ */
+static int flush_row(struct row *row, float least, struct entry *to) {
     int kept = 0;
     for (int k = 0; k < row->count; k++) {
         row->place[row->entry[k].column] = -1;
@@ -70,14 +72,14 @@ static int take_row(struct row *row, float least, struct entry *to) {
     return kept;
 }
 
-/* counts: NULL, or of each row's entries, which are not stored then. */
+/* counts: NULL; otherwise the numbers of entries of the rows are computed, and none is stored. */
 static void multiply(const struct sparse *a, const struct sparse *b, float least, struct row *row,
                      int *counts, struct sparse *out) {
     for (int i = 0; i < a->rows; i++) {
         for (int k = a->start[i]; k < a->start[i + 1]; k++)
             add_row(row, b, a->entry[k].column, a->entry[k].value);
-        if (counts) counts[i] = take_row(row, least, NULL);
-        else take_row(row, least, out->entry + out->start[i]);
+        if (counts) counts[i] = flush_row(row, least, NULL);
+        else flush_row(row, least, out->entry + out->start[i]);
     }
 }
 
