@@ -1,4 +1,5 @@
-/* What the sub-commands of projdyn share. They use nothing but the public API. */
+/* Exit codes, messages and small helpers that all sub-commands of projdyn share.
+ * The commands use the public API of libprojdyn alone. */
 #ifndef APP_H
 #define APP_H
 
@@ -6,63 +7,41 @@
 
 enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 130 };
 
-/* Each gets its own name as argv[0] and returns the exit code. */
+/* Entry points of the commands. argv[0] is the name of the command; the result is the exit code. */
 int run_main(int argc, char **argv);
 int sweep_main(int argc, char **argv);
 int compare_main(int argc, char **argv);
 int trade_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
+int replay_main(int argc, char **argv);
 
-/* A scene and how to load it, from the options that run and check share. */
-struct scene_options {
-    const char *scene;
-    int threads; /* 0: one per core */
-    const char **set;
-    int sets;
-    const char **plugin; /* files */
-    int plugins;
-    bool silent; /* no warnings */
-};
+/* Default output directory: out/PREFIX + NAME for a scene file .../NAME.json. The caller frees the
+ * text; NULL with a message if memory ran out. */
+char *default_output(const char *prefix, const char *scene);
 
-/* Takes the value of --threads; false with a message on bad ones. */
-bool scene_threads(struct scene_options *options, const char *text);
+/* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
+bool parse_integer(const char *option, const char *text, long min, long max, long *out);
 
-/* Adds an override or a plug-in, a text that outlives the options; false with a message without
- * memory. */
-bool scene_set(struct scene_options *options, const char *text);
-bool scene_plugin(struct scene_options *options, const char *file);
-void scene_options_free(struct scene_options *options);
-
-/* A context whose warnings go to stderr, with the plug-ins; an exit code, not EXIT_GOOD on failure.
+/* Print a message to stderr and return EXIT_FAILED. report_write_error() appends the text of errno.
  */
-int scene_context(const struct scene_options *options, pdyn_context **context);
-
-/* Such a context, and the scene in it; an exit code, not EXIT_GOOD on
- * failure. */
-int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
-
-/* out/BEFORE + NAME for a scene .../NAME.json, to be freed; NULL with a message without memory. */
-char *default_output(const char *before, const char *scene);
-
-/* A whole number of an option, from `least` to `most`; false with a message. */
-bool parse_whole(const char *option, const char *text, long least, long most, long *out);
-
-/* Messages; both return EXIT_FAILED. The second says why by errno. */
 int report_no_memory(void);
-int report_unwritten(const char *path);
+int report_write_error(const char *path);
 
-/* By the wall clock, and of the processor for all threads of the process. */
+/* Wall-clock time, s, from an arbitrary origin. */
 double wall_seconds(void);
+/* Processor time of the process, s, summed over its threads. */
 double processor_seconds(void);
 
-/* Removes the progress line of a terminal, before something else is said on stderr. */
+/* Erases the progress line of `projdyn run` if stderr is a terminal; call it before other output to
+ * stderr. */
 void clear_progress(void);
 
-/* What went wrong, for people. */
+/* Error text of the context, or the general text of the status if the context has none. */
 const char *status_message(const pdyn_context *context, pdyn_status status);
 
-/* Prints the context's error and turns a status into an exit code. */
+/* Prints status_message() to stderr. Returns EXIT_BAD_INPUT for PDYN_BAD_INPUT and PDYN_BAD_CALL,
+ * EXIT_FAILED for every other status. */
 int report_status(const pdyn_context *context, pdyn_status status);
 
 #endif

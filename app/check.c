@@ -1,5 +1,6 @@
-/* projdyn check: loads a scene and says what is in it. */
-#include "app.h"
+/* projdyn check: loads a scene and prints its contents, or runs the conformance tests of a plug-in.
+ */
+#include "scene_options.h"
 
 #include "projdyn/conformance.h"
 
@@ -17,7 +18,7 @@ static void print_parameters(const pdyn_sim *sim, int constraint) {
                strcmp(p.unit, "1") ? p.unit : "");
 }
 
-static void describe(const pdyn_context *context, const pdyn_sim *sim) {
+static void print_scene(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
     for (int b = 0; b < state.bodies; b++) {
         pdyn_body_info body = pdyn_get_body(sim, b);
@@ -26,7 +27,7 @@ static void describe(const pdyn_context *context, const pdyn_sim *sim) {
         else if (body.live == body.count)
             printf("body %s: %d particles of radius %g m\n", body.name, body.count, body.radius);
         else
-            printf("body %s: %d particles of radius %g m, and room for %d more\n", body.name,
+            printf("body %s: %d particles of radius %g m, capacity for %d more\n", body.name,
                    body.live, body.radius, body.count - body.live);
     }
     for (int k = 0; k < state.constraints; k++) {
@@ -37,7 +38,7 @@ static void describe(const pdyn_context *context, const pdyn_sim *sim) {
         putchar('\n');
     }
     printf("boundary: %d points", state.boundary);
-    printf(state.moving ? ", %d of them on solids that move\n" : "\n", state.moving);
+    printf(state.moving ? ", %d of them on moving solids\n" : "\n", state.moving);
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("integrator %s\n", pdyn_integrator(sim));
@@ -66,9 +67,10 @@ static int check_plugins(const struct scene_options *options) {
     return code == EXIT_GOOD && faults ? EXIT_FAILED : code;
 }
 
-/* In a process of its own, for a plug-in may do anything. */
-static int check_apart(const struct scene_options *options) {
-    int ended;
+/* Runs check_plugins() in a child process, so that a crash of the plug-in is reported as a fault.
+ */
+static int check_plugins_in_child(const struct scene_options *options) {
+    int status;
     fflush(stdout);
     pid_t child = fork();
     if (child == 0) {
@@ -76,12 +78,12 @@ static int check_apart(const struct scene_options *options) {
         fflush(stdout);
         _exit(code);
     }
-    if (child < 0 || waitpid(child, &ended, 0) != child) {
+    if (child < 0 || waitpid(child, &status, 0) != child) {
         fprintf(stderr, "projdyn: check: %s\n", strerror(errno));
         return EXIT_FAILED;
     }
-    if (WIFEXITED(ended)) return WEXITSTATUS(ended);
-    printf("fault: it crashed (%s)\n", strsignal(WTERMSIG(ended)));
+    if (WIFEXITED(status)) return WEXITSTATUS(status);
+    printf("fault: the plug-in crashed (%s)\n", strsignal(WTERMSIG(status)));
     return EXIT_FAILED;
 }
 
@@ -91,9 +93,10 @@ static const char usage[] =
     "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads N] [--plugin FILE]...\n"
     "       projdyn check --conformance PLUGIN\n"
     "\n"
-    "Reads a scene and says what is in it, or checks that the constraints and solvers of a "
-    "plug-in\n"
-    "do what they have to: exit code 1 where they do not.\n";
+    "Loads a scene and prints its bodies, constraints, solver and memory use.\n"
+    "With --conformance: tests the constraint types and solvers of a plug-in against the "
+    "interface\n"
+    "of projdyn/module.h and prints each fault; exit code 1 if there is one.\n";
 
 static bool accept_option(struct scene_options *options, bool *conformance, int option) {
     *conformance |= option == 'c';
@@ -106,7 +109,7 @@ static int check_scene(const struct scene_options *options) {
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     int code = scene_load(options, &context, &sim);
-    if (code == EXIT_GOOD) describe(context, sim);
+    if (code == EXIT_GOOD) print_scene(context, sim);
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;
@@ -126,11 +129,11 @@ int check_main(int argc, char **argv) {
     }
     if (code < 0 && argc - optind != !conformance) {
         fprintf(stderr, "projdyn: check: expected %s\n\n%s",
-                conformance ? "no scene beside a plug-in" : "one scene file", usage);
+                conformance ? "no scene file with --conformance" : "one scene file", usage);
         code = EXIT_BAD_INPUT;
     }
     options.scene = argv[optind];
-    if (code < 0) code = conformance ? check_apart(&options) : check_scene(&options);
+    if (code < 0) code = conformance ? check_plugins_in_child(&options) : check_scene(&options);
     scene_options_free(&options);
     return code;
 }

@@ -1,7 +1,6 @@
-/* projdyn compare: the same steps by several solvers; which is faster, by how much, from when on.
- */
-#include "app.h"
-#include "contest.h"
+/* projdyn compare: times the same steps with several solvers and prints which one is fastest, by
+ * which factor, and after how many steps. */
+#include "solver_benchmark.h"
 
 #include <getopt.h>
 #include <math.h>
@@ -12,24 +11,24 @@
 static const char usage[] =
     "Usage: projdyn compare SCENE --solver NAME,NAME,... [OPTIONS]\n"
     "\n"
-    "Takes the same steps from the same start with each solver, in turn in one process, and says\n"
-    "which is faster, by how much, and after how many steps it has paid for its preparation. "
-    "Times\n"
-    "are the least of all rounds, for each step.\n"
+    "Runs the same steps from the same initial state with each solver, alternating in one "
+    "process,\n"
+    "and prints which solver is fastest, by which factor, and after how many steps it has made up\n"
+    "for a longer preparation. The time of a step is its minimum over all rounds.\n"
     "\n"
-    "      --solver A,B,...  solvers ('projdyn list')\n"
+    "      --solver A,B,...  solvers (see 'projdyn list')\n"
     "      --set PATH=VALUE  overrides a value of the scene\n"
     "      --plugin FILE     loads a plug-in before the scene\n"
-    "      --steps N         steps (default 20)\n"
-    "      --rounds N        times that each takes them (default 4)\n"
-    "      --threads N       worker threads (default 1: processor time is measured; else wall "
-    "time)\n"
-    "      --csv             prints a row of CSV for each instead\n"
-    "  -h, --help            this text\n";
+    "      --steps N         number of steps (default 20)\n"
+    "      --rounds N        number of repetitions (default 4)\n"
+    "      --threads N       worker threads (default 1); times are processor times with one\n"
+    "                        thread, wall times with more\n"
+    "      --csv             prints one CSV row per solver instead of the table\n"
+    "  -h, --help            prints this text\n";
 
 struct compare {
-    struct contest contest;
-    char *solvers;
+    struct solver_benchmark benchmark;
+    char *solvers; /* argument of --solver, cut into names */
     bool csv;
 };
 
@@ -37,7 +36,7 @@ struct compare {
 
 static bool parse_count(const char *option, const char *text, int *out) {
     long number;
-    if (!parse_whole(option, text, 1, 1000000, &number)) return false;
+    if (!parse_integer(option, text, 1, 1000000, &number)) return false;
     *out = (int)number;
     return true;
 }
@@ -45,14 +44,14 @@ static bool parse_count(const char *option, const char *text, int *out) {
 static bool parse_solvers(struct compare *c, const char *text) {
     int count = 1;
     for (const char *at = text; *at; at++) count += *at == ',';
-    free(c->solvers), free(c->contest.contender);
+    free(c->solvers), free(c->benchmark.solver);
     c->solvers = strdup(text);
-    c->contest.contender = calloc((size_t)count, sizeof *c->contest.contender);
-    c->contest.contenders = 0;
-    if (!c->solvers || !c->contest.contender) return false;
+    c->benchmark.solver = calloc((size_t)count, sizeof *c->benchmark.solver);
+    c->benchmark.solvers = 0;
+    if (!c->solvers || !c->benchmark.solver) return false;
     char *rest = c->solvers;
     for (char *name; (name = strsep(&rest, ","));)
-        c->contest.contender[c->contest.contenders++].solver = name;
+        c->benchmark.solver[c->benchmark.solvers++].solver = name;
     return true;
 }
 
@@ -61,15 +60,15 @@ static bool accept_option(struct compare *c, int option) {
     case 'o':
         return parse_solvers(c, optarg);
     case 's':
-        return scene_set(&c->contest.scene, optarg);
+        return scene_set(&c->benchmark.scene, optarg);
     case 'P':
-        return scene_plugin(&c->contest.scene, optarg);
+        return scene_plugin(&c->benchmark.scene, optarg);
     case 'n':
-        return parse_count("--steps", optarg, &c->contest.steps);
+        return parse_count("--steps", optarg, &c->benchmark.steps);
     case 'r':
-        return parse_count("--rounds", optarg, &c->contest.rounds);
+        return parse_count("--rounds", optarg, &c->benchmark.rounds);
     case 't':
-        return scene_threads(&c->contest.scene, optarg);
+        return scene_threads(&c->benchmark.scene, optarg);
     case 'c':
         return c->csv = true;
     default:
@@ -77,7 +76,7 @@ static bool accept_option(struct compare *c, int option) {
     }
 }
 
-/* -1: go on; otherwise the exit code. */
+/* Parses the command line. Returns -1 if the benchmark can start, otherwise the exit code. */
 static int parse(struct compare *c, int argc, char **argv) {
     static const struct option long_options[] = {{"solver", required_argument, NULL, 'o'},
                                                  {"set", required_argument, NULL, 's'},
@@ -96,77 +95,80 @@ static int parse(struct compare *c, int argc, char **argv) {
         }
         if (!accept_option(c, option)) return EXIT_BAD_INPUT;
     }
-    if (argc - optind != 1 || c->contest.contenders < 2) {
+    if (argc - optind != 1 || c->benchmark.solvers < 2) {
         fprintf(stderr, "projdyn: compare: expected one scene file and two solvers or more\n\n%s",
                 usage);
         return EXIT_BAD_INPUT;
     }
-    c->contest.scene.scene = argv[optind];
+    c->benchmark.scene.scene = argv[optind];
     return -1;
 }
 
-/* ---- what is printed ------------------------------------------------------------------------- */
+/* ---- output ---------------------------------------------------------------------------------- */
 
-static void print_rows(const struct contest *contest, const char *header, const char *row) {
-    const struct contender *first = contest->contender;
+static void print_rows(const struct solver_benchmark *benchmark, const char *header,
+                       const char *row) {
+    const struct solver_timing *first = benchmark->solver;
     printf("%s", header);
-    for (int k = 0; k < contest->contenders; k++) {
-        const struct contender *c = &first[k];
-        double n = contest->steps;
-        printf(row, c->solver, contest_prepare_ms(contest, c), contest_step_ms(contest, c),
+    for (int k = 0; k < benchmark->solvers; k++) {
+        const struct solver_timing *c = &first[k];
+        double n = benchmark->steps;
+        printf(row, c->solver, benchmark_prepare_ms(benchmark, c), benchmark_step_ms(benchmark, c),
                c->outer / n, c->linear / n, c->residual / n, 1e-6 * c->bytes,
-               contest_difference(c, first), contest_catches_up(contest, c, first));
+               benchmark_difference(c, first), benchmark_break_even(benchmark, c, first));
     }
 }
 
-static const struct contender *find_fastest(const struct contest *contest) {
-    const struct contender *best = contest->contender;
-    for (int k = 1; k < contest->contenders; k++)
-        if (contest_step_ms(contest, &contest->contender[k]) < contest_step_ms(contest, best))
-            best = &contest->contender[k];
+static const struct solver_timing *find_fastest(const struct solver_benchmark *benchmark) {
+    const struct solver_timing *best = benchmark->solver;
+    for (int k = 1; k < benchmark->solvers; k++)
+        if (benchmark_step_ms(benchmark, &benchmark->solver[k]) <
+            benchmark_step_ms(benchmark, best))
+            best = &benchmark->solver[k];
     return best;
 }
 
-static void print_verdict(const struct contest *contest) {
-    const struct contender *best = find_fastest(contest);
-    for (int k = 0; k < contest->contenders; k++) {
-        const struct contender *other = &contest->contender[k];
+static void print_ranking(const struct solver_benchmark *benchmark) {
+    const struct solver_timing *best = find_fastest(benchmark);
+    for (int k = 0; k < benchmark->solvers; k++) {
+        const struct solver_timing *other = &benchmark->solver[k];
         if (other == best) continue;
-        double ratio = contest_step_ms(contest, other) / contest_step_ms(contest, best);
-        double after = contest_catches_up(contest, best, other);
-        printf("%s is %.2f times as fast a step as %s", best->solver, ratio, other->solver);
-        if (after < 1.0) printf(", from the first step on\n");
-        else if (isfinite(after)) printf("; it has paid for itself after %.0f steps\n", after);
-        else printf("; it does not pay for its preparation in any number of steps\n");
+        double ratio = benchmark_step_ms(benchmark, other) / benchmark_step_ms(benchmark, best);
+        double after = benchmark_break_even(benchmark, best, other);
+        printf("a step with %s is %.2f times as fast as with %s", best->solver, ratio,
+               other->solver);
+        if (after < 1.0) printf("; break-even at the first step\n");
+        else if (isfinite(after)) printf("; break-even after %.0f steps\n", after);
+        else printf("; no break-even: %s takes longer to prepare\n", best->solver);
     }
 }
 
-static void print_table(const struct contest *contest) {
-    printf("%s: %d steps of %s, %d rounds in turn, %s\n\n", contest->scene.scene, contest->steps,
-           contest->contender->integrator, contest->rounds,
-           contest->scene.threads == 1 ? "one thread, ms of the processor" : "ms of the clock");
+static void print_table(const struct solver_benchmark *benchmark) {
+    printf("%s: %d steps with integrator %s, %d rounds, %s\n\n", benchmark->scene.scene,
+           benchmark->steps, benchmark->solver->integrator, benchmark->rounds,
+           benchmark->scene.threads == 1 ? "one thread, processor time in ms" : "wall time in ms");
     print_rows(
-        contest,
-        "solver        prepare     ms/step  outer  linear   residual   memory MB  differs by\n",
+        benchmark,
+        "solver        prepare     ms/step  outer  linear   residual   memory MB  difference\n",
         "%-10s %10.2f  %10.3f %6.1f %7.1f   %8.2e  %10.1f    %8.2e\n");
     putchar('\n');
-    print_verdict(contest);
+    print_ranking(benchmark);
 }
 
 int compare_main(int argc, char **argv) {
-    struct compare c = {.contest = {.steps = 20, .rounds = 4, .scene.threads = 1}};
+    struct compare c = {.benchmark = {.steps = 20, .rounds = 4, .scene.threads = 1}};
     int code = parse(&c, argc, argv);
     if (code < 0) {
-        code = contest_run(&c.contest);
+        code = benchmark_run(&c.benchmark);
         if (code == EXIT_GOOD && c.csv)
-            print_rows(&c.contest,
+            print_rows(&c.benchmark,
                        "solver,prepare_ms,ms_per_step,outer_iterations,linear_iterations,"
                        "step_residual,memory_mb,difference,catches_up\n",
                        "%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n");
-        else if (code == EXIT_GOOD) print_table(&c.contest);
+        else if (code == EXIT_GOOD) print_table(&c.benchmark);
     }
-    contest_free(&c.contest);
-    scene_options_free(&c.contest.scene);
+    benchmark_free(&c.benchmark);
+    scene_options_free(&c.benchmark.scene);
     free(c.solvers);
     return code;
 }

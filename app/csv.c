@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-void csv_text(FILE *file, const char *text) {
+void csv_write_text(FILE *file, const char *text) {
     if (!text || !text[strcspn(text, ",\"\n\r")]) {
         fputs(text ? text : "", file);
         return;

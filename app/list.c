@@ -1,12 +1,15 @@
-/* projdyn list: the registered types, from the tables that parse them. */
-#include "app.h"
+/* projdyn list: prints the registered constraint types and solvers, from the parameter tables that
+ * also parse a scene. */
+#include "scene_options.h"
 
 #include <getopt.h>
 #include <stdio.h>
 
-static const char usage[] = "Usage: projdyn list [TYPE] [--plugin FILE]...\n\n"
-                            "Lists constraint types and solvers, or the parameters of one with\n"
-                            "units, defaults and bounds.\n";
+static const char usage[] =
+    "Usage: projdyn list [TYPE] [--plugin FILE]...\n"
+    "\n"
+    "Prints all constraint types and solvers, or the parameters of one TYPE with units, defaults\n"
+    "and bounds.\n";
 
 static void print(void *user, const char *text) { fputs(text, user); }
 
@@ -20,7 +23,10 @@ int list_main(int argc, char **argv) {
         if (option == 'h') fputs(usage, stdout), code = EXIT_GOOD;
         else if (option != 'p' || !scene_plugin(&options, optarg)) code = EXIT_BAD_INPUT;
     }
-    if (code < 0 && argc - optind > 1) fputs(usage, stderr), code = EXIT_BAD_INPUT;
+    if (code < 0 && argc - optind > 1) {
+        fprintf(stderr, "projdyn: list: expected at most one type\n\n%s", usage);
+        code = EXIT_BAD_INPUT;
+    }
     if (code < 0) {
         code = scene_context(&options, &context);
         pdyn_status status = code ? PDYN_OK : pdyn_describe(context, argv[optind], print, stdout);

@@ -1,6 +1,6 @@
-/* projdyn run: simulates a scene, frame by frame, and writes what comes of it. */
-#include "app.h"
-#include "record.h"
+/* projdyn run: simulates a scene and writes frames, metrics.csv, report.json and saved states. */
+#include "run_record.h"
+#include "scene_options.h"
 
 #include <getopt.h>
 #include <limits.h>
@@ -19,36 +19,37 @@ static const char usage[] =
     "\n"
     "Simulates a scene and writes frames, metrics.csv and report.json.\n"
     "\n"
-    "  -o, --output DIR      where to write (default out/NAME of the scene)\n"
+    "  -o, --output DIR      output directory (default out/NAME for NAME.json)\n"
     "      --threads N       worker threads (default: one per core)\n"
     "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky\n"
-    "      --plugin FILE     loads a plug-in's constraints and solvers before the scene\n"
-    "      --time S          simulates S seconds instead of the scene's duration\n"
-    "      --report FILE     writes the report there instead of DIR/report.json\n"
-    "      --ply             writes each frame as PLY, too\n"
-    "      --no-frames       writes no frames: metrics, report and the last state\n"
-    "      --save N          saves the state every N frames (default 10; 0: at the end only)\n"
-    "      --resume DIR      goes on with the run in DIR from its saved state, to the same bits;\n"
-    "                        with --time S to another end\n"
-    "      --quiet           no progress, no summary\n"
-    "  -h, --help            this text\n"
+    "      --plugin FILE     loads the constraint types and solvers of a plug-in before the scene\n"
+    "      --time S          simulates S seconds instead of the duration of the scene\n"
+    "      --report FILE     writes the report to FILE instead of DIR/report.json\n"
+    "      --ply             writes each frame as PLY in addition to VTK\n"
+    "      --no-frames       writes no frames; only metrics.csv, report.json and the last state\n"
+    "      --save N          saves the state every N frames (default 10; 0: only at the end)\n"
+    "      --resume DIR      continues the run in DIR from its saved state, with bit-identical\n"
+    "                        results; --time S changes the end of the run\n"
+    "      --quiet           prints no progress and no summary\n"
+    "  -h, --help            prints this text\n"
     "\n"
-    "Ctrl-C ends with the current frame, a second one with the current step.\n";
+    "Ctrl-C stops the run after the current frame, a second Ctrl-C after the current step.\n";
 
 struct run_options {
     struct scene_options scene;
     const char *output, *report, *resume;
-    char *default_output; /* if none was given */
-    void *record;         /* of a run that is resumed */
-    char duration[64];    /* override made from --time */
-    int save;             /* frames */
-    bool ply, frameless, quiet;
+    char *default_output; /* owned output path if --output is absent */
+    void *record;         /* owns the texts of a resumed run, see run_record.h */
+    char duration[64];    /* the override "duration=S" made from --time */
+    int save_interval;    /* frames between two saved states; 0: only at the end */
+    bool ply, no_frames, quiet;
 };
 
-struct totals {
-    double begun, shown; /* s, of the clock: the run, the last progress line */
+struct run_totals {
+    double start_s, progress_s; /* wall-clock times of the start and of the last progress line */
     long steps, frames;
-    double density_mean, density_worst; /* sum of the steps' means; the largest of them */
+    /* Mean density error of each step: sum over the steps, and maximum. */
+    double density_error_sum, density_error_max;
 };
 
 static volatile sig_atomic_t interrupts;
@@ -58,8 +59,7 @@ static void on_signal(int number) {
     interrupts++;
 }
 
-/* ---- arguments ----------------------------------------------------------------------------------
- */
+/* ---- arguments ------------------------------------------------------------------------------- */
 
 static bool parse_time(struct run_options *o, const char *text) {
     char *end;
@@ -79,7 +79,7 @@ static bool parse_save(struct run_options *o, const char *text) {
         fprintf(stderr, "projdyn: --save: found \"%s\", expected a number of frames\n", text);
         return false;
     }
-    o->save = (int)frames;
+    o->save_interval = (int)frames;
     return true;
 }
 
@@ -95,7 +95,7 @@ static bool accept_option(struct run_options *o, int option) {
         o->ply = true;
         return true;
     case 'n':
-        o->frameless = true;
+        o->no_frames = true;
         return true;
     case 'q':
         o->quiet = true;
@@ -118,23 +118,23 @@ static bool accept_option(struct run_options *o, int option) {
     }
 }
 
-/* Scene, overrides and output are those of the run; its end may be another. -1: go on. */
-static int choose_resumed(struct run_options *o, int scenes) {
+/* Reads scene, overrides and plug-ins of the run to resume from its run.json; `scenes` is the
+ * number of scene files on the command line. Returns -1 on success, otherwise the exit code. */
+static int read_resume_options(struct run_options *o, int scenes) {
     if (scenes || o->output || o->ply || o->scene.plugins ||
         o->scene.sets > (*o->duration != '\0')) {
-        fprintf(
-            stderr,
-            "projdyn: --resume: scene, --output, --set, --plugin and --ply are those of the run\n");
+        fprintf(stderr, "projdyn: --resume: expected no scene file, --output, --set, --plugin or "
+                        "--ply: all of them are taken from the resumed run\n");
         return EXIT_BAD_INPUT;
     }
     o->output = o->resume;
     o->scene.sets = 0;
-    int code = record_read(o->resume, &o->scene, &o->record);
+    int code = run_record_read(o->resume, &o->scene, &o->record);
     if (code != EXIT_GOOD) return code;
     return !*o->duration || scene_set(&o->scene, o->duration) ? -1 : EXIT_FAILED;
 }
 
-/* -1: go on; otherwise the exit code. */
+/* Parses the command line. Returns -1 if the run can start, otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
     static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
                                                  {"threads", required_argument, NULL, 't'},
@@ -157,7 +157,7 @@ static int parse(struct run_options *o, int argc, char **argv) {
         }
         if (!accept_option(o, option)) return EXIT_BAD_INPUT;
     }
-    if (o->resume) return choose_resumed(o, argc - optind);
+    if (o->resume) return read_resume_options(o, argc - optind);
     if (argc - optind != 1) {
         fprintf(stderr, "projdyn: run: expected one scene file\n\n%s", usage);
         return EXIT_BAD_INPUT;
@@ -171,84 +171,91 @@ static int parse(struct run_options *o, int argc, char **argv) {
     return o->output ? -1 : EXIT_FAILED;
 }
 
-/* ---- progress -----------------------------------------------------------------------------------
- */
+/* ---- progress -------------------------------------------------------------------------------- */
 
 static int terminal_columns(void) {
     struct winsize size;
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
 }
 
-/* At most ten times a second, and cut to the terminal: a line that wraps cannot be redrawn. */
-static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct totals *t) {
+/* Redraws the progress line of a terminal, at most ten times per second. The line is cut to the
+ * width of the terminal, because a wrapped line cannot be erased. */
+static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
     double time = wall_seconds(), part = fmin(1.0, info->time / pdyn_duration(sim));
-    if (time - t->shown < 0.1) return;
-    t->shown = time;
+    if (time - t->progress_s < 0.1) return;
+    t->progress_s = time;
     int filled = (int)(10.0 * part);
     char line[256];
     snprintf(line, sizeof line,
              "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, density %.2f%%, %d outer, %.3g ms/step",
              filled, "##########", 10 - filled, "..........", 100.0 * part, info->time,
-             pdyn_duration(sim), (time - t->begun) * (1.0 / part - 1.0),
+             pdyn_duration(sim), (time - t->start_s) * (1.0 / part - 1.0),
              100.0 * info->density_error_mean, info->outer_iterations,
-             1e3 * (time - t->begun) / (double)t->steps);
+             1e3 * (time - t->start_s) / (double)t->steps);
     clear_progress();
     fprintf(stderr, "%.*s", terminal_columns() - 1, line);
 }
 
-static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct totals *t) {
+/* A progress bar after each step on a terminal, otherwise one line per frame. */
+static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
     if (isatty(STDERR_FILENO)) show_bar(sim, info, t);
     else if (info->frame)
         fprintf(stderr,
-                "%.4f s of %g s, %.1f s of wall time, density error %.4f%%, %d outer, %d linear\n",
-                info->time, pdyn_duration(sim), wall_seconds() - t->begun,
+                "%.4f s of %g s, %.1f s of wall time, density error %.4f%%, %d outer iterations, "
+                "%d linear iterations\n",
+                info->time, pdyn_duration(sim), wall_seconds() - t->start_s,
                 100.0 * info->density_error_mean, info->outer_iterations, info->linear_iterations);
 }
 
-static void summarise(const pdyn_sim *sim, const char *output, const struct totals *t) {
-    double wall = wall_seconds() - t->begun;
+static void print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *t) {
+    double wall = wall_seconds() - t->start_s;
     printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
            t->steps, pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
            pdyn_integrator(sim), pdyn_solver_type(sim), pdyn_step_type(sim));
-    printf("density error %.4f%% (mean), %.4f%% (worst step)\n",
-           t->steps ? 100.0 * t->density_mean / (double)t->steps : 0.0, 100.0 * t->density_worst);
+    printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
+           t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
+           100.0 * t->density_error_max);
     printf("written to %s; next: projdyn replay %s\n", output, output);
 }
 
-/* ---- the run ------------------------------------------------------------------------------------
- */
+/* ---- the run --------------------------------------------------------------------------------- */
 
-/* Frames are worth finishing; whoever asks twice wants the end now. */
-static bool stops(bool frame, bool *told) {
-    if (interrupts && !frame && !*told) {
-        *told = true;
+/* Whether an interrupt ends the run before the next step. The first interrupt waits for the end of
+ * the current frame and prints a message once (*printed), the second one does not wait. `frame`:
+ * the last step ended a frame. */
+static bool must_stop(bool frame, bool *printed) {
+    if (interrupts && !frame && !*printed) {
+        *printed = true;
         clear_progress();
-        fprintf(stderr, "projdyn: finishing the frame; Ctrl-C again ends with this step\n");
+        fprintf(stderr, "projdyn: interrupted: the run stops after the current frame; a second "
+                        "Ctrl-C stops it after the current step\n");
     }
     return interrupts > 1 || (interrupts && frame);
 }
 
-/* The first frame is saved, too: from then on a run can be resumed. */
-static pdyn_status end_frame(pdyn_writer *writer, const struct run_options *o, struct totals *t) {
-    pdyn_status status = o->frameless ? PDYN_OK : pdyn_writer_frame(writer);
-    bool due = o->save && t->frames++ % o->save == 0;
+/* Writes a frame, and the state every `save_interval` frames. The initial frame is one of these, so
+ * that a run can be resumed from its start on. */
+static pdyn_status end_frame(pdyn_writer *writer, const struct run_options *o,
+                             struct run_totals *t) {
+    pdyn_status status = o->no_frames ? PDYN_OK : pdyn_writer_frame(writer);
+    bool due = o->save_interval && t->frames++ % o->save_interval == 0;
     return status == PDYN_OK && due ? pdyn_writer_save(writer) : status;
 }
 
-/* Steps and writes until the end, a failure or an interrupt. */
+/* Time loop: steps and writes until the end of the scene, a failure or an interrupt. */
 static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run_options *o,
-                            struct totals *t) {
-    bool frame = true, told = false;
+                            struct run_totals *t) {
+    bool frame = true, printed = false;
     pdyn_status status = o->resume ? PDYN_OK : end_frame(writer, o, t);
     while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9)) {
-        if (stops(frame, &told)) break;
+        if (must_stop(frame, &printed)) break;
         pdyn_step_info info;
         status = pdyn_step(sim, &info);
         if (status == PDYN_OK) status = pdyn_writer_step(writer, &info);
         if (status != PDYN_OK) break;
         t->steps++;
-        t->density_mean += info.density_error_mean;
-        t->density_worst = fmax(t->density_worst, info.density_error_mean);
+        t->density_error_sum += info.density_error_mean;
+        t->density_error_max = fmax(t->density_error_max, info.density_error_mean);
         frame = info.frame;
         if (frame) status = end_frame(writer, o, t);
         if (!o->quiet) show_progress(sim, &info, t);
@@ -257,41 +264,57 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
     return status;
 }
 
-static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
-    struct totals totals = {.begun = wall_seconds()};
-    pdyn_writer *writer = NULL;
-    pdyn_status status = o->resume ? pdyn_writer_resume(sim, o->output, &writer)
-                                   : pdyn_writer_open(sim, o->output, o->ply, &writer);
+/* Opens the output directory for a new run or for the continuation of a run. Returns EXIT_GOOD, or
+ * another exit code after a message; *writer is open only on EXIT_GOOD. */
+static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_options *o,
+                       pdyn_writer **writer) {
+    pdyn_status status = o->resume ? pdyn_writer_resume(sim, o->output, writer)
+                                   : pdyn_writer_open(sim, o->output, o->ply, writer);
     if (status != PDYN_OK) {
         int failed = report_status(context, status);
         return o->resume && status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : failed;
     }
-    if (!o->resume && record_write(o->output, &o->scene) != EXIT_GOOD) {
-        pdyn_writer_close(writer);
-        return EXIT_FAILED;
-    }
-    status = simulate(sim, writer, o, &totals);
+    if (o->resume || run_record_write(o->output, &o->scene) == EXIT_GOOD) return EXIT_GOOD;
+    pdyn_writer_close(*writer);
+    return EXIT_FAILED;
+}
+
+/* Writes the report and the final state. `status`: how simulate() ended; after a failure the state
+ * is that of the last step that succeeded. Returns the exit code of the run. */
+static int close_output(pdyn_context *context, pdyn_writer *writer, const struct run_options *o,
+                        pdyn_status status, bool interrupted) {
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
-    char failure[2048]; /* a copy: the report may fail, too */
+    char failure[2048]; /* a copy, because pdyn_writer_report() may replace the context's message */
     snprintf(failure, sizeof failure, "%s", status_message(context, status));
-    bool interrupted = interrupts > 0;
     pdyn_status written =
         pdyn_writer_report(writer, o->report, interrupted, status == PDYN_OK ? NULL : failure);
     if (written != PDYN_OK) code = report_status(context, written);
-    written = pdyn_writer_save(writer); /* after a failure too: the last good step */
+    written = pdyn_writer_save(writer);
     if (written != PDYN_OK) code = report_status(context, written);
     pdyn_writer_close(writer);
+    return code;
+}
+
+static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
+    struct run_totals totals = {.start_s = wall_seconds()};
+    pdyn_writer *writer = NULL;
+    int code = open_output(context, sim, o, &writer);
+    if (code != EXIT_GOOD) return code;
+    pdyn_status status = simulate(sim, writer, o, &totals);
+    bool interrupted = interrupts > 0;
+    code = close_output(context, writer, o, status, interrupted);
     if (code != EXIT_GOOD) return code;
     if (interrupted)
         fprintf(stderr,
-                "projdyn: interrupted at %g s; what was simulated is in %s; to go on: projdyn run "
+                "projdyn: interrupted at %g s; results are in %s; to continue: projdyn run "
                 "--resume %s\n",
                 pdyn_time(sim), o->output, o->output);
-    if (!o->quiet) summarise(sim, o->output, &totals);
+    if (!o->quiet) print_summary(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
 }
 
-/* Not before the scene is there: until then nothing is written, and Ctrl-C just ends it. */
+/* Installs the handler of SIGINT and SIGTERM. Called after the scene is loaded: before that nothing
+ * has been written, and the default action (terminate) is right. */
 static void catch_signals(void) {
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigaction(SIGINT, &action, NULL);
@@ -299,7 +322,7 @@ static void catch_signals(void) {
 }
 
 int run_main(int argc, char **argv) {
-    struct run_options o = {.save = 10};
+    struct run_options o = {.save_interval = 10};
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     int code = parse(&o, argc, argv);
@@ -314,6 +337,6 @@ int run_main(int argc, char **argv) {
     pdyn_destroy(context);
     scene_options_free(&o.scene);
     free(o.default_output);
-    record_free(o.record);
+    run_record_free(o.record);
     return code;
 }

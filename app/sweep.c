@@ -1,8 +1,8 @@
-/* projdyn sweep: a scene with every choice of some settings, in parallel processes; one table. */
-#include "app.h"
-#include "choices.h"
-#include "farm.h"
-#include "table.h"
+/* projdyn sweep: runs a scene at every point of a parameter grid, in parallel processes, and
+ * collects the results in one table. */
+#include "jobs.h"
+#include "parameter_grid.h"
+#include "sweep_table.h"
 
 #include <getopt.h>
 #include <limits.h>
@@ -13,28 +13,29 @@
 static const char usage[] =
     "Usage: projdyn sweep SCENE --set PATH=VALUE,VALUE,... [--set ...] [OPTIONS]\n"
     "\n"
-    "Runs a scene with every choice of the values, several at a time, and gathers them in one\n"
-    "table, DIR/sweep.csv. Runs that have ended, well or not, are kept: the same command goes on\n"
-    "where it was stopped. To have one again, remove its directory.\n"
+    "Runs a scene with every combination of the values, several runs in parallel, and writes one\n"
+    "table of the results, DIR/sweep.csv. Finished runs, successful or not, are not repeated: the\n"
+    "same command continues an interrupted sweep. To repeat a run, remove its directory.\n"
     "\n"
-    "      --set PATH=V,V,...  values of a setting; commas within [], {} and \"\" do not count\n"
-    "  -o, --output DIR        where to write (default out/sweep-NAME of the scene)\n"
-    "      --jobs N            runs at a time (default: cores over threads)\n"
-    "      --threads N         worker threads of each (default 1)\n"
+    "      --set PATH=V,V,...  values of a parameter; commas within [], {} and \"\" do not "
+    "separate\n"
+    "  -o, --output DIR        output directory (default out/sweep-NAME for NAME.json)\n"
+    "      --jobs N            number of parallel runs (default: cores / threads)\n"
+    "      --threads N         worker threads of each run (default 1)\n"
     "      --plugin FILE       loads a plug-in before the scene\n"
     "      --frames            writes the frames of all runs\n"
-    "      --print             runs nothing; prints one command for each run, for GNU parallel or\n"
-    "                          an array of Slurm; then --collect\n"
-    "      --point K           runs that one, from 0, and writes no table\n"
-    "      --collect           runs nothing; gathers what has ended\n"
-    "      --quiet             no progress\n"
-    "  -h, --help              this text\n";
+    "      --print             prints one command for each run, for GNU parallel or a Slurm job\n"
+    "                          array, instead of running it; afterwards use --collect\n"
+    "      --point K           runs only grid point K, counted from 0, and writes no table\n"
+    "      --collect           writes the table of the finished runs and runs nothing\n"
+    "      --quiet             prints no progress\n"
+    "  -h, --help              prints this text\n";
 
 struct sweep {
-    struct farm farm;
-    struct choices choices;
-    char *output; /* if none was given */
-    long point;   /* -1: all */
+    struct jobs jobs;
+    struct parameter_grid grid;
+    char *output; /* owned output path if --output is absent */
+    long point;   /* grid point to run; -1: all */
     bool frames, print, collect;
 };
 
@@ -45,19 +46,19 @@ static bool accept_option(struct sweep *s, int option) {
     bool good = true;
     switch (option) {
     case 's':
-        return choices_add(&s->choices, optarg);
+        return parameter_grid_add(&s->grid, optarg);
     case 'P':
-        return scene_plugin(&s->farm.scene, optarg);
+        return scene_plugin(&s->jobs.scene, optarg);
     case 'o':
-        return s->farm.output = optarg, true;
+        return s->jobs.output = optarg, true;
     case 'j':
-        good = parse_whole("--jobs", optarg, 1, 1024, &number);
-        return s->farm.jobs = (int)number, good;
+        good = parse_integer("--jobs", optarg, 1, 1024, &number);
+        return s->jobs.processes = (int)number, good;
     case 't':
-        good = parse_whole("--threads", optarg, 1, 1024, &number);
-        return s->farm.threads = (int)number, good;
+        good = parse_integer("--threads", optarg, 1, 1024, &number);
+        return s->jobs.threads = (int)number, good;
     case 'k':
-        return parse_whole("--point", optarg, 0, CHOICES_MOST - 1, &s->point);
+        return parse_integer("--point", optarg, 0, GRID_MAX_POINTS - 1, &s->point);
     case 'f':
         return s->frames = true;
     case 'p':
@@ -65,28 +66,30 @@ static bool accept_option(struct sweep *s, int option) {
     case 'c':
         return s->collect = true;
     case 'q':
-        return s->farm.quiet = true;
+        return s->jobs.quiet = true;
     default:
         return false;
     }
 }
 
-static int complete(struct sweep *s) {
-    long cores = sysconf(_SC_NPROCESSORS_ONLN), count = choices_count(&s->choices);
-    if (count > CHOICES_MOST) {
-        fprintf(stderr, "projdyn: sweep: expected at most %d runs\n", CHOICES_MOST);
+/* Checks the options against the grid and sets defaults. Returns -1, or an exit code on failure. */
+static int complete_options(struct sweep *s) {
+    long cores = sysconf(_SC_NPROCESSORS_ONLN), count = parameter_grid_count(&s->grid);
+    if (count > GRID_MAX_POINTS) {
+        fprintf(stderr, "projdyn: sweep: expected at most %d grid points\n", GRID_MAX_POINTS);
         return EXIT_BAD_INPUT;
     }
     if (s->point >= count) {
         fprintf(stderr, "projdyn: --point: found %ld, expected at most %ld\n", s->point, count - 1);
         return EXIT_BAD_INPUT;
     }
-    if (!s->farm.jobs) s->farm.jobs = cores > s->farm.threads ? (int)cores / s->farm.threads : 1;
-    if (!s->farm.output) s->farm.output = s->output = default_output("sweep-", s->farm.scene.scene);
-    return s->farm.output ? -1 : EXIT_FAILED;
+    if (!s->jobs.processes)
+        s->jobs.processes = cores > s->jobs.threads ? (int)cores / s->jobs.threads : 1;
+    if (!s->jobs.output) s->jobs.output = s->output = default_output("sweep-", s->jobs.scene.scene);
+    return s->jobs.output ? -1 : EXIT_FAILED;
 }
 
-/* -1: go on; otherwise the exit code. */
+/* Parses the command line. Returns -1 if the sweep can start, otherwise the exit code. */
 static int parse(struct sweep *s, int argc, char **argv) {
     static const struct option long_options[] = {
         {"set", required_argument, NULL, 's'},   {"output", required_argument, NULL, 'o'},
@@ -103,18 +106,18 @@ static int parse(struct sweep *s, int argc, char **argv) {
         }
         if (!accept_option(s, option)) return EXIT_BAD_INPUT;
     }
-    if (argc - optind != 1 || !s->choices.axes) {
+    if (argc - optind != 1 || !s->grid.axes) {
         fprintf(stderr, "projdyn: sweep: expected one scene file and at least one --set\n\n%s",
                 usage);
         return EXIT_BAD_INPUT;
     }
-    s->farm.scene.scene = argv[optind];
-    return complete(s);
+    s->jobs.scene.scene = argv[optind];
+    return complete_options(s);
 }
 
-/* ---- commands for other machines ------------------------------------------------------------- */
+/* ---- --print --------------------------------------------------------------------------------- */
 
-/* As a shell reads it. */
+/* Prints a text in single quotes for a POSIX shell. */
 static void print_quoted(const char *text) {
     putchar('\'');
     for (; *text; text++)
@@ -132,60 +135,61 @@ static int print_commands(const struct sweep *s) {
     char program[PATH_MAX];
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
     program[length > 0 ? length : 0] = '\0';
-    for (long k = 0; k < s->farm.count; k++) {
+    for (long k = 0; k < s->jobs.count; k++) {
         print_quoted(length > 0 ? program : "projdyn");
         printf(" sweep");
-        print_argument("", s->farm.scene.scene);
-        for (int a = 0; a < s->choices.axes; a++) {
+        print_argument("", s->jobs.scene.scene);
+        for (int a = 0; a < s->grid.axes; a++) {
             printf(" --set ");
-            print_quoted(s->choices.axis[a].path);
+            print_quoted(s->grid.axis[a].path);
             putchar('=');
-            for (int v = 0; v < s->choices.axis[a].count; v++) {
+            for (int v = 0; v < s->grid.axis[a].count; v++) {
                 if (v) putchar(',');
-                print_quoted(s->choices.axis[a].value[v]);
+                print_quoted(s->grid.axis[a].value[v]);
             }
         }
-        for (int p = 0; p < s->farm.scene.plugins; p++)
-            print_argument("--plugin", s->farm.scene.plugin[p]);
-        print_argument("--output", s->farm.output);
-        printf("%s --threads %d --point %ld\n", s->frames ? " --frames" : "", s->farm.threads, k);
+        for (int p = 0; p < s->jobs.scene.plugins; p++)
+            print_argument("--plugin", s->jobs.scene.plugin[p]);
+        print_argument("--output", s->jobs.output);
+        printf("%s --threads %d --point %ld\n", s->frames ? " --frames" : "", s->jobs.threads, k);
     }
     return EXIT_GOOD;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- the sweep ------------------------------------------------------------------------------- */
 
-static bool make_runs(struct sweep *s) {
+/* Makes one job for each grid point to run. false if memory ran out. */
+static bool make_jobs(struct sweep *s) {
     long first = s->point < 0 ? 0 : s->point;
-    s->farm.count = s->point < 0 ? choices_count(&s->choices) : 1;
-    s->farm.run = calloc((size_t)s->farm.count, sizeof *s->farm.run);
-    for (long k = 0; s->farm.run && k < s->farm.count; k++) {
-        struct farm_run *run = &s->farm.run[k];
-        *run =
-            (struct farm_run){.set = choices_settings(&s->choices, first + k), .frames = s->frames};
-        if (!run->set) return false;
-        run->sets = s->choices.axes;
+    s->jobs.count = s->point < 0 ? parameter_grid_count(&s->grid) : 1;
+    s->jobs.job = calloc((size_t)s->jobs.count, sizeof *s->jobs.job);
+    for (long k = 0; s->jobs.job && k < s->jobs.count; k++) {
+        struct job *job = &s->jobs.job[k];
+        *job =
+            (struct job){.set = parameter_grid_overrides(&s->grid, first + k), .frames = s->frames};
+        if (!job->set) return false;
+        job->sets = s->grid.axes;
     }
-    return s->farm.run;
+    return s->jobs.job;
 }
 
 static int sweep(struct sweep *s) {
-    if (!make_runs(s)) return report_no_memory();
-    int code = farm_survey(&s->farm);
+    if (!make_jobs(s)) return report_no_memory();
+    int code = jobs_find_finished(&s->jobs);
     if (code != EXIT_GOOD || s->print) return code == EXIT_GOOD ? print_commands(s) : code;
-    if (!s->collect) code = farm_work(&s->farm);
-    return code == EXIT_GOOD && s->point < 0 ? table_write(&s->farm, &s->choices) : code;
+    if (!s->collect) code = jobs_run(&s->jobs);
+    return code == EXIT_GOOD && s->point < 0 ? sweep_table_write(&s->jobs, &s->grid) : code;
 }
 
 int sweep_main(int argc, char **argv) {
-    struct sweep s = {.farm.threads = 1, .point = -1};
+    struct sweep s = {.jobs.threads = 1, .point = -1};
     int code = parse(&s, argc, argv);
     if (code < 0) code = sweep(&s);
-    for (long k = 0; s.farm.run && k < s.farm.count; k++)
-        settings_free(s.farm.run[k].set, s.farm.run[k].sets);
-    free(s.farm.run);
-    scene_options_free(&s.farm.scene);
+    for (long k = 0; s.jobs.job && k < s.jobs.count; k++)
+        overrides_free(s.jobs.job[k].set, s.jobs.job[k].sets);
+    free(s.jobs.job);
+    scene_options_free(&s.jobs.scene);
     free(s.output);
-    choices_free(&s.choices);
+    parameter_grid_free(&s.grid);
     return code;
 }

@@ -151,7 +151,7 @@ else
 fi
 contest="$root/scenes/hanging_cloth.json --set bodies.sheet.surface.grid.vertices=[17,17] --set solver.outer_iterations=3
     --set bodies.sheet.constraints.pin.vertices.vertices=[0,16] --steps 3 --rounds 2"
-expect "compare" 0 "times as fast a step as" "$program" compare $contest --solver cg,cholesky --set solver.step=projective
+expect "compare" 0 "times as fast as with" "$program" compare $contest --solver cg,cholesky --set solver.step=projective
 expect "compare with itself" 0 "0.00e+00" sh -c "'$program' compare $(echo $contest) --solver cg,cg | grep ^cg | sed 1d"
 expect "compare in one way" 0 "cholesky" sh -c "'$program' compare $(echo $contest) --solver cg,cholesky --set solver.step=projective \
     --csv | awk -F, 'NR == 2 { linear = \$5 } NR == 3 && \$5 == 3 && linear > 3 && \$8 > 0 && \$8 < 0.1'"
@@ -183,7 +183,7 @@ cat >"$dir/jet.json" <<EOF
    [{"rectangle": {"center": [0, 0, 0], "size": [0.3, 0.2]}, "direction": [1, 0, 0], "speed": 1, "start": 0.05}]}}],
  "outlets": [{"box": {"minimum": [0.14, -1, -1], "maximum": [9, 1, 1]}}]}
 EOF
-expect "room for a jet" 0 "0 particles of radius 0.05 m, and room for 18 more" "$program" check "$dir/jet.json"
+expect "capacity for a jet" 0 "0 particles of radius 0.05 m, capacity for 18 more" "$program" check "$dir/jet.json"
 expect "jet" 0 "" "$program" run "$dir/jet.json" -o "$dir/jet" --ply --quiet
 for frame in 0:0 1:6 2:6 3:6; do # entering at 0.05, 0.15 and 0.25 s, leaving 0.14 s later
     expect "points of the jet, frame $frame" 0 "POINTS ${frame#*:} float" \

@@ -51,9 +51,9 @@ check "the same bits after a longer end" same longer
 check "nothing left to do" "$program" run --resume longer --quiet
 check "the same report then" same longer
 
-check "no run" refuses "no run to go on with" "$program" run --resume nowhere
-check "not beside a scene" refuses "are those of the run" "$program" run --resume whole "$scene"
-check "not with overrides" refuses "are those of the run" "$program" run --resume whole --set duration=1
+check "no run" refuses "no run to continue" "$program" run --resume nowhere
+check "not beside a scene" refuses "taken from the resumed run" "$program" run --resume whole "$scene"
+check "not with overrides" refuses "taken from the resumed run" "$program" run --resume whole --set duration=1
 cp -r whole cut && truncate -s 5000 cut/state.pdyn
 check "a cut state" refuses "cut/state.pdyn: the state is damaged" "$program" run --resume cut
 cp -r whole short && truncate -s 100 short/metrics.csv

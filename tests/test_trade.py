@@ -1,4 +1,4 @@
-"""Lets trade measure a small scene and measures again what it says, from the frames and steps of its runs.
+"""Runs `projdyn trade` on a small scene and recomputes its table from the frames and metrics of its runs.
 
 Usage: test_trade.py PROJDYN SCENE.json
 """
@@ -146,15 +146,15 @@ class Trade(unittest.TestCase):
         self.assertIn("Recommended: " + min(front, key=lambda row: float(row["cloth"]))["name"], said)
 
     def test_refuses(self):
-        self.assertIn("nothing that was tried", trade("--error", "1e-12", code=1))
+        self.assertIn("no setting reaches the target", trade("--error", "1e-12", code=1))
         self.assertIn("0.001 or 0.1%", trade("--error", "much", code=2))
         self.assertIn("33ms", trade("--budget", "33", code=2))
         self.assertIn("expected density", trade("--by", "colour", code=2))
         self.assertIn("--error or --budget", trade("--write", "x.json", code=2))
 
 
-class Twin(unittest.TestCase):
-    """Settings tried on a coarser twin, recommended for the scene."""
+class TradeReplica(unittest.TestCase):
+    """Settings run on a coarse replica, recommended for the scene."""
 
     @classmethod
     def setUpClass(cls):
@@ -165,7 +165,7 @@ class Twin(unittest.TestCase):
         cls.coarse = [s for s in cls.coarse if "bodies.0.particles.radius=0.0625" in s]
 
     def test_is_coarser(self):
-        self.assertIn("a coarser twin of the scene", self.said)
+        self.assertIn("coarse replica of the scene", self.said)
         for override in ["bodies.1.surface.grid.vertices=[7, 7]", "time_step.cfl=0.8"]:
             self.assertIn("--set " + override, self.said)
             self.assertTrue(all(override in s for s in self.coarse))
@@ -182,12 +182,12 @@ class Twin(unittest.TestCase):
 
     def test_same_iterations(self):
         names = {row["name"] for row in self.rows}
-        self.assertIn("h x 1, 2 x 10 iterations", names)  # 8 of the twin
+        self.assertIn("h x 1, 2 x 10 iterations", names)  # 8 on the replica
         self.assertTrue(any("solver.linear_iterations=8" in s for s in self.coarse))
 
     def test_recommends(self):
         self.assertIn("s of the scene itself", self.said)
-        self.assertNotRegex(self.said, "Recommended: .* iterations")  # cut short, which only holds on the twin
+        self.assertNotRegex(self.said, "Recommended: .* iterations")  # truncated steps are not recommended from a replica
         scene = json.loads((OUT / "whole.json").read_text())
         self.assertEqual(scene["bodies"][0]["particles"]["radius"], 0.05)
         self.assertEqual(scene["bodies"][1]["surface"]["grid"]["vertices"], [9, 9])
@@ -200,7 +200,7 @@ class Twin(unittest.TestCase):
         self.assertEqual(re.search(r"error (\S+) %", said).group(1), f"{100 * float(best['energy']):.4f}")
         self.assertLessEqual(float(re.search(r"(\S+) ms a frame", said).group(1)), 1000 * ms)
         said = trade("--twin", "1.25", "--by", "energy", "--budget", f"{0.01 * ms}ms", code=1)
-        self.assertIn("nothing that was tried holds that; the scene itself takes about", said)
+        self.assertIn("no setting reaches the target; the scene itself takes about", said)
 
     def test_refuses(self):
         said = trade("--twin", "2", "--set", 'bodies.1.constraints.pin.vertices={"vertices": [0]}',

@@ -1,0 +1,69 @@
+/* Messages, clocks and option parsing that all sub-commands share. */
+#include "app.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- option arguments ------------------------------------------------------------------------ */
+
+bool parse_integer(const char *option, const char *text, long min, long max, long *out) {
+    char *end;
+    errno = 0;
+    *out = strtol(text, &end, 10);
+    if (!errno && !*end && end != text && *out >= min && *out <= max) return true;
+    fprintf(stderr, "projdyn: %s: found \"%s\", expected an integer from %ld to %ld\n", option,
+            text, min, max);
+    return false;
+}
+
+char *default_output(const char *prefix, const char *scene) {
+    const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
+    size_t length = strlen(base);
+    char *path;
+    if (length > 5 && !strcmp(base + length - 5, ".json")) length -= 5;
+    if (asprintf(&path, "out/%s%.*s", prefix, (int)length, base) >= 0) return path;
+    report_no_memory();
+    return NULL;
+}
+
+/* ---- clocks ---------------------------------------------------------------------------------- */
+
+static double clock_seconds(clockid_t clock) {
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double wall_seconds(void) { return clock_seconds(CLOCK_MONOTONIC); }
+double processor_seconds(void) { return clock_seconds(CLOCK_PROCESS_CPUTIME_ID); }
+
+/* ---- messages -------------------------------------------------------------------------------- */
+
+int report_no_memory(void) {
+    fprintf(stderr, "projdyn: out of memory\n");
+    return EXIT_FAILED;
+}
+
+int report_write_error(const char *path) {
+    fprintf(stderr, "projdyn: %s: writing failed: %s\n", path, strerror(errno));
+    return EXIT_FAILED;
+}
+
+void clear_progress(void) {
+    if (isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+}
+
+const char *status_message(const pdyn_context *context, pdyn_status status) {
+    const char *error = pdyn_last_error(context);
+    return *error ? error : pdyn_status_text(status);
+}
+
+int report_status(const pdyn_context *context, pdyn_status status) {
+    clear_progress();
+    fprintf(stderr, "projdyn: %s\n", status_message(context, status));
+    return status == PDYN_BAD_INPUT || status == PDYN_BAD_CALL ? EXIT_BAD_INPUT : EXIT_FAILED;
+}

@@ -1,0 +1,117 @@
+#include "job_directory.h"
+#include "read_file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int job_report_errno(const char *path, const char *what) {
+    fprintf(stderr, "projdyn: %s: %s: %s\n", path, what, strerror(errno));
+    return EXIT_FAILED;
+}
+
+/* ---- names ----------------------------------------------------------------------------------- */
+
+bool job_path(char path[JOB_PATH], const struct jobs *jobs, const struct job *job,
+              const char *ending) {
+    int length = snprintf(path, JOB_PATH, "%s/%s%s", jobs->output, job->key, ending);
+    if (length >= 0 && length < JOB_PATH) return true;
+    fprintf(stderr, "projdyn: --output: the path is too long\n");
+    return false;
+}
+
+/* FNV-1a over a text and an end mark (0xff), so that "ab" + "c" and "a" + "bc" differ. */
+static uint64_t hash_text(uint64_t hash, const char *text, size_t length) {
+    for (size_t k = 0; k <= length; k++)
+        hash = (hash ^ (k < length ? (unsigned char)text[k] : 0xff)) * 0x100000001b3u;
+    return hash;
+}
+
+/* scene, size: content of the scene file */
+static void compute_key(const struct jobs *jobs, const char *scene, size_t size, struct job *job) {
+    uint64_t hash = hash_text(0xcbf29ce484222325u, scene, size);
+    for (int k = 0; k < jobs->scene.plugins; k++)
+        hash = hash_text(hash, jobs->scene.plugin[k], strlen(jobs->scene.plugin[k]));
+    hash = hash_text(hash, pdyn_version(), strlen(pdyn_version()));
+    for (int k = 0; k < job->sets; k++) hash = hash_text(hash, job->set[k], strlen(job->set[k]));
+    if (job->frames) hash = hash_text(hash, "", 0);
+    if (job->limit_s > 0.0) {
+        int length = snprintf(job->key, sizeof job->key, "%.9g", job->limit_s);
+        hash = hash_text(hash, job->key, (size_t)length);
+    }
+    snprintf(job->key, sizeof job->key, "%016llx", (unsigned long long)hash);
+}
+
+/* ---- status ---------------------------------------------------------------------------------- */
+
+int job_update_status(const struct jobs *jobs, struct job *job) {
+    char path[JOB_PATH];
+    if (!job_path(path, jobs, job, "")) return EXIT_BAD_INPUT;
+    job->status = access(path, F_OK) ? JOB_PENDING : JOB_FINISHED;
+    return EXIT_GOOD;
+}
+
+int jobs_find_finished(struct jobs *jobs) {
+    char *scene;
+    size_t size;
+    int code = read_file(jobs->scene.scene, &scene, &size);
+    for (long k = 0; code == EXIT_GOOD && k < jobs->count; k++) {
+        compute_key(jobs, scene, size, &jobs->job[k]);
+        code = job_update_status(jobs, &jobs->job[k]);
+    }
+    free(scene);
+    return code;
+}
+
+/* ---- directories ----------------------------------------------------------------------------- */
+
+int job_make_directories(const char *path) {
+    static const char what[] = "cannot make the directory";
+    char part[JOB_PATH];
+    for (size_t k = 1;; k++) {
+        if (k >= sizeof part) return errno = ENAMETOOLONG, job_report_errno(path, what);
+        if (path[k] && path[k] != '/') continue;
+        snprintf(part, sizeof part, "%.*s", (int)k, path);
+        if (mkdir(part, 0777) && errno != EEXIST) return job_report_errno(part, what);
+        if (!path[k]) return EXIT_GOOD;
+    }
+}
+
+/* Removes the files that a killed job left in its directory. */
+static void empty_directory(const char *path) {
+    DIR *directory = opendir(path);
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        unlinkat(dirfd(directory), entry->d_name, 0);
+    if (directory) closedir(directory);
+}
+
+int job_lock(const struct jobs *jobs, struct job *job, int *lock) {
+    char part[JOB_PATH];
+    *lock = -1;
+    if (!job_path(part, jobs, job, ".part")) return EXIT_BAD_INPUT;
+    if (mkdir(part, 0777) && errno != EEXIST)
+        return job_report_errno(part, "cannot make the directory");
+    int descriptor = open(part, O_RDONLY | O_DIRECTORY);
+    /* ENOENT: another process has finished the job and renamed the directory. */
+    if (descriptor < 0) return errno == ENOENT ? EXIT_GOOD : job_report_errno(part, "cannot open");
+    if (flock(descriptor, LOCK_EX | LOCK_NB)) {
+        close(descriptor);
+        return EXIT_GOOD;
+    }
+    /* Another process may have finished the job after this process read its status. */
+    int code = job_update_status(jobs, job);
+    if (code == EXIT_GOOD && job->status == JOB_PENDING) {
+        empty_directory(part);
+        *lock = descriptor;
+        return EXIT_GOOD;
+    }
+    rmdir(part);
+    close(descriptor);
+    return code;
+}

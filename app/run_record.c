@@ -1,0 +1,94 @@
+#include "run_record.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* DIRECTORY/run.json + ending; the caller frees it. NULL with a message if memory ran out. */
+static char *path_in(const char *directory, const char *ending) {
+    char *path;
+    if (asprintf(&path, "%s/run.json%s", directory, ending) >= 0) return path;
+    report_no_memory();
+    return NULL;
+}
+
+/* ---- writing --------------------------------------------------------------------------------- */
+
+static bool append_path(json_t *array, const char *path) {
+    char *whole = realpath(path, NULL);
+    bool good = whole && !json_array_append_new(array, json_string(whole));
+    free(whole);
+    return good;
+}
+
+/* The JSON object of run.json. Paths are absolute, so that a run can be resumed from any working
+ * directory. NULL if memory ran out, a file is missing or a text is not UTF-8. */
+static json_t *options_to_json(const struct scene_options *o) {
+    char *scene = realpath(o->scene, NULL);
+    json_t *set = json_array(), *plugins = json_array(), *root = NULL;
+    bool good = scene && set && plugins;
+    for (int k = 0; k < o->sets && good; k++)
+        good = !json_array_append_new(set, json_string(o->set[k]));
+    for (int k = 0; k < o->plugins && good; k++) good = append_path(plugins, o->plugin[k]);
+    if (good) root = json_pack("{s:s, s:O, s:O}", "scene", scene, "set", set, "plugins", plugins);
+    free(scene);
+    json_decref(set), json_decref(plugins);
+    return root;
+}
+
+static bool dump(const json_t *root, const char *temporary, const char *path) {
+    return !json_dump_file(root, temporary, JSON_INDENT(2)) && !rename(temporary, path);
+}
+
+int run_record_write(const char *directory, const struct scene_options *options) {
+    char *path = path_in(directory, ""), *temporary = path_in(directory, ".tmp");
+    json_t *root = options_to_json(options);
+    errno = 0;
+    bool good = path && temporary && root && dump(root, temporary, path);
+    if (!good && path && temporary) {
+        fprintf(stderr, "projdyn: %s: writing failed: %s\n", path,
+                errno ? strerror(errno) : "a name is not UTF-8");
+        remove(temporary);
+    }
+    json_decref(root);
+    free(path), free(temporary);
+    return good ? EXIT_GOOD : EXIT_FAILED;
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+/* Passes every text of a JSON array to `add`; false if an element is no text or `add` fails. */
+static bool add_texts(const json_t *array, struct scene_options *o,
+                      bool (*add)(struct scene_options *options, const char *text)) {
+    for (size_t k = 0; k < json_array_size(array); k++) {
+        const char *text = json_string_value(json_array_get(array, k));
+        if (!text || !add(o, text)) return false;
+    }
+    return true;
+}
+
+static bool options_from_json(const json_t *root, struct scene_options *o) {
+    const json_t *set = json_object_get(root, "set"), *plugins = json_object_get(root, "plugins");
+    o->scene = json_string_value(json_object_get(root, "scene"));
+    return o->scene && json_is_array(set) && add_texts(set, o, scene_set) &&
+           add_texts(plugins, o, scene_plugin);
+}
+
+int run_record_read(const char *directory, struct scene_options *options, void **record) {
+    json_error_t error;
+    char *path = path_in(directory, "");
+    if (!path) return EXIT_FAILED;
+    json_t *root = *record = json_load_file(path, 0, &error);
+    bool good = root && options_from_json(root, options);
+    if (!root) fprintf(stderr, "projdyn: --resume: no run to continue: %s: %s\n", path, error.text);
+    else if (!good)
+        fprintf(stderr,
+                "projdyn: %s: expected a text \"scene\" and arrays \"set\" and \"plugins\"\n",
+                path);
+    free(path);
+    return good ? EXIT_GOOD : EXIT_BAD_INPUT;
+}
+
+void run_record_free(void *record) { json_decref(record); }

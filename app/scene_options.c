@@ -1,0 +1,59 @@
+#include "scene_options.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+bool scene_threads(struct scene_options *options, const char *text) {
+    long threads;
+    if (!parse_integer("--threads", text, 1, 1024, &threads)) return false;
+    options->threads = (int)threads;
+    return true;
+}
+
+static bool append_text(const char ***list, int *count, const char *text) {
+    const char **longer = realloc(*list, (size_t)(*count + 1) * sizeof *longer);
+    if (!longer) return report_no_memory(), false;
+    *list = longer;
+    longer[(*count)++] = text;
+    return true;
+}
+
+bool scene_set(struct scene_options *options, const char *text) {
+    return append_text(&options->set, &options->sets, text);
+}
+
+bool scene_plugin(struct scene_options *options, const char *file) {
+    return append_text(&options->plugin, &options->plugins, file);
+}
+
+void scene_options_free(struct scene_options *options) {
+    free(options->set);
+    free(options->plugin);
+}
+
+static void print_warning(void *user, pdyn_log_level level, const char *message) {
+    (void)user;
+    clear_progress();
+    fprintf(stderr, "projdyn: %s%s\n", level == PDYN_LOG_WARNING ? "warning: " : "", message);
+}
+
+int scene_context(const struct scene_options *options, pdyn_context **context) {
+    pdyn_options settings = pdyn_default_options();
+    settings.threads = options->threads;
+    settings.log = options->silent ? NULL : print_warning;
+    pdyn_status status = pdyn_create(&settings, context);
+    for (int k = 0; k < options->plugins && status == PDYN_OK; k++)
+        status = pdyn_load_plugin(*context, options->plugin[k]);
+    return status == PDYN_OK ? EXIT_GOOD : report_status(*context, status);
+}
+
+int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim) {
+    int failed = scene_context(options, context);
+    *sim = NULL;
+    if (failed) return failed;
+    pdyn_status status = pdyn_load(*context, options->scene, options->set, options->sets, sim);
+    if (status == PDYN_OK) return EXIT_GOOD;
+    int code = report_status(*context, status);
+    /* PDYN_IO_FAILED at load time means that a file named by the scene cannot be read. */
+    return status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : code;
+}

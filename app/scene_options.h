@@ -1,0 +1,36 @@
+/* Command-line options that describe a scene and how to load it: the scene file, --set, --plugin
+ * and
+ * --threads. Every command that loads a scene uses them. */
+#ifndef SCENE_OPTIONS_H
+#define SCENE_OPTIONS_H
+
+#include "app.h"
+
+struct scene_options {
+    const char *scene; /* path of the scene file */
+    int threads;       /* worker threads; 0: one per core */
+    const char **set;  /* sets: overrides PATH=VALUE of scene values */
+    int sets;
+    const char **plugin; /* plugins: paths of plug-in files, loaded before the scene */
+    int plugins;
+    bool silent; /* suppresses warnings */
+};
+
+/* Parses the argument of --threads; false with a message if it is no integer from 1 to 1024. */
+bool scene_threads(struct scene_options *options, const char *text);
+
+/* Append an override or a plug-in file. The text is not copied and must outlive the options. false
+ * with a message if memory ran out. */
+bool scene_set(struct scene_options *options, const char *text);
+bool scene_plugin(struct scene_options *options, const char *file);
+void scene_options_free(struct scene_options *options);
+
+/* Creates a context that prints warnings to stderr, and loads the plug-ins into it. Returns
+ * EXIT_GOOD, or another exit code after a message. The caller destroys *context in both cases. */
+int scene_context(const struct scene_options *options, pdyn_context **context);
+
+/* Creates a context as scene_context() does and loads the scene into *sim. Returns EXIT_GOOD, or
+ * another exit code after a message. The caller frees *sim and *context in both cases. */
+int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
+
+#endif

@@ -1,0 +1,140 @@
+#include "solver_benchmark.h"
+
+#include <malloc.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Processor time with one thread, because other programs on the machine disturb it less than wall
+ * time; wall time with several threads. */
+static double clock_ms(const struct solver_benchmark *benchmark) {
+    return 1e3 * (benchmark->scene.threads == 1 ? processor_seconds() : wall_seconds());
+}
+
+/* Bytes that malloc has handed out in the whole process, libraries included. */
+static double allocated_bytes(void) {
+    struct mallinfo2 info = mallinfo2();
+    return (double)info.uordblks + (double)info.hblkhd;
+}
+
+/* Diagonal of the bounding box of all particles, m. */
+static double box_diagonal(const pdyn_state *state) {
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (int k = 0; k < 3 * state->particles; k++) {
+        low[k % 3] = fmin(low[k % 3], state->x[k]);
+        high[k % 3] = fmax(high[k % 3], state->x[k]);
+    }
+    return sqrt(pow(high[0] - low[0], 2.0) + pow(high[1] - low[1], 2.0) +
+                pow(high[2] - low[2], 2.0));
+}
+
+/* Stores final positions, memory and integrator. All rounds give the same positions, so the last
+ * round overwrites the others. false if memory ran out. */
+static bool store_result(struct solver_timing *c, const pdyn_sim *sim, double bytes) {
+    pdyn_state state = pdyn_get_state(sim);
+    size_t size = 3 * (size_t)state.particles * sizeof(double);
+    if (!c->x) c->x = malloc(size + 1);
+    if (!c->x) return false;
+    memcpy(c->x, state.x, size);
+    c->particles = state.particles, c->bytes = bytes;
+    snprintf(c->integrator, sizeof c->integrator, "%s", pdyn_integrator(sim));
+    return true;
+}
+
+/* Runs the steps; lowers each step time to the minimum over the rounds and sums the iterations. */
+static int run_steps(const struct solver_benchmark *benchmark, struct solver_timing *c,
+                     pdyn_context *context, pdyn_sim *sim) {
+    c->outer = c->linear = c->residual = 0.0;
+    pdyn_state state = pdyn_get_state(sim);
+    c->size = box_diagonal(&state);
+    for (int k = 0; k < benchmark->steps; k++) {
+        pdyn_step_info info;
+        double start = clock_ms(benchmark);
+        pdyn_status status = pdyn_step(sim, &info);
+        c->step_ms[k] = fmin(c->step_ms[k], clock_ms(benchmark) - start);
+        if (status != PDYN_OK) return report_status(context, status);
+        c->outer += info.outer_iterations, c->linear += info.linear_iterations;
+        c->residual += info.step_residual;
+    }
+    return EXIT_GOOD;
+}
+
+/* One round of one solver: loads the scene, runs the steps. Warnings are printed in the first round
+ * only. */
+static int run_round(const struct solver_benchmark *benchmark, struct solver_timing *c,
+                     bool first) {
+    char solver[64];
+    struct scene_options scene = benchmark->scene;
+    const char **set = calloc((size_t)scene.sets + 1, sizeof *set);
+    pdyn_context *context = NULL;
+    pdyn_sim *sim = NULL;
+    if (!set) return EXIT_FAILED;
+    if (scene.sets) memcpy(set, scene.set, (size_t)scene.sets * sizeof *set);
+    snprintf(solver, sizeof solver, "solver.type=%.40s", c->solver);
+    set[scene.sets++] = solver, scene.set = set, scene.silent = !first;
+    double before = allocated_bytes(), start = clock_ms(benchmark);
+    int code = scene_load(&scene, &context, &sim);
+    c->load_ms = fmin(c->load_ms, clock_ms(benchmark) - start);
+    if (code == EXIT_GOOD) code = run_steps(benchmark, c, context, sim);
+    if (code == EXIT_GOOD && !store_result(c, sim, allocated_bytes() - before)) code = EXIT_FAILED;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    free(set);
+    return code;
+}
+
+int benchmark_run(struct solver_benchmark *benchmark) {
+    int code = EXIT_GOOD, n = benchmark->solvers;
+    for (int k = 0; k < n; k++) {
+        struct solver_timing *c = &benchmark->solver[k];
+        c->load_ms = INFINITY;
+        c->step_ms = malloc((size_t)benchmark->steps * sizeof *c->step_ms);
+        if (!c->step_ms) return EXIT_FAILED;
+        for (int s = 0; s < benchmark->steps; s++) c->step_ms[s] = INFINITY;
+    }
+    for (int r = 0; r < benchmark->rounds; r++)
+        for (int k = 0; k < n && code == EXIT_GOOD; k++)
+            code = run_round(benchmark, &benchmark->solver[r % 2 ? n - 1 - k : k], r == 0);
+    return code;
+}
+
+void benchmark_free(struct solver_benchmark *benchmark) {
+    for (int k = 0; k < benchmark->solvers; k++) {
+        free(benchmark->solver[k].step_ms);
+        free(benchmark->solver[k].x);
+    }
+    free(benchmark->solver);
+}
+
+/* ---- evaluation ------------------------------------------------------------------------------ */
+
+double benchmark_step_ms(const struct solver_benchmark *benchmark, const struct solver_timing *c) {
+    double sum = 0.0;
+    for (int k = 1; k < benchmark->steps; k++) sum += c->step_ms[k];
+    return benchmark->steps > 1 ? sum / (benchmark->steps - 1) : c->step_ms[0];
+}
+
+double benchmark_prepare_ms(const struct solver_benchmark *benchmark,
+                            const struct solver_timing *c) {
+    return c->load_ms + fmax(0.0, c->step_ms[0] - benchmark_step_ms(benchmark, c));
+}
+
+double benchmark_difference(const struct solver_timing *a, const struct solver_timing *b) {
+    double sum = 0.0;
+    for (int k = 0; k < 3 * a->particles; k++) sum += (a->x[k] - b->x[k]) * (a->x[k] - b->x[k]);
+    return sqrt(sum / fmax(1.0, a->particles)) / a->size;
+}
+
+double benchmark_break_even(const struct solver_benchmark *benchmark, const struct solver_timing *a,
+                            const struct solver_timing *b) {
+    double lag_ms = a->load_ms - b->load_ms; /* total time of a minus that of b */
+    int last = 0;
+    for (int k = 0; k < benchmark->steps; k++) {
+        lag_ms += a->step_ms[k] - b->step_ms[k];
+        if (lag_ms > 0.0) last = k + 1;
+    }
+    double gain = benchmark_step_ms(benchmark, b) - benchmark_step_ms(benchmark, a);
+    if (lag_ms <= 0.0) return last;
+    return gain > 0.0 ? benchmark->steps + ceil(lag_ms / gain) : INFINITY;
+}

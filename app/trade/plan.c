@@ -1,0 +1,234 @@
+/* The settings of a plan: a grid of step lengths and solution accuracies, then other integrators,
+ * step types, solvers and tolerances. Step lengths are factors on that of the scene ("h x 2"). */
+#include "plan.h"
+#include "scene_json.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- parts of a setting ---------------------------------------------------------------------- */
+
+/* Multiplies a fluid's viscosity by the factor on the step length h, at most to 1: the kinematic
+ * viscosity is proportional to viscosity / h and must not change. */
+static void scale_viscosity(struct setting *setting, const json_t *scene, double factor) {
+    size_t body, k;
+    const json_t *fluid = scene_fluid(scene, &body, &k);
+    if (fluid && factor != 1.0)
+        setting_add(setting, "bodies.%zu.constraints.%zu.viscosity=%.9g", body, k,
+                    fmin(1.0, factor * scene_viscosity(fluid)));
+}
+
+/* Multiplies the step length by a factor. Defaults for missing keys are those of docs/scene.md. */
+static void scale_step(struct setting *setting, const json_t *scene, double factor) {
+    const json_t *step = json_object_get(scene, "time_step");
+    double fixed = scene_number(step, "fixed", 0.0);
+    if (factor == 1.0) return;
+    scale_viscosity(setting, scene, factor);
+    if (fixed > 0.0) {
+        setting_add(setting, "time_step.fixed=%.9g", factor * fixed);
+        return;
+    }
+    setting_add(setting, "time_step.maximum=%.9g", factor * scene_number(step, "maximum", 0.005));
+    setting_add(setting, "time_step.cfl=%.9g", factor * scene_number(step, "cfl", 1.0));
+}
+
+static const char *scene_integrator(const json_t *scene) {
+    const char *name =
+        json_string_value(json_object_get(json_object_get(scene, "time_step"), "integrator"));
+    return name ? name : "bdf2";
+}
+
+/* Solves each step to a residual, with iteration limits that are not reached in practice. */
+static void set_tolerance(struct setting *setting, double tolerance) {
+    setting_add(setting, "solver.tolerance=%g", tolerance);
+    setting_add(setting, "solver.linear_tolerance=0.1");
+    setting_add(setting, "solver.outer_iterations=100");
+    setting_add(setting, "solver.linear_iterations=500");
+}
+
+/* Limits the iterations of each step to numbers that usually end it before it is solved. */
+static void truncate_iterations(struct setting *setting, int outer, int linear) {
+    setting->truncated = true;
+    setting_add(setting, "solver.tolerance=0.001");
+    setting_add(setting, "solver.linear_tolerance=0");
+    setting_add(setting, "solver.outer_iterations=%d", outer);
+    setting_add(setting, "solver.linear_iterations=%d", linear);
+}
+
+/* Appends a setting with a name formatted as by printf; the plan owns it, even if it is incomplete.
+ * false if memory ran out. */
+static bool append_setting(struct plan *plan, struct setting *setting, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static bool append_setting(struct plan *plan, struct setting *setting, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    if (vasprintf(&setting->name, format, args) < 0) setting->name = NULL;
+    va_end(args);
+    if (plan->count == plan->capacity) {
+        int capacity = 2 * plan->capacity + 16;
+        struct setting *grown = realloc(plan->setting, (size_t)capacity * sizeof *grown);
+        if (!grown) return setting_free(setting), false;
+        plan->setting = grown, plan->capacity = capacity;
+    }
+    plan->setting[plan->count++] = *setting;
+    return setting->name && !setting->failed;
+}
+
+/* ---- the plan -------------------------------------------------------------------------------- */
+
+/* Step lengths x residuals. */
+static bool add_solved_grid(struct plan *plan, const json_t *scene) {
+    static const struct {
+        double factor, tolerance;
+    } points[] = {{8, 1},       {8, 0.1},    {4, 10},     {4, 1},    {4, 0.1},    {2, 10},
+                  {2, 1},       {2, 0.1},    {1, 10},     {1, 1},    {1, 0.1},    {0.5, 10},
+                  {0.5, 1},     {0.5, 0.1},  {0.25, 10},  {0.25, 1}, {0.25, 0.1}, {0.125, 1},
+                  {0.125, 0.1}, {0.0625, 1}, {0.03125, 1}};
+    bool good = true;
+    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
+        struct setting setting = {0};
+        scale_step(&setting, scene, points[k].factor);
+        set_tolerance(&setting, points[k].tolerance);
+        good = append_setting(plan, &setting, "h x %g, to residual %g", points[k].factor,
+                              points[k].tolerance);
+    }
+    return good;
+}
+
+/* The integrator that the scene does not use, of euler and bdf2. */
+static bool add_other_integrator(struct plan *plan, const json_t *scene) {
+    static const struct {
+        double factor, tolerance;
+    } points[] = {{4, 1}, {2, 1}, {1, 1}, {1, 0.1}, {0.5, 1}, {0.5, 0.1}, {0.25, 1}, {0.125, 1}};
+    const char *other = strcmp(scene_integrator(scene), "euler") ? "euler" : "bdf2";
+    bool good = true;
+    for (size_t k = 0; k < sizeof points / sizeof *points && good; k++) {
+        struct setting setting = {0};
+        scale_step(&setting, scene, points[k].factor);
+        setting_add(&setting, "time_step.integrator=%s", other);
+        set_tolerance(&setting, points[k].tolerance);
+        good = append_setting(plan, &setting, "%s, h x %g, to residual %g", other, points[k].factor,
+                              points[k].tolerance);
+    }
+    return good;
+}
+
+/* Step lengths x iteration limits. */
+static bool add_truncated_grid(struct plan *plan, const json_t *scene, double coarsening) {
+    static const double factors[] = {4, 2, 1, 0.5};
+    static const int iterations[][2] = {{1, 8}, {2, 8}, {2, 24}, {4, 24}};
+    bool good = true;
+    for (size_t k = 0; k < 16 && good; k++) {
+        double factor = factors[k / 4];
+        int outer = iterations[k % 4][0], linear = (int)round(coarsening * iterations[k % 4][1]);
+        struct setting setting = {0};
+        scale_step(&setting, scene, factor);
+        truncate_iterations(&setting, outer, linear);
+        good = append_setting(plan, &setting, "h x %g, %d x %d iterations", factor, outer, linear);
+    }
+    return good;
+}
+
+/* Fixed step lengths instead of steps limited by the CFL number; none if the scene has fixed steps.
+ */
+static bool add_fixed_steps(struct plan *plan, const json_t *scene, double coarsening) {
+    static const double factors[] = {1, 2, 4};
+    int linear = (int)round(24.0 * coarsening);
+    const json_t *step = json_object_get(scene, "time_step");
+    double longest = scene_number(step, "maximum", 0.005);
+    bool good = true;
+    if (scene_number(step, "fixed", 0.0) > 0.0) return true;
+    for (int k = 0; k < 6 && good; k++) {
+        double ms = 1e3 * factors[k / 2] * longest;
+        struct setting setting = {0};
+        setting_add(&setting, "time_step={\"fixed\": %.9g, \"integrator\": \"%s\"}", 1e-3 * ms,
+                    scene_integrator(scene));
+        scale_viscosity(&setting, scene, factors[k / 2]);
+        if (k % 2) set_tolerance(&setting, 1.0);
+        else truncate_iterations(&setting, 2, linear);
+        good = k % 2 ? append_setting(plan, &setting, "fixed steps of %g ms, to residual 1", ms)
+                     : append_setting(plan, &setting, "fixed steps of %g ms, 2 x %d iterations", ms,
+                                      linear);
+    }
+    return good;
+}
+
+/* Solvers other than that of the scene. */
+static bool add_solvers(struct plan *plan, const char *solver) {
+    static const char *const others[] = {"cg", "hybrid", "dual"};
+    bool good = true;
+    for (int k = 0; k < 3 && good; k++) {
+        struct setting setting = {0};
+        if (!strcmp(others[k], solver)) continue;
+        setting_add(&setting, "solver.type=%s", others[k]);
+        good = append_setting(plan, &setting, "solver %s", others[k]);
+    }
+    return good;
+}
+
+/* The projective step with two iteration limits; other linear tolerances. */
+static bool add_step_types(struct plan *plan) {
+    static const int outer[] = {5, 20};
+    static const double linear[] = {0.3, 0.01};
+    bool good = true;
+    for (int k = 0; k < 2 && good; k++) {
+        struct setting setting = {0};
+        setting_add(&setting, "solver.type=auto");
+        setting.truncated = true;
+        setting_add(&setting, "solver.step=projective");
+        setting_add(&setting, "solver.outer_iterations=%d", outer[k]);
+        good = append_setting(plan, &setting, "projective step, %d iterations", outer[k]);
+    }
+    for (int k = 0; k < 2 && good; k++) {
+        struct setting setting = {0};
+        setting_add(&setting, "solver.linear_tolerance=%g", linear[k]);
+        good = append_setting(plan, &setting, "linear tolerance %g", linear[k]);
+    }
+    return good;
+}
+
+/* The scene unchanged, and with other step lengths. */
+static bool add_scene_steps(struct plan *plan, const json_t *scene) {
+    static const double factors[] = {1, 2, 0.5};
+    bool good = true;
+    for (int k = 0; k < 3 && good; k++) {
+        struct setting setting = {0};
+        scale_step(&setting, scene, factors[k]);
+        good = k ? append_setting(plan, &setting, "h x %g", factors[k])
+                 : append_setting(plan, &setting, "scene unchanged");
+    }
+    return good;
+}
+
+/* References use bdf2, whose error decreases faster with the step length than that of euler. */
+static bool make_references(struct plan *plan, const json_t *scene) {
+    bool good = true;
+    for (int k = 0; k < PLAN_REFERENCES; k++) {
+        struct setting *setting = &plan->reference[k];
+        double factor = 0.25 / (double)(1 << k);
+        scale_step(setting, scene, factor);
+        setting_add(setting, "time_step.integrator=bdf2");
+        set_tolerance(setting, 0.01);
+        if (asprintf(&setting->name, "bdf2, h x %g, to residual 0.01", factor) < 0)
+            setting->name = NULL;
+        good &= setting->name && !setting->failed;
+    }
+    return good;
+}
+
+bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double coarsening) {
+    *plan = (struct plan){0};
+    return add_scene_steps(plan, scene) && add_truncated_grid(plan, scene, coarsening) &&
+           add_solved_grid(plan, scene) && add_other_integrator(plan, scene) &&
+           add_fixed_steps(plan, scene, coarsening) && add_solvers(plan, solver) &&
+           add_step_types(plan) && make_references(plan, scene);
+}
+
+void plan_free(struct plan *plan) {
+    for (int k = 0; k < plan->count; k++) setting_free(&plan->setting[k]);
+    for (int k = 0; k < PLAN_REFERENCES; k++) setting_free(&plan->reference[k]);
+    free(plan->setting);
+}

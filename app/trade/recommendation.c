@@ -1,0 +1,179 @@
+/* Chooses a setting for a target. Errors come from the study. Times of a replica are not those of
+ * the scene, therefore a chosen setting is run on the scene itself until a limit of processor time;
+ * its time for the whole window is extrapolated with the times of the same setting on the replica.
+ */
+#include "recommendation.h"
+#include "calibration.h"
+#include "scene_json.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { MAX_SCENE_RUNS = 3 }; /* settings that are run on the scene itself */
+
+/* Expected ratio of processor times, scene to replica: coarsening^4. Three powers for the number of
+ * particles, one for the iterations: information travels one spacing per linear iteration. */
+static const double cost_exponent = 4.0;
+
+/* ---- time on the scene itself ---------------------------------------------------------------- */
+
+/* Measured time of one setting on the scene. */
+struct scene_time {
+    double ms;        /* processor time per frame, extrapolated to the whole window */
+    double simulated; /* s of the scene that were run; 0: the time is not known */
+};
+
+/* Runs setting k on the scene, for limit_s seconds of processor time. */
+static int run_scene(const struct study *s, int k, double limit_s, struct metrics_csv *steps) {
+    const struct scene_options *user = s->scope.user;
+    const struct setting *setting = &s->scene_plan.setting[k];
+    struct job job = {.limit_s = limit_s};
+    char text[64];
+    const char *const duration[] = {text};
+    snprintf(text, sizeof text, "duration=%.12g", s->scope.window.length);
+    bool good = job_add_overrides(&job, user->set, user->sets) &&
+                job_add_overrides(&job, duration, 1) &&
+                job_add_overrides(&job, (const char *const *)setting->set, setting->sets);
+    int code = good ? calibration_run(&s->jobs, &job, steps) : report_no_memory();
+    free(job.set);
+    return code;
+}
+
+/* Processor time, ms, of the whole window on the scene. With T the simulated time that the scene
+ * run reached and c(a, b) processor times between simulated times a and b:
+ *
+ *     c_scene(0, T) + c_replica(T, end) c_scene(T/2, T) / c_replica(T/2, T)
+ *
+ * The second half of the run gives the ratio, because an impact at the start is over by then. NAN
+ * if a half has no steps. */
+static double extrapolate_ms(const struct metrics_csv *scene, const struct metrics_csv *replica) {
+    double end = simulated_seconds(scene);
+    double scene_ms = cpu_ms_until(scene, end), replica_ms = cpu_ms_until(replica, end);
+    double scene_half = scene_ms - cpu_ms_until(scene, 0.5 * end);
+    double replica_half = replica_ms - cpu_ms_until(replica, 0.5 * end);
+    double rest = cpu_ms_until(replica, INFINITY) - replica_ms;
+    if (!(scene_half > 0.0 && replica_half > 0.0)) return NAN;
+    return scene_ms + scene_half / replica_half * rest;
+}
+
+static int measure_scene_time(const struct study *s, int k, double limit_s,
+                              struct scene_time *time) {
+    char path[JOB_PATH];
+    struct metrics_csv scene, replica;
+    if (!job_path(path, &s->jobs, &s->setting_job[k], "")) return EXIT_FAILED;
+    int code = run_scene(s, k, limit_s, &scene);
+    if (code != EXIT_GOOD) return code;
+    code = metrics_csv_read(path, &replica);
+    if (code == EXIT_GOOD) {
+        double ms = extrapolate_ms(&scene, &replica);
+        if (isfinite(ms)) time->simulated = simulated_seconds(&scene);
+        time->ms = ms / (s->scope.window.length * s->table.frames_per_second);
+        metrics_csv_free(&replica);
+    }
+    metrics_csv_free(&scene);
+    return code;
+}
+
+/* ---- choice ---------------------------------------------------------------------------------- */
+
+/* The fastest trial that reaches the target if the target limits the error, otherwise the most
+ * accurate one; NULL if none reaches it. Trials with truncated iterations are left out on a
+ * replica: the error that truncation leaves is larger on a finer scene. ratio: time of the scene
+ * over time of the replica, for settings whose scene time is not known. */
+static const struct trial *find_best(const struct study *s, const struct target *target,
+                                     const struct scene_time *time, double ratio) {
+    const struct trial_table *table = &s->table;
+    const struct trial *best = NULL;
+    bool fastest = isfinite(target->max_error);
+    double least = INFINITY;
+    for (int k = 0; k < table->count; k++) {
+        const struct trial *t = &table->trial[k];
+        double ms = time[k].simulated > 0.0 ? time[k].ms : ratio * t->ms;
+        double error = t->error[table->metric], objective = fastest ? ms : error;
+        if (!trial_is_usable(t, table->metric)) continue;
+        if (s->scope.replica.sets && t->setting->truncated) continue;
+        if (!(error <= target->max_error && ms <= target->max_ms && objective < least)) continue;
+        best = t, least = objective;
+    }
+    return best;
+}
+
+/* Chooses a trial; with a replica, runs it on the scene, updates the ratio of times and chooses
+ * again, until the chosen trial is one whose scene time is known. *best = NULL if nothing reaches
+ * the target.
+ */
+static int choose(const struct study *s, const struct target *target, struct scene_time *time,
+                  double *ratio, const struct trial **best) {
+    bool has_replica = s->scope.replica.sets > 0;
+    int code = EXIT_GOOD;
+    for (int runs = 0; code == EXIT_GOOD; runs++) {
+        *best = find_best(s, target, time, runs < MAX_SCENE_RUNS ? *ratio : INFINITY);
+        if (!*best || !has_replica) return code;
+        int k = (int)(*best - s->table.trial);
+        if (time[k].simulated > 0.0) return code;
+        code = measure_scene_time(s, k, 8.0 * s->run_budget_s / s->jobs.processes, &time[k]);
+        if (time[k].simulated == 0.0) return code;
+        *ratio = time[k].ms / (*best)->ms;
+    }
+    return code;
+}
+
+/* ---- output ---------------------------------------------------------------------------------- */
+
+/* Writes the scene with the setting; the overrides of the time window are not part of it. */
+static int write_scene(const struct study *s, const struct setting *setting, const char *path) {
+    const struct scene_options *user = s->scope.user;
+    struct scene_options scene = {.scene = user->scene, .threads = 1, .silent = true};
+    json_t *root = NULL;
+    bool good = true;
+    for (int k = 0; k < user->sets; k++) good &= scene_set(&scene, user->set[k]);
+    for (int k = 0; k < setting->sets; k++) good &= scene_set(&scene, setting->set[k]);
+    int code = good ? scene_json(&scene, &root) : EXIT_FAILED;
+    if (code == EXIT_GOOD && json_dump_file(root, path, JSON_INDENT(2) | JSON_REAL_PRECISION(15)))
+        code = report_write_error(path);
+    if (code == EXIT_GOOD) printf("Written to %s\n", path);
+    json_decref(root);
+    scene_options_free(&scene);
+    return code;
+}
+
+static void print_recommendation(const struct study *s, const struct trial *best,
+                                 const struct scene_time *time) {
+    double ms = time->simulated > 0.0 ? time->ms : best->ms;
+    printf("\nRecommended: %s\n  %.4g ms a frame (%.4g s per simulated second), error %.4f %%\n ",
+           best->setting->name, ms, 1e-3 * ms * s->table.frames_per_second,
+           100.0 * best->error[s->table.metric]);
+    for (int k = 0; k < best->setting->sets; k++) printf(" --set %s", best->setting->set[k]);
+    putchar('\n');
+    if (time->simulated > 0.0)
+        printf(
+            "  (time: extrapolated from the first %.4g s of the scene itself, %.3g times that of "
+            "the replica; error: of the replica)\n",
+            time->simulated, time->ms / best->ms);
+    else if (s->scope.replica.sets)
+        puts("  (time and error of the replica: the scene itself took too long)");
+}
+
+static int report_unreached(const struct study *s, double ratio) {
+    fprintf(stderr, "projdyn: trade: no setting reaches the target");
+    if (s->scope.replica.sets)
+        fprintf(stderr, "; the scene itself takes about %.3g times as long as its replica", ratio);
+    fputc('\n', stderr);
+    return EXIT_FAILED;
+}
+
+int recommend(const struct study *s, const struct target *target) {
+    const struct trial *best = NULL;
+    double ratio = s->scope.replica.sets ? pow(s->scope.coarsening, cost_exponent) : 1.0;
+    struct scene_time *time = calloc((size_t)s->table.count, sizeof *time);
+    fflush(stdout);
+    int code = time ? choose(s, target, time, &ratio, &best) : report_no_memory();
+    if (code == EXIT_GOOD && !best) code = report_unreached(s, ratio);
+    else if (code == EXIT_GOOD) {
+        print_recommendation(s, best, &time[best - s->table.trial]);
+        if (target->write) code = write_scene(s, best->setting, target->write);
+    }
+    free(time);
+    return code;
+}
