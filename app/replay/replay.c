@@ -1,5 +1,5 @@
-/* projdyn replay: reads the frames of a run twice, first the ranges, then the values. */
-#include "replay.h"
+/* projdyn replay: packs the frames of a run into one HTML page. */
+#include "replay_page.h"
 #include "replay_run.h"
 
 #include <getopt.h>
@@ -8,22 +8,23 @@
 static const char usage[] =
     "Usage: projdyn replay DIR [-o FILE]\n"
     "\n"
-    "Packs the frames of a run into one HTML page that any browser with WebGL 2 plays.\n"
+    "Packs the frames of a run into one HTML page that plays in any browser with WebGL 2.\n"
     "\n"
-    "  -o, --output FILE  where to write (default DIR/replay.html)\n"
-    "  -h, --help         this text\n";
+    "  -o, --output FILE  output file (default DIR/replay.html)\n"
+    "  -h, --help         prints this text\n";
 
 static int replay(struct run *run, const char *output) {
     char path[REPLAY_PATH];
     int code = replay_open(run);
     if (code == EXIT_GOOD && !run->report)
-        fputs("projdyn: no report.json: radii are estimated, density errors are not shown\n",
+        fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
+              "not shown\n",
               stderr);
     if (code == EXIT_GOOD) code = replay_read_metrics(run);
-    if (code == EXIT_GOOD) code = replay_survey(run);
+    if (code == EXIT_GOOD) code = replay_find_ranges(run);
     if (code == EXIT_GOOD && !output && !replay_path(path, run, "replay", ".html"))
-        code = replay_fail("%s: the path is too long", run->directory);
-    if (code == EXIT_GOOD) code = replay_write(run, output ? output : path);
+        code = replay_error("%s: the path is too long", run->directory);
+    if (code == EXIT_GOOD) code = replay_write_page(run, output ? output : path);
     if (code == EXIT_GOOD) printf("%d frames written to %s\n", run->frames, output ? output : path);
     return code;
 }

@@ -1,4 +1,5 @@
-/* The columns of metrics.csv that the page plots. */
+/* Reads the columns of metrics.csv that the page plots. */
+#include "read_file.h"
 #include "replay_run.h"
 
 #include <math.h>
@@ -12,14 +13,15 @@ static const char *const columns[] = {
 
 enum { COLUMNS = sizeof columns / sizeof *columns };
 
-/* Which of ours a column of the file is: its index, COLUMNS for none. */
+/* Index of a column name in columns[], COLUMNS if the page does not use it. */
 static int find_column(const char *cell) {
     int k = 0;
     while (k < COLUMNS && strcmp(columns[k], cell)) k++;
     return k;
 }
 
-/* An empty cell stands for a number that is not finite. */
+/* The number in a cell; JSON null for an empty cell, which stands for a value that is not finite;
+ * NULL for text that is no number. */
 static json_t *parse_cell(const char *cell) {
     char *end;
     if (!*cell) return json_null();
@@ -27,6 +29,7 @@ static json_t *parse_cell(const char *cell) {
     return *end || !isfinite(value) ? NULL : json_real(value);
 }
 
+/* Sets order[k] to the index in columns[] of column k of the file. */
 static int parse_header(struct run *run, char *line, const char *path, json_t *order) {
     for (char *cell; (cell = strsep(&line, ","));) {
         int k = find_column(cell);
@@ -35,7 +38,7 @@ static int parse_header(struct run *run, char *line, const char *path, json_t *o
     }
     for (int k = 0; k < COLUMNS; k++)
         if (!json_object_get(run->metrics, columns[k]))
-            return replay_fail("%s:1: expected the column \"%s\"", path, columns[k]);
+            return replay_error("%s:1: expected the column \"%s\"", path, columns[k]);
     return EXIT_GOOD;
 }
 
@@ -47,17 +50,16 @@ static int parse_row(struct run *run, char *line, const char *path, int number,
         if (cells >= json_array_size(order) || k >= COLUMNS) continue;
         json_t *value = parse_cell(cell);
         if (!value)
-            return replay_fail("%s:%d: %s: expected a number, found \"%.40s\"", path, number,
-                               columns[k], cell);
+            return replay_error("%s:%d: %s: expected a number, found \"%.40s\"", path, number,
+                                columns[k], cell);
         json_array_append_new(json_object_get(run->metrics, columns[k]), value);
     }
     if (cells != json_array_size(order))
-        return replay_fail("%s:%d: expected %zu cells, found %zu", path, number,
-                           json_array_size(order), cells);
+        return replay_error("%s:%d: expected %zu cells, found %zu", path, number,
+                            json_array_size(order), cells);
     return EXIT_GOOD;
 }
 
-/* Only the page's plots need them: no file, no plots. */
 int replay_read_metrics(struct run *run) {
     char path[REPLAY_PATH], *text;
     size_t size;
@@ -69,7 +71,7 @@ int replay_read_metrics(struct run *run) {
     int number = 0;
     char *rest = text;
     for (char *line; code == EXIT_GOOD && (line = strsep(&rest, "\n"));) {
-        if (!rest && !*line && number) break; /* the end */
+        if (!rest && !*line && number) break; /* after the last newline */
         code = number++ ? parse_row(run, line, path, number, order)
                         : parse_header(run, line, path, order);
     }

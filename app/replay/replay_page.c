@@ -1,14 +1,70 @@
-/* Embeds the page. REPLAY_HTML: where it lies. */
-#include "replay.h"
+/* Writes the page: the template with its two placeholders replaced. */
+#include "replay_page.h"
+#include "replay_planes.h"
 
-extern const char replay_page_end[];
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-__asm__(".section .rodata\n"
-        ".global replay_page, replay_page_end\n"
-        "replay_page:\n"
-        ".incbin \"" REPLAY_HTML "\"\n"
-        "replay_page_end:\n"
-        ".byte 0\n"
-        ".previous\n");
+/* Metadata inside a <script> element, where '<' must not occur: it is written as \u003c, which JSON
+ * allows in strings, the only place where JSON can have a '<'. */
+static int write_metadata(struct stream *stream, const struct run *run) {
+    json_t *meta = replay_metadata(run);
+    char *text =
+        meta ? json_dumps(meta, JSON_COMPACT | JSON_ENSURE_ASCII | JSON_REAL_PRECISION(9)) : NULL;
+    json_decref(meta);
+    if (!text) return report_no_memory();
+    for (const char *at = text; *at;) {
+        size_t plain = strcspn(at, "<");
+        stream_text(stream, at, plain);
+        at += plain;
+        if (!*at) break;
+        stream_text(stream, "\\u003c", 6);
+        at++;
+    }
+    free(text);
+    return EXIT_GOOD;
+}
 
-size_t replay_page_size(void) { return (size_t)(replay_page_end - replay_page); }
+static int write_page(const struct run *run, struct stream *stream) {
+    static const char meta[] = "@META@", data[] = "@DATA@";
+    const char *end = replay_template + replay_template_size();
+    const char *at_meta = strstr(replay_template, meta), *at_data = strstr(replay_template, data);
+    stream_text(stream, replay_template, (size_t)(at_meta - replay_template));
+    int code = write_metadata(stream, run);
+    at_meta += sizeof meta - 1;
+    stream_text(stream, at_meta, (size_t)(at_data - at_meta));
+    if (code == EXIT_GOOD) code = replay_write_data(run, stream);
+    at_data += sizeof data - 1;
+    stream_text(stream, at_data, (size_t)(end - at_data));
+    return code;
+}
+
+static int report_errno(const char *path, const char *what) {
+    replay_error("%s: %s: %s", path, what, strerror(errno));
+    return EXIT_FAILED;
+}
+
+/* The page is written to a temporary file and renamed, so that it appears complete or not at all. A
+ * path that is no regular file, such as /dev/stdout, is written directly. */
+int replay_write_page(const struct run *run, const char *path) {
+    static struct stream stream; /* static: 48 KiB are too much for a stack */
+    char temporary[REPLAY_PATH];
+    struct stat info;
+    bool special = lstat(path, &info) == 0 && !S_ISREG(info.st_mode);
+    int length = snprintf(temporary, sizeof temporary, "%s%s", path, special ? "" : ".tmp");
+    if (length < 0 || length >= REPLAY_PATH) return replay_error("%s: the path is too long", path);
+    stream = (struct stream){.file = fopen(temporary, "wbe")};
+    if (!stream.file) return report_errno(temporary, "cannot create the file");
+    int code = write_page(run, &stream);
+    if (fflush(stream.file) || ferror(stream.file)) stream.failed = true;
+    if (code == EXIT_GOOD && stream.failed) code = report_errno(temporary, "writing failed");
+    if (fclose(stream.file) && code == EXIT_GOOD) code = report_errno(temporary, "writing failed");
+    if (special) return code;
+    if (code == EXIT_GOOD && rename(temporary, path))
+        code = report_errno(path, "cannot rename to it");
+    if (code != EXIT_GOOD) unlink(temporary);
+    return code;
+}

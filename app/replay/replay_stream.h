@@ -1,0 +1,27 @@
+/* Output stream of a page: plain text, and binary data compressed with deflate and coded in base64.
+ */
+#ifndef REPLAY_STREAM_H
+#define REPLAY_STREAM_H
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <zlib.h>
+
+enum { STREAM_CHUNK = 3 << 14 }; /* bytes; a multiple of 3, so that base64 chunks can be joined */
+
+struct stream {
+    FILE *file;
+    z_stream deflate;
+    bool failed; /* a write failed; later writes are still accepted */
+    unsigned char compressed[STREAM_CHUNK];
+};
+
+void stream_text(struct stream *stream, const char *text, size_t size);
+
+/* Binary data: begin, any number of stream_bytes(), end. false if memory ran out. */
+bool stream_begin_data(struct stream *stream);
+void stream_bytes(struct stream *stream, const unsigned char *bytes, size_t size);
+/* finish: writes what is buffered; false: only releases memory. */
+void stream_end_data(struct stream *stream, bool finish);
+
+#endif
