@@ -1,5 +1,5 @@
-/* Exit codes, messages and small helpers that all sub-commands of projdyn share.
- * The commands use the public API of libprojdyn alone. */
+/* Exit codes, messages and small helpers that all sub-commands of projdyn share. The commands
+ * use the public API of libprojdyn alone. */
 #ifndef APP_H
 #define APP_H
 
@@ -16,15 +16,15 @@ int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
 
-/* Default output directory: out/PREFIX + NAME for a scene file .../NAME.json. The caller frees the
- * text; NULL with a message if memory ran out. */
+/* Default output directory: out/PREFIX + NAME for a scene file .../NAME.json. The caller frees
+ * the text; NULL with a message if memory ran out. */
 char *default_output(const char *prefix, const char *scene);
 
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
 bool parse_integer(const char *option, const char *text, long min, long max, long *out);
 
-/* Print a message to stderr and return EXIT_FAILED. report_write_error() appends the text of errno.
- */
+/* Print a message to stderr and return EXIT_FAILED. report_write_error() appends the text of
+ * errno. */
 int report_no_memory(void);
 int report_write_error(const char *path);
 
@@ -33,15 +33,15 @@ double wall_seconds(void);
 /* Processor time of the process, s, summed over its threads. */
 double processor_seconds(void);
 
-/* Erases the progress line of `projdyn run` if stderr is a terminal; call it before other output to
- * stderr. */
+/* Erases the progress line of `projdyn run` if stderr is a terminal; call it before other output
+ * to stderr. */
 void clear_progress(void);
 
 /* Error text of the context, or the general text of the status if the context has none. */
 const char *status_message(const pdyn_context *context, pdyn_status status);
 
-/* Prints status_message() to stderr. Returns EXIT_BAD_INPUT for PDYN_BAD_INPUT and PDYN_BAD_CALL,
- * EXIT_FAILED for every other status. */
+/* Prints status_message() to stderr. Returns EXIT_BAD_INPUT for PDYN_BAD_INPUT and
+ * PDYN_BAD_CALL, EXIT_FAILED for every other status. */
 int report_status(const pdyn_context *context, pdyn_status status);
 
 #endif

@@ -1,5 +1,5 @@
-/* projdyn check: loads a scene and prints its contents, or runs the conformance tests of a plug-in.
- */
+/* projdyn check: loads a scene and prints its contents, or runs the conformance tests of a
+ * plug-in. */
 #include "scene_options.h"
 
 #include "projdyn/conformance.h"
@@ -67,8 +67,8 @@ static int check_plugins(const struct scene_options *options) {
     return code == EXIT_GOOD && faults ? EXIT_FAILED : code;
 }
 
-/* Runs check_plugins() in a child process, so that a crash of the plug-in is reported as a fault.
- */
+/* Runs check_plugins() in a child process, so that a crash of the plug-in is reported as a
+ * fault. */
 static int check_plugins_in_child(const struct scene_options *options) {
     int status;
     fflush(stdout);

@@ -106,16 +106,18 @@ static int parse(struct compare *c, int argc, char **argv) {
 
 /* ---- output ---------------------------------------------------------------------------------- */
 
+/* Prints a row per solver; row: the printf format of the columns of --csv. */
 static void print_rows(const struct solver_benchmark *benchmark, const char *header,
                        const char *row) {
     const struct solver_timing *first = benchmark->solver;
     printf("%s", header);
     for (int k = 0; k < benchmark->solvers; k++) {
-        const struct solver_timing *c = &first[k];
+        const struct solver_timing *timing = &first[k];
         double n = benchmark->steps;
-        printf(row, c->solver, benchmark_prepare_ms(benchmark, c), benchmark_step_ms(benchmark, c),
-               c->outer / n, c->linear / n, c->residual / n, 1e-6 * c->bytes,
-               benchmark_difference(c, first), benchmark_break_even(benchmark, c, first));
+        printf(row, timing->solver, benchmark_prepare_ms(benchmark, timing),
+               benchmark_step_ms(benchmark, timing), timing->outer / n, timing->linear / n,
+               timing->residual / n, 1e-6 * timing->bytes, benchmark_difference(timing, first),
+               benchmark_break_even(benchmark, timing, first));
     }
 }
 

@@ -1,3 +1,4 @@
+/* Cells of CSV files (RFC 4180). */
 #include "csv.h"
 
 #include <string.h>

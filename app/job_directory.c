@@ -1,3 +1,4 @@
+/* Directories of jobs: the key that names them, status and lock (jobs.h shows the layout). */
 #include "job_directory.h"
 #include "read_file.h"
 

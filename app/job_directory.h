@@ -14,9 +14,8 @@ int job_make_directories(const char *path);
 int job_update_status(const struct jobs *jobs, struct job *job);
 
 /* Creates and locks the job's empty directory OUTPUT/KEY.part. *lock: file descriptor that holds
- * the lock until it is closed; -1 if another process runs or has finished the job. Returns an exit
- * code.
- */
+ * the lock until it is closed; -1 if another process runs or has finished the job. Returns an
+ * exit code. */
 int job_lock(const struct jobs *jobs, struct job *job, int *lock);
 
 #endif

@@ -1,3 +1,4 @@
+/* result.json: how a job ended, written by the process that ran it and read for tables. */
 #include "job_result.h"
 #include "metrics_csv.h"
 #include "read_file.h"
@@ -17,8 +18,8 @@ static bool path_in(char path[JOB_PATH], const char *directory, const char *name
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-/* Last message in DIRECTORY/log.txt that is no warning; "" if there is none. The caller frees it.
- */
+/* Last message in DIRECTORY/log.txt that is no warning; "" if there is none. The caller frees
+ * it. */
 static char *last_error(const char *directory) {
     static const char prefix[] = "projdyn: ", warning[] = "projdyn: warning";
     char path[JOB_PATH], *log = NULL, *last = NULL;
@@ -72,8 +73,8 @@ int job_result_write(const char *directory, const struct job *job, int status, d
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* Sets "mean" and "max" to the means and maxima of the columns of metrics.csv. Values that are not
- * finite are left out. */
+/* Sets "mean" and "max" to the means and maxima of the columns of metrics.csv. Values that are
+ * not finite are left out. */
 static void add_metrics(json_t *result, const struct metrics_csv *m) {
     json_t *means = json_object(), *maxima = json_object();
     for (int k = 0; k < m->columns && m->rows; k++) {

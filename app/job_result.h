@@ -6,15 +6,17 @@
 
 #include <jansson.h>
 
-/* Writes DIRECTORY/result.json. status: as wait() returns it; cpu: processor time of the process,
- * s. Returns an exit code. */
+/* Writes DIRECTORY/result.json. status: as wait() returns it; cpu: processor time of the
+ * process, s. Returns an exit code. */
 int job_result_write(const char *directory, const struct job *job, int status, double cpu);
 
-/* Reads the result of a job into one JSON object:
- *     "status", "error", "cpu_s"   from result.json; status: "good", "bad input", "failed",
- * "killed" "report"                     report.json, if there is one "mean", "max" of each column
- * of metrics.csv, if there is one NULL after a message if result.json is missing or invalid. The
- * caller releases the object. */
+/* Reads the result of a job into one JSON object with the keys
+ *
+ *     status, error, cpu_s   from result.json; status: "good", "bad input", "failed" or "killed"
+ *     report                 content of report.json, if there is one
+ *     mean, max              of each column of metrics.csv, if there is one
+ *
+ * NULL after a message if result.json is missing or invalid. The caller releases the object. */
 json_t *job_result_read(const char *directory);
 
 /* Whether the result is not NULL and has this "status". */

@@ -74,8 +74,8 @@ static int start_job(const struct jobs *jobs, struct job *job, struct worker *wo
     return job_report_errno(jobs->output, "cannot start a process");
 }
 
-/* Writes result.json and renames OUTPUT/KEY.part to OUTPUT/KEY, so that this directory appears only
- * when it is complete. */
+/* Writes result.json and renames OUTPUT/KEY.part to OUTPUT/KEY, so that this directory appears
+ * only when it is complete. */
 static int finish_job(const struct jobs *jobs, struct worker *worker, int status,
                       const struct rusage *usage) {
     char part[JOB_PATH], path[JOB_PATH];
@@ -130,8 +130,8 @@ static void print_finished(const struct jobs *jobs, const struct job *job) {
     fflush(stdout);
 }
 
-/* Kills jobs (SIGXCPU) whose processor time exceeds their limit. RLIMIT_CPU would do the same, but
- * it reduces the resolution of the process's clock, which the job measures its steps with. */
+/* Kills jobs (SIGXCPU) whose processor time exceeds their limit. RLIMIT_CPU would do the same,
+ * but it reduces the resolution of the process's clock, which the job measures its steps with. */
 static void kill_over_limit(const struct jobs *jobs, const struct worker *worker) {
     for (int k = 0; k < jobs->processes; k++) {
         clockid_t clock;
@@ -166,8 +166,8 @@ static bool all_finished(const struct jobs *jobs) {
     return true;
 }
 
-/* Runs jobs until all are finished. Jobs that another process has locked are polled (every 100 ms
- * if no own job runs) until that process has finished them or has ended. */
+/* Runs jobs until all are finished. Jobs that another process has locked are polled (every 100
+ * ms if no own job runs) until that process has finished them or has ended. */
 static int run_all(struct jobs *jobs, struct worker *worker) {
     const struct timespec interval = {.tv_nsec = 100000000};
     int code = EXIT_GOOD;

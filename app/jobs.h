@@ -1,11 +1,11 @@
-/* Jobs: runs of one scene with different overrides, several at a time, each in its own process and
- * its own directory OUTPUT/KEY.
+/* Jobs: runs of one scene with different overrides, several at a time, each in its own process
+ * and its own directory OUTPUT/KEY.
  *
  *     OUTPUT/KEY.part   a job that runs (locked by its parent process), or one that was killed
  *     OUTPUT/KEY        a finished job: log.txt, result.json and the files of `projdyn run`
  *
- * A finished job is not run again. Several processes may work on one OUTPUT at the same time: the
- * lock gives each job to one of them. */
+ * A finished job is not run again. Several processes may work on one OUTPUT at the same time:
+ * the lock gives each job to one of them. */
 #ifndef JOBS_H
 #define JOBS_H
 
@@ -35,8 +35,8 @@ struct jobs {
     struct job *job; /* count */
 };
 
-/* Appends overrides to a job. The texts are not copied and must outlive the job; the caller frees
- * job->set. false if memory ran out. */
+/* Appends overrides to a job. The texts are not copied and must outlive the job; the caller
+ * frees job->set. false if memory ran out. */
 bool job_add_overrides(struct job *job, const char *const *set, int sets);
 
 /* Computes the key and the status of every job. Returns an exit code. */

@@ -1,5 +1,5 @@
-/* projdyn list: prints the registered constraint types and solvers, from the parameter tables that
- * also parse a scene. */
+/* projdyn list: prints the registered constraint types and solvers, from the parameter tables
+ * that also parse a scene. */
 #include "scene_options.h"
 
 #include <getopt.h>

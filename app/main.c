@@ -31,8 +31,8 @@ static void print_usage(FILE *out) {
                  "'projdyn --version' prints the version.\n");
 }
 
-/* Whether the edit distance (insertions, deletions, substitutions) of two words is at most `edits`.
- */
+/* Whether the edit distance (insertions, deletions, substitutions) of two words is at most
+ * `edits`. */
 static bool is_near(const char *a, const char *b, int edits) {
     while (*a && *a == *b) a++, b++;
     if (!*a && !*b) return true;

@@ -1,3 +1,4 @@
+/* Reader for metrics.csv, the table of a run's time steps. */
 #include "metrics_csv.h"
 #include "app.h"
 #include "read_file.h"
@@ -43,7 +44,7 @@ int metrics_csv_read(const char *directory, struct metrics_csv *metrics) {
     char *path;
     size_t size;
     *metrics = (struct metrics_csv){0};
-    if (asprintf(&path, "%s/metrics.csv", directory) < 0) return EXIT_FAILED;
+    if (asprintf(&path, "%s/metrics.csv", directory) < 0) return report_no_memory();
     int code = read_file(path, &metrics->text, &size);
     free(path);
     if (code != EXIT_GOOD || split(metrics)) return code;

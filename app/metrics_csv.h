@@ -10,8 +10,8 @@ struct metrics_csv {
     char *text;    /* content of the file, cut into cells */
 };
 
-/* Reads DIRECTORY/metrics.csv. Returns EXIT_GOOD, or another exit code after a message with nothing
- * to be freed. */
+/* Reads DIRECTORY/metrics.csv. Returns EXIT_GOOD, or another exit code after a message with
+ * nothing to be freed. */
 int metrics_csv_read(const char *directory, struct metrics_csv *metrics);
 void metrics_csv_free(struct metrics_csv *metrics);
 

@@ -1,3 +1,4 @@
+/* Cartesian grid of scene parameters for `projdyn sweep`, parsed from --set PATH=V,V,... */
 #include "parameter_grid.h"
 #include "app.h"
 

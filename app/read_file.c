@@ -1,3 +1,4 @@
+/* Reads a whole file into memory. */
 #include "read_file.h"
 #include "app.h"
 

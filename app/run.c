@@ -73,12 +73,8 @@ static bool parse_time(struct run_options *o, const char *text) {
 }
 
 static bool parse_save(struct run_options *o, const char *text) {
-    char *end;
-    long frames = strtol(text, &end, 10);
-    if (*end || end == text || frames < 0 || frames > INT_MAX) {
-        fprintf(stderr, "projdyn: --save: found \"%s\", expected a number of frames\n", text);
-        return false;
-    }
+    long frames;
+    if (!parse_integer("--save", text, 0, INT_MAX, &frames)) return false;
     o->save_interval = (int)frames;
     return true;
 }
@@ -220,9 +216,9 @@ static void print_summary(const pdyn_sim *sim, const char *output, const struct 
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* Whether an interrupt ends the run before the next step. The first interrupt waits for the end of
- * the current frame and prints a message once (*printed), the second one does not wait. `frame`:
- * the last step ended a frame. */
+/* Whether an interrupt ends the run before the next step. The first interrupt waits for the end
+ * of the current frame and prints a message once (*printed), the second one does not wait.
+ * `frame`: the last step ended a frame. */
 static bool must_stop(bool frame, bool *printed) {
     if (interrupts && !frame && !*printed) {
         *printed = true;
@@ -233,8 +229,8 @@ static bool must_stop(bool frame, bool *printed) {
     return interrupts > 1 || (interrupts && frame);
 }
 
-/* Writes a frame, and the state every `save_interval` frames. The initial frame is one of these, so
- * that a run can be resumed from its start on. */
+/* Writes a frame, and the state every `save_interval` frames. The initial frame is one of these,
+ * so that a run can be resumed from its start on. */
 static pdyn_status end_frame(pdyn_writer *writer, const struct run_options *o,
                              struct run_totals *t) {
     pdyn_status status = o->no_frames ? PDYN_OK : pdyn_writer_frame(writer);
@@ -264,8 +260,8 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
     return status;
 }
 
-/* Opens the output directory for a new run or for the continuation of a run. Returns EXIT_GOOD, or
- * another exit code after a message; *writer is open only on EXIT_GOOD. */
+/* Opens the output directory for a new run or for the continuation of a run. Returns EXIT_GOOD,
+ * or another exit code after a message; *writer is open only on EXIT_GOOD. */
 static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_options *o,
                        pdyn_writer **writer) {
     pdyn_status status = o->resume ? pdyn_writer_resume(sim, o->output, writer)
@@ -279,8 +275,8 @@ static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_op
     return EXIT_FAILED;
 }
 
-/* Writes the report and the final state. `status`: how simulate() ended; after a failure the state
- * is that of the last step that succeeded. Returns the exit code of the run. */
+/* Writes the report and the final state. `status`: how simulate() ended; after a failure the
+ * state is that of the last step that succeeded. Returns the exit code of the run. */
 static int close_output(pdyn_context *context, pdyn_writer *writer, const struct run_options *o,
                         pdyn_status status, bool interrupted) {
     int code = status == PDYN_OK ? EXIT_GOOD : report_status(context, status);
@@ -313,8 +309,8 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
 }
 
-/* Installs the handler of SIGINT and SIGTERM. Called after the scene is loaded: before that nothing
- * has been written, and the default action (terminate) is right. */
+/* Installs the handler of SIGINT and SIGTERM. Called after the scene is loaded: before that
+ * nothing has been written, and the default action (terminate) is right. */
 static void catch_signals(void) {
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigaction(SIGINT, &action, NULL);

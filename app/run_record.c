@@ -1,3 +1,4 @@
+/* DIR/run.json, from which `projdyn run --resume DIR` reads scene, overrides and plug-ins. */
 #include "run_record.h"
 
 #include <errno.h>

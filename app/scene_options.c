@@ -1,3 +1,4 @@
+/* Options that describe a scene, and loading the scene with them. */
 #include "scene_options.h"
 
 #include <stdio.h>

@@ -1,6 +1,5 @@
-/* Command-line options that describe a scene and how to load it: the scene file, --set, --plugin
- * and
- * --threads. Every command that loads a scene uses them. */
+/* Options that every command with a scene shares: the scene file and its overrides (--set),
+ * plug-ins (--plugin) and worker threads (--threads). */
 #ifndef SCENE_OPTIONS_H
 #define SCENE_OPTIONS_H
 
@@ -19,8 +18,8 @@ struct scene_options {
 /* Parses the argument of --threads; false with a message if it is no integer from 1 to 1024. */
 bool scene_threads(struct scene_options *options, const char *text);
 
-/* Append an override or a plug-in file. The text is not copied and must outlive the options. false
- * with a message if memory ran out. */
+/* Append an override or a plug-in file. The text is not copied and must outlive the options.
+ * false with a message if memory ran out. */
 bool scene_set(struct scene_options *options, const char *text);
 bool scene_plugin(struct scene_options *options, const char *file);
 void scene_options_free(struct scene_options *options);

@@ -1,3 +1,4 @@
+/* Measurements of `projdyn compare`: the same steps with several solvers in alternation. */
 #include "solver_benchmark.h"
 
 #include <malloc.h>
@@ -6,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Processor time with one thread, because other programs on the machine disturb it less than wall
- * time; wall time with several threads. */
+/* Processor time with one thread, because other programs on the machine disturb it less than
+ * wall time; wall time with several threads. */
 static double clock_ms(const struct solver_benchmark *benchmark) {
     return 1e3 * (benchmark->scene.threads == 1 ? processor_seconds() : wall_seconds());
 }
@@ -31,53 +32,54 @@ static double box_diagonal(const pdyn_state *state) {
 
 /* Stores final positions, memory and integrator. All rounds give the same positions, so the last
  * round overwrites the others. false if memory ran out. */
-static bool store_result(struct solver_timing *c, const pdyn_sim *sim, double bytes) {
+static bool store_result(struct solver_timing *timing, const pdyn_sim *sim, double bytes) {
     pdyn_state state = pdyn_get_state(sim);
     size_t size = 3 * (size_t)state.particles * sizeof(double);
-    if (!c->x) c->x = malloc(size + 1);
-    if (!c->x) return false;
-    memcpy(c->x, state.x, size);
-    c->particles = state.particles, c->bytes = bytes;
-    snprintf(c->integrator, sizeof c->integrator, "%s", pdyn_integrator(sim));
+    if (!timing->x) timing->x = malloc(size + 1);
+    if (!timing->x) return false;
+    memcpy(timing->x, state.x, size);
+    timing->particles = state.particles, timing->bytes = bytes;
+    snprintf(timing->integrator, sizeof timing->integrator, "%s", pdyn_integrator(sim));
     return true;
 }
 
 /* Runs the steps; lowers each step time to the minimum over the rounds and sums the iterations. */
-static int run_steps(const struct solver_benchmark *benchmark, struct solver_timing *c,
+static int run_steps(const struct solver_benchmark *benchmark, struct solver_timing *timing,
                      pdyn_context *context, pdyn_sim *sim) {
-    c->outer = c->linear = c->residual = 0.0;
+    timing->outer = timing->linear = timing->residual = 0.0;
     pdyn_state state = pdyn_get_state(sim);
-    c->size = box_diagonal(&state);
+    timing->size = box_diagonal(&state);
     for (int k = 0; k < benchmark->steps; k++) {
         pdyn_step_info info;
         double start = clock_ms(benchmark);
         pdyn_status status = pdyn_step(sim, &info);
-        c->step_ms[k] = fmin(c->step_ms[k], clock_ms(benchmark) - start);
+        timing->step_ms[k] = fmin(timing->step_ms[k], clock_ms(benchmark) - start);
         if (status != PDYN_OK) return report_status(context, status);
-        c->outer += info.outer_iterations, c->linear += info.linear_iterations;
-        c->residual += info.step_residual;
+        timing->outer += info.outer_iterations, timing->linear += info.linear_iterations;
+        timing->residual += info.step_residual;
     }
     return EXIT_GOOD;
 }
 
-/* One round of one solver: loads the scene, runs the steps. Warnings are printed in the first round
- * only. */
-static int run_round(const struct solver_benchmark *benchmark, struct solver_timing *c,
+/* One round of one solver: loads the scene, runs the steps. Warnings are printed in the first
+ * round only. */
+static int run_round(const struct solver_benchmark *benchmark, struct solver_timing *timing,
                      bool first) {
     char solver[64];
     struct scene_options scene = benchmark->scene;
     const char **set = calloc((size_t)scene.sets + 1, sizeof *set);
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    if (!set) return EXIT_FAILED;
+    if (!set) return report_no_memory();
     if (scene.sets) memcpy(set, scene.set, (size_t)scene.sets * sizeof *set);
-    snprintf(solver, sizeof solver, "solver.type=%.40s", c->solver);
+    snprintf(solver, sizeof solver, "solver.type=%.40s", timing->solver);
     set[scene.sets++] = solver, scene.set = set, scene.silent = !first;
     double before = allocated_bytes(), start = clock_ms(benchmark);
     int code = scene_load(&scene, &context, &sim);
-    c->load_ms = fmin(c->load_ms, clock_ms(benchmark) - start);
-    if (code == EXIT_GOOD) code = run_steps(benchmark, c, context, sim);
-    if (code == EXIT_GOOD && !store_result(c, sim, allocated_bytes() - before)) code = EXIT_FAILED;
+    timing->load_ms = fmin(timing->load_ms, clock_ms(benchmark) - start);
+    if (code == EXIT_GOOD) code = run_steps(benchmark, timing, context, sim);
+    if (code == EXIT_GOOD && !store_result(timing, sim, allocated_bytes() - before))
+        code = report_no_memory();
     pdyn_free(sim);
     pdyn_destroy(context);
     free(set);
@@ -87,11 +89,11 @@ static int run_round(const struct solver_benchmark *benchmark, struct solver_tim
 int benchmark_run(struct solver_benchmark *benchmark) {
     int code = EXIT_GOOD, n = benchmark->solvers;
     for (int k = 0; k < n; k++) {
-        struct solver_timing *c = &benchmark->solver[k];
-        c->load_ms = INFINITY;
-        c->step_ms = malloc((size_t)benchmark->steps * sizeof *c->step_ms);
-        if (!c->step_ms) return EXIT_FAILED;
-        for (int s = 0; s < benchmark->steps; s++) c->step_ms[s] = INFINITY;
+        struct solver_timing *timing = &benchmark->solver[k];
+        timing->load_ms = INFINITY;
+        timing->step_ms = malloc((size_t)benchmark->steps * sizeof *timing->step_ms);
+        if (!timing->step_ms) return report_no_memory();
+        for (int s = 0; s < benchmark->steps; s++) timing->step_ms[s] = INFINITY;
     }
     for (int r = 0; r < benchmark->rounds; r++)
         for (int k = 0; k < n && code == EXIT_GOOD; k++)
@@ -109,15 +111,16 @@ void benchmark_free(struct solver_benchmark *benchmark) {
 
 /* ---- evaluation ------------------------------------------------------------------------------ */
 
-double benchmark_step_ms(const struct solver_benchmark *benchmark, const struct solver_timing *c) {
+double benchmark_step_ms(const struct solver_benchmark *benchmark,
+                         const struct solver_timing *timing) {
     double sum = 0.0;
-    for (int k = 1; k < benchmark->steps; k++) sum += c->step_ms[k];
-    return benchmark->steps > 1 ? sum / (benchmark->steps - 1) : c->step_ms[0];
+    for (int k = 1; k < benchmark->steps; k++) sum += timing->step_ms[k];
+    return benchmark->steps > 1 ? sum / (benchmark->steps - 1) : timing->step_ms[0];
 }
 
 double benchmark_prepare_ms(const struct solver_benchmark *benchmark,
-                            const struct solver_timing *c) {
-    return c->load_ms + fmax(0.0, c->step_ms[0] - benchmark_step_ms(benchmark, c));
+                            const struct solver_timing *timing) {
+    return timing->load_ms + fmax(0.0, timing->step_ms[0] - benchmark_step_ms(benchmark, timing));
 }
 
 double benchmark_difference(const struct solver_timing *a, const struct solver_timing *b) {

@@ -4,8 +4,8 @@
 
 #include "scene_options.h"
 
-/* Measurements of one solver. Times are minima over all rounds, in ms (clock: solver_benchmark.c).
- */
+/* Measurements of one solver. Times are minima over all rounds, in ms (clock:
+ * solver_benchmark.c). */
 struct solver_timing {
     const char *solver;   /* name, as in solver.type */
     double load_ms;       /* loading the scene */
@@ -31,10 +31,11 @@ int benchmark_run(struct solver_benchmark *benchmark);
 void benchmark_free(struct solver_benchmark *benchmark);
 
 /* Mean time of a step, ms, over all steps but the first one. */
-double benchmark_step_ms(const struct solver_benchmark *benchmark, const struct solver_timing *c);
+double benchmark_step_ms(const struct solver_benchmark *benchmark,
+                         const struct solver_timing *timing);
 /* Preparation, ms: loading the scene, and the time of the first step beyond the mean step. */
 double benchmark_prepare_ms(const struct solver_benchmark *benchmark,
-                            const struct solver_timing *c);
+                            const struct solver_timing *timing);
 
 /* Root mean square distance of the final positions of a and b, relative to a->size. */
 double benchmark_difference(const struct solver_timing *a, const struct solver_timing *b);

@@ -1,3 +1,4 @@
+/* Writes OUTPUT/sweep.csv, the table of a sweep: one row per grid point. */
 #include "sweep_table.h"
 #include "csv.h"
 #include "job_result.h"
@@ -84,8 +85,8 @@ static json_t *read_results(const struct jobs *jobs) {
     return all;
 }
 
-/* The "mean" of the first result that has metrics: its keys are the columns of metrics.csv. NULL if
- * no result has metrics. */
+/* The "mean" of the first result that has metrics: its keys are the columns of metrics.csv. NULL
+ * if no result has metrics. */
 static json_t *find_columns(const json_t *all) {
     size_t k;
     json_t *result, *columns;

@@ -2,8 +2,7 @@
  *
  *     # vtk DataFile Version 4.2 / title / BINARY / DATASET UNSTRUCTURED_GRID
  *     POINTS, CELLS, CELL_TYPES; then, except for boundary points, POINT_DATA with density and
- *     pressure (particles only) and velocity
- */
+ *     pressure (particles only) and velocity */
 #include "vtk_frame.h"
 #include "app.h"
 #include "read_file.h"
@@ -175,8 +174,8 @@ static int read_triangles(struct reader *r, int cells, struct vtk_frame *frame) 
     return end_block(r);
 }
 
-/* Reads CELLS and CELL_TYPES: one vertex cell per point, two words each; or triangles, four words
- * each. */
+/* Reads CELLS and CELL_TYPES: one vertex cell per point, two words each; or triangles, four
+ * words each. */
 static int read_cells(struct reader *r, struct vtk_frame *frame) {
     char line[LINE], vertices[LINE], triangles[LINE];
     size_t at = r->at;

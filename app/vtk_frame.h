@@ -17,10 +17,10 @@ struct vtk_frame {
     int *triangle;   /* corner indices,     triangles x 3 */
 };
 
-/* Reads a body's points with their data; vtk_frame_read_boundary() reads a file of points without
- * data. Memory is bounded by the size of the file. Both return EXIT_GOOD; or print a message with
- * the file, the byte offset and the expected content, leave nothing to be freed and return
- * EXIT_BAD_INPUT (EXIT_FAILED: out of memory). */
+/* Reads a body's points with their data; vtk_frame_read_boundary() reads a file of points
+ * without data. Memory is bounded by the size of the file. Both return EXIT_GOOD; or print a
+ * message with the file, the byte offset and the expected content, leave nothing to be freed and
+ * return EXIT_BAD_INPUT (EXIT_FAILED: out of memory). */
 int vtk_frame_read(const char *path, struct vtk_frame *frame);
 int vtk_frame_read_boundary(const char *path, struct vtk_frame *frame);
 

@@ -20,8 +20,8 @@ static int find_column(const char *cell) {
     return k;
 }
 
-/* The number in a cell; JSON null for an empty cell, which stands for a value that is not finite;
- * NULL for text that is no number. */
+/* The number in a cell; JSON null for an empty cell, which stands for a value that is not
+ * finite; NULL for text that is no number. */
 static json_t *parse_cell(const char *cell) {
     char *end;
     if (!*cell) return json_null();

@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Metadata inside a <script> element, where '<' must not occur: it is written as \u003c, which JSON
- * allows in strings, the only place where JSON can have a '<'. */
+/* Metadata inside a <script> element, where '<' must not occur: it is written as \u003c, which
+ * JSON allows in strings, the only place where JSON can have a '<'. */
 static int write_metadata(struct stream *stream, const struct run *run) {
     json_t *meta = replay_metadata(run);
     char *text =
@@ -47,8 +47,8 @@ static int report_errno(const char *path, const char *what) {
     return EXIT_FAILED;
 }
 
-/* The page is written to a temporary file and renamed, so that it appears complete or not at all. A
- * path that is no regular file, such as /dev/stdout, is written directly. */
+/* The page is written to a temporary file and renamed, so that it appears complete or not at
+ * all. A path that is no regular file, such as /dev/stdout, is written directly. */
 int replay_write_page(const struct run *run, const char *path) {
     static struct stream stream; /* static: 48 KiB are too much for a stack */
     char temporary[REPLAY_PATH];

@@ -4,16 +4,16 @@
 
 #include "replay_run.h"
 
-/* Writes the page of a run whose ranges are known. Returns an exit code, after a message unless it
- * is EXIT_GOOD. */
+/* Writes the page of a run whose ranges are known. Returns an exit code, after a message unless
+ * it is EXIT_GOOD. */
 int replay_write_page(const struct run *run, const char *path);
 
-/* Metadata for the placeholder @META@: bodies, times, boxes, facts about the run, columns for the
- * plots. The caller releases the object; NULL if memory ran out. */
+/* Metadata for the placeholder @META@: bodies, times, boxes, facts about the run, columns for
+ * the plots. The caller releases the object; NULL if memory ran out. */
 json_t *replay_metadata(const struct run *run);
 
-/* replay.html as embedded at build time, NUL-terminated, with the placeholders @META@ and @DATA@.
- */
+/* replay.html as embedded at build time, NUL-terminated, with the placeholders @META@ and
+ * @DATA@. */
 extern const char replay_template[];
 size_t replay_template_size(void);
 

@@ -1,3 +1,4 @@
+/* Codes the frames of a run for the page: quantisation, prediction, residuals. */
 #include "replay_planes.h"
 
 #include <math.h>
@@ -60,8 +61,8 @@ static const struct predictor { int previous, preceding; } predictors[] = {{0, 0
 
 enum { PREDICTORS = sizeof predictors / sizeof *predictors };
 
-/* Value minus prediction, modulo the range of the plane, mapped to small unsigned numbers:
- * 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ... */
+/* Value minus prediction, modulo the range of the plane, mapped to small unsigned numbers: 0,
+ * -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ... */
 static unsigned residual(const struct plane *plane, const struct predictor *p, int i) {
     int difference =
         plane->now[i] - p->previous * plane->previous[i] - p->preceding * plane->preceding[i];
@@ -104,9 +105,9 @@ static void write_plane(struct stream *stream, struct plane *plane, int count, i
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* Positions are quantised linearly in the box of the run, speed and density error by their square
- * root: a few large values set the range, and the root keeps small values distinct. Points that a
- * frame does not have are zero. */
+/* Positions are quantised linearly in the box of the run, speed and density error by their
+ * square root: a few large values set the range, and the root keeps small values distinct.
+ * Points that a frame does not have are zero. */
 static void quantise_frame(const struct run *run, const struct body *body, struct plane *plane,
                            const struct vtk_frame *frame) {
     for (int p = 0; p < plane_count(body); p++)

@@ -81,8 +81,8 @@ int replay_check_frame(const struct body *body, const struct vtk_frame *frame, c
     return EXIT_GOOD;
 }
 
-/* Checks the number of points against "count" in report.json: equal for a mesh, at most "count" for
- * particles. */
+/* Checks the number of points against "count" in report.json: equal for a mesh, at most "count"
+ * for particles. */
 static int check_point_count(const struct run *run, int b, const struct vtk_frame *frame,
                              const char *path) {
     json_t *count = json_object_get(json_array_get(run->body_list, (size_t)b), "count");

@@ -1,3 +1,4 @@
+/* Finds bodies and frames in the output directory of a run. */
 #include "replay_run.h"
 #include "read_file.h"
 
@@ -60,8 +61,7 @@ static int is_series(const struct dirent *entry) {
 }
 
 /* Bodies of a run without report.json (a killed run): each .vtk.series file but that of the
- * boundary.
- */
+ * boundary. */
 static int find_series(struct run *run) {
     struct dirent **entry;
     int count = scandir(run->directory, &entry, is_series, compare_names);

@@ -1,6 +1,6 @@
 /* Input of `projdyn replay`: the output directory of a run, with its bodies, the files of their
- * frames and the ranges of their values. Frames are read twice: first for the ranges, then for the
- * page. */
+ * frames and the ranges of their values. Frames are read twice: first for the ranges, then for
+ * the page. */
 #ifndef REPLAY_RUN_H
 #define REPLAY_RUN_H
 
@@ -55,8 +55,8 @@ int replay_error(const char *format, ...) PDYN_PRINTF(1, 2);
 bool replay_path(char path[REPLAY_PATH], const struct run *run, const char *name,
                  const char *ending);
 
-/* Finds the bodies and the files of their frames; reads no frame. The caller calls replay_close()
- * in any case. */
+/* Finds the bodies and the files of their frames; reads no frame. The caller calls
+ * replay_close() in any case. */
 int replay_open(struct run *run);
 void replay_close(struct run *run);
 /* Reads run->metrics; leaves it NULL if metrics.csv is missing. */

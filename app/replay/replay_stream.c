@@ -1,3 +1,4 @@
+/* Output of a page: text, and data as deflate in base64. */
 #include "replay_stream.h"
 
 void stream_text(struct stream *stream, const char *text, size_t size) {

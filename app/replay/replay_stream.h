@@ -1,5 +1,5 @@
-/* Output stream of a page: plain text, and binary data compressed with deflate and coded in base64.
- */
+/* Output stream of a page: plain text, and binary data compressed with deflate and coded in
+ * base64. */
 #ifndef REPLAY_STREAM_H
 #define REPLAY_STREAM_H
 

@@ -1,3 +1,4 @@
+/* Runs one job alone until a limit of processor time, to measure how long steps take. */
 #include "calibration.h"
 #include "job_result.h"
 
@@ -17,8 +18,8 @@ double cpu_ms_until(const struct metrics_csv *m, double time) {
     return sum;
 }
 
-/* Reads the steps of a finished job. A job that was killed at its limit counts as good: its steps
- * up to the limit are valid. */
+/* Reads the steps of a finished job. A job that was killed at its limit counts as good: its
+ * steps up to the limit are valid. */
 static int read_steps(const char *path, double limit_s, struct metrics_csv *steps) {
     json_t *result = job_result_read(path);
     bool good = job_result_has_status(result, "good") || job_result_has_status(result, "killed");

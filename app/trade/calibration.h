@@ -6,9 +6,9 @@
 #include "jobs.h"
 #include "metrics_csv.h"
 
-/* Runs the job, whose limit_s is set, with the scene and output directory of `jobs`, and reads its
- * time steps up to the limit (at least one). Like every job, a finished calibration run is not
- * repeated. Returns EXIT_GOOD; or another exit code after a message with nothing to be freed
+/* Runs the job, whose limit_s is set, with the scene and output directory of `jobs`, and reads
+ * its time steps up to the limit (at least one). Like every job, a finished calibration run is
+ * not repeated. Returns EXIT_GOOD; or another exit code after a message with nothing to be freed
  * (EXIT_FAILED: the run failed, or its first step exceeds the limit). */
 int calibration_run(const struct jobs *jobs, struct job *job, struct metrics_csv *steps);
 

@@ -1,3 +1,4 @@
+/* Pareto front of error and processor time: dominance, printed table, trade.csv, plots. */
 #include "pareto.h"
 #include "app.h"
 #include "csv.h"
@@ -13,8 +14,8 @@ extern char **environ;
 
 /* ---- dominance ------------------------------------------------------------------------------- */
 
-/* Whether a dominates b: at least as good in both, better in one. Of two equal trials the first one
- * dominates. */
+/* Whether a dominates b: at least as good in both, better in one. Of two equal trials the first
+ * one dominates. */
 static bool dominates(const struct trial *a, const struct trial *b, int metric) {
     return trial_is_usable(a, metric) && a->ms <= b->ms && a->error[metric] <= b->error[metric] &&
            (a->ms < b->ms || a->error[metric] < b->error[metric] || a < b);
@@ -36,9 +37,8 @@ static int compare_times(const void *a, const void *b) {
     return (x->ms > y->ms) - (x->ms < y->ms);
 }
 
-/* Trials that succeeded, fastest first, then NULL; the caller frees the array. NULL if memory ran
- * out.
- */
+/* Trials that succeeded, fastest first, then NULL; the caller frees the array. NULL if memory
+ * ran out. */
 static const struct trial **sort_by_time(const struct trial_table *table) {
     const struct trial **sorted = calloc((size_t)table->count + 1, sizeof *sorted);
     size_t count = 0;

@@ -1,5 +1,6 @@
-/* The settings of a plan: a grid of step lengths and solution accuracies, then other integrators,
- * step types, solvers and tolerances. Step lengths are factors on that of the scene ("h x 2"). */
+/* The settings of a plan: a grid of step lengths and solution accuracies, then other
+ * integrators, step types, solvers and tolerances. Step lengths are factors on that of the scene
+ * ("h x 2"). */
 #include "plan.h"
 #include "scene_json.h"
 
@@ -58,8 +59,8 @@ static void truncate_iterations(struct setting *setting, int outer, int linear) 
     setting_add(setting, "solver.linear_iterations=%d", linear);
 }
 
-/* Appends a setting with a name formatted as by printf; the plan owns it, even if it is incomplete.
- * false if memory ran out. */
+/* Appends a setting with a name formatted as by printf; the plan owns it, even if it is
+ * incomplete. false if memory ran out. */
 static bool append_setting(struct plan *plan, struct setting *setting, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 static bool append_setting(struct plan *plan, struct setting *setting, const char *format, ...) {
@@ -132,8 +133,8 @@ static bool add_truncated_grid(struct plan *plan, const json_t *scene, double co
     return good;
 }
 
-/* Fixed step lengths instead of steps limited by the CFL number; none if the scene has fixed steps.
- */
+/* Fixed step lengths instead of steps limited by the CFL number; none if the scene has fixed
+ * steps. */
 static bool add_fixed_steps(struct plan *plan, const json_t *scene, double coarsening) {
     static const double factors[] = {1, 2, 4};
     int linear = (int)round(24.0 * coarsening);

@@ -1,5 +1,5 @@
-/* Plan of a study: the settings that `projdyn trade` runs on a scene, and its reference settings.
- */
+/* Plan of a study: the settings that `projdyn trade` runs on a scene, and its reference
+ * settings. */
 #ifndef PLAN_H
 #define PLAN_H
 
@@ -17,9 +17,9 @@ struct plan {
 };
 
 /* scene: JSON with the user's overrides applied; solver: solver type that the scene uses;
- * coarsening: linear iteration limits are multiplied by it, so that a plan for a scene and a plan
- * for its replica (coarsening 1) match: information travels one spacing per linear iteration. false
- * if memory ran out; the caller calls plan_free() in any case. */
+ * coarsening: linear iteration limits are multiplied by it, so that a plan for a scene and a
+ * plan for its replica (coarsening 1) match: information travels one spacing per linear
+ * iteration. false if memory ran out; the caller calls plan_free() in any case. */
 bool plan_make(struct plan *plan, const json_t *scene, const char *solver, double coarsening);
 void plan_free(struct plan *plan);
 

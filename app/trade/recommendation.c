@@ -1,7 +1,7 @@
-/* Chooses a setting for a target. Errors come from the study. Times of a replica are not those of
- * the scene, therefore a chosen setting is run on the scene itself until a limit of processor time;
- * its time for the whole window is extrapolated with the times of the same setting on the replica.
- */
+/* Chooses a setting for a target. Errors come from the study. Times of a replica are not those
+ * of the scene, therefore a chosen setting is run on the scene itself until a limit of processor
+ * time; its time for the whole window is extrapolated with the times of the same setting on the
+ * replica. */
 #include "recommendation.h"
 #include "calibration.h"
 #include "scene_json.h"
@@ -12,8 +12,8 @@
 
 enum { MAX_SCENE_RUNS = 3 }; /* settings that are run on the scene itself */
 
-/* Expected ratio of processor times, scene to replica: coarsening^4. Three powers for the number of
- * particles, one for the iterations: information travels one spacing per linear iteration. */
+/* Expected ratio of processor times, scene to replica: coarsening^4. Three powers for the number
+ * of particles, one for the iterations: information travels one spacing per linear iteration. */
 static const double cost_exponent = 4.0;
 
 /* ---- time on the scene itself ---------------------------------------------------------------- */
@@ -45,8 +45,8 @@ static int run_scene(const struct study *s, int k, double limit_s, struct metric
  *
  *     c_scene(0, T) + c_replica(T, end) c_scene(T/2, T) / c_replica(T/2, T)
  *
- * The second half of the run gives the ratio, because an impact at the start is over by then. NAN
- * if a half has no steps. */
+ * The second half of the run gives the ratio, because an impact at the start is over by then.
+ * NAN if a half has no steps. */
 static double extrapolate_ms(const struct metrics_csv *scene, const struct metrics_csv *replica) {
     double end = simulated_seconds(scene);
     double scene_ms = cpu_ms_until(scene, end), replica_ms = cpu_ms_until(replica, end);
@@ -100,9 +100,8 @@ static const struct trial *find_best(const struct study *s, const struct target 
 }
 
 /* Chooses a trial; with a replica, runs it on the scene, updates the ratio of times and chooses
- * again, until the chosen trial is one whose scene time is known. *best = NULL if nothing reaches
- * the target.
- */
+ * again, until the chosen trial is one whose scene time is known. *best = NULL if nothing
+ * reaches the target. */
 static int choose(const struct study *s, const struct target *target, struct scene_time *time,
                   double *ratio, const struct trial **best) {
     bool has_replica = s->scope.replica.sets > 0;

@@ -10,8 +10,8 @@ struct target {
     const char *write; /* path for the scene with the recommended setting, or NULL */
 };
 
-/* Prints the recommendation and writes the scene. Returns an exit code; EXIT_FAILED after a message
- * if no setting reaches the target. */
+/* Prints the recommendation and writes the scene. Returns an exit code; EXIT_FAILED after a
+ * message if no setting reaches the target. */
 int recommend(const struct study *study, const struct target *target);
 
 #endif

@@ -1,3 +1,4 @@
+/* Overrides that turn a scene into a coarser replica (formulas: replica.h). */
 #include "replica.h"
 #include "scene_json.h"
 
@@ -15,8 +16,8 @@ static bool has_files(const json_t *particles) {
     return false;
 }
 
-/* Whether a pin selects vertices by number, which would select others on a coarser grid. vertices:
- * the "vertices" of a pin, or a part of it. */
+/* Whether a pin selects vertices by number, which would select others on a coarser grid.
+ * vertices: the "vertices" of a pin, or a part of it. */
 static bool selects_by_number(const json_t *vertices) {
     size_t k;
     json_t *part;

@@ -15,9 +15,9 @@
  *     time_step.cfl            -> cfl/c          (counts radii: the step length h is unchanged)
  *
  * with the particle spacing d. A fluid with "compression" or "sound_speed" derives its stiffness
- * from the radius. Particles and meshes from files, and grids with pins by vertex number, are not
- * coarsened. No overrides are added if nothing in the scene can be coarsened. scene: JSON with the
- * user's overrides applied. */
+ * from the radius. Particles and meshes from files, and grids with pins by vertex number, are
+ * not coarsened. No overrides are added if nothing in the scene can be coarsened. scene: JSON
+ * with the user's overrides applied. */
 void replica_make(const json_t *scene, double factor, struct setting *replica);
 
 #endif

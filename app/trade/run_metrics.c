@@ -1,3 +1,4 @@
+/* Reads a finished run for comparison and computes its errors against a reference. */
 #include "run_metrics.h"
 #include "app.h"
 #include "metrics_csv.h"
@@ -81,7 +82,8 @@ static int read_body(const char *directory, struct body_metrics *body, int frame
     for (int f = 0; f < frames && good && code == EXIT_GOOD; f++) {
         struct vtk_frame frame = {0};
         char *path;
-        if (asprintf(&path, "%s/%s_%06d.vtk", directory, body->name, f) < 0) return EXIT_FAILED;
+        if (asprintf(&path, "%s/%s_%06d.vtk", directory, body->name, f) < 0)
+            return report_no_memory();
         code = vtk_frame_read(path, &frame);
         free(path);
         if (code == EXIT_GOOD && f == 0) good = init_body(body, &frame, frames);
@@ -96,7 +98,7 @@ static int read_body(const char *directory, struct body_metrics *body, int frame
 /* Times of the frames, from the .vtk.series file of a body. */
 static int read_times(const char *directory, const char *name, struct run_metrics *metrics) {
     char *path;
-    if (asprintf(&path, "%s/%s.vtk.series", directory, name) < 0) return EXIT_FAILED;
+    if (asprintf(&path, "%s/%s.vtk.series", directory, name) < 0) return report_no_memory();
     json_t *series = json_load_file(path, 0, NULL), *files = json_object_get(series, "files");
     free(path);
     metrics->frames = (int)json_array_size(files);
@@ -121,7 +123,7 @@ static int read_bodies(const char *directory, json_t *report, struct run_metrics
         struct body_metrics *body = &metrics->body[metrics->bodies++];
         body->name = strdup(name ? name : "");
         body->surface = json_integer_value(json_object_get(info, "triangles")) > 0;
-        if (!body->name) return EXIT_FAILED;
+        if (!body->name) return report_no_memory();
         if (b == 0) code = read_times(directory, body->name, metrics);
         if (code == EXIT_GOOD) code = read_body(directory, body, metrics->frames);
     }
@@ -184,7 +186,7 @@ static int read_steps(const char *directory, json_t *report, struct run_metrics 
 int run_metrics_read(const char *directory, struct run_metrics *metrics) {
     char *path;
     *metrics = (struct run_metrics){0};
-    if (asprintf(&path, "%s/report.json", directory) < 0) return EXIT_FAILED;
+    if (asprintf(&path, "%s/report.json", directory) < 0) return report_no_memory();
     json_t *report = json_load_file(path, 0, NULL);
     free(path);
     int code = read_bodies(directory, report, metrics);

@@ -1,6 +1,6 @@
 /* Quantities of a run that can be compared between two runs of one scene: positions of surfaces,
- * the distribution of fluid particles along the axes, energies. Single particles of a fluid follow
- * chaotic paths, but their distribution converges with the step length. */
+ * the distribution of fluid particles along the axes, energies. Single particles of a fluid
+ * follow chaotic paths, but their distribution converges with the step length. */
 #ifndef RUN_METRICS_H
 #define RUN_METRICS_H
 
@@ -44,24 +44,26 @@ struct run_metrics {
     double ms_per_second; /* processor time, ms per simulated second */
 };
 
-/* Reads a run with frames. Returns EXIT_GOOD, or another exit code after a message with nothing to
- * be freed. */
+/* Reads a run with frames. Returns EXIT_GOOD, or another exit code after a message with nothing
+ * to be freed. */
 int run_metrics_read(const char *directory, struct run_metrics *metrics);
 void run_metrics_free(struct run_metrics *metrics);
 
-/* Errors of a run against a reference with the same frames; all are relative (1 = 100 %), and 0
- * where the scene has no such body. "Size" is the diagonal of the body at the start.
+/* Errors of a run against a reference with the same frames. All are relative (1 = 100 %), and 0
+ * where the scene has no such body. Of several bodies the largest error counts.
  *
  *     density   mean density error of the run itself
- *     cloth     root mean square distance of the vertices, over all frames / size
- *     front     distance of the 5 % and 95 % quantiles: the larger one of both, root mean square
- * over the frames, the worst axis / size. Quantiles leave out spray, which is chaotic. profile mean
- * distance of the quantiles (1D earth mover's distance), root mean square over the frames, the
- * worst axis / size energy    root mean square difference of the total energy / exchanged energy
- *     gained    energy gained beyond that of the reference / exchanged energy; unsolved steps add
- *               energy
+ *     cloth     root mean square distance of the vertices over all frames / size
+ *     front     distance of the 5 % and 95 % quantiles, the larger one of both;
+ *               root mean square over the frames, maximum over the axes / size
+ *     profile   mean distance of the quantiles (earth mover's distance along an axis);
+ *               root mean square over the frames, maximum over the axes / size
+ *     energy    root mean square difference of the total energy / exchanged energy
+ *     gained    energy gained beyond that of the reference / exchanged energy
  *
- * cloth, front and profile are those of the worst body. */
+ * with size = body_metrics.size and exchanged energy = run_metrics.scale. The quantiles of `front`
+ * leave out spray, which is chaotic. `gained` shows steps that end before they are solved: these
+ * add energy. */
 void run_metrics_compare(const struct run_metrics *metrics, const struct run_metrics *reference,
                          double error[RUN_METRICS_COUNT]);
 

@@ -6,8 +6,8 @@
 
 #include <jansson.h>
 
-/* Loads the scene file with its overrides applied. The caller releases *json. Returns an exit code.
- */
+/* Loads the scene file with its overrides applied. The caller releases *json. Returns an exit
+ * code. */
 int scene_json(const struct scene_options *scene, json_t **json);
 
 /* Number under a key; `fallback` if the object is NULL or has no number under this key. */

@@ -1,3 +1,4 @@
+/* Chooses replica and time window of a scene so that a run fits a budget of processor time. */
 #include "scope.h"
 #include "replica.h"
 #include "scene_json.h"
@@ -33,10 +34,10 @@ static bool is_loadable(const struct scene_options *scene) {
     return good;
 }
 
-/* Finds the finest replica that runs to its end within the budget, with a factor of at most 3; if
- * even that one does not, its time window is shortened. The first factor follows from the window of
- * the scene and time ~ coarsening^-3.5 (measured on fluids). Without a loadable replica the scene
- * with its shortened window stays. */
+/* Finds the finest replica that runs to its end within the budget, with a factor of at most 3;
+ * if even that one does not, its time window is shortened. The first factor follows from the
+ * window of the scene and time ~ coarsening^-3.5 (measured on fluids). Without a loadable
+ * replica the scene with its shortened window stays. */
 static int find_replica(struct scope *s, const struct jobs *jobs, double run_budget_s) {
     static const double max_coarsening = 3.0, exponent = 3.5;
     const struct time_window scene = s->window;

@@ -1,5 +1,5 @@
-/* Scope: what `projdyn trade` simulates with every setting: the whole scene, a coarser replica of
- * it, or the first seconds of one of both. */
+/* Scope: what `projdyn trade` simulates with every setting: the whole scene, a coarser replica
+ * of it, or the first seconds of one of both. */
 #ifndef SCOPE_H
 #define SCOPE_H
 
@@ -14,9 +14,9 @@ struct scope {
     struct time_window window;
 };
 
-/* Chooses replica and time window so that one run takes at most run_budget_s seconds of processor
- * time. length: of the window, s; 0: to be chosen. A coarsening or a length set by the user is not
- * changed. Returns an exit code. */
+/* Chooses replica and time window so that one run takes at most run_budget_s seconds of
+ * processor time. length: of the window, s; 0: to be chosen. A coarsening or a length set by the
+ * user is not changed. Returns an exit code. */
 int scope_find(struct scope *scope, const struct jobs *jobs, double length, double run_budget_s);
 void scope_print(const struct scope *scope);
 void scope_free(struct scope *scope);

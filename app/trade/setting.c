@@ -1,3 +1,4 @@
+/* List of overrides under one name. */
 #include "setting.h"
 
 #include <stdarg.h>

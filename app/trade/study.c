@@ -1,3 +1,4 @@
+/* Runs references and settings of a study, measures errors, and times on the Pareto front. */
 #include "study.h"
 #include "job_result.h"
 #include "pareto.h"
@@ -39,8 +40,9 @@ static int run_jobs(struct study *s, struct job *job, long count) {
     return code == EXIT_GOOD ? jobs_run(&s->jobs) : code;
 }
 
-/* Number of references that the budget allows. Each one has half the step length of the one before
- * and is estimated to take twice as long; the finest one may take 10 times the budget of a run. */
+/* Number of references that the budget allows. Each one has half the step length of the one
+ * before and is estimated to take twice as long; the finest one may take 10 times the budget of
+ * a run. */
 static int count_references(struct study *s) {
     char path[JOB_PATH];
     int count = 2;
@@ -131,8 +133,8 @@ static int evaluate_settings(struct study *s, const struct run_metrics *referenc
     return EXIT_GOOD;
 }
 
-/* Evaluates all settings against the finest reference. The error of that reference is estimated by
- * its distance to the second finest one; its density error is its own, as for every run. */
+/* Evaluates all settings against the finest reference. The error of that reference is estimated
+ * by its distance to the second finest one; its density error is its own, as for every run. */
 static int evaluate(struct study *s) {
     struct run_metrics reference = {0}, coarser = {0};
     s->table.count = s->scene_plan.count;
@@ -160,8 +162,8 @@ static bool has_same_result(const struct trial *a, const struct trial *b) {
            !memcmp(a->error, b->error, sizeof a->error);
 }
 
-/* Settings that change nothing in a scene give identical runs: all of them get the shortest time.
- */
+/* Settings that change nothing in a scene give identical runs: all of them get the shortest
+ * time. */
 static void share_times(struct trial_table *table) {
     for (int k = 0; k < table->count; k++)
         for (int j = 0; j < table->count; j++)

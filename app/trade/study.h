@@ -1,5 +1,5 @@
-/* Study: all runs of `projdyn trade` and their evaluation. It runs the scope of a scene with every
- * setting of a plan and measures the errors against a reference run. */
+/* Study: all runs of `projdyn trade` and their evaluation. It runs the scope of a scene with
+ * every setting of a plan and measures the errors against a reference run. */
 #ifndef STUDY_H
 #define STUDY_H
 
@@ -15,9 +15,8 @@ struct study {
     struct scope scope;
     struct plan scene_plan; /* settings in terms of the scene, for tables and recommendations */
     struct plan run_plan;   /* the same settings in terms of the scope, for the runs */
-    /* Jobs of the references (coarsest first; the last one is the reference that errors are
-     * measured against, the one before estimates its error), followed by the jobs of the settings.
-     */
+    /* Jobs of the references, coarsest first, followed by the jobs of the settings. Errors are
+     * measured against the last reference; the one before it estimates its error. */
     struct job *reference_job;
     int references;
     struct job *setting_job; /* reference_job + references; NULL until the references are run */

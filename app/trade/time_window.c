@@ -1,3 +1,4 @@
+/* Finds the first seconds of a scene that a run reaches within a budget of processor time. */
 #include "time_window.h"
 #include "calibration.h"
 
@@ -7,8 +8,8 @@
 
 enum { MIN_FRAMES = 6, SHORT_FRAMES = 10 }; /* frames of a window, see set_window() */
 
-/* The window holds whole frame intervals of the scene; if fewer than MIN_FRAMES fit, it is divided
- * into SHORT_FRAMES shorter intervals. */
+/* The window holds whole frame intervals of the scene; if fewer than MIN_FRAMES fit, it is
+ * divided into SHORT_FRAMES shorter intervals. */
 static void set_window(struct time_window *window, const pdyn_sim *sim, double length) {
     double interval = pdyn_frame_interval(sim), frames = floor(length / interval * (1.0 + 1e-9));
     window->scene_duration = pdyn_duration(sim), window->scene_interval = interval;

@@ -14,8 +14,8 @@ struct time_window {
 };
 
 /* Makes a window of `length` seconds of the scene. length = 0: makes the window as long as a run
- * gets within `run_budget_s` seconds of processor time (a calibration run). Returns an exit code.
- */
+ * gets within `run_budget_s` seconds of processor time (a calibration run). Returns an exit
+ * code. */
 int time_window_find(const struct jobs *jobs, const struct scene_options *scene, double length,
                      double run_budget_s, struct time_window *window);
 
