@@ -29,7 +29,7 @@ PRECONDITIONER = re.compile(r"jacobi|coarse|two_level|precondition|factor|const 
 # The diagonal 3 x 3 blocks of H: named *diagonal, with an array to write to.
 DIAGONAL_NAME = re.compile(r"(^|_)diagonal$")
 DIAGONAL_PARAMETERS = re.compile(r"(double|float) \*\w*(block|diagonal|inverse|out)\w*")
-# A loop until convergence has a limit of iterations in its head. A Krylov loop counts them in its
+# A loop until convergence has a limit of iterations in its head. A Krylov loop counts them in head or
 # body; a loop around a Krylov loop leaves that to the function that it calls.
 LOOP = re.compile(r"^( +)(?:for|while) \((?:[^{};]|;(?! *$))*?\biterations\b(?:[^{}])*?\) \{\n(.*?)^\1\}",
                   re.M | re.S)
@@ -95,7 +95,7 @@ def is_diagonal(name, parameters, body):
 
 
 def loops(body, counting):
-    return any(bool(COUNTS_ITERATIONS.search(m[2])) == counting for m in LOOP.finditer(body))
+    return any(bool(COUNTS_ITERATIONS.search(m[0])) == counting for m in LOOP.finditer(body))
 
 
 def main():
