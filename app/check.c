@@ -94,9 +94,8 @@ static const char usage[] =
     "       projdyn check --conformance PLUGIN\n"
     "\n"
     "Loads a scene and prints its bodies, constraints, solver and memory use.\n"
-    "With --conformance: tests the constraint types and solvers of a plug-in against the "
-    "interface\n"
-    "of projdyn/module.h and prints each fault; exit code 1 if there is one.\n";
+    "With --conformance: tests whether the constraint types and solvers of a plug-in obey the\n"
+    "interface of projdyn/module.h and prints each fault; exit code 1 if there is one.\n";
 
 static bool accept_option(struct scene_options *options, bool *conformance, int option) {
     *conformance |= option == 'c';

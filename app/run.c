@@ -52,6 +52,7 @@ struct run_totals {
     double density_error_sum, density_error_max;
 };
 
+/* Number of signals SIGINT and SIGTERM received during the run. */
 static volatile sig_atomic_t interrupts;
 
 static void on_signal(int number) {

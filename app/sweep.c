@@ -17,8 +17,8 @@ static const char usage[] =
     "table of the results, DIR/sweep.csv. Finished runs, successful or not, are not repeated: the\n"
     "same command continues an interrupted sweep. To repeat a run, remove its directory.\n"
     "\n"
-    "      --set PATH=V,V,...  values of a parameter; commas within [], {} and \"\" do not "
-    "separate\n"
+    "      --set PATH=V,V,...  values of a parameter; a comma in [], {} or \"\" is part of a "
+    "value\n"
     "  -o, --output DIR        output directory (default out/sweep-NAME for NAME.json)\n"
     "      --jobs N            number of parallel runs (default: cores / threads)\n"
     "      --threads N         worker threads of each run (default 1)\n"
@@ -131,6 +131,19 @@ static void print_argument(const char *option, const char *text) {
     print_quoted(text);
 }
 
+static void print_grid(const struct parameter_grid *grid) {
+    for (int a = 0; a < grid->axes; a++) {
+        printf(" --set ");
+        print_quoted(grid->axis[a].path);
+        putchar('=');
+        for (int v = 0; v < grid->axis[a].count; v++) {
+            if (v) putchar(',');
+            print_quoted(grid->axis[a].value[v]);
+        }
+    }
+}
+
+/* Prints one `projdyn sweep ... --point K` for each grid point. */
 static int print_commands(const struct sweep *s) {
     char program[PATH_MAX];
     ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
@@ -139,15 +152,7 @@ static int print_commands(const struct sweep *s) {
         print_quoted(length > 0 ? program : "projdyn");
         printf(" sweep");
         print_argument("", s->jobs.scene.scene);
-        for (int a = 0; a < s->grid.axes; a++) {
-            printf(" --set ");
-            print_quoted(s->grid.axis[a].path);
-            putchar('=');
-            for (int v = 0; v < s->grid.axis[a].count; v++) {
-                if (v) putchar(',');
-                print_quoted(s->grid.axis[a].value[v]);
-            }
-        }
+        print_grid(&s->grid);
         for (int p = 0; p < s->jobs.scene.plugins; p++)
             print_argument("--plugin", s->jobs.scene.plugin[p]);
         print_argument("--output", s->jobs.output);

@@ -88,10 +88,10 @@ static json_t *read_results(const struct jobs *jobs) {
 /* The "mean" of the first result that has metrics: its keys are the columns of metrics.csv. NULL
  * if no result has metrics. */
 static json_t *find_columns(const json_t *all) {
-    size_t k;
-    json_t *result, *columns;
-    json_array_foreach(all, k, result) if (json_object_size(columns = json_object_get(
-                                                                result, "mean"))) return columns;
+    for (size_t k = 0; k < json_array_size(all); k++) {
+        json_t *means = json_object_get(json_array_get(all, k), "mean");
+        if (json_object_size(means)) return means;
+    }
     return NULL;
 }
 

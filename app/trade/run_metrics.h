@@ -61,9 +61,9 @@ void run_metrics_free(struct run_metrics *metrics);
  *     energy    root mean square difference of the total energy / exchanged energy
  *     gained    energy gained beyond that of the reference / exchanged energy
  *
- * with size = body_metrics.size and exchanged energy = run_metrics.scale. The quantiles of `front`
- * leave out spray, which is chaotic. `gained` shows steps that end before they are solved: these
- * add energy. */
+ * with size = body_metrics.size and exchanged energy = run_metrics.scale. The quantiles of
+ * `front` leave out spray, which is chaotic. `gained` shows steps that end before they are
+ * solved: these add energy. */
 void run_metrics_compare(const struct run_metrics *metrics, const struct run_metrics *reference,
                          double error[RUN_METRICS_COUNT]);
 
