@@ -54,6 +54,7 @@ static void print_fault(void *user, const char *text) {
     fflush(stdout);
 }
 
+/* Prints every fault that the conformance tests find; EXIT_FAILED if there is one. */
 static int check_plugins(const struct scene_options *options) {
     pdyn_context *context = NULL;
     int faults = 0, code = scene_context(options, &context);

@@ -41,6 +41,7 @@ static bool parse_count(const char *option, const char *text, int *out) {
     return true;
 }
 
+/* Parses a list A,B,... of solver names; false if memory ran out. */
 static bool parse_solvers(struct compare *c, const char *text) {
     int count = 1;
     for (const char *at = text; *at; at++) count += *at == ',';
@@ -130,6 +131,7 @@ static const struct solver_timing *find_fastest(const struct solver_benchmark *b
     return best;
 }
 
+/* Compares the fastest solver (mean step time) with every other one. */
 static void print_ranking(const struct solver_benchmark *benchmark) {
     const struct solver_timing *best = find_fastest(benchmark);
     for (int k = 0; k < benchmark->solvers; k++) {

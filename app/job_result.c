@@ -48,6 +48,7 @@ static const char *status_name(int status) {
     }
 }
 
+/* The JSON object of result.json. error: the signal, or the last message of the job. */
 static json_t *make_result(const char *directory, const struct job *job, int status, double cpu) {
     char *error = WIFSIGNALED(status) ? strdup(strsignal(WTERMSIG(status))) : last_error(directory);
     json_t *set = json_array(), *text = error ? json_string(error) : NULL;

@@ -120,6 +120,7 @@ static int start_pending(const struct jobs *jobs, struct worker *worker) {
     return code;
 }
 
+/* Prints progress and result of a job that has finished, unless --quiet is given. */
 static void print_finished(const struct jobs *jobs, const struct job *job) {
     long finished = 0;
     char path[JOB_PATH];

@@ -41,6 +41,7 @@ static bool is_near(const char *a, const char *b, int edits) {
            (*a && *b && is_near(a + 1, b + 1, edits - 1));
 }
 
+/* Message for an unknown command, with the command that is at most two edits away. */
 static int report_unknown(const char *name) {
     const char *near = NULL;
     for (int edits = 1; edits <= 2 && !near; edits++)

@@ -29,6 +29,7 @@ static void split_row(struct metrics_csv *m, char *row) {
     }
 }
 
+/* Cuts m->text into names and values; false if memory ran out. */
 static bool split(struct metrics_csv *m) {
     char *rest = m->text;
     int lines = count_char(m->text, '\n');

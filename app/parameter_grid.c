@@ -27,6 +27,7 @@ static bool add_value(struct grid_axis *axis, const char *text, size_t length) {
     return value[axis->count++] || (report_no_memory(), false);
 }
 
+/* Parses VALUE,VALUE,... into an axis; false with a message on failure. */
 static bool add_values(struct grid_axis *axis, const char *text) {
     for (;; text++) {
         const char *end = find_value_end(text);

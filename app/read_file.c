@@ -15,6 +15,7 @@ static int fail(const char *path, const char *what, const char *reason) {
     return EXIT_BAD_INPUT;
 }
 
+/* Reads the open file; parameters and result as for read_file(). */
 static int read_descriptor(const char *path, int descriptor, char **text, size_t *size) {
     struct stat info;
     if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))

@@ -62,6 +62,7 @@ static void on_signal(int number) {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
+/* Turns --time S into the override duration=S; false with a message if S is not positive. */
 static bool parse_time(struct run_options *o, const char *text) {
     char *end;
     double seconds = strtod(text, &end);
@@ -292,6 +293,7 @@ static int close_output(pdyn_context *context, pdyn_writer *writer, const struct
     return code;
 }
 
+/* Simulates the loaded scene and writes its results. Returns the exit code of the command. */
 static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
     struct run_totals totals = {.start_s = wall_seconds()};
     pdyn_writer *writer = NULL;

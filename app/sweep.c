@@ -131,6 +131,7 @@ static void print_argument(const char *option, const char *text) {
     print_quoted(text);
 }
 
+/* Prints the axes of a grid as --set options of a shell command. */
 static void print_grid(const struct parameter_grid *grid) {
     for (int a = 0; a < grid->axes; a++) {
         printf(" --set ");

@@ -51,6 +51,7 @@ static void put_times(FILE *file, json_t *result) {
     put_ratio(file, cpu, simulated);
 }
 
+/* The row of a grid point. result: as job_result_read() returns it, or JSON null. */
 static void put_row(FILE *file, const struct jobs *jobs, const struct parameter_grid *grid,
                     long point, json_t *result, json_t *columns) {
     const char *name;
@@ -103,6 +104,7 @@ static long count_good(const json_t *all) {
     return good;
 }
 
+/* Writes the table to a temporary file and renames it. all: as read_results() returns it. */
 static int write_table(const struct jobs *jobs, const struct parameter_grid *grid, json_t *all,
                        const char *path) {
     char temporary[JOB_PATH + 32];

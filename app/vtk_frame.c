@@ -110,6 +110,7 @@ static int end_block(struct reader *r) {
     return fail_at(r, r->at, "expected a newline after the block of numbers");
 }
 
+/* Reads a block of finite numbers. what: its name for messages. The caller frees *out. */
 static int read_floats(struct reader *r, size_t count, const char *what, float **out) {
     int code = need_words(r, count, what);
     if (code != EXIT_GOOD) return code;
@@ -128,6 +129,7 @@ static int read_floats(struct reader *r, size_t count, const char *what, float *
 
 /* ---- cells ----------------------------------------------------------------------------------- */
 
+/* Reads CELL_TYPES, where all cells must have the same type. */
 static int read_cell_types(struct reader *r, int cells, uint32_t type) {
     char line[LINE];
     snprintf(line, sizeof line, "CELL_TYPES %d", cells);
@@ -142,6 +144,7 @@ static int read_cell_types(struct reader *r, int cells, uint32_t type) {
     return end_block(r);
 }
 
+/* Reads vertex cells; cell i must consist of point i. */
 static int read_vertices(struct reader *r, int count) {
     int code = need_words(r, 2 * (size_t)count, "cells");
     if (code != EXIT_GOOD) return code;

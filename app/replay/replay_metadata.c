@@ -13,6 +13,7 @@ static json_t *frame_points_to_json(const struct run *run, const struct body *bo
     return points;
 }
 
+/* Array of the bodies; NULL if memory ran out. */
 static json_t *bodies_to_json(const struct run *run) {
     json_t *bodies = json_array();
     int failed = 0;

@@ -42,6 +42,7 @@ static int parse_header(struct run *run, char *line, const char *path, json_t *o
     return EXIT_GOOD;
 }
 
+/* Appends the values of a line to the columns of run->metrics. number: of the line, from 0. */
 static int parse_row(struct run *run, char *line, const char *path, int number,
                      const json_t *order) {
     size_t cells = 0;

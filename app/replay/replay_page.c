@@ -28,6 +28,7 @@ static int write_metadata(struct stream *stream, const struct run *run) {
     return EXIT_GOOD;
 }
 
+/* Writes the template; replaces @META@ by the metadata and @DATA@ by the data. */
 static int write_page(const struct run *run, struct stream *stream) {
     static const char meta[] = "@META@", data[] = "@DATA@";
     const char *end = replay_template + replay_template_size();

@@ -31,6 +31,7 @@ bool replay_path(char path[REPLAY_PATH], const struct run *run, const char *name
 
 static bool is_plain_name(const char *name) { return name && *name && !strchr(name, '/'); }
 
+/* Reads a file that must hold one JSON object. */
 static int load_json(const char *path, json_t **out) {
     char *text;
     size_t size;
@@ -78,16 +79,17 @@ static int find_series(struct run *run) {
     return EXIT_GOOD;
 }
 
+/* Sets run->report and run->body_list from report.json or, if it is missing, the file names. */
 static int find_bodies(struct run *run) {
     char path[REPLAY_PATH];
     if (!replay_path(path, run, "report", ".json"))
         return replay_error("%s: the path is too long", run->directory);
-    bool there = access(path, F_OK) == 0;
-    int code = there ? load_json(path, &run->report) : find_series(run);
+    bool has_report = access(path, F_OK) == 0;
+    int code = has_report ? load_json(path, &run->report) : find_series(run);
     if (code != EXIT_GOOD) return code;
-    if (there) run->body_list = json_incref(json_object_get(run->report, "bodies"));
+    if (has_report) run->body_list = json_incref(json_object_get(run->report, "bodies"));
     if (json_array_size(run->body_list)) return EXIT_GOOD;
-    if (there) return replay_error("%s: expected an array \"bodies\" with a body in it", path);
+    if (has_report) return replay_error("%s: expected an array \"bodies\" with a body in it", path);
     return replay_error(
         "%s: expected the output of a run (report.json or NAME.vtk.series), found neither",
         run->directory);
@@ -121,6 +123,7 @@ static int read_body_number(const struct run *run, int b, const char *key, doubl
                         run->directory, b, key);
 }
 
+/* Reads name, list of frames, radius and rest density of body b. */
 static int open_body(struct run *run, int b) {
     struct body *body = &run->body[b];
     char path[REPLAY_PATH];

@@ -83,6 +83,7 @@ static void put_settings(const struct setting *setting, FILE *file) {
     free(text);
 }
 
+/* A trial as a row of trade.csv; the columns are those of write_table(). */
 static void put_row(const struct trial_table *table, const struct trial *t, FILE *file) {
     fprintf(file, "%.9g,%.9g,%.9g", t->ms, 1e-3 * t->ms * table->frames_per_second,
             t->error[table->metric]);

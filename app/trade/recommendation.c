@@ -57,6 +57,7 @@ static double extrapolate_ms(const struct metrics_csv *scene, const struct metri
     return scene_ms + scene_half / replica_half * rest;
 }
 
+/* Runs setting k on the scene and sets its time; time->simulated stays 0 if it is unknown. */
 static int measure_scene_time(const struct study *s, int k, double limit_s,
                               struct scene_time *time) {
     char path[JOB_PATH];

@@ -28,6 +28,7 @@ static bool selects_by_number(const json_t *vertices) {
     return false;
 }
 
+/* Whether a constraint of the body selects vertices by number. */
 static bool has_numbered_pins(const json_t *body) {
     size_t k;
     json_t *constraint;
@@ -39,6 +40,7 @@ static bool has_numbered_pins(const json_t *body) {
 
 /* ---- overrides ------------------------------------------------------------------------------- */
 
+/* Overrides of stiffness and viscosity, if the scene's fluid is on body b. */
 static void coarsen_fluid(const json_t *scene, size_t b, double factor, struct setting *replica) {
     size_t body, k;
     const json_t *fluid = scene_fluid(scene, &body, &k);

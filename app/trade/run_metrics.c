@@ -76,6 +76,7 @@ static bool init_body(struct body_metrics *body, const struct vtk_frame *frame, 
     return body->value;
 }
 
+/* Reads all frames of a body. */
 static int read_body(const char *directory, struct body_metrics *body, int frames) {
     bool good = true;
     int code = EXIT_GOOD;
@@ -164,6 +165,7 @@ static void evaluate_steps(struct run_metrics *metrics, const struct metrics_csv
     metrics->ms_per_second = ms / m->value[(m->rows - 1) * m->columns + column[TIME]];
 }
 
+/* Reads energies, errors and times of the steps from metrics.csv. */
 static int read_steps(const char *directory, json_t *report, struct run_metrics *metrics) {
     int column[STEP_COLUMNS];
     struct metrics_csv m;

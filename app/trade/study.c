@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Makes the plan in terms of the scene and the same plan in terms of the scope. */
 static int make_plans(struct study *s) {
     json_t *scene = NULL, *runs = NULL;
     int code = scene_json(s->scope.user, &scene);

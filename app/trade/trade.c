@@ -69,6 +69,7 @@ static bool parse_quantity(const char *option, const char *text, const struct un
     return false;
 }
 
+/* Parses the argument of --by; false with a message if it is no name of an error. */
 static bool parse_metric(struct options *o, const char *text) {
     for (o->study.table.metric = 0; o->study.table.metric < RUN_METRICS_COUNT;
          o->study.table.metric++)
