@@ -34,7 +34,7 @@ for number, path in enumerate(generator.sample(files, 10), 1):
     commented = [one for one in found if one[0].startswith("/*") or not one[1][1]]
     block, match = generator.choice(commented or found or [("", None)])
     print(f"==== {number}. {path.relative_to(ROOT)}")
-    print("\n".join(path.read_text().splitlines()[:5]), f"\n...\n{block.rstrip()}")
+    print("\n".join(path.read_text().splitlines()[:5] + ["...", block.rstrip()]))
     if match and not match[1] and not block.startswith("/*"):
         print(declaration(match[2]))
     print()
