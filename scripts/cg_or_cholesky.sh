@@ -1,7 +1,7 @@
 #!/bin/sh
-# CG or Cholesky? Sheets of n x n vertices whose matrix is constant, over stiffness K h^2/m and the tolerance of the linear
-# solve; writes bench/cg_or_cholesky.csv and the tables of docs/cg-or-cholesky.md. Takes about half an hour; `quick`: less,
-# into out/ alone.
+# CG or Cholesky? Sheets of n x n vertices whose matrix is constant, over stiffness K h^2/m and the
+# tolerance of the linear solve; writes bench/cg_or_cholesky.csv and the tables of
+# docs/guide/cg-or-cholesky.md. Takes about half an hour; `quick`: less, into out/ alone.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh
@@ -9,7 +9,7 @@ out=out/cg-or-cholesky
 mkdir -p "$out"
 case ${1:-} in
 quick) sizes="17 33" numbers="1e0 1e4" docs=$out bench=$out ;;
-"") sizes="33 65 129 257" numbers="1e-1 1e0 1e1 1e2 1e3 1e4 1e5 1e6" docs=docs bench=bench ;;
+"") sizes="33 65 129 257" numbers="1e-1 1e0 1e1 1e2 1e3 1e4 1e5 1e6" docs=docs/guide bench=bench ;;
 *) echo "usage: scripts/cg_or_cholesky.sh [quick]" >&2; exit 2 ;;
 esac
 step=0.01 # s
@@ -37,4 +37,4 @@ awk -v tolerance=1e-6 -f scripts/cg_or_cholesky.awk "$csv" >"$out/tight.md"
 awk -F, 'NR == 1 { print "| n | prepare, ms: cg / cholesky | memory, MB |\n|---|---|---|" }
     $4 == "cg" { p = $5; m = $10 } $4 == "cholesky" && $1 != n { n = $1; printf "| %d | %.0f / %.0f | %.0f / %.0f |\n", n, p, $5, m, $10 }' \
     "$csv" >"$out/prepare.md"
-scripts/fill_tables.sh "$out" docs/cg-or-cholesky.md "$docs/cg-or-cholesky.md"
+scripts/fill_tables.sh "$out" docs/guide/cg-or-cholesky.md "$docs/cg-or-cholesky.md"

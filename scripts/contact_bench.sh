@@ -1,6 +1,6 @@
 #!/bin/sh
-# Runs the scenes of contact for ten seconds and the falling sheet at two sizes; writes bench/contact.csv
-# and the table of docs/contact.md. Takes some twenty minutes.
+# Runs the contact scenes for ten seconds and the falling sheet at two sizes; writes
+# bench/contact.csv and the table of docs/results/contact.md. Takes some twenty minutes.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh
@@ -26,5 +26,5 @@ measure "50 m/s 33^2 0.12 s" scenes/cloth_on_sphere.json duration=0.12 \
     bodies.sheet.velocity='[0, -50, 0]' bodies.sheet.surface.translate='[0.02, 0.8, 0.01]' \
     bodies.sheet.surface.grid.vertices='[33, 33]'
 cp "$out" bench/contact.csv
-awk -F, -f scripts/contact_table.awk bench/contact.csv docs/contact.md >"$out"
-cp "$out" docs/contact.md
+awk -F, -f scripts/contact_table.awk bench/contact.csv docs/results/contact.md >"$out"
+cp "$out" docs/results/contact.md

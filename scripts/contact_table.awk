@@ -1,4 +1,4 @@
-# Writes the table between its marks in docs/contact.md (second file) from bench/contact.csv (first).
+# Writes the table between its marks in docs/results/contact.md (second file) from bench/contact.csv (first).
 FNR == NR && FNR > 1 {
     row[++rows] = sprintf("| %s | %d | %d | %d | %d | %.1f | %s | %.0f / %.0f | %s |", $1, $2, $3, $5, $6, $7, $9, $10, $11, $12 == "" ? "-" : $12)
 }

@@ -1,5 +1,5 @@
 set terminal svg size 960,600 font "sans-serif,11" background "white"
-set output "docs/convergence.svg"
+set output "docs/results/convergence.svg"
 set datafile separator ","
 set logscale xy
 set format y "10^{%L}"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Measures the convergence of one step (bench/convergence.c) and draws docs/convergence.svg.
+# Measures the convergence of one step (bench/convergence.c) and draws docs/results/convergence.svg.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gnuplot-nox

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the pictures of docs/gallery.md: runs the scenes of the plug-ins and a few others (minutes), and
+# Makes the pictures of docs/guide/gallery.md: runs the scenes of the plug-ins and a few others (minutes), and
 # takes a picture of the replay page's last frame. Usage: gallery.sh [NAME...]
 set -eu
 cd "$(dirname "$0")/.."

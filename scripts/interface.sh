@@ -1,8 +1,8 @@
 #!/bin/sh
-# Measures the interface between water and what it touches (bench/interface.c), in some 45 minutes: a table for each command, as
-# markdown, in out/interface; fills the tables of docs/results/interface.md. `quick`: small sizes, in five minutes, leaves docs/
-# alone and writes to out/interface instead. Further arguments go to every command: --set PATH=VALUE, --threads N; with these, too,
-# docs/ stays as it is.
+# Measures the interface between water and surfaces (bench/interface.c) in some 45 minutes: one
+# markdown table for each command, in out/interface; fills the tables of docs/results/interface.md.
+# `quick`: small sizes in five minutes, written to out/interface instead of docs/. Further arguments
+# go to every command (--set PATH=VALUE, --threads N); with these, docs/ is not written either.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh

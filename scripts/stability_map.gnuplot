@@ -1,5 +1,5 @@
 set terminal svg size 960,560 font "sans-serif,12" background "white"
-set output "docs/stability.svg"
+set output "docs/results/stability.svg"
 set datafile separator ","
 set logscale cb
 set cbrange [0.01:1e4]

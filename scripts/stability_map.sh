@@ -1,6 +1,7 @@
 #!/bin/sh
-# How far steps are solved over their length h and the weight w: fluid, cloth and both, projective and newton step. Writes
-# bench/stability.csv and draws docs/stability.svg. Some minutes.
+# Mean step residual over the step length h and the weight w, for fluid, cloth and both, with the
+# projective and the newton step. Writes bench/stability.csv and draws docs/results/stability.svg.
+# Takes some minutes.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gnuplot-nox

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Compares the time integrators (bench/time_stepping.c, trade, shipped scenes), draws docs/results/time-stepping.svg and fills
-# the tables of docs/results/time-stepping.md. `quick`: without trades and scenes; leaves docs/ alone and writes to out/.
+# Compares the time integrators (bench/time_stepping.c, trade, shipped scenes), draws
+# docs/results/time-stepping.svg and fills the tables of docs/results/time-stepping.md.
+# `quick`: without trades and scenes, written to out/ instead of docs/.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gnuplot-nox jq

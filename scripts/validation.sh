@@ -1,6 +1,7 @@
 #!/bin/sh
-# Measures the fluid against what is known (bench/validation.c), draws docs/validation.svg and fills the tables of
-# docs/validation.md. `quick`: small sizes, for a look; leaves docs/ alone and writes to out/validation instead.
+# Measures the fluid against an experiment and exact solutions (bench/validation.c), draws
+# docs/results/validation.svg and fills the tables of docs/results/validation.md.
+# `quick`: small sizes, written to out/validation instead of docs/.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gnuplot-nox
@@ -10,7 +11,7 @@ rm -rf "$out"
 mkdir -p "$out"
 case ${1:-} in
 quick) cells="8 12" deep=16x8 wide="16x8" rest=2 along=20 swing=3 docs=$out ;;
-"") cells="8 16 32" deep=40x24 wide="24x8 24x16 24x32" rest=2 along=32 swing=6 docs=docs ;;
+"") cells="8 16 32" deep=40x24 wide="24x8 24x16 24x32" rest=2 along=32 swing=6 docs=docs/results ;;
 *) echo "usage: scripts/validation.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
@@ -21,4 +22,4 @@ esac
     build/bench/validation sloshing "$out" "$swing" "$along" >"$out/sloshing.md"
 }
 gnuplot -e "target='$docs/validation.svg'; deep='$deep'" scripts/validation.gnuplot
-scripts/fill_tables.sh "$out" docs/validation.md "$docs/validation.md"
+scripts/fill_tables.sh "$out" docs/results/validation.md "$docs/validation.md"

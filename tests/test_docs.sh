@@ -1,7 +1,8 @@
 #!/bin/sh
-# What the documents say can be done: runs every ```sh block of docs/*.md, one document after the
-# other, against an installed library; the commands of its indented lines, shortened; and makes the
-# reference. Arguments: the build folder, the source folder.
+# Runs the commands of the documents against an installed library: every ```sh block of README.md
+# and docs/, one document after the other; then the indented `projdyn` commands, shortened; then
+# doxygen for the reference. Checks first that every relative link of a document leads to a file.
+# Arguments: the build folder, the source folder.
 set -eu
 build=$(realpath "$1") root=$(realpath "$2")
 dir=$(mktemp -d)
@@ -14,7 +15,17 @@ mkdir "$dir/tree"
 cp -r "$root/docs" "$root/README.md" "$root/examples" "$root/scenes" "$root/include" "$dir/tree"
 cd "$dir/tree"
 
-for document in docs/*.md; do
+documents="README.md $(find docs -name '*.md' | LC_ALL=C sort)"
+
+# Links in the copy of the tree lead to files of the source folder that this test copied or not.
+for document in $documents; do
+    grep -o ']([^)#]*[)#]' "$document" | sed 's/^](//; s/[)#]$//' | grep -v '^$' | grep -v '^http' | while read -r link; do
+        [ -e "$root/$(dirname "$document")/$link" ] || { echo "not ok $document: no file $link"; exit 1; }
+    done
+done
+echo "ok links"
+
+for document in $documents; do
     sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$document" >commands
     [ -s commands ] || continue
     sh -eux commands >said 2>&1 || { echo "not ok $document:"; tail -n 20 said; exit 1; }
@@ -22,10 +33,10 @@ for document in docs/*.md; do
     echo "ok $document: $(wc -l <commands) lines"
 done
 
-# Every other command of the documents, in their order, each on a small part of its scene: a run for a
-# few milliseconds, a comparison of one step. What stands for something else (SCENE, ...), and scenes of
-# millions of particles are left out.
-sed -e ':joined' -e '/\\$/{N;s/\\\n *//;bjoined' -e '}' README.md docs/*.md |
+# Every other command of the documents, in their order, each on a small part of its scene: a run for
+# a few milliseconds, a comparison of one step. Left out: commands with a placeholder (SCENE) and
+# scenes of millions of particles.
+sed -e ':joined' -e '/\\$/{N;s/\\\n *//;bjoined' -e '}' $documents |
     grep -E '^    projdyn ' | grep -vE 'million|SCENE' | sed 's/ *#.*//' >commands
 while read -r command; do
     case $command in

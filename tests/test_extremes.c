@@ -1,6 +1,6 @@
 /* Scenes at the extremes: every step ends finite, and the total energy does not rise by more than a
  * part of what goes from one form to another; or the scene is refused with a message. With
- * PROJDYN_EXTREMES set, prints the table of docs/stability.md. */
+ * PROJDYN_EXTREMES set, prints the table of docs/results/stability.md. */
 #include "scene_support.h"
 #include "step/measure.h"
 

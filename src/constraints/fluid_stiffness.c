@@ -1,4 +1,4 @@
-/* The stiffness w of a fluid and the two quantities it can be given by (docs/theory.md):
+/* The stiffness w of a fluid and the two quantities it can be given by (docs/theory/fluid.md):
  *
  *     bulk modulus     K = w / (c d)              d: particle spacing
  *     speed of sound   sqrt(K / rho)

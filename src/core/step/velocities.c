@@ -41,7 +41,7 @@ static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
 
 /* What particle i may have gained in a step of length h from velocity v_n to v = (x_next - x_n) /
  * h, J. Convex constraints do not give more energy on that way than the work of their forces at its
- * end; r is what those forces and inertia leave open (theory.md). */
+ * end; r is what those forces and inertia leave open (docs/theory/step.md). */
 static double gain_of(const struct pdyn_sim *sim, int i, double h) {
     const struct objective *sys = &sim->objective;
     const double *v = sim->v + 3 * i, m = sys->mass[i];
