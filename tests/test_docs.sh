@@ -17,7 +17,7 @@ cd "$dir/tree"
 
 documents="README.md $(find docs -name '*.md' | LC_ALL=C sort)"
 
-# Links in the copy of the tree lead to files of the source folder that this test copied or not.
+# Relative links, without their anchors, lead to files or folders of the source.
 for document in $documents; do
     grep -o ']([^)#]*[)#]' "$document" | sed 's/^](//; s/[)#]$//' | grep -v '^$' | grep -v '^http' | while read -r link; do
         [ -e "$root/$(dirname "$document")/$link" ] || { echo "not ok $document: no file $link"; exit 1; }
