@@ -1,7 +1,8 @@
 #!/bin/sh
 # Runs the commands of the documents against an installed library: every ```sh block of README.md
 # and docs/, one document after the other; then the indented `projdyn` commands, shortened; then
-# doxygen for the reference. Checks first that every relative link of a document leads to a file.
+# doxygen for the reference. Checks first that every relative link of a document leads to a file, and
+# that the constraint of README.md builds and passes the conformance check.
 # Arguments: the build folder, the source folder.
 set -eu
 build=$(realpath "$1") root=$(realpath "$2")
@@ -24,6 +25,11 @@ for document in $documents; do
     done
 done
 echo "ok links"
+
+sed -n '/^```c$/,/^```$/{/^```/d;p}' README.md >readme.c
+cc -shared -fPIC $(pkg-config --cflags projdyn) -o readme.so readme.c -lm
+projdyn check --conformance ./readme.so >said || { echo "not ok README.md: its constraint:"; cat said; exit 1; }
+echo "ok README.md: its constraint"
 
 for document in $documents; do
     sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$document" >commands
