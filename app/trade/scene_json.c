@@ -1,4 +1,4 @@
-/* Values of a scene's JSON, with the defaults of docs/scene.md. */
+/* Values of a scene's JSON, with the defaults of docs/guide/scene.md. */
 #include "scene_json.h"
 
 #include <string.h>
