@@ -136,10 +136,10 @@ static void test_line(void **state) {
         assert_int_equal(objective_local(sys, u, &energy, g), PDYN_OK);
         assert_int_equal(objective_linearise(sys, eps), PDYN_OK);
         for (int k = 0; k < n; k++) u[k] = -g[k];
-        objective_apply(sys, u, y), objective_aim(sys, u);
+        objective_apply(sys, u, y), objective_set_direction(sys, u);
         double descent = -objective_dot(sys, g, u);
         double t = objective_line_minimum(sys, descent, objective_dot(sys, u, y));
-        int turns = objective_go(sys, t, y);
+        int turns = objective_step_along(sys, t, y);
         assert_true(t > 0.0 && fabs(objective_dot(sys, y, u) - descent) <= 0.02 * descent);
         changed += turns;
     }

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Calls visit for every ordered pair of entries (k, m) of an element, in the same row where dim is
- * 1, with k's particle not before m's: a contribution to the lower triangle. */
+/* Called for every ordered pair of entries (k, m) of an element that contributes to the lower
+ * triangle: k's particle is not before m's; where dim is 1, both are in the same row. */
 typedef void visit_fn(struct matrix *matrix, const struct batch *b, int k, int m);
 
 static void visit_pairs(struct matrix *matrix, const struct batch *b, visit_fn *visit) {
@@ -40,7 +40,7 @@ static int compare_int(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Sorts every column and drops what is there twice; block_start comes shifted by the filling. */
+/* Sorts every column and merges repeated blocks. On entry, block_start is shifted by one column. */
 static void merge_blocks(struct matrix *matrix) {
     int from = 0, kept = 0;
     for (int j = 0; j < matrix->particles; j++) {
@@ -60,7 +60,7 @@ static pdyn_status find_blocks(struct matrix *matrix, const struct objective *sy
     int n = matrix->particles;
     matrix->block_start = NEW_ARRAY(matrix->context, n + 1, int);
     if (!matrix->block_start) return PDYN_NO_MEMORY;
-    for (int i = 0; i < n; i++) matrix->block_start[i + 1] = 1; /* the mass */
+    for (int i = 0; i < n; i++) matrix->block_start[i + 1] = 1; /* the diagonal */
     visit_batches(matrix, sys, rows, count_pair);
     size_t blocks = 0;
     for (int i = 0; i < n; i++) {
@@ -80,19 +80,16 @@ static pdyn_status find_blocks(struct matrix *matrix, const struct objective *sy
     return PDYN_OK;
 }
 
-static size_t entries_of(const struct matrix *matrix) {
-    return (size_t)matrix->block_start[matrix->particles] * (size_t)(matrix->dim * matrix->dim);
-}
-
 pdyn_status matrix_pattern(struct matrix *matrix, const struct objective *sys,
                            struct batch *const *rows, int dim) {
     matrix_free(matrix);
     matrix->context = sys->context, matrix->particles = sys->particles, matrix->dim = dim;
     pdyn_status status = find_blocks(matrix, sys, rows);
     if (status != PDYN_OK) return status;
+    matrix->entries = (size_t)matrix->block_start[matrix->particles] * (size_t)(dim * dim);
     matrix->column_start = NEW_ARRAY(sys->context, dim * sys->particles + 1, int);
-    matrix->row = NEW_ARRAY(sys->context, entries_of(matrix), int);
-    matrix->value = NEW_ARRAY(sys->context, entries_of(matrix), double);
+    matrix->row = NEW_ARRAY(sys->context, matrix->entries, int);
+    matrix->value = NEW_ARRAY(sys->context, matrix->entries, double);
     if (!matrix->column_start || !matrix->row || !matrix->value) return PDYN_NO_MEMORY;
     int *row = matrix->row;
     for (int c = 0; c < dim * sys->particles; c++) {
@@ -105,10 +102,8 @@ pdyn_status matrix_pattern(struct matrix *matrix, const struct objective *sys,
 
 void matrix_free(struct matrix *matrix) {
     if (!matrix->context) return;
-    if (matrix->block_start && matrix->column_start) {
-        FREE_ARRAY(matrix->context, matrix->row, entries_of(matrix));
-        FREE_ARRAY(matrix->context, matrix->value, entries_of(matrix));
-    }
+    FREE_ARRAY(matrix->context, matrix->row, matrix->entries);
+    FREE_ARRAY(matrix->context, matrix->value, matrix->entries);
     FREE_ARRAY(matrix->context, matrix->column_start, matrix->dim * matrix->particles + 1);
     FREE_ARRAY(matrix->context, matrix->block_row, matrix->capacity);
     FREE_ARRAY(matrix->context, matrix->block_start, matrix->particles + 1);
@@ -146,7 +141,7 @@ static void add_pair(struct matrix *matrix, const struct batch *b, int k, int m)
 
 void matrix_values(struct matrix *matrix, const struct objective *sys, struct batch *const *rows,
                    bool inertia) {
-    memset(matrix->value, 0, entries_of(matrix) * sizeof *matrix->value);
+    memset(matrix->value, 0, matrix->entries * sizeof *matrix->value);
     for (int c = 0; inertia && c < matrix->dim * matrix->particles; c++)
         matrix->value[matrix->column_start[c] + c % matrix->dim] = /* the diagonal block is first */
             objective_inertia(sys, c / matrix->dim);

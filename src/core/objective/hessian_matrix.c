@@ -1,6 +1,6 @@
 #include "hessian_matrix.h"
 
-static void free_twins(struct hessian_matrix *c) {
+static void free_replicas(struct hessian_matrix *c) {
     for (int b = 0; b < c->objective->batches; b++)
         if (c->rows[b] && c->rows[b] != c->objective->batch[b]) {
             batch_free(c->rows[b]);
@@ -10,7 +10,7 @@ static void free_twins(struct hessian_matrix *c) {
 
 void hessian_matrix_free(struct hessian_matrix *c) {
     if (!c->context) return;
-    if (c->rows) free_twins(c);
+    if (c->rows) free_replicas(c);
     FREE_ARRAY(c->context, c->rows, c->objective->batches);
     FREE_VECTOR(c->context, c->unused, c->objective->particles);
     matrix_free(&c->matrix);
@@ -27,11 +27,11 @@ pdyn_status hessian_matrix_create(struct hessian_matrix *c, struct objective *ob
     return PDYN_OK;
 }
 
-/* Rows of the operators at the current lists and the x of the last local step. */
-static pdyn_status update_twins(struct hessian_matrix *c, bool lists_moved) {
+/* Local steps of the replicas at the x of the last local step. */
+static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
     struct objective *sys = c->objective;
     if (!sys->dynamic_rows) return PDYN_OK;
-    if (lists_moved) free_twins(c);
+    if (lists_moved) free_replicas(c);
     for (int b = 0; b < sys->batches; b++) {
         const struct batch *from = sys->batch[b];
         if (!from->op) continue;
@@ -55,7 +55,7 @@ pdyn_status hessian_matrix_update(struct hessian_matrix *c, bool *pattern, bool 
         c->matrix.dim != dim || (moved && dim == 3) || c->revision != objective_revision(sys);
     *values = *pattern || moved || dim == 3 || c->h != sys->h || c->weights != sys->weights;
     if (!*values) return PDYN_OK;
-    pdyn_status status = update_twins(c, moved);
+    pdyn_status status = update_replicas(c, moved);
     if (status == PDYN_OK && *pattern) status = matrix_pattern(&c->matrix, sys, c->rows, dim);
     if (status != PDYN_OK) return status;
     matrix_values(&c->matrix, sys, c->rows, true);

@@ -1,6 +1,6 @@
-/* H as a sparse matrix that follows the system (assembly.h): its pattern and values are made again
- * where they moved. A constraint with an operator of its own is assembled from its rows, which a
- * twin batch holds. */
+/* H as a sparse matrix (assembly.h) that is kept up to date with the objective: pattern and values
+ * are computed again when they have changed. A matrix-free constraint is assembled from its rows,
+ * which a second batch, its replica, holds. */
 #ifndef PDYN_HESSIAN_MATRIX_H
 #define PDYN_HESSIAN_MATRIX_H
 
@@ -9,19 +9,20 @@
 struct hessian_matrix {
     pdyn_context *context;
     struct objective *objective;
-    struct batch **rows; /* system's batches: itself, or the rows twin of one with an operator */
-    double *unused;      /* particles x 3: the twins' gradients */
+    struct batch **rows; /* batches: the batch itself, or the replica of a matrix-free one */
+    double *unused;      /* particles x 3: gradients of replicas */
     struct matrix matrix;
-    unsigned lists;    /* revision of the neighbours that the pattern belongs to */
-    unsigned revision; /* and that of the rows */
-    double h;          /* s: the values belong to it, 0 before the first ones, */
-    unsigned weights;  /* and to these weights */
+    unsigned lists;    /* revision of the neighbour lists, */
+    unsigned revision; /* and of the rows, that the pattern belongs to */
+    double h;          /* s: length of the step, */
+    unsigned weights;  /* and counter of weights, that the values belong to; h = 0: none */
 };
 
 pdyn_status hessian_matrix_create(struct hessian_matrix *hessian, struct objective *objective);
 void hessian_matrix_free(struct hessian_matrix *hessian);
 
-/* Brings the matrix up to date; says what has moved since the call before. */
+/* Updates the matrix to the last linearisation. *pattern, *values: what has changed since the call
+ * before. */
 pdyn_status hessian_matrix_update(struct hessian_matrix *hessian, bool *pattern, bool *values);
 
 #endif

@@ -42,14 +42,14 @@ static void inertia(void *arg, int first, int last, int block) {
     c->objective->partial[block] = energy;
 }
 
-/* What SPH sums work on: x, and the samples of surfaces. */
+/* The points of SPH sums: particles, then samples of surfaces. */
 static const double *extend(const struct objective *sys, const double *x) {
     if (!sys->samples) return x;
     samples_extend(sys->samples, x, sys->samples->x);
     return sys->samples->x;
 }
 
-pdyn_status objective_tell_lists(struct objective *sys) {
+pdyn_status objective_share_lists(struct objective *sys) {
     const pdyn_neighbours *view = neighbours_view(sys->neighbours);
     pdyn_status status = PDYN_OK;
     if (sys->samples) samples_reach(sys->samples, view);
@@ -59,11 +59,11 @@ pdyn_status objective_tell_lists(struct objective *sys) {
     return status;
 }
 
-/* Lists built at extended x, known to every batch. */
+/* Builds lists at x, which is extended by samples, and gives them to every batch. */
 static pdyn_status build_lists(struct objective *sys, const double *x) {
     double start = clock_ms();
     pdyn_status status = neighbours_build(sys->neighbours, x);
-    if (status == PDYN_OK) status = objective_tell_lists(sys);
+    if (status == PDYN_OK) status = objective_share_lists(sys);
     sys->ms_neighbours += clock_ms() - start;
     return status;
 }
@@ -76,7 +76,7 @@ static bool lists_hold(const struct objective *sys, const double *x) {
     return !sys->neighbours || neighbours_hold(sys->neighbours, x);
 }
 
-pdyn_status objective_cover(struct objective *sys, const double *x, const double **all) {
+pdyn_status objective_ensure_lists(struct objective *sys, const double *x, const double **all) {
     *all = extend(sys, x);
     return lists_hold(sys, *all) ? PDYN_OK : build_lists(sys, *all);
 }
@@ -84,7 +84,7 @@ pdyn_status objective_cover(struct objective *sys, const double *x, const double
 pdyn_status objective_local(struct objective *sys, const double *x, double *energy,
                             double *gradient) {
     const double *all;
-    pdyn_status status = objective_cover(sys, x, &all);
+    pdyn_status status = objective_ensure_lists(sys, x, &all);
     if (sys->neighbours) neighbours_decided(sys->neighbours);
     if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
     if (status != PDYN_OK) return status;
@@ -102,7 +102,7 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
 
 pdyn_status objective_limit(struct objective *sys, const double *x, double *way) {
     const double *all;
-    pdyn_status status = objective_cover(sys, x, &all);
+    pdyn_status status = objective_ensure_lists(sys, x, &all);
     int samples = sys->samples ? sys->samples->count : 0;
     for (int i = 0; i < sys->particles + samples; i++) way[i] = INFINITY;
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
@@ -149,11 +149,11 @@ void objective_apply(struct objective *sys, const double *u, double *y) {
 
 /* ---- the model along a direction ------------------------------------------------------------- */
 
-void objective_aim(struct objective *sys, const double *u) {
+void objective_set_direction(struct objective *sys, const double *u) {
     for (int b = 0; b < sys->batches; b++) batch_aim(sys->batch[b], u);
 }
 
-int objective_turns(struct objective *sys) {
+int objective_count_side_changes(struct objective *sys) {
     int turns = 0;
     for (int b = 0; b < sys->batches; b++) turns += batch_turns(sys->batch[b]);
     return turns;
@@ -169,8 +169,8 @@ static double sides_slope(struct objective *sys, double t, double *curvature) {
     return sum;
 }
 
-/* The slope rises along the line, linear in pieces: Newton's iteration, kept between what is known
- * to be short of the minimum and beyond. */
+/* The slope is linear in pieces and rises along the line: Newton's iteration on it, safeguarded by
+ * an interval [low, high] that contains the minimum. */
 double objective_line_minimum(struct objective *sys, double descent, double curvature) {
     double bend, start = sides_slope(sys, 0.0, &bend);
     double low = 0.0, high = INFINITY, t = descent / curvature;
@@ -192,7 +192,7 @@ static void scale_block(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] *= c->scale;
 }
 
-int objective_go(struct objective *sys, double t, double *y) {
+int objective_step_along(struct objective *sys, double t, double *y) {
     int changed = 0;
     for_particles(sys, scale_block, NULL, NULL, y, t);
     for (int b = 0; b < sys->batches; b++) changed += batch_go(sys->batch[b], t, y);
@@ -268,7 +268,7 @@ double objective_residual(struct objective *sys, const double *gradient) {
         double sum = 0.0;
         for (int k = 0; k < pool_blocks(body->count, PARTICLE_GRAIN); k++) sum += sys->partial[k];
         body->residual = sqrt(sum) / body->weight;
-        /* not fmax, which would lose what is no number */
+        /* unlike fmax, keeps a NaN */
         if (!(body->residual <= largest)) largest = body->residual;
     }
     return largest;

@@ -1,7 +1,8 @@
-/* What a step minimises, and its derivatives, summed over all batches:
+/* The function that a step minimises, its gradient and its Hessian, summed over all batches (one
+ * constraint type on one body each, rows/batch.h):
  *
- *     E(x) = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum of the batches' energies
- *     H    = M/h^2 + sum of the batches' w G' ((1 - eps)(I - J) + eps I) G
+ *     E(x) = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum of energies
+ *     H    = M/h^2 + sum of w G' ((1 - eps)(I - J) + eps I) G
  *
  * Vectors are particles x 3. */
 #ifndef PDYN_OBJECTIVE_H
@@ -12,10 +13,10 @@
 #include "rows/batch.h"
 #include "sph/neighbours.h"
 
-enum { PARTICLE_GRAIN = 2048 }; /* particles: vector operations worth waking a thread for */
+enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
 
-struct objective_body { /* its residual is |grad E| / |M g|, over its own particles */
-    int first, count;   /* its particles */
+struct objective_body { /* residual: |grad E| / |M g| over the particles of the body */
+    int first, count;   /* particles */
     double weight;      /* |M g|, N, in this step */
     double residual;    /* at the last measurement */
 };
@@ -26,79 +27,80 @@ struct objective {
     double *mass;     /* particles, kg */
     double *s;        /* the inertial prediction, m */
     double h;         /* s, effective length of the current step (integrator.h) */
-    unsigned weights; /* moves when weights do by themselves, not with h */
-    double time;      /* s, at its end */
-    const double *x;  /* where the last local step was */
+    unsigned weights; /* counter of changes of weights for another reason than h */
+    double time;      /* s, at the end of the step */
+    const double *x;  /* of the last local step */
     double eps;       /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
     struct batch **batch;                      /* capacity */
     struct contact *contact;                   /* NULL in a scene without contact */
     struct surface_friction *surface_friction; /* NULL where no surface has friction with a fluid */
     struct neighbours *neighbours;             /* NULL where no constraint needs them */
-    struct samples *samples;                   /* of surfaces in these; NULL: none */
-    unsigned lists;                            /* revision of the lists */
-    bool dynamic_rows; /* some batch changes its selector from step to step */
+    struct samples *samples;                   /* on surfaces, for SPH sums; NULL: none */
+    unsigned lists;                            /* revision of the neighbour lists */
+    bool dynamic_rows; /* some batch changes its elements from step to step */
     int bodies;
-    struct objective_body *body; /* bodies, ascending; they have all particles */
-    double *partial;             /* sums of parallel blocks of PARTICLE_GRAIN particles */
+    struct objective_body *body; /* bodies, by first particle; together they have all particles */
+    double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
 };
 
-/* A step of effective length h begins at x and v, the base of integrator.h. */
+/* Begins a step of effective length h from x and v (the base of step/integrator.h). */
 void objective_begin(struct objective *objective, const double *x, const double *v);
 
-/* way: particles, then samples, m: how far each of them may go from x at once. */
+/* way: particles, then samples: how far each may move from x in one iterate, m. */
 pdyn_status objective_limit(struct objective *objective, const double *x, double *way);
 
-/* x with the samples, *all, and lists that are complete there. */
-pdyn_status objective_cover(struct objective *objective, const double *x, const double **all);
+/* Extends x by the samples (*all) and rebuilds the neighbour lists if they are incomplete there. */
+pdyn_status objective_ensure_lists(struct objective *objective, const double *x,
+                                   const double **all);
 
 /* Builds the neighbour lists at x. */
 pdyn_status objective_build_lists(struct objective *objective, const double *x);
 
-/* The lists are new: tells every batch. */
-pdyn_status objective_tell_lists(struct objective *objective);
+/* Gives new neighbour lists to every batch. */
+pdyn_status objective_share_lists(struct objective *objective);
 
-/* E and its gradient at x (finite or not: the caller checks E). */
+/* The local step: E and its gradient at x. The caller checks that E is finite. */
 pdyn_status objective_local(struct objective *objective, const double *x, double *energy,
                             double *gradient);
 
-/* Fixes H at the x of the last local step. */
+/* Fixes tangents and sides of one-sided constraints for H at the x of the last local step. */
 pdyn_status objective_linearise(struct objective *objective, double eps);
 
-/* Moves when the selector of some rows does. */
+/* A counter of changes of rows' selectors. */
 unsigned objective_revision(const struct objective *objective);
 
 /* y = H u */
 void objective_apply(struct objective *objective, const double *u, double *y);
 
-/* The model of E around x, minimised from d = 0 along one direction after the other: H, but that
- * one-sided constraints take their sides where d is. */
+/* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
+ * direction after the other. It is quadratic in pieces: one-sided constraints change sides. */
 
-/* Aims along u. */
-void objective_aim(struct objective *objective, const double *u);
+/* Sets the direction u of the functions below. */
+void objective_set_direction(struct objective *objective, const double *u);
 
-/* How many constraints change sides on the whole way along u. */
-int objective_turns(struct objective *objective);
+/* The number of constraints that change sides between d and d + u. */
+int objective_count_side_changes(struct objective *objective);
 
-/* How far to go along u to the model's minimum. descent: minus the model's slope here, > 0;
- * curvature: u . H u with the sides as they are. */
+/* The t > 0 at which the model is minimal along d + t u. descent: minus the model's slope at d, >
+ * 0; curvature: u . H u with the sides at d. */
 double objective_line_minimum(struct objective *objective, double descent, double curvature);
 
-/* Goes t along u; y, H u with the sides as they were, becomes the change of the model's gradient.
- * Returns how many constraints changed sides. */
-int objective_go(struct objective *objective, double t, double *y);
+/* d += t u. y: H u with the sides at d; becomes the change of the model's gradient. Returns the
+ * number of constraints that changed sides. */
+int objective_step_along(struct objective *objective, double t, double *y);
 
 /* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
 void objective_diagonal(struct objective *objective, double *blocks);
 /* The same of constraints that change from step to step alone, without inertia. */
 void objective_dynamic_diagonal(struct objective *objective, double *blocks);
 
-/* Sums of 3-vectors' products over all particles, the same bits for any number of threads. */
+/* a . b, the same bits for any number of threads. */
 double objective_dot(struct objective *objective, const double *a, const double *b);
 
-/* The length of a residual: the root of the sum of squares over bodies, each relative to its
- * weight. Where it is below a number, so is the residual of every body. */
+/* The length of a residual: the root of the sum over bodies of |r|^2 / |M g|^2. It bounds the
+ * residual of every body. */
 double objective_norm(struct objective *objective, const double *r);
 
 /* The body of a particle. */
@@ -107,7 +109,7 @@ int objective_body_of(const struct objective *objective, int particle);
 /* Measures the residual of every body from the gradient of E; returns the largest. */
 double objective_residual(struct objective *objective, const double *gradient);
 
-/* The sum of what each block of a loop over the particles left in `partial`. */
+/* The sum of `partial` over the blocks of a loop over the particles. */
 double objective_partial_sum(const struct objective *objective);
 
 /* Bytes of a vector, particles x 3. */
@@ -115,12 +117,12 @@ static inline size_t objective_bytes(const struct objective *objective) {
     return 3 * (size_t)objective->particles * sizeof(double);
 }
 
-/* What a particle's inertia adds to each of its diagonal entries in H, N/m. */
+/* The inertia of particle i on the diagonal of H, m/h^2, N/m. */
 static inline double objective_inertia(const struct objective *objective, int i) {
     return objective->mass[i] / (objective->h * objective->h);
 }
 
-/* Adds scale x to y. */
+/* y += scale x */
 void objective_axpy(struct objective *objective, double scale, const double *x, double *y);
 
 #endif

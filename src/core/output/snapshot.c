@@ -33,7 +33,7 @@ static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *a) {
     if (!sim->neighbours) return;
     if (a->view.reading) live_particles_tell(sim);
     pdyn_status status = neighbours_persist(sim->neighbours, &a->view);
-    if (status == PDYN_OK && a->view.reading) status = objective_tell_lists(&sim->objective);
+    if (status == PDYN_OK && a->view.reading) status = objective_share_lists(&sim->objective);
     if (a->view.reading) kinematic_carry(sim, sim->time);
     if (a->status == PDYN_OK) a->status = status;
 }

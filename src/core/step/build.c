@@ -1,5 +1,5 @@
-/* From a scene to a simulation: particles, topology, boundary points, neighbours, batches, solver.
- */
+/* Construction of a simulation from a scene: particles, topology, boundary points, neighbour lists,
+ * batches, solver. */
 #include "base/registry.h"
 #include "geometry/sampling.h"
 #include "live_particles.h"
@@ -11,9 +11,11 @@
 
 #include <string.h>
 
-enum { SKIN_PERCENT = 20 }; /* of the support: 1.7 times the pairs, lists kept where little moves */
+enum {
+    SKIN_PERCENT = 20
+}; /* of the support: lists have 1.7 times the pairs and are rebuilt less often */
 
-/* ---- what a module may call ------------------------------------------------------------------ */
+/* ---- services of modules  ------------------------------------------------------------------ */
 
 static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg) {
     pool_for(((pdyn_context *)core)->pool, count, grain, fn, arg);
@@ -57,7 +59,7 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct point_list *all) {
     return PDYN_OK;
 }
 
-/* All vectors of the simulation, particles x 3; those of the state a step earlier are the last. */
+/* All vectors of the simulation, particles x 3; the last two are the state a step earlier. */
 enum { VECTORS = 15, HISTORY_VECTORS = 2 };
 
 static void list_vectors(struct pdyn_sim *sim, double **vector[VECTORS]) {
@@ -157,7 +159,7 @@ static const pdyn_body *find_body(const struct pdyn_sim *sim, const char *name) 
     return &sim->body[b];
 }
 
-/* What constraints name becomes what they see. */
+/* Resolves names of other bodies in parameters to the bodies. */
 static void find_others(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].constraints; k++) {
@@ -169,7 +171,7 @@ static void find_others(struct pdyn_sim *sim) {
         }
 }
 
-/* Where particles begin is known to the state from now on. */
+/* Frees the scene's copy of the start: the state has it. */
 static void forget_start(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         point_list_free(sim->context, &sim->scene.body[b].start);
@@ -238,7 +240,7 @@ static int way_count(const struct pdyn_sim *sim) {
     return sim->objective.particles + (sim->samples ? sim->samples->count : 0);
 }
 
-/* Surfaces that act from where they are can be passed: not so walls of a box, and published points.
+/* Does some surface need the limit on displacements? Walls of a box and boundary "points" do not.
  */
 static pdyn_status make_limits(struct pdyn_sim *sim) {
     bool surfaces = sim->samples;
@@ -248,7 +250,7 @@ static pdyn_status make_limits(struct pdyn_sim *sim) {
     return sim->way ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* Particles at one and the same place: no constraint knows a way to part them. */
+/* Warns where particles coincide: constraints have no direction to separate them. */
 static void warn_coincident(const struct pdyn_sim *sim, const pdyn_body *fluid) {
     const pdyn_neighbours *view = neighbours_view(sim->neighbours);
     int count = 0;
@@ -332,7 +334,7 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
     return status;
 }
 
-/* First all constraints, then what damps some of them. */
+/* First all constraints, then the dampers of some of them. */
 static pdyn_status make_batches(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     int count = 0;
@@ -399,7 +401,7 @@ static pdyn_status create_solver(struct pdyn_sim *sim) {
 
 /* ---- the life of a simulation ---------------------------------------------------------------- */
 
-static pdyn_status make_drag(struct pdyn_sim *sim) {
+static pdyn_status make_surface_friction(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     if (!sim->samples) return PDYN_OK;
     pdyn_status status =
@@ -425,7 +427,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
-    if (status == PDYN_OK) status = make_drag(sim);
+    if (status == PDYN_OK) status = make_surface_friction(sim);
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;

@@ -48,7 +48,7 @@ static void search_line(struct pdyn_sim *sim, const struct round *at) {
     double descent = objective_dot(sys, at->b, at->d),
            curvature = objective_dot(sys, at->d, at->Hd);
     double t = descent > 0.0 ? objective_line_minimum(sys, descent, curvature) : 0.0;
-    objective_go(sys, t, at->Hd);
+    objective_step_along(sys, t, at->Hd);
     objective_axpy(sys, t, at->d, sim->direction);
     objective_axpy(sys, -1.0, at->Hd, at->b);
 }
@@ -74,8 +74,8 @@ static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int
         part.first_of_step = stop->first_of_step && n == 0;
         pdyn_status status = solve_linear(sim, &at, &part, iterations);
         if (status != PDYN_OK) return status;
-        objective_aim(sys, at.d);
-        if (aim == target && !objective_turns(sys)) {
+        objective_set_direction(sys, at.d);
+        if (aim == target && !objective_count_side_changes(sys)) {
             objective_axpy(sys, 1.0, at.d, sim->direction);
             return PDYN_OK;
         }

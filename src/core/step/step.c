@@ -32,7 +32,7 @@ static pdyn_status prepare_samples(struct pdyn_sim *sim) {
     samples_stretch(sim->samples, sim->x);
     neighbours_stretch(sim->neighbours, sim->samples);
     if (!sim->objective.surface_friction) return PDYN_OK;
-    pdyn_status status = objective_cover(&sim->objective, sim->x, &all);
+    pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &all);
     return status == PDYN_OK ? surface_friction_begin(sim->objective.surface_friction, all)
                              : status;
 }
