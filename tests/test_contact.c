@@ -96,9 +96,10 @@ static struct trial start(const char *solver) {
     }
     double energy;
     t.sim->objective.h = 0.01;
+    assert_int_equal(objective_begin(&t.sim->objective, t.sim->x, t.sim->v), PDYN_OK);
     assert_int_equal(objective_local(&t.sim->objective, t.x, &energy, t.gradient), PDYN_OK);
-    assert_true(t.sim->objective.contact->touching->view.elements > 20);
-    assert_true(t.sim->objective.contact->sticking->view.elements > 20);
+    assert_true(t.sim->objective.contact->current.view.count > 20);
+    assert_true(t.sim->objective.contact->start.view.count > 20);
     return t;
 }
 
@@ -122,7 +123,7 @@ static void test_gradient(void **state) {
     (void)state;
     struct trial t = start("solver.type=cg");
     struct contact *c = t.sim->objective.contact;
-    struct batch *batch[] = {c->touching, c->sticking};
+    struct batch *batch[] = {c->current.batch, c->start.batch};
     double h = 1e-9, slope[2] = {0}, expected[2], energy;
     for (int k = 0; k < 2; k++) {
         memset(t.y, 0, (size_t)t.n * sizeof *t.y);
@@ -208,7 +209,7 @@ static void test_steps(void **state) {
             pdyn_load_text(c, scene("", DOWN, CLOTH_AT(5, 0.156), BALL), "test", set, 3, &sim),
             PDYN_OK);
         for (int s = 0; s < 10; s++) assert_true(test_step(c, sim).step_residual <= 1e-7);
-        assert_true(sim->objective.contact->touching->view.elements > 0);
+        assert_true(sim->objective.contact->current.view.count > 0);
         memcpy(x[k], sim->x, sizeof x[k]);
         pdyn_free(sim);
         pdyn_destroy(c);
@@ -426,7 +427,7 @@ static void test_not_self(void **state) {
     pdyn_sim *sim = test_load(c, scene(", 'self': false", DOWN, CLOTH_AT(9, -0.1), FLOOR));
     for (int k = 0; k < 40; k++) test_step(c, sim);
     const struct contact *contact = sim->objective.contact;
-    assert_true(contact->touching->view.elements >= 81);
+    assert_true(contact->current.view.count >= 81);
     for (int k = 0; k < contact->pairs; k++)
         assert_true(contact->group[contact->pair[k].point[3]] == 1 ||
                     contact->group[contact->pair[k].point[0]] == 1);

@@ -1,6 +1,7 @@
 /* Fluid and surfaces on each other: samples, their forces, momentum, and what a sheet holds. */
 #include "support.h"
 
+#include "base/registry.h"
 #include "sph/surface_samples.h"
 
 #include "projdyn/vec3.h"
@@ -494,6 +495,12 @@ static void test_carried(void **state) {
     assert_true(fabs(carried(STREAM("bdf2", UPPER), 2, 20, NULL) / exact - 1.0) < 0.005);
 }
 
+static struct batch *slip_of(const pdyn_sim *sim) {
+    int b = 0;
+    while (sim->objective.batch[b]->type != &pdyn_constraint_slip) b++;
+    return sim->objective.batch[b];
+}
+
 /* Friction gives the sheet what it takes from the water, only along the sheet, and only energy is
  * lost: its gradient is that of its energy. */
 static void test_friction(void **state) {
@@ -501,7 +508,7 @@ static void test_friction(void **state) {
     pdyn_context *context = test_context(3);
     pdyn_sim *sim = test_load(context, STREAM("bdf2", UPPER ", " LOWER));
     for (int step = 0; step < 5; step++) test_step(context, sim);
-    struct batch *friction = sim->objective.surface_friction->batch;
+    struct batch *friction = slip_of(sim);
     int n = 3 * sim->objective.particles;
     double *x = array(n), *g = array(n), *other = array(n), *u = array(n), sum[3] = {0}, size = 0.0;
     uint64_t seed = 3;
@@ -558,7 +565,7 @@ static void test_friction_threads(void **state) {
     free(one), free(three);
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, drop);
-    assert_null(sim->objective.surface_friction);
+    assert_null(sim->objective.wet_sides);
     pdyn_free(sim);
     pdyn_destroy(context);
 }

@@ -102,6 +102,47 @@ typedef struct pdyn_body {
     const double *tet_volume; /* tets, m^3 */
 } pdyn_body;
 
+/* ---- what core finds in every scene that has contact, or a fluid with surfaces in it -------- */
+
+/* Two primitives that are closer to each other than their thickness: a vertex of a surface or a
+ * solid, or a particle of a fluid, and a face; or two edges. The shortest vector from the second to
+ * the first is u + offset, with u = sum over k of coefficient_k x_k. */
+typedef struct pdyn_contact {
+    uint64_t key;          /* of these two primitives, the same in every step */
+    int particle[4];       /* in the system. A point of a solid is none: another one stands there */
+    double coefficient[4]; /* 0 for a point of a solid */
+    double offset[3];      /* m: the part of the solids' points in the shortest vector */
+    double separation[3];  /* m: the shortest vector, when the contact was found */
+    double distance;       /* m: its length then, below the thickness */
+    double thickness;      /* m: at this distance contact begins */
+} pdyn_contact;
+
+/* Constraints that are updated in every local step see the contacts of that step, in the same order
+ * for any number of threads. All others see those of the beginning of the step, without those of
+ * fluid particles; there `offset` follows solids that move. */
+typedef struct pdyn_contacts {
+    double stiffness; /* N/m, of the scene's "contact" */
+    double friction;  /* Coulomb's coefficient, of the same */
+    int particles;    /* of the system; rows may select all of them */
+    int count;
+    const pdyn_contact *contact; /* count */
+} pdyn_contacts;
+
+/* One side of a surface's sample (pdyn_neighbours) with fluid on it when the step begins:
+ * u = sum over k of coefficient_k x_k is the mean position of that fluid less the sample's. */
+typedef struct pdyn_wet_side {
+    int particle[19];       /* in the system: the three corners of the sample, then the fluid's */
+    double coefficient[19]; /* sum 0; 0 where a particle is not needed */
+    double normal[3];       /* of the surface, length 1 */
+    double rate;            /* N s/m: force per velocity along the surface */
+} pdyn_wet_side;
+
+typedef struct pdyn_wet_sides {
+    int particles; /* of the system; rows may select all of them */
+    int count;
+    const pdyn_wet_side *side; /* count */
+} pdyn_wet_sides;
+
 /* ---- rows tier ------------------------------------------------------------------------------ */
 
 typedef struct pdyn_batch { /* one constraint type on one body; core owns all arrays */
@@ -118,6 +159,10 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     const double *u;                          /* rows x 3: G x */
     double *p;                                /* rows x 3: the projection of u */
     const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
+    const pdyn_contacts *contacts;            /* NULL in a scene without contact */
+    const pdyn_wet_sides *wet_sides; /* NULL where no surface has friction with the fluid */
+    uint64_t *key;                   /* elements, of a type with memory: names of its elements */
+    void *memory;                    /* elements x memory_size: see `end` */
 } pdyn_batch;
 
 /* ---- what outlives a step ---------------------------------------------------------------------
@@ -237,6 +282,7 @@ enum {                        /* pdyn_constraint_type.flags */
        PDYN_LOSSY = 16,       /* its energy is what it takes in a step, none that it stores */
        PDYN_ONE_SIDED = 128,  /* it pushes on one side only: where it begins to, that is an impact,
                                  whose force is not expected to last */
+       PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not in every step */
 };
 
 typedef struct pdyn_constraint_type {
@@ -252,8 +298,21 @@ typedef struct pdyn_constraint_type {
      * compute. */
     pdyn_param_fault (*resolve)(void *params, const pdyn_scene_info *scene);
     size_t data_size; /* bytes of the type's own data per element */
-    /* Number of elements on this body. */
+    /* Number of elements on this body. NULL: `update` tells it. */
     int (*elements)(const void *params, const pdyn_body *body);
+    /* Elements that come and go, each of them `rows` rows of `width` entries: which there are, at
+     * the positions x (m) and velocities v (m/s) of the system's particles (particles x 3). Core
+     * calls it at the beginning of every step, before `begin`; with PDYN_EVERY_ITERATION instead in
+     * every local step, where v is NULL. Returns the number of elements, which may be 0, and writes
+     * `data` (and `key`, where the type has memory) of as many of them as there is room for: where
+     * room is smaller than the number, core makes more and calls it again. `select` and `weight`
+     * follow. One thread calls it, so the order of the elements is the same for any number of
+     * threads. Energy and force of an element must be 0 where it appears and where it goes, or a
+     * step does not minimise one function. The particles of a row's entries differ, but for entries
+     * with the coefficient 0, which take no part. NULL: the elements are always the same. Not
+     * together with row_sizes, linear, damping, matrix_free, nor, in every local step, begin. */
+    int (*update)(const void *params, const pdyn_batch *batch, const double *x, const double *v,
+                  int room);
     /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. A row
      * without entries acts on nothing. */
     int rows, width;
@@ -281,6 +340,12 @@ typedef struct pdyn_constraint_type {
     /* At the beginning of every step, with u = G x and p = G v there: data and weights may change.
      * `weight` is called after it, and not before the first step. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
+    /* What elements that come and go leave to the next step. After every step that was taken, with
+     * u and p of its end, `end` writes `memory` of these elements. In the next step an element with
+     * the same key finds there what was written; a new one finds zeros. Keys differ from each
+     * other. Both or none, and only with `update`. */
+    size_t memory_size; /* bytes per element */
+    void (*end)(const void *params, const pdyn_batch *batch, int first, int last);
     /* s: damping in proportion to stiffness, stress = stiffness (strain + damping x its rate).
      * Above 0, core has a second batch of the same rows, its weights times damping / h, which
      * `hold` tells at the beginning of every step to take u = G x for its rest shape: data changes
@@ -394,7 +459,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 8u
+#define PDYN_ABI 9u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -129,7 +129,8 @@ static pdyn_status disturb(struct trial *t) {
     }
     for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
     sys->h = 0.004;
-    objective_begin(sys, t->sim->x, t->sim->v);
+    pdyn_status status = objective_begin(sys, t->sim->x, t->sim->v);
+    if (status != PDYN_OK) return status;
     return objective_local(sys, t->x, &energy, t->gradient);
 }
 

@@ -8,6 +8,10 @@
 /* What the library brings along. */
 extern const pdyn_plugin registry_builtin;
 
+/* Not by name: core makes these of the scene's "contact" and of "fluid_friction" of a body. */
+extern const pdyn_constraint_type pdyn_constraint_contact, pdyn_constraint_friction,
+    pdyn_constraint_slip;
+
 /* The k-th of all, in the order in which they are listed; NULL beyond the last. */
 const pdyn_constraint_type *registry_constraint_at(const pdyn_context *context, int k);
 const pdyn_global_solver *registry_solver_at(const pdyn_context *context, int k);

@@ -7,7 +7,8 @@
 
 #include <string.h>
 
-/* ---- the elements at x ----------------------------------------------------------------------- */
+/* ---- the contacts at x ------------------------------------------------------------------------
+ */
 
 /* The points at x; solids are where they are. */
 static void gather(const struct contact *c, const double *x, double *at) {
@@ -33,56 +34,86 @@ static void find_hits(void *arg, int first, int last, int block) {
         const struct pair_kind *kind = pair_kind_of(p->key);
         if (p->distance - most_moved(c, p->point, kind->first) >= p->thickness) continue;
         const double *x[4];
-        struct touching hit = {.key = p->key, .thickness = p->thickness};
+        struct hit hit = {.pair = k};
         pair_load(p->point, c->at, x);
         double squared = kind->closest(x, hit.c);
         if (squared >= p->thickness * p->thickness) continue;
-        memcpy(hit.point, p->point, sizeof hit.point);
-        c->hit_distance[first + count] = sqrt(squared);
+        hit.distance = sqrt(squared);
         c->hit[first + count++] = hit;
     }
     c->hit_count[block] = count;
 }
 
-/* Row e: points of solids go into its offset; what is left over selects a free point with 0. */
-static void set_row(struct contact *c, int e, const struct touching *hit, double distance) {
-    const pdyn_batch *v = &c->touching->view;
-    struct touching *data = (struct touching *)v->data + e;
-    int some = hit->point[0] < c->free ? hit->point[0] : hit->point[3];
-    *data = *hit;
-    for (int k = 0; k < 4; k++) {
-        bool free = hit->point[k] < c->free;
-        v->column[4 * e + k] = c->column[free ? hit->point[k] : some];
-        v->coefficient[4 * e + k] = free ? hit->c[k] : 0.0;
-        if (!free) vec3_add(data->offset, hit->c[k], c->at + 3 * (size_t)hit->point[k]);
-    }
-    v->weight[e] = contact_weight(c->set->stiffness, hit->thickness, distance);
+static void set_offset(const struct contact *c, const struct stencil *s, double offset[3]) {
+    memset(offset, 0, 3 * sizeof *offset);
+    for (int k = 0; k < 4; k++)
+        if (s->point[k] >= c->free) vec3_add(offset, s->c[k], c->at + 3 * (size_t)s->point[k]);
 }
 
-static void fill_rows(void *arg, int first, int last, int block) {
+/* Contact number e of the list. */
+static void set_contact(struct contact *c, int e, const struct hit *hit) {
+    const struct pair *p = &c->pair[hit->pair];
+    struct stencil *s = &c->current.stencil[e];
+    pdyn_contact *to = &c->current.contact[e];
+    int some = p->point[0] < c->free ? p->point[0] : p->point[3];
+    *to = (pdyn_contact){.key = p->key, .distance = hit->distance, .thickness = p->thickness};
+    memcpy(s->point, p->point, sizeof s->point);
+    memcpy(s->c, hit->c, sizeof s->c);
+    for (int k = 0; k < 4; k++) {
+        bool free = p->point[k] < c->free;
+        to->particle[k] = c->column[free ? p->point[k] : some];
+        to->coefficient[k] = free ? hit->c[k] : 0.0;
+        vec3_add(to->separation, hit->c[k], c->at + 3 * (size_t)p->point[k]);
+    }
+    set_offset(c, s, to->offset);
+}
+
+static void set_contacts(void *arg, int first, int last, int block) {
     struct contact *c = arg;
     (void)last;
     for (int k = 0, e = c->hit_start[block]; k < c->hit_count[block]; k++, e++)
-        set_row(c, e, &c->hit[first + k], c->hit_distance[first + k]);
+        set_contact(c, e, &c->hit[first + k]);
 }
 
-static pdyn_status find_elements(struct contact *c) {
+pdyn_status contact_list_reserve(pdyn_context *context, struct contact_list *list, int count) {
+    if (count <= list->room) return PDYN_OK;
+    contact_list_free(context, list);
+    list->room = count + count / 2;
+    list->view.contact = list->contact = NEW_ARRAY(context, list->room, pdyn_contact);
+    list->stencil = NEW_ARRAY(context, list->room, struct stencil);
+    return list->contact && list->stencil ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void contact_list_free(pdyn_context *context, struct contact_list *list) {
+    FREE_ARRAY(context, list->contact, list->room);
+    FREE_ARRAY(context, list->stencil, list->room);
+    list->view.contact = NULL, list->view.count = list->room = 0;
+}
+
+static pdyn_status find_contacts(struct contact *c) {
     int blocks = pool_blocks(c->pairs, CONTACT_GRAIN), count = 0;
     pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, find_hits, c);
     for (int b = 0; b < blocks; b++) c->hit_start[b] = count, count += c->hit_count[b];
-    pdyn_status status = batch_resize(c->touching, count);
+    pdyn_status status = contact_list_reserve(c->context, &c->current, count);
     if (status != PDYN_OK) return status;
-    pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, fill_rows, c);
-    batch_index(c->touching);
+    c->current.view.count = count;
+    pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, set_contacts, c);
     return PDYN_OK;
+}
+
+/* Solids may have moved since the step began. */
+static void follow_solids(struct contact *c) {
+    struct contact_list *start = &c->start;
+    for (int e = 0; e < start->view.count; e++)
+        set_offset(c, &start->stencil[e], start->contact[e].offset);
 }
 
 pdyn_status contact_local(struct contact *c, const double *x) {
     double start = clock_ms();
     gather(c, x, c->at);
     pdyn_status status = contact_cover(c, c->at, NULL);
-    if (status == PDYN_OK) status = find_elements(c);
-    if (c->moving && c->sticking) contact_move_friction(c);
+    if (status == PDYN_OK) status = find_contacts(c);
+    if (c->moving) follow_solids(c);
     c->ms += clock_ms() - start;
     return status;
 }
@@ -163,13 +194,35 @@ static void set_goal(struct contact *c, double time) {
     }
 }
 
+/* Fluids slide along surfaces: the barrier alone acts on them. */
+static bool has_fluid(const struct contact *c, const struct stencil *s) {
+    return s->point[0] >= c->vertices && s->point[0] < c->free;
+}
+
+/* The contacts of surfaces and solids become those of the beginning of the step. */
+static pdyn_status set_start(struct contact *c) {
+    const struct contact_list *from = &c->current;
+    struct contact_list *to = &c->start;
+    int count = 0;
+    for (int e = 0; e < from->view.count; e++) count += !has_fluid(c, &from->stencil[e]);
+    pdyn_status status = contact_list_reserve(c->context, to, count);
+    if (status != PDYN_OK) return status;
+    to->view.count = 0;
+    for (int e = 0; e < from->view.count; e++) {
+        if (has_fluid(c, &from->stencil[e])) continue;
+        to->contact[to->view.count] = from->contact[e];
+        to->stencil[to->view.count++] = from->stencil[e];
+    }
+    return PDYN_OK;
+}
+
 pdyn_status contact_begin(struct contact *c, double time) {
     double start = clock_ms();
     size_t solids = 3 * (size_t)(c->points - c->free) * sizeof *c->at;
     c->ms = 0.0;
     if (solids) memcpy(c->begin, c->at + 3 * (size_t)c->free, solids);
     if (c->moving) set_goal(c, time);
-    pdyn_status status = c->sticking ? contact_stick(c) : PDYN_OK;
+    pdyn_status status = set_start(c);
     c->ms += clock_ms() - start;
     return status;
 }
@@ -180,8 +233,6 @@ pdyn_status contact_take_back(struct contact *c, const double *x) {
     return contact_local(c, x);
 }
 
-pdyn_status contact_end(struct contact *c) { return c->sticking ? contact_remember(c) : PDYN_OK; }
-
 /* The pairs are listed again where they were, for their order decides how sums are rounded. */
 void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
@@ -190,12 +241,7 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
     snapshot_file_bytes(a, c->built, 3 * n * sizeof *c->built);
     snapshot_file_bytes(a, c->at, 3 * n * sizeof *c->at);
     ARCHIVE(a, c->behind);
-    int remembered = c->remembered;
-    ARCHIVE(a, remembered);
     pdyn_status status = a->status;
-    if (status == PDYN_OK) status = contact_make_memory(c, remembered);
-    if (status == PDYN_OK)
-        snapshot_file_bytes(a, c->memory_of, (size_t)remembered * sizeof *c->memory_of);
     if (status == PDYN_OK && a->view.reading) status = contact_list(c);
     if (status == PDYN_OK && a->view.reading) status = contact_local(c, x);
     if (a->status == PDYN_OK) a->status = status;

@@ -1,18 +1,12 @@
-/* Contact of surfaces with themselves, each other, solids, and the particles of fluids.
+/* Contact of surfaces with themselves, each other, solids, and the particles of fluids: which pairs
+ * are close, their geometry, and paths without collision. The energies of contact and friction are
+ * constraints like others (src/constraints/contact.c and friction.c); pdyn_contacts hands over to
+ * them what is found here.
  *
- * A pair is a vertex or a particle and a face, or two edges, that share no vertex. Where its
- * distance d is below its thickness T it has the energy
- *
- *     b(d) = k (T - d)^3 / (2 d),    -b' = k/2 (T - d)^2 (T + 2 d) / d^2,    b'' = k (T^3/d^3 - 1)
- *
- * a barrier that begins smoothly, with two derivatives, at T. It is a constraint of the rows tier,
- * one row u = sum c_k x_k, the shortest vector between the two, whose weights c are those of the
- * closest points at each local step; what is constant in it, the points of solids, is an offset.
- * Friction (friction.c) has a row per pair that was in contact at the start of the step.
- *
- * No pair ever passes through another: iterates move along straight paths that were checked
- * (contact_filter.c), from a state without intersections. Solids are pairs' partners like surfaces;
- * one that moves waits where it would pass through a surface. */
+ * A pair is a vertex or a particle and a face, or two edges, that share no vertex. No pair ever
+ * passes through another: iterates move along straight paths that were checked (contact_filter.c),
+ * from a state without intersections. Solids are partners in pairs like surfaces; a solid that
+ * moves waits where it would pass through a surface. */
 #ifndef PDYN_CONTACT_H
 #define PDYN_CONTACT_H
 
@@ -31,25 +25,22 @@ struct pair {     /* that may come into contact */
     double distance;  /* m, when the pairs were listed */
 };
 
-/* Both primitives of a pair in an element's data, with weights at the points. */
-struct touching {
-    uint64_t key;
+struct stencil { /* of a contact: the shortest vector is the sum of c_k x_k */
     int point[4];
     double c[4];
-    double offset[3]; /* m, what points of solids add to u */
-    double thickness; /* m */
 };
 
-struct sticking {
-    struct touching pair; /* as it was at the start of the step */
-    double normal[3];
-    double anchor[3]; /* m: u + offset where nothing is stretched along the surfaces */
-    double limit;     /* N: friction coefficient times normal force */
+struct contact_list {
+    int room;
+    pdyn_contact *contact;   /* room */
+    struct stencil *stencil; /* room: of the same */
+    pdyn_contacts view;      /* what constraints see */
+    struct batch *batch;     /* has an element for each contact; NULL: none */
 };
 
-struct remembered { /* what a friction element stretches */
-    uint64_t key;
-    double stretch[3]; /* m */
+struct hit { /* a pair that is closer than its thickness */
+    int pair;
+    double distance, c[4];
 };
 
 struct blocked { /* a pair that may go this part of its way */
@@ -108,13 +99,11 @@ struct contact {
     struct blocked *blocked; /* room */
     int *blocked_count;      /* room / grain */
 
-    /* forces */
-    struct batch *touching, *sticking; /* sticking: NULL without friction */
-    struct touching *hit;              /* room: found by the local step, in blocks */
-    double *hit_distance;              /* room, m */
-    int *hit_count, *hit_start;        /* room / grain */
-    int remembered, memory;
-    struct remembered *memory_of;
+    /* contacts */
+    struct hit *hit;             /* room: found by the last search, in blocks */
+    int *hit_count, *hit_start;  /* room / grain */
+    struct contact_list current; /* at the last local step, for the barrier */
+    struct contact_list start; /* those of surfaces and solids when the step began, for friction */
 };
 
 /* Points, batches, and the check that nothing intersects; sim->objective.contact stays NULL in a
@@ -123,14 +112,11 @@ pdyn_status contact_create(struct pdyn_sim *sim);
 void contact_free(struct contact *contact);
 
 /* A step begins where the last local step was: solids have a new goal, where they are at a time,
- * friction starts from the contacts there. */
+ * and friction gets the contacts there. */
 pdyn_status contact_begin(struct contact *contact, double time);
 
 /* It is taken back: the next one begins again at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);
-
-/* It ends at x, where the last local step was. */
-pdyn_status contact_end(struct contact *contact);
 
 /* What the next step depends on, besides x; reading, at x. */
 void contact_persist(struct contact *contact, const double *x, struct snapshot_file *snapshot);
@@ -148,7 +134,7 @@ pdyn_status contact_filter(struct contact *contact, const double *x, double *dir
 /* Solids that wait go on as far as they can, the surfaces at x. */
 pdyn_status contact_advance(struct contact *contact, const double *x);
 
-/* The elements at x: part of a local step. */
+/* The contacts at x: before the local step of any constraint. */
 pdyn_status contact_local(struct contact *contact, const double *x);
 
 /* ---- within contact -------------------------------------------------------------------------- */
@@ -157,8 +143,6 @@ enum { CONTACT_GRAIN = 1024 }; /* pairs */
 
 /* No path brings a pair closer than this part of its thickness. */
 #define CONTACT_LEAST 0.0625
-
-extern const pdyn_constraint_type contact_touching, contact_sticking;
 
 /* Knows all pairs that can come close while every point is on the way between x and x + step
  * (points x 3 each; step NULL: at x). */
@@ -172,13 +156,9 @@ pdyn_status contact_free_paths(struct contact *contact);
 /* The list of pairs for the regions as they are. */
 pdyn_status contact_list(struct contact *contact);
 
-/* Friction at the start of a step, at its end, and after solids moved. */
-pdyn_status contact_stick(struct contact *contact);
-pdyn_status contact_remember(struct contact *contact);
-void contact_move_friction(struct contact *contact);
-
-/* Room for what so many elements of friction are stretched by. */
-pdyn_status contact_make_memory(struct contact *contact, int count);
+/* Room for so many contacts; those in the list are lost where it grows. */
+pdyn_status contact_list_reserve(pdyn_context *context, struct contact_list *list, int count);
+void contact_list_free(pdyn_context *context, struct contact_list *list);
 
 /* Fails where two triangles intersect. */
 pdyn_status contact_check(struct contact *contact);
@@ -190,17 +170,6 @@ static inline const struct pair_kind *pair_kind_of(uint64_t key) {
 /* 3-vectors of the points of a pair. */
 static inline void pair_load(const int point[4], const double *from, const double *out[4]) {
     for (int k = 0; k < 4; k++) out[k] = from + 3 * (size_t)point[k];
-}
-
-/* Force of a pair at a distance below its thickness, N, and its derivative, N/m. */
-static inline double contact_force(double stiffness, double thickness, double d) {
-    double depth = thickness - d;
-    return 0.5 * stiffness * depth * depth * (thickness + 2.0 * d) / (d * d);
-}
-
-static inline double contact_weight(double stiffness, double thickness, double d) {
-    double ratio = thickness / d;
-    return stiffness * (ratio * ratio * ratio - 1.0);
 }
 
 #endif

@@ -201,21 +201,18 @@ static pdyn_status make_room(struct contact *c, int room) {
     contact_free_pairs(c);
     c->room = room;
     c->pair = NEW_ARRAY(c->context, room, struct pair);
-    c->hit = NEW_ARRAY(c->context, room, struct touching);
-    c->hit_distance = NEW_ARRAY(c->context, room, double);
+    c->hit = NEW_ARRAY(c->context, room, struct hit);
     c->hit_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
     c->hit_start = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
     c->blocked = NEW_ARRAY(c->context, room, struct blocked);
     c->blocked_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    bool good = c->pair && c->hit && c->hit_distance && c->hit_count && c->hit_start &&
-                c->blocked && c->blocked_count;
+    bool good = c->pair && c->hit && c->hit_count && c->hit_start && c->blocked && c->blocked_count;
     return good ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void contact_free_pairs(struct contact *c) {
     FREE_ARRAY(c->context, c->pair, c->room);
     FREE_ARRAY(c->context, c->hit, c->room);
-    FREE_ARRAY(c->context, c->hit_distance, c->room);
     FREE_ARRAY(c->context, c->hit_count, pool_blocks(c->room, CONTACT_GRAIN));
     FREE_ARRAY(c->context, c->hit_start, pool_blocks(c->room, CONTACT_GRAIN));
     FREE_ARRAY(c->context, c->blocked, c->room);

@@ -111,10 +111,19 @@ pdyn_status objective_limit(struct objective *sys, const double *x, double *way)
     return status;
 }
 
-void objective_begin(struct objective *sys, const double *x, const double *v) {
+pdyn_status objective_begin(struct objective *sys, const double *x, const double *v) {
     bool moved = false;
-    for (int b = 0; b < sys->batches; b++) moved |= batch_begin(sys->batch[b], x, v, sys->h);
+    pdyn_status status = PDYN_OK;
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        status = batch_begin(sys->batch[b], x, v, sys->h, &moved);
     sys->weights += moved;
+    return status;
+}
+
+pdyn_status objective_end(struct objective *sys) {
+    pdyn_status status = PDYN_OK;
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++) status = batch_end(sys->batch[b]);
+    return status;
 }
 
 /* ---- the operator H -------------------------------------------------------------------------- */

@@ -9,7 +9,7 @@
 #define PDYN_OBJECTIVE_H
 
 #include "contact/contact.h"
-#include "contact/surface_friction.h"
+#include "contact/wet_sides.h"
 #include "rows/batch.h"
 #include "sph/neighbours.h"
 
@@ -32,13 +32,13 @@ struct objective {
     const double *x;  /* of the last local step */
     double eps;       /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
-    struct batch **batch;                      /* capacity */
-    struct contact *contact;                   /* NULL in a scene without contact */
-    struct surface_friction *surface_friction; /* NULL where no surface has friction with a fluid */
-    struct neighbours *neighbours;             /* NULL where no constraint needs them */
-    struct samples *samples;                   /* on surfaces, for SPH sums; NULL: none */
-    unsigned lists;                            /* revision of the neighbour lists */
-    bool dynamic_rows; /* some batch changes its elements from step to step */
+    struct batch **batch;          /* capacity */
+    struct contact *contact;       /* NULL in a scene without contact */
+    struct wet_sides *wet_sides;   /* NULL where no surface has friction with a fluid */
+    struct neighbours *neighbours; /* NULL where no constraint needs them */
+    struct samples *samples;       /* on surfaces, for SPH sums; NULL: none */
+    unsigned lists;                /* revision of the neighbour lists */
+    bool dynamic_rows;             /* some batch changes its elements from step to step */
     int bodies;
     struct objective_body *body; /* bodies, by first particle; together they have all particles */
     double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
@@ -46,7 +46,10 @@ struct objective {
 };
 
 /* Begins a step of effective length h from x and v (the base of step/integrator.h). */
-void objective_begin(struct objective *objective, const double *x, const double *v);
+pdyn_status objective_begin(struct objective *objective, const double *x, const double *v);
+
+/* Ends a step: it is accepted at the x of the last local step. */
+pdyn_status objective_end(struct objective *objective);
 
 /* way: particles, then samples: how far each may move from x in one iterate, m. */
 pdyn_status objective_limit(struct objective *objective, const double *x, double *way);

@@ -6,7 +6,7 @@ static struct objective *objective_of(pdyn_model *model) {
 
 static bool is_static(const struct batch *b) { return batch_is_static(b); }
 static bool is_matrix_free(const struct batch *b) { return b->op; }
-static bool comes_and_goes(const struct batch *b) { return !b->op && b->changing; }
+static bool comes_and_goes(const struct batch *b) { return !b->op && b->type->update; }
 
 /* Batch k of those with a property. */
 static struct batch *batch_at(pdyn_model *model, bool (*has)(const struct batch *b), int k) {

@@ -43,6 +43,8 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
         struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->persist)
             batch->type->matrix_free->persist(batch->op, &a->view);
+        size_t size = batch->type->memory_size;
+        if (size) row_memory_persist(sim->context, &batch->memory, size, a);
     }
     if (!sim->solver->persist) return;
     pdyn_status status = sim->solver->persist(sim->solver_state, &a->view);

@@ -137,6 +137,11 @@ static void local_rows(void *arg, int first, int last, int block) {
     b->partial[block] = energy;
 }
 
+/* Whether elements come and go in every local step. */
+static bool updates_always(const struct batch *b) {
+    return b->type->update && b->type->flags & PDYN_EVERY_ITERATION;
+}
+
 pdyn_status batch_local(struct batch *b, const double *x, double time, double *gradient) {
     b->view.time = time;
     if (b->op) {
@@ -145,6 +150,10 @@ pdyn_status batch_local(struct batch *b, const double *x, double time, double *g
         return one_sided_begin(&b->one_sided);
     }
     b->energy = 0.0;
+    if (updates_always(b)) {
+        pdyn_status status = batch_update(b, x, NULL);
+        if (status != PDYN_OK) return status;
+    }
     if (b->linear) {
         b->energy = linear_rows_energy(b->linear, x, gradient);
         return PDYN_OK;
@@ -192,13 +201,19 @@ static void begin_rows(void *arg, int first, int last, int block) {
     b->type->weight(b->params, &b->view, first, last);
 }
 
-bool batch_begin(struct batch *b, const double *x, const double *v, double h) {
+pdyn_status batch_begin(struct batch *b, const double *x, const double *v, double h, bool *moved) {
     b->view.h = h;
     if (b->damper) for_range(b, b->view.elements, BATCH_GRAIN, hold_rows, x, NULL, 0.0);
     batch_weigh(b, h);
-    if (!b->damper && b->type->begin)
-        for_range(b, b->view.elements, BATCH_GRAIN, begin_rows, x, (double *)v, 0.0);
-    return !b->damper && b->type->begin;
+    if (b->damper) return PDYN_OK;
+    if (b->type->update && !updates_always(b)) {
+        pdyn_status status = batch_update(b, x, v);
+        if (status != PDYN_OK) return status;
+    }
+    if (!b->type->begin) return PDYN_OK;
+    *moved = true;
+    for_range(b, b->view.elements, BATCH_GRAIN, begin_rows, x, (double *)v, 0.0);
+    return PDYN_OK;
 }
 
 /* ---- tangent --------------------------------------------------------------------------------- */

@@ -8,6 +8,7 @@
 #include "linear_rows.h"
 #include "one_sided.h"
 #include "projdyn/module.h"
+#include "row_memory.h"
 #include "sph/neighbours.h"
 
 enum { BATCH_GRAIN = 2048 }; /* elements: worth waking a thread for */
@@ -30,7 +31,6 @@ struct batch {
     bool damper; /* holds back the rate of strain, see pdyn_constraint_type.damping */
 
     /* rows tier */
-    bool changing; /* elements come and go */
     int rows, entries;
     struct {
         int elements, rows, entries;
@@ -49,6 +49,7 @@ struct batch {
     int touch_first, touch_count;   /* the rows touch only these particles of the system */
     int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
     struct touch *touch;            /* entries, ascending for each particle */
+    struct row_memory memory;       /* what elements that come and go left to the next step */
 };
 
 /* `rows_only`: use the rows even where the type has an operator (assembly and tests do). */
@@ -57,25 +58,25 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
 void batch_free(struct batch *batch);
 
-/* Its rows stay what they are. */
-static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->changing; }
+/* Whether the selector is the same in all steps. */
+static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
 
 /* From now on one matrix stands for the rows, where the type says that these are linear. u, p and
  * flux are left alone then. */
 pdyn_status batch_join_rows(struct batch *batch);
 
-/* A batch whose elements come and go, each of them one row of type->width entries; none at first.
- * They touch the particles of the body alone. An entry that is not needed has the coefficient 0. */
-pdyn_status batch_create_changing(pdyn_context *context, const pdyn_constraint_type *type,
-                                  const void *params, const pdyn_body *body, struct batch **out);
-/* So many elements from now on. All columns, coefficients, weights and data have to be filled then,
- * before batch_index makes them known. */
-pdyn_status batch_resize(struct batch *batch, int elements);
-void batch_index(struct batch *batch);
+/* Elements that come and go: calls the type's `update` at x and v (particles x 3; v NULL in a local
+ * step), then `select`, and `weight` where the type has no `begin`. PDYN_BAD_INPUT: the type gave a
+ * row that it must not give. */
+pdyn_status batch_update(struct batch *batch, const double *x, const double *v);
+/* The step that ended at the last local step was taken: calls the type's `end`, if it has one. */
+pdyn_status batch_end(struct batch *batch);
 
-/* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
- * weights change even where h does not. */
-bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
+/* A step of length h, s, begins at x and v (particles x 3): updates elements that come and go, sets
+ * data and weights that change from step to step. *moved becomes true where weights change even if
+ * h does not. */
+pdyn_status batch_begin(struct batch *batch, const double *x, const double *v, double h,
+                        bool *moved);
 /* The weights of a damper for steps of length h, s; those of others stay. */
 void batch_weigh(struct batch *batch, double h);
 

@@ -340,7 +340,7 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     if (sim->scene.has_contact) count += 2; /* contact, friction */
-    if (sim->samples) count++;              /* drag */
+    if (sim->samples) count++;              /* slip */
     sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !sys->batch) return PDYN_NO_MEMORY;
     sys->capacity = count;
@@ -401,15 +401,19 @@ static pdyn_status create_solver(struct pdyn_sim *sim) {
 
 /* ---- the life of a simulation ---------------------------------------------------------------- */
 
-static pdyn_status make_surface_friction(struct pdyn_sim *sim) {
+static pdyn_status make_slip(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     if (!sim->samples) return PDYN_OK;
     pdyn_status status =
-        surface_friction_create(sim->context, &sim->scene, sim->body, sys->particles, sim->samples,
-                                neighbours_view(sim->neighbours), &sys->surface_friction);
-    if (status != PDYN_OK || !sys->surface_friction) return status;
+        wet_sides_create(sim->context, &sim->scene, sim->body, sys->particles, sim->samples,
+                         neighbours_view(sim->neighbours), &sys->wet_sides);
+    if (status != PDYN_OK || !sys->wet_sides) return status;
+    status = batch_create(sim->context, &pdyn_constraint_slip, NULL, &sys->wet_sides->all, NULL,
+                          NULL, false, &sys->batch[sys->batches]);
+    if (status != PDYN_OK) return status;
     sys->dynamic_rows = true;
-    sys->batch[sys->batches++] = sys->surface_friction->batch;
+    sys->batches++;
+    for (int b = 0; b < sys->batches; b++) sys->batch[b]->view.wet_sides = &sys->wet_sides->view;
     return PDYN_OK;
 }
 
@@ -427,7 +431,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) forget_start(sim);
     if (status == PDYN_OK) status = find_neighbours(sim);
     if (status == PDYN_OK) status = make_batches(sim);
-    if (status == PDYN_OK) status = make_surface_friction(sim);
+    if (status == PDYN_OK) status = make_slip(sim);
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
@@ -469,7 +473,7 @@ static void free_system(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
     contact_free(sys->contact);
-    surface_friction_free(sys->surface_friction);
+    wet_sides_free(sys->wet_sides);
     FREE_ARRAY(c, sys->batch, sys->capacity);
     FREE_ARRAY(c, sys->body, sys->bodies);
     FREE_ARRAY(c, sys->mass, sys->particles);

@@ -2,6 +2,7 @@
  * that none intersects another. */
 #include "contact/contact.h"
 
+#include "base/registry.h"
 #include "live_particles.h"
 #include "scene/poses.h"
 #include "sim.h"
@@ -143,25 +144,40 @@ static pdyn_status plant_trees(struct contact *c) {
 /* ---- batches --------------------------------------------------------------------------------- */
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *type,
-                             struct batch **out) {
+                             struct contact_list *list) {
     struct objective *sys = &sim->objective;
-    const struct contact *c = sys->contact;
-    pdyn_status status = batch_create_changing(sim->context, type, c->set, &c->body, out);
-    if (status == PDYN_OK) sys->batch[sys->batches++] = *out;
+    pdyn_status status = batch_create(sim->context, type, NULL, &sys->contact->body, NULL, NULL,
+                                      false, &list->batch);
+    if (status == PDYN_OK) sys->batch[sys->batches++] = list->batch;
     return status;
+}
+
+/* All constraints may see the contacts. */
+static void show(struct pdyn_sim *sim) {
+    struct contact *c = sim->objective.contact;
+    const pdyn_contacts contacts = {.stiffness = c->set->stiffness,
+                                    .friction = c->set->friction,
+                                    .particles = sim->objective.particles};
+    c->current.view = c->start.view = contacts;
+    for (int k = 0; k < sim->objective.batches; k++) {
+        struct batch *b = sim->objective.batch[k];
+        bool always = b->type->flags & PDYN_EVERY_ITERATION;
+        b->view.contacts = always ? &c->current.view : &c->start.view;
+    }
 }
 
 static pdyn_status add_batches(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
     sim->objective.dynamic_rows = true;
     sim->anchored |= c->points > c->free;
-    pdyn_status status = add_batch(sim, &contact_touching, &c->touching);
+    pdyn_status status = add_batch(sim, &pdyn_constraint_contact, &c->current);
     if (status == PDYN_OK && c->set->friction > 0.0)
-        status = add_batch(sim, &contact_sticking, &c->sticking);
+        status = add_batch(sim, &pdyn_constraint_friction, &c->start);
+    show(sim);
     return status;
 }
 
-/* Solids at the start; the first elements. */
+/* Solids at the start; the first contacts. */
 static pdyn_status place(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
     for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
@@ -201,7 +217,8 @@ void contact_free(struct contact *c) {
     contact_free_pairs(c);
     FREE_ARRAY(x, c->found, (size_t)c->blocks * (size_t)c->block_room);
     FREE_ARRAY(x, c->found_count, c->blocks);
-    FREE_ARRAY(x, c->memory_of, c->memory);
+    contact_list_free(x, &c->current);
+    contact_list_free(x, &c->start);
     for (int k = 0; k < 2; k++) {
         bvh_free(x, &c->face_tree[k]);
         bvh_free(x, &c->edge_tree[k]);
@@ -293,11 +310,10 @@ pdyn_status contact_check(struct contact *c) {
             triangle_number(c, edge, 2), c->owner[c->group[edge[0]]], triangle_number(c, face, 3),
             c->owner[c->group[face[0]]]);
     }
-    for (int e = 0; e < c->touching->view.elements; e++) {
-        const struct touching *t = (const struct touching *)c->touching->view.data + e;
-        double u[3] = {0};
-        for (int k = 0; k < 4; k++) vec3_add(u, t->c[k], c->at + 3 * (size_t)t->point[k]);
-        if (vec3_length(u) >= CONTACT_LEAST * t->thickness) continue;
+    for (int e = 0; e < c->current.view.count; e++) {
+        const struct stencil *t = &c->current.stencil[e];
+        const pdyn_contact *contact = &c->current.contact[e];
+        if (vec3_length(contact->separation) >= CONTACT_LEAST * contact->thickness) continue;
         return context_fail(
             c->context, PDYN_BAD_INPUT,
             "contact: at the start \"%s\" and \"%s\" are closer than a sixteenth of "

@@ -67,7 +67,7 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
     for (int b = 0; b < sim->constraints; b++)
         if (!(sys->batch[b]->type->flags & PDYN_LOSSY))
             info->constraint_energy += sys->batch[b]->energy;
-    if (sys->contact) info->constraint_energy += sys->contact->touching->energy;
+    if (sys->contact) info->constraint_energy += sys->contact->current.batch->energy;
 }
 
 /* What a pin must carry is the gradient of everything else at its point: the whole gradient less

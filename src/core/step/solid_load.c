@@ -39,17 +39,18 @@ static pdyn_status add_operators(const struct pdyn_sim *sim) {
 
 /* ---- contact --------------------------------------------------------------------------------- */
 
-/* Energies are functions of sum c_k x_k over the points of a pair, with the gradient w (u - p). Not
- * flux: impacts leave their own in it. */
-static void add_pair(const struct pdyn_sim *sim, const struct touching *pair, const pdyn_batch *v,
-                     int e) {
+/* The energy of a contact is a function of u, the sum of c_k x_k over its points, and has the
+ * gradient w (u - p). Not flux: impacts leave their own in it. */
+static void add_element(const struct pdyn_sim *sim, const struct contact_list *list, int e) {
     const struct contact *c = sim->objective.contact;
+    const struct stencil *stencil = &list->stencil[e];
+    const pdyn_batch *v = &list->batch->view;
     for (int k = 0; k < 4; k++) {
         double force[3];
-        int point = pair->point[k];
+        int point = stencil->point[k];
         if (point < c->free) continue;
         for (int a = 0; a < 3; a++)
-            force[a] = -pair->c[k] * v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]);
+            force[a] = -stencil->c[k] * v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]);
         add_force(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
                   force);
     }
@@ -57,13 +58,10 @@ static void add_pair(const struct pdyn_sim *sim, const struct touching *pair, co
 
 static void add_contact(const struct pdyn_sim *sim) {
     const struct contact *c = sim->objective.contact;
-    if (!c) return;
-    const pdyn_batch *v = &c->touching->view;
-    for (int e = 0; e < v->elements; e++) add_pair(sim, (const struct touching *)v->data + e, v, e);
-    if (!c->sticking) return;
-    v = &c->sticking->view;
-    for (int e = 0; e < v->elements; e++)
-        add_pair(sim, &((const struct sticking *)v->data + e)->pair, v, e);
+    const struct contact_list *list[] = {c ? &c->current : NULL, c ? &c->start : NULL};
+    for (int k = 0; k < 2 && c; k++)
+        for (int e = 0; list[k]->batch && e < list[k]->batch->view.elements; e++)
+            add_element(sim, list[k], e);
 }
 
 /* ---- all of them ----------------------------------------------------------------------------- */

@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* s = x^ + H v^ + H^2 g, and the iterate starts there. */
-static void predict(struct pdyn_sim *sim, double h) {
+static pdyn_status predict(struct pdyn_sim *sim, double h) {
     const double *g = sim->scene.settings.gravity;
     double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, h);
     sim->objective.time = sim->time + h;
@@ -21,7 +21,7 @@ static void predict(struct pdyn_sim *sim, double h) {
         sim->objective.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
     live_particles_hold(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
-    objective_begin(&sim->objective, sim->x_base, sim->v_base);
+    return objective_begin(&sim->objective, sim->x_base, sim->v_base);
 }
 
 /* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
@@ -31,10 +31,9 @@ static pdyn_status prepare_samples(struct pdyn_sim *sim) {
     if (!sim->samples) return PDYN_OK;
     samples_stretch(sim->samples, sim->x);
     neighbours_stretch(sim->neighbours, sim->samples);
-    if (!sim->objective.surface_friction) return PDYN_OK;
+    if (!sim->objective.wet_sides) return PDYN_OK;
     pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &all);
-    return status == PDYN_OK ? surface_friction_begin(sim->objective.surface_friction, all)
-                             : status;
+    return status == PDYN_OK ? wet_sides_find(sim->objective.wet_sides, all) : status;
 }
 
 /* Where nothing can take momentum away, the step must not either, however far it was solved: the
@@ -79,13 +78,13 @@ static void accept(struct pdyn_sim *sim, double h) {
 static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
     *progress = (struct progress){0};
     if (sim->neighbours) neighbours_begin(sim->neighbours, sim->x);
-    pdyn_status status = prepare_samples(sim);
-    if (status != PDYN_OK) return status;
-    predict(sim, h);
-    kinematic_carry(sim, sim->objective.time);
     struct contact *contact = sim->objective.contact;
-    if (contact) status = contact_begin(contact, sim->objective.time);
-    if (status == PDYN_OK) status = minimise(sim, progress);
+    pdyn_status status = prepare_samples(sim);
+    if (status == PDYN_OK && contact) status = contact_begin(contact, sim->time + h);
+    if (status == PDYN_OK) status = predict(sim, h);
+    if (status != PDYN_OK) return status;
+    kinematic_carry(sim, sim->objective.time);
+    status = minimise(sim, progress);
     if (status == PDYN_OK) status = keep_momentum(sim);
     return status == PDYN_OK ? measure_finite(sim) : status;
 }
@@ -134,7 +133,7 @@ static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct 
         status = attempt(sim, end->h, progress);
         ++*retries;
     }
-    if (status == PDYN_OK && sim->objective.contact) status = contact_end(sim->objective.contact);
+    if (status == PDYN_OK) status = objective_end(&sim->objective);
     if (status != PDYN_OK) kinematic_carry(sim, sim->time);
     return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
 }

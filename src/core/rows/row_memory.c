@@ -1,0 +1,89 @@
+#include "row_memory.h"
+
+#include <string.h>
+
+/* ---- sorting in place, for qsort may allocate ------------------------------------------------ */
+
+/* Moves entry k of a heap, the largest key on top, down to its place among the first `count`. */
+static void sift(struct remembered *heap, int k, int count) {
+    for (int child; (child = 2 * k + 1) < count; k = child) {
+        struct remembered moved = heap[k];
+        if (child + 1 < count && heap[child + 1].key > heap[child].key) child++;
+        if (heap[child].key <= moved.key) return;
+        heap[k] = heap[child], heap[child] = moved;
+    }
+}
+
+static void sort_by_key(struct remembered *heap, int count) {
+    for (int k = count / 2 - 1; k >= 0; k--) sift(heap, k, count);
+    for (int k = count - 1; k > 0; k--) {
+        struct remembered largest = heap[0];
+        heap[0] = heap[k], heap[k] = largest;
+        sift(heap, 0, k);
+    }
+}
+
+/* ---- blocks ---------------------------------------------------------------------------------- */
+
+void row_memory_free(pdyn_context *context, struct row_memory *m, size_t size) {
+    FREE_ARRAY(context, m->entry, m->room);
+    FREE_ARRAY(context, m->block, (size_t)m->room * size);
+    m->count = m->room = 0;
+}
+
+/* Room for so many blocks, none of them in use. */
+static pdyn_status make_room(pdyn_context *context, struct row_memory *m, int count, size_t size) {
+    m->count = 0;
+    if (count <= m->room) return PDYN_OK;
+    row_memory_free(context, m, size);
+    m->room = count + count / 2;
+    m->entry = NEW_ARRAY(context, m->room, struct remembered);
+    m->block = NEW_ARRAY(context, (size_t)m->room * size, unsigned char);
+    return m->entry && m->block ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+pdyn_status row_memory_set(pdyn_context *context, struct row_memory *m, const uint64_t *key,
+                           const void *block, int count, size_t size) {
+    pdyn_status status = make_room(context, m, count, size);
+    if (status != PDYN_OK || !count) return status;
+    for (int k = 0; k < count; k++) m->entry[k] = (struct remembered){key[k], k};
+    sort_by_key(m->entry, count);
+    for (int k = 0; k < count; k++)
+        memcpy(m->block + (size_t)k * size,
+               (const unsigned char *)block + (size_t)m->entry[k].place * size, size);
+    m->count = count;
+    return PDYN_OK;
+}
+
+static const void *find(const struct row_memory *m, uint64_t key, size_t size) {
+    int low = 0, high = m->count;
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        if (m->entry[middle].key < key) low = middle + 1;
+        else high = middle;
+    }
+    if (low == m->count || m->entry[low].key != key) return NULL;
+    return m->block + (size_t)low * size;
+}
+
+void row_memory_get(const struct row_memory *m, const uint64_t *key, void *block, int count,
+                    size_t size) {
+    unsigned char *to = block;
+    for (int k = 0; k < count; k++, to += size) {
+        const void *from = find(m, key[k], size);
+        if (from) memcpy(to, from, size);
+        else memset(to, 0, size);
+    }
+}
+
+void row_memory_persist(pdyn_context *context, struct row_memory *m, size_t size,
+                        struct snapshot_file *snapshot) {
+    int count = m->count;
+    ARCHIVE(snapshot, count);
+    if (snapshot->status != PDYN_OK) return;
+    if (snapshot->view.reading) snapshot->status = make_room(context, m, count, size);
+    if (snapshot->status != PDYN_OK) return;
+    m->count = count;
+    for (int k = 0; k < count; k++) ARCHIVE(snapshot, m->entry[k].key);
+    snapshot_file_bytes(snapshot, m->block, (size_t)count * size);
+}

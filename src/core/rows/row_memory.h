@@ -1,0 +1,34 @@
+/* What the elements of a batch leave to the next step (`end` in module.h): blocks of bytes, found
+ * by the elements' keys. */
+#ifndef PDYN_ROW_MEMORY_H
+#define PDYN_ROW_MEMORY_H
+
+#include "base/context.h"
+#include "base/snapshot_file.h"
+
+struct remembered {
+    uint64_t key;
+    int place; /* of its block among those that were given */
+};
+
+struct row_memory {
+    int count, room;
+    struct remembered *entry; /* room; `count` of them in use, ascending keys */
+    unsigned char *block;     /* room x size bytes, in the order of the entries */
+};
+
+/* Replaces everything by `count` blocks of `size` bytes with their keys. */
+pdyn_status row_memory_set(pdyn_context *context, struct row_memory *memory, const uint64_t *key,
+                           const void *block, int count, size_t size);
+
+/* Copies the block of every key to block (count x size bytes); zeros where a key is unknown. */
+void row_memory_get(const struct row_memory *memory, const uint64_t *key, void *block, int count,
+                    size_t size);
+
+/* Writes or reads all of it. */
+void row_memory_persist(pdyn_context *context, struct row_memory *memory, size_t size,
+                        struct snapshot_file *snapshot);
+
+void row_memory_free(pdyn_context *context, struct row_memory *memory, size_t size);
+
+#endif
