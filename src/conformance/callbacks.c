@@ -6,9 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { COLUMN, COEFFICIENT, WEIGHT, DATA, U, P, ARRAYS, GUARD = 256 /* bytes */ };
+enum { COLUMN, COEFFICIENT, U, P, WEIGHT, DATA, KEY, MEMORY, ARRAYS, GUARD = 256 /* bytes */ };
 
-static const char *const array_name[ARRAYS] = {"column", "coefficient", "weight", "data", "u", "p"};
+static const char *const array_name[ARRAYS] = {"column", "coefficient", "u",   "p",
+                                               "weight", "data",        "key", "memory"};
 
 struct guarded { /* a batch whose arrays have guards */
     const struct batch *from;
@@ -23,11 +24,17 @@ struct guarded { /* a batch whose arrays have guards */
 static void part_of(const struct guarded *g, int array, int first, int last, size_t *begin,
                     size_t *end) {
     const pdyn_batch *v = &g->from->view;
-    size_t unit[ARRAYS] = {sizeof(int),        sizeof(double),
-                           sizeof(double),     g->from->type->data_size,
-                           3 * sizeof(double), 3 * sizeof(double)};
+    const pdyn_constraint_type *t = g->from->type;
+    size_t unit[ARRAYS] = {sizeof(int),
+                           sizeof(double),
+                           3 * sizeof(double),
+                           3 * sizeof(double),
+                           sizeof(double),
+                           t->data_size,
+                           t->memory_size ? sizeof(uint64_t) : 0,
+                           t->memory_size};
     int from = first, to = last;
-    if (array != WEIGHT && array != DATA) from = v->element_row[first], to = v->element_row[last];
+    if (array < WEIGHT) from = v->element_row[first], to = v->element_row[last];
     if (array == COLUMN || array == COEFFICIENT) from = v->row_entry[from], to = v->row_entry[to];
     *begin = (size_t)from * unit[array], *end = (size_t)to * unit[array];
 }
@@ -43,8 +50,9 @@ static void guarded_free(struct guarded *g) {
 
 /* A copy of all that the batch has. */
 static bool guarded_create(struct guarded *g, const struct batch *b) {
-    const void *from[ARRAYS] = {b->view.column, b->view.coefficient, b->view.weight,
-                                b->view.data,   b->view.u,           b->view.p};
+    const pdyn_batch *v = &b->view;
+    const void *from[ARRAYS] = {v->column, v->coefficient, v->u,   v->p,
+                                v->weight, v->data,        v->key, v->memory};
     *g = (struct guarded){.from = b, .view = b->view};
     for (int k = 0; k < ARRAYS; k++) {
         size_t begin, end;
@@ -59,6 +67,7 @@ static bool guarded_create(struct guarded *g, const struct batch *b) {
     g->view.column = inside(g, COLUMN), g->view.coefficient = inside(g, COEFFICIENT);
     g->view.weight = inside(g, WEIGHT), g->view.data = inside(g, DATA);
     g->view.u = inside(g, U), g->view.p = inside(g, P);
+    g->view.key = inside(g, KEY), g->view.memory = inside(g, MEMORY);
     return true;
 }
 
@@ -133,7 +142,7 @@ static bool all_finite(const double *a, size_t n) {
 /* Elements and their shapes do not depend on the call. */
 static void check_shape(struct check *check, const struct batch *b) {
     const pdyn_constraint_type *t = b->type;
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2 && !t->update; k++)
         if (t->elements(b->params, b->view.body) != b->view.elements) {
             fault(check, "elements gives another number when it is called again");
             return;
@@ -147,6 +156,48 @@ static void check_shape(struct check *check, const struct batch *b) {
             return;
         }
     }
+}
+
+/* Whether two entries of row r select the same particle. */
+static bool selects_twice(const pdyn_batch *v, int r) {
+    for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+        for (int m = v->row_entry[r]; m < k; m++)
+            if (v->column[k] == v->column[m] && v->coefficient[k] != 0.0 &&
+                v->coefficient[m] != 0.0)
+                return true;
+    return false;
+}
+
+/* Whether the array holds the byte of its guards, from element `first` on. */
+static bool is_filled(const struct guarded *g, int array, int first) {
+    size_t begin, end;
+    part_of(g, array, first, g->view.elements, &begin, &end);
+    const unsigned char *bytes = inside(g, array);
+    for (; begin < end + GUARD; begin++)
+        if (bytes[begin] != 0xA5) return false;
+    return true;
+}
+
+/* The same elements as core found, with little room and with enough of it. */
+static void check_update(struct check *check, struct guarded *g, const struct trial *trial) {
+    const struct batch *b = g->from;
+    const pdyn_constraint_type *t = b->type;
+    bool always = t->flags & PDYN_EVERY_ITERATION;
+    int n = b->view.elements, room[] = {n / 2, n};
+    for (int k = 0; k < 2 && t->update; k++) {
+        fill(g, 1u << DATA | 1u << KEY, room[k], n, 0xA5);
+        int count = t->update(b->params, &g->view, always ? trial->x : trial->sim->x,
+                              always ? NULL : trial->sim->v, room[k]);
+        if (count != n)
+            fault(check, "update gives %d elements, then %d at the same positions", n, count);
+        if (!is_filled(g, DATA, room[k]) || !is_filled(g, KEY, room[k]))
+            fault(check, "update writes beyond the %d elements that there is room for", room[k]);
+    }
+    for (int r = 0; r < b->rows && t->update; r++)
+        if (selects_twice(&b->view, r)) {
+            fault(check, "row %d selects one particle twice", r);
+            return;
+        }
 }
 
 /* What begin left is kept: data of a step is that of its beginning. */
@@ -176,9 +227,11 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
     const struct call hold = {"damping_rest", t->damping_rest, 1u << DATA},
-                      begin = {"begin", t->begin, 1u << DATA | 1u << WEIGHT};
+                      begin = {"begin", t->begin, 1u << DATA | 1u << WEIGHT},
+                      end = {"end", t->end, 1u << MEMORY};
     if (t->damping_rest) check_call(check, a, b, &hold, 0);
     if (t->begin) check_call(check, a, b, &begin, 0);
+    if (t->end) check_call(check, a, b, &end, 1u << MEMORY);
 }
 
 void check_callbacks(struct check *check, struct trial *trial) {
@@ -190,6 +243,7 @@ void check_callbacks(struct check *check, struct trial *trial) {
     if (guarded_create(&b, trial->rows)) {
         check_all(check, &a, &b);
         check_others(check, &a, &b);
+        check_update(check, &a, trial);
         guarded_free(&b);
     }
     guarded_free(&a);

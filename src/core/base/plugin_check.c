@@ -84,14 +84,26 @@ static const char *operator_fault(const pdyn_operator *op) {
     return whole ? NULL : "its operator lacks a callback";
 }
 
+/* Elements that come and go. */
+static const char *update_fault(const pdyn_constraint_type *t) {
+    bool always = t->flags & PDYN_EVERY_ITERATION;
+    if (!t->update && (always || t->memory_size || t->end))
+        return "PDYN_EVERY_ITERATION, memory_size and end need update";
+    if (!t->memory_size != !t->end) return "memory_size and end need each other";
+    if (t->update && (t->row_sizes || t->linear || t->damping || t->matrix_free))
+        return "update excludes row_sizes, linear, damping and matrix_free";
+    return always && t->begin ? "PDYN_EVERY_ITERATION excludes begin" : NULL;
+}
+
 static const char *constraint_fault(const pdyn_constraint_type *t) {
-    if (!t->elements || !t->select || !t->weight || !t->project)
-        return "it lacks one of elements, select, weight, project";
+    if ((!t->elements && !t->update) || !t->select || !t->weight || !t->project)
+        return "it lacks one of elements (or update), select, weight, project";
     if (!t->row_sizes && (t->rows < 1 || t->width < 1))
         return "without row_sizes, it needs rows and width";
     if ((t->flags & (PDYN_ON_SURFACE | PDYN_ON_VOLUME)) && (t->flags & PDYN_ON_PARTICLES))
         return "no body is both a surface and particles";
     if (alternatives_fault(t)) return alternatives_fault(t);
+    if (update_fault(t)) return update_fault(t);
     if (t->tangent && t->tangent_rank1)
         return "it has tangent and tangent_rank1, expected one of them at most";
     if (!t->damping != !t->damping_rest) return "damping and damping_rest need each other";

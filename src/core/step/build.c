@@ -307,7 +307,7 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     pdyn_status status = add_batch(sim, body, c);
     if (status != PDYN_OK) return status;
     if (c->type->matrix_free) sys->batch[sys->batches - 1]->samples = sim->samples;
-    sys->dynamic_rows |= c->type->matrix_free != NULL;
+    sys->dynamic_rows |= c->type->matrix_free || c->type->update;
     sim->anchored |=
         (c->type->flags & PDYN_ANCHORED) || (c->type->matrix_free && sim->boundary.at.count);
     sim->constraints = sys->batches;
