@@ -96,7 +96,7 @@ static struct trial start(const char *solver) {
     }
     double energy;
     t.sim->objective.h = 0.01;
-    assert_int_equal(objective_begin(&t.sim->objective, t.sim->x, t.sim->v), PDYN_OK);
+    assert_int_equal(objective_open(&t.sim->objective, t.sim->x, t.sim->v), PDYN_OK);
     assert_int_equal(objective_local(&t.sim->objective, t.x, &energy, t.gradient), PDYN_OK);
     assert_true(t.sim->objective.contact->current.view.count > 20);
     assert_true(t.sim->objective.contact->start.view.count > 20);

@@ -175,7 +175,9 @@ typedef struct pdyn_snapshot {
     void (*bytes)(struct pdyn_snapshot *snapshot, void *data, size_t size);
 } pdyn_snapshot;
 
-/* ---- operator tier: for a constraint that is too large for generic rows ---------------------- */
+/* ---- operator tier: for a constraint that is too large for generic rows ----------------------
+ * A body of particles may have several operators; other bodies of the scene have none. Core asks
+ * each for what it has: a callback that is NULL is a property that the operator lacks. */
 
 typedef void pdyn_range_fn(void *arg, int first, int last, int block);
 
@@ -250,7 +252,8 @@ typedef struct pdyn_operator {
     /* Adds the 3 x 3 block diagonal of the sum of stiffness_i grad C_i grad C_i', packed xx xy xz
      * yy yz zz, particles x 6. */
     void (*diagonal)(void *self, const double *stiffness, double *blocks);
-    /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. */
+    /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. Of
+     * several operators on a body, the last one with this callback counts; so with pressure. */
     void (*density)(void *self, double *density);
     /* Pressure of the body's particles at the x of the last local step, Pa. NULL: none. */
     void (*pressure)(void *self, double *pressure);
@@ -302,15 +305,16 @@ typedef struct pdyn_constraint_type {
     int (*elements)(const void *params, const pdyn_body *body);
     /* Elements that come and go, each of them `rows` rows of `width` entries: which there are, at
      * the positions x (m) and velocities v (m/s) of the system's particles (particles x 3). Core
-     * calls it at the beginning of every step, before `begin`; with PDYN_EVERY_ITERATION instead in
-     * every local step, where v is NULL. Returns the number of elements, which may be 0, and writes
-     * `data` (and `key`, where the type has memory) of as many of them as there is room for: where
-     * room is smaller than the number, core makes more and calls it again. `select` and `weight`
-     * follow. One thread calls it, so the order of the elements is the same for any number of
-     * threads. Energy and force of an element must be 0 where it appears and where it goes, or a
-     * step does not minimise one function. The particles of a row's entries differ, but for entries
-     * with the coefficient 0, which take no part. NULL: the elements are always the same. Not
-     * together with row_sizes, linear, damping, matrix_free, nor, in every local step, begin. */
+     * calls it with the state at the beginning of every step, before `begin`; with
+     * PDYN_EVERY_ITERATION instead in every local step, with the iterate and NULL for v. Returns
+     * the number of elements, which may be 0, and writes `data` (and `key`, where the type has
+     * memory) of as many of them as there is room for: where room is smaller than the number, core
+     * makes more and calls it again. `select` and `weight` follow. One thread calls it, so the
+     * order of the elements is the same for any number of threads. Energy and force of an element
+     * must be 0 where it appears and where it goes, or a step does not minimise one function. The
+     * particles of a row's entries differ, but for entries with the coefficient 0, which take no
+     * part. NULL: the elements are always the same. Not together with row_sizes, linear, damping,
+     * matrix_free, nor, in every local step, begin. */
     int (*update)(const void *params, const pdyn_batch *batch, const double *x, const double *v,
                   int room);
     /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. A row

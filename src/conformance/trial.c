@@ -129,8 +129,9 @@ static pdyn_status disturb(struct trial *t) {
     }
     for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
     sys->h = 0.004;
-    pdyn_status status = objective_begin(sys, t->sim->x, t->sim->v);
+    pdyn_status status = objective_open(sys, t->sim->x, t->sim->v);
     if (status != PDYN_OK) return status;
+    objective_begin(sys, t->sim->x, t->sim->v);
     return objective_local(sys, t->x, &energy, t->gradient);
 }
 

@@ -93,7 +93,7 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
     for_particles(sys, inertia, x, NULL, gradient, 0.0);
     *energy = objective_partial_sum(sys);
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
-        status = batch_local(sys->batch[b], sys->batch[b]->op ? all : x, sys->time, gradient);
+        status = batch_local(sys->batch[b], sys->batch[b]->samples ? all : x, sys->time, gradient);
         *energy += sys->batch[b]->energy;
     }
     sys->ms_local += clock_ms() - start;
@@ -111,13 +111,17 @@ pdyn_status objective_limit(struct objective *sys, const double *x, double *way)
     return status;
 }
 
-pdyn_status objective_begin(struct objective *sys, const double *x, const double *v) {
-    bool moved = false;
+pdyn_status objective_open(struct objective *sys, const double *x, const double *v) {
     pdyn_status status = PDYN_OK;
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        status = batch_begin(sys->batch[b], x, v, sys->h, &moved);
-    sys->weights += moved;
+        status = batch_open(sys->batch[b], x, v, sys->h, sys->time);
     return status;
+}
+
+void objective_begin(struct objective *sys, const double *x, const double *v) {
+    bool moved = false;
+    for (int b = 0; b < sys->batches; b++) moved |= batch_begin(sys->batch[b], x, v, sys->h);
+    sys->weights += moved;
 }
 
 pdyn_status objective_end(struct objective *sys) {

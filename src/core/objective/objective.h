@@ -45,8 +45,12 @@ struct objective {
     double ms_neighbours, ms_local;
 };
 
-/* Begins a step of effective length h from x and v (the base of step/integrator.h). */
-pdyn_status objective_begin(struct objective *objective, const double *x, const double *v);
+/* Opens a step of effective length h from the state x, v: updates elements that come and go from step
+ * to step. Before objective_begin. */
+pdyn_status objective_open(struct objective *objective, const double *x, const double *v);
+
+/* Begins the step from x and v (the base of step/integrator.h). */
+void objective_begin(struct objective *objective, const double *x, const double *v);
 
 /* Ends a step: it is accepted at the x of the last local step. */
 pdyn_status objective_end(struct objective *objective);

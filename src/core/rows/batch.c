@@ -201,19 +201,18 @@ static void begin_rows(void *arg, int first, int last, int block) {
     b->type->weight(b->params, &b->view, first, last);
 }
 
-pdyn_status batch_begin(struct batch *b, const double *x, const double *v, double h, bool *moved) {
+pdyn_status batch_open(struct batch *b, const double *x, const double *v, double h, double time) {
+    b->view.h = h, b->view.time = time;
+    return b->type->update && !updates_always(b) ? batch_update(b, x, v) : PDYN_OK;
+}
+
+bool batch_begin(struct batch *b, const double *x, const double *v, double h) {
     b->view.h = h;
     if (b->damper) for_range(b, b->view.elements, BATCH_GRAIN, hold_rows, x, NULL, 0.0);
     batch_weigh(b, h);
-    if (b->damper) return PDYN_OK;
-    if (b->type->update && !updates_always(b)) {
-        pdyn_status status = batch_update(b, x, v);
-        if (status != PDYN_OK) return status;
-    }
-    if (!b->type->begin) return PDYN_OK;
-    *moved = true;
-    for_range(b, b->view.elements, BATCH_GRAIN, begin_rows, x, (double *)v, 0.0);
-    return PDYN_OK;
+    if (!b->damper && b->type->begin)
+        for_range(b, b->view.elements, BATCH_GRAIN, begin_rows, x, (double *)v, 0.0);
+    return !b->damper && b->type->begin;
 }
 
 /* ---- tangent --------------------------------------------------------------------------------- */

@@ -72,11 +72,14 @@ pdyn_status batch_update(struct batch *batch, const double *x, const double *v);
 /* The step that ended at the last local step was taken: calls the type's `end`, if it has one. */
 pdyn_status batch_end(struct batch *batch);
 
-/* A step of length h, s, begins at x and v (particles x 3): updates elements that come and go, sets
- * data and weights that change from step to step. *moved becomes true where weights change even if
- * h does not. */
-pdyn_status batch_begin(struct batch *batch, const double *x, const double *v, double h,
-                        bool *moved);
+/* A step of length h, s, to `time` begins at the state x, v (particles x 3): updates elements that
+ * come and go from step to step. */
+pdyn_status batch_open(struct batch *batch, const double *x, const double *v, double h,
+                       double time);
+
+/* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
+ * weights change even where h does not. */
+bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
 /* The weights of a damper for steps of length h, s; those of others stay. */
 void batch_weigh(struct batch *batch, double h);
 

@@ -13,7 +13,8 @@ struct reader {
     pdyn_context *context;
     struct scene *scene;
     double particles;          /* so far, in all bodies */
-    bool operator_used;        /* a body has a constraint with an operator of its own */
+    struct scene_body *listed; /* the body whose constraints are operators on neighbour lists, or
+                                  NULL: lists are made of one body of particles */
     struct scene_body *body;   /* being read */
     struct scene_solid *solid; /* being read */
 };

@@ -181,7 +181,7 @@ static void forget_start(struct pdyn_sim *sim) {
 
 /* ---- neighbours: fluid, cloth and walls ------------------------------------------------------ */
 
-/* The body whose constraint works on SPH sums, or NULL. */
+/* The body whose constraints work on SPH sums, or NULL. */
 static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].constraints; k++)
@@ -308,8 +308,8 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     if (status != PDYN_OK) return status;
     if (c->type->matrix_free) sys->batch[sys->batches - 1]->samples = sim->samples;
     sys->dynamic_rows |= c->type->matrix_free || c->type->update;
-    sim->anchored |=
-        (c->type->flags & PDYN_ANCHORED) || (c->type->matrix_free && sim->boundary.at.count);
+    bool on_solids = c->type->matrix_free && c->type->matrix_free->boundary_force;
+    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (on_solids && sim->boundary.at.count);
     sim->constraints = sys->batches;
     return batch_join_rows(sys->batch[sys->batches - 1]);
 }
@@ -379,7 +379,7 @@ static void warn_of_factors(const struct pdyn_sim *sim) {
     context_log(sim->context, PDYN_LOG_WARNING,
                 "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
                 "iteration, %s; \"cg\" needs no factor",
-                sim->solver->name, dynamic ? "fluid" : "newton step",
+                sim->solver->name, dynamic ? "constraints change every step" : "newton step",
                 newton ? "with 3 unknowns a particle"
                        : "after a new analysis where neighbours change");
 }

@@ -20,11 +20,9 @@ void measure_weights(struct pdyn_sim *sim) {
 
 /* What an operator knows about its particles at the end of a step. */
 static void fetch(struct pdyn_sim *sim, const struct batch *b) {
-    if (b->op && b->type->matrix_free->density) b->type->matrix_free->density(b->op, sim->density);
-    if (!b->op || !b->type->matrix_free->pressure) return;
-    memcpy(sim->pressure_before, sim->pressure,
-           (size_t)sim->objective.particles * sizeof *sim->pressure);
-    b->type->matrix_free->pressure(b->op, sim->pressure);
+    const pdyn_operator *op = b->op ? b->type->matrix_free : NULL;
+    if (op && op->density) op->density(b->op, sim->density);
+    if (op && op->pressure) op->pressure(b->op, sim->pressure);
 }
 
 pdyn_status measure_finite(struct pdyn_sim *sim) {
@@ -37,6 +35,8 @@ pdyn_status measure_finite(struct pdyn_sim *sim) {
 }
 
 void measure_fetch(struct pdyn_sim *sim) {
+    memcpy(sim->pressure_before, sim->pressure,
+           (size_t)sim->objective.particles * sizeof *sim->pressure);
     for (int b = 0; b < sim->objective.batches; b++) fetch(sim, sim->objective.batch[b]);
 }
 

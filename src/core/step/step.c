@@ -21,7 +21,9 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
         sim->objective.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
     live_particles_hold(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
-    return objective_begin(&sim->objective, sim->x_base, sim->v_base);
+    pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
+    if (status == PDYN_OK) objective_begin(&sim->objective, sim->x_base, sim->v_base);
+    return status;
 }
 
 /* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
