@@ -22,6 +22,17 @@ static void fill(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par, (void)b, (void)first, (void)last;
 }
 
+static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
+                  int room) {
+    (void)par, (void)b, (void)x, (void)v, (void)room;
+    return 0;
+}
+
+static bool is_linear(const void *par, const pdyn_batch *b) {
+    (void)par, (void)b;
+    return true;
+}
+
 static double damping(const void *par) { return ((const struct params *)par)->length; }
 
 static const pdyn_param good_params[] = {
@@ -96,6 +107,12 @@ static void test_tables(void **state) {
     t = good, t.matrix_free = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");
     t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
+    t = good, t.end = fill, refuse_type(t, "need update");
+    t = good, t.flags = PDYN_EVERY_ITERATION, refuse_type(t, "need update");
+    t = good, t.update = update, t.end = fill, refuse_type(t, "need each other");
+    t = good, t.update = update, t.linear = is_linear, refuse_type(t, "update excludes");
+    t = good, t.update = update, t.begin = fill, t.flags = PDYN_EVERY_ITERATION;
+    refuse_type(t, "excludes begin");
 }
 
 static void test_alternatives(void **state) {

@@ -126,6 +126,28 @@ static void test_comes_and_goes(void **state) {
     pdyn_destroy(context);
 }
 
+static pdyn_status load_and_step(const void *what) {
+    pdyn_sim *sim = NULL;
+    pdyn_context *context = *(pdyn_context *const *)what;
+    pdyn_status status = pdyn_load_text(context, SHEET(""), "sheet", NULL, 0, &sim);
+    for (int k = 0; k < 15 && status == PDYN_OK; k++) status = pdyn_step(sim, NULL);
+    if (status == PDYN_OK) assert_true(floor_of(sim)->view.elements > 0);
+    pdyn_free(sim);
+    return status;
+}
+
+/* Memory that fails at any moment is an error, also where elements come. */
+static void test_no_memory(void **state) {
+    (void)state;
+    struct counter counter;
+    type = always, type.flags = PDYN_ANCHORED;
+    type.memory_size = sizeof(double), type.end = end;
+    pdyn_context *context = test_counting_context(1, &counter);
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    assert_true(test_failing_allocations(context, &counter, load_and_step, &context) > 50);
+    pdyn_destroy(context);
+}
+
 /* Solvers find the same, whether they factor or not. */
 static void test_solvers(void **state) {
     (void)state;
@@ -252,9 +274,9 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_comes_and_goes),
-                                       cmocka_unit_test(test_solvers),
-                                       cmocka_unit_test(test_memory), cmocka_unit_test(test_saved),
-                                       cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_comes_and_goes), cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_no_memory),      cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_saved),          cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests_name("update", tests, test_enter_directory, test_leave_directory);
 }

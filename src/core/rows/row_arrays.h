@@ -1,0 +1,28 @@
+/* Within rows/: the arrays of a batch of the rows tier. batch_build.c fills them once for a type
+ * whose elements stay the same, dynamic_rows.c again and again. */
+#ifndef PDYN_ROW_ARRAYS_H
+#define PDYN_ROW_ARRAYS_H
+
+#include "batch.h"
+
+/* Fails with PDYN_BAD_INPUT: "constraint NAME on body NAME: " and this text. */
+pdyn_status rows_fault(const struct batch *batch, const char *format, ...) PDYN_PRINTF(2, 3);
+
+/* Particles from *low to before *high, which rows may select besides those of other bodies that
+ * parameters name: all of the system where the type knows what core finds there, otherwise those of
+ * the body. */
+void rows_selectable(const struct batch *batch, int *low, int *high);
+
+/* PDYN_BAD_INPUT where a row selects a particle that it may not, where a coefficient is not finite,
+ * or a weight is negative or not finite. */
+pdyn_status rows_check(const struct batch *batch);
+
+/* All arrays but element_row, which is there, with room for batch->room elements, rows and entries.
+ * row_width: rows; NULL: all rows have batch->width entries. */
+bool rows_allocate(struct batch *batch, const int *row_width);
+void rows_free(struct batch *batch);
+
+/* The transpose of G: for every particle the entries that select it. */
+void rows_index(struct batch *batch);
+
+#endif
