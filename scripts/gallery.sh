@@ -30,7 +30,7 @@ if [ $# = 0 ]; then
     picture underwater_curtain scenes/underwater_curtain.json 0.32 water
     picture taut_bag scenes/taut_bag.json 2
     picture floating_block scenes/floating_block.json 2
-    set -- template rigid balloon grains
+    set -- template rigid balloon grains sphere
 fi
 for name in "$@"; do
     picture "$name" "$dir/plugin/$name.json" "$(grep -o '"duration": [0-9.]*' "$dir/plugin/$name.json" | cut -d ' ' -f 2)"
