@@ -1,18 +1,17 @@
-/* projdyn for authors of constraints and solvers: the tables a module fills. A module is a part of
- * the library or a plug-in; either way it calls nothing but what a table here gives it.
+/* projdyn for authors of constraints and solvers: the tables that a module fills in. A module is a
+ * file of the library or a plug-in. It calls only what these tables give it, and the C library.
  *
- * A constraint type gives, for every element, rows of a sparse selector G, a weight w and the
- * projection p of the selected u = G x (one 3-vector per row) onto the manifold of the constraint;
- * optionally the tangent J = dp/du. Core derives energy, gradient, Hessian products, block diagonal
- * and assembly from these:
+ * A constraint type describes elements. An element has rows of a sparse selector G, a weight w, and
+ * the projection p of u = G x (one 3-vector per row) onto the manifold of the constraint;
+ * optionally the tangent J = dp/du. Core derives energy, gradient, Hessian product, block diagonal
+ * and assembled matrix:
  *
- *     E(x)  = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum w/2 |G x - p|^2
- *     H     = M/h^2 + sum w G' ((1 - eps)(I - J) + eps I) G      eps = 1: classic Projective
+ *     E(x) = 1/(2 h^2) |M^(1/2) (x - s)|^2 + sum w/2 |G x - p|^2
+ *     H    = M/h^2 + sum w G' ((1 - eps) (I - J) + eps I) G,    eps = 1: classic Projective
  * Dynamics
  *
- * Callbacks work on a range of elements [first, last), write only what belongs to these, may run on
- * any thread and in any order, keep no state of their own and never fail.
- */
+ * Callbacks work on a range of elements [first, last). They write only what belongs to these
+ * elements, run on any thread and in any order, keep no state of their own, and cannot fail. */
 #ifndef PROJDYN_MODULE_H
 #define PROJDYN_MODULE_H
 
@@ -31,7 +30,7 @@ typedef enum pdyn_param_kind {
     PDYN_VECTOR,   /* double[3] */
     PDYN_VERTICES, /* pdyn_vertices: chosen points of the body */
     PDYN_PATH,     /* pdyn_path: three numbers over time */
-    PDYN_OTHER,    /* pdyn_other: another body that has a surface, by its name */
+    PDYN_OTHER,    /* pdyn_other: the name of another body that has a surface */
 } pdyn_param_kind;
 
 typedef struct pdyn_vertices {
@@ -39,9 +38,10 @@ typedef struct pdyn_vertices {
     const int *index; /* count, counted from the body's first point, ascending */
 } pdyn_vertices;
 
-typedef struct pdyn_path { /* piecewise linear; the first and last values hold outside */
+typedef struct pdyn_path { /* piecewise linear; before the first and after the last key constant */
     int count;
-    const double *key; /* count x 4: s, three numbers in the parameter's unit; times ascending */
+    const double *key; /* count x 4: time in s, ascending, and three numbers in the unit of the
+                          parameter */
 } pdyn_path;
 
 typedef struct pdyn_other {
@@ -53,86 +53,90 @@ typedef struct pdyn_param {
     const char *name;
     pdyn_param_kind kind;
     size_t offset;    /* in the parameter struct */
-    bool required;    /* no default: the scene must give it */
-    double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and each entry of PDYN_VECTOR */
-    double min, max;  /* bounds, inclusive, of the same */
-    const char *unit; /* "N/m", "1" for a ratio, "" where there is none */
+    bool required;    /* true: there is no default, the scene must give the parameter */
+    double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and of each entry of PDYN_VECTOR;
+                         outside of the bounds: the parameter is absent unless the scene gives it */
+    double min, max;  /* bounds of the same kinds; both are allowed values */
+    const char *unit; /* "N/m", "1" for a ratio, "" without a unit */
     const char *doc;
 } pdyn_param;
 
-/* The scene around a constraint, from which parameters may be computed. */
+/* The scene around a constraint, from which `resolve` computes parameters. */
 typedef struct pdyn_scene_info {
     double gravity[3];   /* m/s^2 */
     double radius;       /* m, of the body's particles; 0 for a surface */
     double rest_density; /* kg/m^3, of the body's particles; 0 for a surface */
-    double head;         /* m, along gravity: the largest height + speed^2 / (2 |gravity|) of the
-                            body at its start, above the lowest point of all bodies and solids; 0
-                            without gravity */
+    double head;         /* m: the maximum of height + speed^2 / (2 |gravity|) over the body at its
+                            start; height is measured along gravity from the lowest point of all
+                            bodies and solids; 0 without gravity */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {
     const char *message; /* NULL: no fault */
-    const char *param;   /* name of the parameter at fault; NULL: none in particular */
+    const char *param;   /* the parameter at fault; NULL: the constraint as a whole */
 } pdyn_param_fault;
 
-/* ---- what a module sees of a body ----------------------------------------------------------- */
+/* ---- bodies --------------------------------------------------------------------------------- */
 
 typedef struct pdyn_body {
     const char *name;
-    int first, count;    /* its particles in the system */
+    int first, count;    /* its particles in the system: first to before first + count */
     const double *rest;  /* count x 3: rest positions, m */
     const double *mass;  /* count, kg */
     double radius;       /* m, particle radius; 0 for a surface */
     double rest_density; /* kg/m^3; 0 for a surface */
     double area_density; /* kg/m^2; 0 for particles */
-    /* the rest is empty for a body of particles; vertices count from the body's first */
+    /* Surfaces and volumes; 0 and NULL for a body of particles. Vertices count from the body's
+     * first particle. */
     int triangles;
-    const int *triangle; /* triangles x 3 */
-    const int *across; /* triangles x 3: the corner beyond the side opposite to a corner, as a place
-                          in triangle; -1 where the side lies on the border */
+    const int *triangle; /* triangles x 3: vertices */
+    const int *across; /* triangles x 3: for each corner, the corner beyond the opposite side, as an
+                          index into `triangle`; -1 where that side is on the border */
     const double *triangle_area; /* triangles, m^2 */
-    const double *vertex_area;   /* count: a third of the adjacent triangles' areas, m^2 */
+    const double *vertex_area;   /* count: a third of the areas of the adjacent triangles, m^2 */
     int edges;
-    const int *edge;          /* edges x 2, ascending */
-    const double *edge_share; /* edges: area over the sum of the squared sides, of the one or two
-                                 adjacent triangles together */
-    /* the rest is empty for what is not a volume; the triangles are then those of its outside */
+    const int *edge;          /* edges x 2: vertices, ascending */
+    const double *edge_share; /* edges: the sum over the one or two adjacent triangles of their
+                                 area over their sum of squared side lengths */
+    /* Volumes; 0 and NULL for other bodies. The triangles of a volume are its boundary. */
     int tets;
-    const int *tet;           /* tets x 4: (b - a) x (c - a) . (d - a) > 0 */
+    const int *tet;           /* tets x 4: vertices, (b - a) x (c - a) . (d - a) > 0 */
     const double *tet_volume; /* tets, m^3 */
 } pdyn_body;
 
-/* ---- what core finds in every scene that has contact, or a fluid with surfaces in it -------- */
+/* ---- contacts and wet sides: core finds them, constraints act on them ------------------------ */
 
 /* Two primitives that are closer to each other than their thickness: a vertex of a surface or a
  * solid, or a particle of a fluid, and a face; or two edges. The shortest vector from the second to
  * the first is u + offset, with u = sum over k of coefficient_k x_k. */
 typedef struct pdyn_contact {
-    uint64_t key;          /* of these two primitives, the same in every step */
-    int particle[4];       /* in the system. A point of a solid is none: another one stands there */
+    uint64_t key;          /* names the two primitives; the same in every step */
+    int particle[4];       /* in the system; an arbitrary one where coefficient is 0 */
     double coefficient[4]; /* 0 for a point of a solid */
-    double offset[3];      /* m: the part of the solids' points in the shortest vector */
-    double separation[3];  /* m: the shortest vector, when the contact was found */
-    double distance;       /* m: its length then, below the thickness */
-    double thickness;      /* m: at this distance contact begins */
+    double offset[3];      /* m: what points of solids add to the shortest vector */
+    double separation[3];  /* m: the shortest vector when the contact was found */
+    double distance;       /* m: its length, below the thickness */
+    double thickness;      /* m: the distance at which contact begins */
 } pdyn_contact;
 
-/* Constraints that are updated in every local step see the contacts of that step, in the same order
- * for any number of threads. All others see those of the beginning of the step, without those of
- * fluid particles; there `offset` follows solids that move. */
+/* Constraints with PDYN_EVERY_ITERATION see the contacts of the local step. Other constraints see
+ * those of the beginning of the step, without contacts of fluid particles; their `offset` follows
+ * solids that move during the step. The order is the same for any number of threads. */
 typedef struct pdyn_contacts {
     double stiffness; /* N/m, of the scene's "contact" */
-    double friction;  /* Coulomb's coefficient, of the same */
+    double friction;  /* Coulomb's coefficient, of the scene's "contact" */
     int particles;    /* of the system; rows may select all of them */
     int count;
     const pdyn_contact *contact; /* count */
 } pdyn_contacts;
 
 /* One side of a surface's sample (pdyn_neighbours) with fluid on it when the step begins:
- * u = sum over k of coefficient_k x_k is the mean position of that fluid less the sample's. */
+ * u = sum over k of coefficient_k x_k is the mean position of that fluid minus that of the sample.
+ */
 typedef struct pdyn_wet_side {
-    int particle[19];       /* in the system: the three corners of the sample, then the fluid's */
-    double coefficient[19]; /* sum 0; 0 where a particle is not needed */
+    int particle[19];       /* in the system: the three corners of the sample's triangle, then the
+                               fluid's; an arbitrary one where coefficient is 0 */
+    double coefficient[19]; /* sum 0 */
     double normal[3];       /* of the surface, length 1 */
     double rate;            /* N s/m: force per velocity along the surface */
 } pdyn_wet_side;
@@ -153,97 +157,97 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     int *column;                              /* entries: particle in the system */
     double *coefficient;                      /* entries */
     double *weight;                           /* elements, N/m, >= 0 */
-    void *data;                               /* elements x data_size: the type's own */
+    void *data;                               /* elements x data_size: free for the type to use */
     double time;                              /* s, at the end of the step */
     double h;                                 /* s, of the step; 0 before the first */
     const double *u;                          /* rows x 3: G x */
     double *p;                                /* rows x 3: the projection of u */
     const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
     const pdyn_contacts *contacts;            /* NULL in a scene without contact */
-    const pdyn_wet_sides *wet_sides; /* NULL where no surface has friction with the fluid */
-    uint64_t *key;                   /* elements, of a type with memory: names of its elements */
-    void *memory;                    /* elements x memory_size: see `end` */
+    const pdyn_wet_sides *wet_sides;          /* NULL where no surface has friction with a fluid */
+    uint64_t *key;                            /* elements: see `end`; NULL without memory_size */
+    void *memory;                             /* elements x memory_size: see `end` */
 } pdyn_batch;
 
-/* ---- what outlives a step ---------------------------------------------------------------------
- */
+/* ---- saved states ---------------------------------------------------------------------------- */
 
-/* The state of a simulation, written to a file or read from it. A module hands over what its next
- * step depends on, in the same order both ways. */
+/* The state of a simulation while it is written to a file or read from one. A module hands over all
+ * that its next step depends on, in the same order for both. */
 typedef struct pdyn_snapshot {
     bool reading;
     void (*bytes)(struct pdyn_snapshot *snapshot, void *data, size_t size);
 } pdyn_snapshot;
 
 /* ---- operator tier: for a constraint that is too large for generic rows ----------------------
- * A body of particles may have several operators; other bodies of the scene have none. Core asks
- * each for what it has: a callback that is NULL is a property that the operator lacks. */
+ * A body of particles may have several operators; other bodies of the scene have none then. A
+ * callback that is NULL is a property that the operator does not have. */
 
 typedef void pdyn_range_fn(void *arg, int first, int last, int block);
 
-typedef struct pdyn_core pdyn_core; /* core's own; opaque to modules */
+typedef struct pdyn_core pdyn_core; /* opaque to modules */
 
 typedef struct pdyn_services { /* what core offers to operators and solvers */
     pdyn_core *core;
     /* Runs fn over [0, count) in blocks of `grain`; blocks may run in parallel. */
     void (*parallel_for)(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg);
-    /* New memory is zeroed. block NULL allocates, new_size 0 frees; NULL: no memory. */
+    /* New memory is zeroed. block NULL allocates, new_size 0 frees. Returns NULL: no memory. */
     void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);
     /* Sets the text of pdyn_last_error and returns the status. */
     pdyn_status (*set_error)(pdyn_core *core, pdyn_status status, const char *message);
 } pdyn_services;
 
-/* Points that take part in SPH sums: particles of the system, then samples on its surfaces, then
- * points on solids. What SPH sums work on ends with the samples' values, interpolated from the
- * corners of their triangles; core adds what they get to these. */
+/* The points of SPH sums and their neighbour lists. Points are the particles of the system, then
+ * samples on its surfaces, then boundary points on solids. A vector over `particles` ends with the
+ * samples: their values are interpolated from the corners of their triangles, and what an operator
+ * adds to them core distributes to these corners. */
 typedef struct pdyn_neighbours {
-    double support;         /* m: all pairs closer than this are listed, where both have volumes */
-    double surface_support; /* m: the same of a fluid particle with a sample, or with a boundary
-                               point that has an area */
-    bool has_volumes;       /* samples have volumes, and the kernel of particles, as fluid has;
-                               otherwise areas, and the surface kernel */
-    int particles;          /* of the system, and the samples */
-    int points;             /* particles + boundary points */
-    int samples;            /* the last so many of the particles */
-    const int *sample_vertex;    /* samples x 3: particles of the system */
-    const double *sample_weight; /* samples x 3: how much of each */
+    double support;           /* m: all pairs of points with volumes that are closer are listed */
+    double surface_support;   /* m: the same for a fluid particle and a sample, or a boundary point
+                                 that has an area */
+    bool has_volumes;         /* true: samples have volumes and the kernel of particles;
+                                 false: they have areas and the surface kernel */
+    int particles;            /* particles of the system and samples */
+    int points;               /* particles + boundary points */
+    int samples;              /* the last ones of the particles */
+    const int *sample_vertex; /* samples x 3: corners, particles of the system */
+    const double *sample_weight; /* samples x 3: weights of the corners, sum 1 */
     const double *volume;        /* points, m^3: rest volume, or area times particle spacing; 0 for
-                                    what takes no part */
-    const double *boundary_x;    /* (points - particles) x 3 */
-    /* Each particle's list: fluid particles from start to surface_start, samples from there to
-     * boundary_start, boundary points with volumes from there to patch_start, with areas from there
-     * to end; particles each, numbers of points in `index`. The list of a sample has fluid
-     * particles alone. */
+                                    a point that takes no part in sums */
+    const double *boundary_x;    /* (points - particles) x 3, m */
+    /* The list of particle i in `index`: fluid particles from start[i] to surface_start[i], samples
+     * from there to boundary_start[i], boundary points with volumes from there to patch_start[i],
+     * boundary points with areas from there to end[i]. The list of a sample has fluid particles
+     * only. All five: particles. */
     const int *start, *surface_start, *boundary_start, *patch_start, *end;
-    const int *index;
-    const double *granted;      /* particles: by how much C may exceed 0; NULL: by nothing */
-    unsigned revision;          /* moves when the lists do */
-    unsigned volume_revision;   /* moves when volumes do */
-    unsigned boundary_revision; /* moves when boundary points do */
+    const int *index;           /* numbers of points */
+    const double *granted;      /* particles: C may exceed 0 by this; NULL: by nothing */
+    unsigned revision;          /* changes when the lists do */
+    unsigned volume_revision;   /* changes when volumes do */
+    unsigned boundary_revision; /* changes when boundary points do */
 } pdyn_neighbours;
 
-/* One-sided scalar constraints C_i <= 0, as the last local step left them. The energy of constraint
- * i is k_i / 2 max(0, C_i)^2, with k_i constant in a step. */
+/* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i is
+ * k_i / 2 max(0, C_i)^2; k_i is constant in a step. */
 typedef struct pdyn_one_sided {
-    int count;               /* first one for each particle of the body, then others if there are */
-    const double *value;     /* count: C_i, negative where there is room */
-    const double *stiffness; /* count: k_i; 0 where a constraint can do nothing */
+    int count;               /* first one for each particle of the body, then further ones */
+    const double *value;     /* count: C_i, negative where the constraint has slack */
+    const double *stiffness; /* count: k_i; 0 for a constraint without energy */
     const double *squares;   /* count: |grad C_i|^2 over all its particles */
-    const double *held; /* particles: the weights of all constraints that select a particle, N/m:
-                           what eps = 1 puts on the diagonal of H */
+    const double *held;      /* particles: sum of the weights of all constraints that select the
+                                particle, N/m; eps = 1 adds it to the diagonal of H */
 } pdyn_one_sided;
 
-/* Vectors (x, u, y, gradient: particles x 3) have room for one number more, so that the last
- * particle's can be loaded as four. */
+/* Vectors (x, u, y, gradient: particles x 3) have room for one more number, so that the position of
+ * the last particle can be loaded as four numbers. */
 typedef struct pdyn_operator {
-    /* Returns the operator's state or NULL without memory. */
+    /* Returns the operator's state, or NULL without memory. */
     void *(*create)(const void *params, const pdyn_body *body, const pdyn_services *services);
     void (*free)(void *self);
-    /* New neighbour lists (also the first). false: no memory. */
+    /* Takes new neighbour lists, also the first ones. Returns false without memory. */
     bool (*neighbours)(void *self, const pdyn_neighbours *lists);
-    /* Local step at x: returns the energy, adds the gradient to `gradient` (particles x 3). */
+    /* Local step at x: returns the energy, J, and adds its gradient, N (particles x 3). */
     double (*local)(void *self, const double *x, double *gradient);
-    /* The constraints at the x of the last local step, as have the next three. */
+    /* This and the next three: the constraints at the x of the last local step. */
     pdyn_one_sided (*one_sided)(void *self);
     /* rate_i = grad C_i . u for the constraints marked in `which` (count), 0 for the others. */
     void (*rate)(void *self, const bool *which, const double *u, double *rate);
@@ -252,40 +256,41 @@ typedef struct pdyn_operator {
     /* Adds the 3 x 3 block diagonal of the sum of stiffness_i grad C_i grad C_i', packed xx xy xz
      * yy yz zz, particles x 6. */
     void (*diagonal)(void *self, const double *stiffness, double *blocks);
-    /* Density of the body's particles at the x of the last local step, kg/m^3. NULL: none. Of
-     * several operators on a body, the last one with this callback counts; so with pressure. */
+    /* Writes the density of the body's particles at the x of the last local step, kg/m^3. The last
+     * operator of a body that has this callback decides; so for `pressure`. NULL: none. */
     void (*density)(void *self, double *density);
-    /* Pressure of the body's particles at the x of the last local step, Pa. NULL: none. */
-    void (*pressure)(void *self, double *pressure);
-    /* Changes velocities after the step (viscosity), at the x of the last local step. NULL: none.
+    /* Writes the pressure of the body's particles at the x of the last local step, Pa. NULL: none.
      */
+    void (*pressure)(void *self, double *pressure);
+    /* Changes the velocities v, m/s, after the step (viscosity), at the x of the last local step.
+     * NULL: none. */
     void (*velocity)(void *self, double *v);
-    /* What it keeps from step to step. NULL: nothing. */
+    /* Writes or reads what the next step depends on. NULL: nothing. */
     void (*persist)(void *self, pdyn_snapshot *snapshot);
-    /* Lowers way (particles and samples, m) to how far these may go from x so that no particle of
-     * the body passes a surface. No iterate moves one farther at once. NULL: no limit. */
+    /* Lowers way (particles and samples, m) to the distance that each may move from x without a
+     * particle of the body passing a surface. No iterate moves farther at once. NULL: no limit. */
     void (*limit)(void *self, const double *x, double *way);
-    /* A step was taken; it ended at the x of the last local step. NULL: nothing depends on it. */
+    /* The step that ended at the x of the last local step was accepted. NULL: nothing to do. */
     void (*accept)(void *self);
     /* Adds the force on every boundary point, N, at the x of the last local step: minus the
      * gradient of the energy with respect to the point. force: (points - particles) x 3. Core calls
-     * it only where forces on solids are asked for. NULL: it puts no force on boundary points. */
+     * it when forces on solids are asked for. NULL: the operator puts no force on solids. */
     void (*boundary_force)(void *self, double *force);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */
 
-enum {                        /* pdyn_constraint_type.flags */
-       PDYN_ANCHORED = 1,     /* its force on the particles does not sum to zero (pins, walls) */
-       PDYN_ON_SURFACE = 2,   /* needs a body with triangles */
-       PDYN_ON_PARTICLES = 4, /* needs a body of particles */
-       PDYN_REACTION = 8,     /* what it carries is reported as pin reaction */
-       PDYN_SEVERAL = 32,     /* a body may have several of them */
-       PDYN_ON_VOLUME = 64,   /* needs a body with tetrahedra */
-       PDYN_LOSSY = 16,       /* its energy is what it takes in a step, none that it stores */
-       PDYN_ONE_SIDED = 128,  /* it pushes on one side only: where it begins to, that is an impact,
-                                 whose force is not expected to last */
-       PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not in every step */
+enum {                             /* pdyn_constraint_type.flags */
+       PDYN_ANCHORED = 1,          /* its forces on particles do not sum to zero (pins, walls) */
+       PDYN_ON_SURFACE = 2,        /* needs a body with triangles */
+       PDYN_ON_PARTICLES = 4,      /* needs a body of particles */
+       PDYN_REACTION = 8,          /* its force is reported as pin reaction */
+       PDYN_LOSSY = 16,            /* its energy is dissipated in the step, not stored */
+       PDYN_SEVERAL = 32,          /* a body may have several of them */
+       PDYN_ON_VOLUME = 64,        /* needs a body with tetrahedra */
+       PDYN_ONE_SIDED = 128,       /* it pushes on one side only; a force that begins is treated as
+                                      an impact and not expected to last */
+       PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not once a step */
 };
 
 typedef struct pdyn_constraint_type {
@@ -293,67 +298,71 @@ typedef struct pdyn_constraint_type {
     unsigned flags;
     size_t params_size;
     const pdyn_param *params; /* ends with a name of NULL */
-    /* Names of parameters of which a scene gives at most one: none is required and at most one has
-     * a default. Ends with NULL. NULL: no such parameters. */
+    /* Names of parameters of which a scene gives at most one: none of them is required and at most
+     * one has a default. Ends with NULL. NULL: there are no alternatives. */
     const char *const *alternatives;
-    /* Computes parameters from other parameters and from the scene. Core calls it once, when the
-     * scene is read; a fault is an error of the scene, at the parameter it names. NULL: nothing to
-     * compute. */
+    /* Computes parameters from other parameters and from the scene. Core calls it once, when it
+     * reads the scene; a fault is an error of the scene. NULL: nothing to compute. */
     pdyn_param_fault (*resolve)(void *params, const pdyn_scene_info *scene);
-    size_t data_size; /* bytes of the type's own data per element */
-    /* Number of elements on this body. NULL: `update` tells it. */
+    size_t data_size; /* bytes of `data` per element */
+    /* Number of elements on this body. NULL: `update` returns it. */
     int (*elements)(const void *params, const pdyn_body *body);
-    /* Elements that come and go, each of them `rows` rows of `width` entries: which there are, at
-     * the positions x (m) and velocities v (m/s) of the system's particles (particles x 3). Core
-     * calls it with the state at the beginning of every step, before `begin`; with
-     * PDYN_EVERY_ITERATION instead in every local step, with the iterate and NULL for v. Returns
-     * the number of elements, which may be 0, and writes `data` (and `key`, where the type has
-     * memory) of as many of them as there is room for: where room is smaller than the number, core
-     * makes more and calls it again. `select` and `weight` follow. One thread calls it, so the
-     * order of the elements is the same for any number of threads. Energy and force of an element
-     * must be 0 where it appears and where it goes, or a step does not minimise one function. The
-     * particles of a row's entries differ, but for entries with the coefficient 0, which take no
-     * part. NULL: the elements are always the same. Not together with row_sizes, linear, damping,
-     * matrix_free, nor, in every local step, begin. */
+    /* Elements that come and go: tells which elements there are, given the positions x (m) and
+     * velocities v (m/s) of all particles of the system (particles x 3). Each element has `rows`
+     * rows of `width` entries.
+     *
+     * Core calls it at the beginning of every step with the state there, before `begin`; with
+     * PDYN_EVERY_ITERATION, in every local step instead, with the iterate as x and v NULL. It
+     * returns the number of elements, 0 or more, and writes `data`, and `key` where memory_size is
+     * not 0, of the first `room` of them. If the number exceeds room, core grows the arrays and
+     * calls it again. `select` and `weight` follow (`weight` after `begin`, where there is one).
+     *
+     * One thread calls it, so results are the same for any number of threads. An element must have
+     * energy 0 and force 0 where it appears and where it disappears, otherwise E is not continuous.
+     * The entries of a row select different particles, except for entries with the coefficient 0,
+     * which are ignored. Excludes row_sizes, linear, damping and matrix_free, and
+     * PDYN_EVERY_ITERATION excludes begin. NULL: the elements stay the same. */
     int (*update)(const void *params, const pdyn_batch *batch, const double *x, const double *v,
                   int room);
-    /* Rows of an element and entries of each of its rows, where `rows` and `width` are 0. A row
-     * without entries acts on nothing. */
+    /* Rows of each element and entries of each row. Where this differs between elements, row_sizes
+     * returns it instead. A row without entries has no effect. */
     int rows, width;
     void (*row_sizes)(const void *params, const pdyn_batch *batch, int element, int *rows,
                       int *width);
-    /* Fill column, coefficient and data. */
+    /* Fills column, coefficient and data. */
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
+    /* Fills weight. */
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
+    /* Fills p from u. */
     void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* J of the elements one after the other, that of `first` at J[0]: (3 rows)^2 numbers each,
-     * symmetric, eigenvalues in [0, 1] (clamp: H must stay positive). J comes zeroed. NULL: J = 0.
-     */
+    /* J of the elements, one after the other from J[0]: (3 rows)^2 numbers each, symmetric, with
+     * eigenvalues in [0, 1] (clamp them: H must stay positive definite). J is zero on entry.
+     * NULL: J = 0. */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
-    /* Instead of `tangent` where an element is one row and J = s I - a a', as it is for points on a
-     * plane, a sphere or on one side of these: 4 numbers each, a and s. Less to store and to
-     * multiply. */
+    /* Instead of `tangent`, for elements of one row with J = s I - a a', such as points on a plane
+     * or a sphere: 4 numbers each, a and s. Takes less memory and time. */
     void (*tangent_rank1)(const void *params, const pdyn_batch *batch, int first, int last,
                           double *axis);
-    /* p = 0 and J = 0 for all elements, whatever u: then core sums them up to one matrix. NULL: no.
-     */
+    /* Returns true if p = 0 and J = 0 for all elements and all u: core then adds the rows up to one
+     * constant matrix. NULL: false. */
     bool (*linear)(const void *params, const pdyn_batch *batch);
-    /* The energy of these elements, J, where it is not w/2 |u - p|^2; its gradient is w (u - p) all
-     * the same. NULL: it is. */
+    /* The energy of these elements, J, where it is not w/2 |u - p|^2. Its gradient must still be
+     * w (u - p). NULL: it is w/2 |u - p|^2. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* At the beginning of every step, with u = G x and p = G v there: data and weights may change.
-     * `weight` is called after it, and not before the first step. NULL: nothing changes. */
+    /* Called at the beginning of every step with u = G x and p = G v: data may change. `weight` is
+     * called after it, and not before the first step. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* What elements that come and go leave to the next step. After every step that was taken, with
-     * u and p of its end, `end` writes `memory` of these elements. In the next step an element with
-     * the same key finds there what was written; a new one finds zeros. Keys differ from each
-     * other. Both or none, and only with `update`. */
-    size_t memory_size; /* bytes per element */
+    /* Memory of elements that come and go. `end` is called after every accepted step, with u and p
+     * of its end, and writes `memory` (memory_size bytes per element). In the next step, an element
+     * with the same key finds there what was written; a new element finds zeros. The keys of a
+     * batch differ from each other. Saved states contain the memory. Only with `update`; both or
+     * none. */
+    size_t memory_size;
     void (*end)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* s: damping in proportion to stiffness, stress = stiffness (strain + damping x its rate).
-     * Above 0, core has a second batch of the same rows, its weights times damping / h, which
-     * `hold` tells at the beginning of every step to take u = G x for its rest shape: data changes
-     * such that u is its own projection. NULL: none. */
+    /* Damping time, s: stress = stiffness (strain + damping x rate of strain). Above 0, core makes
+     * a second batch of the same rows with the weights times damping / h. At the beginning of every
+     * step, damping_rest makes u = G x the rest shape of that batch: it changes `data` so that u is
+     * its own projection. NULL: no damping; both or none. */
     double (*damping)(const void *params);
     void (*damping_rest)(const void *params, const pdyn_batch *batch, int first, int last);
     /* NULL: core derives everything from the rows above. */

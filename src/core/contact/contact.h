@@ -18,14 +18,21 @@
 
 struct pdyn_sim;
 
-struct pair {     /* that may come into contact */
-    uint64_t key; /* vertex and face, or two edges, which set the highest bit */
-    int point[4];
-    double thickness; /* m; less than that of the scene where its rest shape is closer */
-    double distance;  /* m, when the pairs were listed */
+struct pair {         /* two primitives that may come into contact */
+    uint64_t key;     /* highest bit: two edges; the bits from 32: number of the vertex or of the
+                         first edge; the lower ones: number of the face or of the second edge */
+    int point[4];     /* of the first primitive, then of the second */
+    double thickness; /* m: of the scene, or less where the two are closer in the rest shape */
+    double distance;  /* m, when the pair was listed */
 };
 
-struct stencil { /* of a contact: the shortest vector is the sum of c_k x_k */
+struct hit { /* a pair that is closer than its thickness */
+    int pair;
+    double distance; /* m */
+    double c[4];     /* the shortest vector is the sum of c_k x_k over the points of the pair */
+};
+
+struct stencil { /* of a contact: its shortest vector is the sum of c_k x_k */
     int point[4];
     double c[4];
 };
@@ -33,17 +40,12 @@ struct stencil { /* of a contact: the shortest vector is the sum of c_k x_k */
 struct contact_list {
     int room;
     pdyn_contact *contact;   /* room */
-    struct stencil *stencil; /* room: of the same */
+    struct stencil *stencil; /* room: of the same contacts */
     pdyn_contacts view;      /* what constraints see */
-    struct batch *batch;     /* has an element for each contact; NULL: none */
+    struct batch *batch;     /* its element e acts on contact e; NULL: none */
 };
 
-struct hit { /* a pair that is closer than its thickness */
-    int pair;
-    double distance, c[4];
-};
-
-struct blocked { /* a pair that may go this part of its way */
+struct blocked { /* a pair that may move by a part of its displacement only */
     int pair;
     double part;
 };
@@ -56,111 +58,118 @@ struct contact_solid {
 struct contact {
     pdyn_context *context;
     const struct scene_contact *set;
-    double ms; /* in this step */
+    double ms; /* wall time in this step */
 
-    /* points: the vertices of surfaces and the particles of fluids, that are free, then those of
-     * solids */
+    /* Points: vertices of surfaces, then particles of fluids (both are free), then vertices of
+     * solids. Groups: bodies, then solids. */
     int points, free, vertices;
-    const bool *live;      /* particles of the system; NULL: all are */
-    double *near;          /* groups, m: thickness of what belongs to them */
-    const char **owner;    /* groups: names of the bodies, then of the solids */
-    int *group;            /* points: body, or bodies + solid */
-    int *column;           /* free: particle of the system */
-    double *rest;          /* points x 3, m; of solids as placed, from the pivot where they move */
-    double *at;            /* points x 3, m: at the last local step; solids where they are */
-    double *x;             /* points x 3, m: where a path begins */
-    int faces, free_faces; /* of surfaces first */
-    int *face;             /* faces x 3 */
+    const bool *live;   /* particles of the system that exist; NULL: all */
+    double *near;       /* groups, m: thickness */
+    const char **owner; /* groups: names */
+    int *group;         /* points; -1 for a point of a solid that no triangle has */
+    int *column;        /* free: particle of the system */
+    double *rest;       /* points x 3, m: rest shapes; relative to the pivot for solids that move */
+    double *at;         /* points x 3, m: positions at the last local step */
+    double *x;          /* points x 3, m: where a path begins */
+    int faces, free_faces; /* those of surfaces are the first */
+    int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;
-    int *edge; /* edges_room x 2 */
+    int *edge; /* edges_room x 2: points */
     int groups, bodies;
     struct contact_solid *solid; /* groups - bodies */
     pdyn_body body;              /* all free particles, for the batches */
-    double *begin, *goal; /* (points - free) x 3, m: solids at the start and end of the step */
-    bool moving, behind;  /* some solid moves; some is not at its goal */
+    double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
+    bool moving;          /* some solid moves in this scene */
+    bool behind;          /* some solid has not reached its goal */
 
-    /* pairs */
-    struct box *region;    /* points: in these, the pairs are known */
-    double *built;         /* points x 3, m: where these were when the pairs were listed */
-    double *moved, *reach; /* points, m: how far they are from there, and may be */
+    /* pairs (contact_pairs.c) */
+    struct box *region;    /* points: while all points are inside, the list of pairs is complete */
+    double *built;         /* points x 3, m: positions when the pairs were listed */
+    double *moved, *reach; /* points, m: distance from there, and the maximum of it in the region */
     struct box *face_box, *edge_box;       /* faces, edges_room */
     struct bvh face_tree[2], edge_tree[2]; /* of surfaces; of solids */
-    int pairs, room;                       /* room: of `pair` and the arrays that go with it */
+    int pairs, room;                       /* room: of `pair` and of arrays that say so */
     struct pair *pair;
-    int block_room, blocks; /* of the search */
+    int block_room, blocks; /* of the parallel search */
     struct pair *found;     /* blocks x block_room */
     int *found_count;       /* blocks */
 
-    /* filter */
+    /* paths (contact_filter.c) */
     double *step;            /* points x 3, m: displacement */
-    double *length;          /* points, m: of it */
-    double *taken;           /* points: the part of the displacement that is taken */
-    double *cut;             /* points: what a round takes of that; below 1 where it does */
+    double *length;          /* points, m: its length */
+    double *taken;           /* points: the part of the displacement that is free */
+    double *cut;             /* points: factor by which the current round shortens it */
     struct blocked *blocked; /* room */
-    int *blocked_count;      /* room / grain */
+    int *blocked_count;      /* room / CONTACT_GRAIN */
 
-    /* contacts */
-    struct hit *hit;             /* room: found by the last search, in blocks */
-    int *hit_count, *hit_start;  /* room / grain */
-    struct contact_list current; /* at the last local step, for the barrier */
-    struct contact_list start; /* those of surfaces and solids when the step began, for friction */
+    /* contacts (contact_find.c) */
+    struct hit *hit;             /* room: each block of pairs has its hits at its own place */
+    int *hit_count, *hit_start;  /* room / CONTACT_GRAIN */
+    struct contact_list current; /* of the last local step; its batch is the barrier */
+    struct contact_list start;   /* of the beginning of the step; its batch is friction */
 };
 
-/* Points, batches, and the check that nothing intersects; sim->objective.contact stays NULL in a
- * scene without contact. */
+/* Makes points and batches and checks that nothing intersects. sim->objective.contact stays NULL in
+ * a scene without contact. */
 pdyn_status contact_create(struct pdyn_sim *sim);
 void contact_free(struct contact *contact);
 
-/* A step begins where the last local step was: solids have a new goal, where they are at a time,
- * and friction gets the contacts there. */
+/* Begins a step at the positions of the last local step: the contacts there become those of the
+ * beginning of the step, and solids get their poses at `time`, s, as goals. */
 pdyn_status contact_begin(struct contact *contact, double time);
 
-/* It is taken back: the next one begins again at x. */
+/* Undoes a step that failed: solids go back to where it began, surfaces are at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);
 
-/* What the next step depends on, besides x; reading, at x. */
+/* Writes or reads what the next step depends on, besides the positions x. */
 void contact_persist(struct contact *contact, const double *x, struct snapshot_file *snapshot);
 
-/* Brings target (particles x 3) back to where the paths from x lead that are free; solids come
- * along from where they were. */
+/* Shortens the paths from x to target (particles x 3) so that nothing passes anything, and changes
+ * target accordingly; solids move at the same time from where the step began to their goals. */
 pdyn_status contact_start(struct contact *contact, const double *x, double *target);
 
-/* The least part that the last paths left of a displacement. */
+/* The smallest part that the last call left of a point's displacement. */
 double contact_least(const struct contact *contact);
 
-/* Shortens the parts of a direction from x to free paths. */
+/* Shortens the parts of a direction (particles x 3) that are not free from x. */
 pdyn_status contact_filter(struct contact *contact, const double *x, double *direction);
 
-/* Solids that wait go on as far as they can, the surfaces at x. */
+/* Moves solids that have not reached their goals on as far as they can, with surfaces at x. */
 pdyn_status contact_advance(struct contact *contact, const double *x);
 
-/* The contacts at x: before the local step of any constraint. */
+/* Finds the contacts at x, for the local steps of constraints. */
 pdyn_status contact_local(struct contact *contact, const double *x);
 
 /* ---- within contact -------------------------------------------------------------------------- */
 
-enum { CONTACT_GRAIN = 1024 }; /* pairs */
+enum { CONTACT_GRAIN = 1024 }; /* pairs of a parallel block */
 
-/* No path brings a pair closer than this part of its thickness. */
+/* No path brings the points of a pair closer than this part of its thickness. */
 #define CONTACT_LEAST 0.0625
 
-/* Knows all pairs that can come close while every point is on the way between x and x + step
- * (points x 3 each; step NULL: at x). */
+/* Makes the list of pairs complete for all positions between x and x + step (points x 3; step NULL:
+ * at x). */
 pdyn_status contact_cover(struct contact *contact, const double *x, const double *step);
 
+/* Lists all pairs that can come closer than their thickness in the regions. */
+pdyn_status contact_list(struct contact *contact);
 void contact_free_pairs(struct contact *contact);
 
-/* Shortens contact->step to free paths from contact->x; contact->taken says by how much. */
+/* Shortens contact->step from contact->x to free paths; sets contact->taken. */
 pdyn_status contact_free_paths(struct contact *contact);
 
-/* The list of pairs for the regions as they are. */
-pdyn_status contact_list(struct contact *contact);
+/* Sets the contacts at contact->at, from the list of pairs. */
+pdyn_status contact_find(struct contact *contact);
 
-/* Room for so many contacts; those in the list are lost where it grows. */
-pdyn_status contact_list_reserve(pdyn_context *context, struct contact_list *list, int count);
+/* Copies the current contacts, but for those of fluid particles, to those of the beginning. */
+pdyn_status contact_set_start(struct contact *contact);
+
+/* Updates the offsets of the contacts of the beginning after solids moved. */
+void contact_follow_solids(struct contact *contact);
+
 void contact_list_free(pdyn_context *context, struct contact_list *list);
 
-/* Fails where two triangles intersect. */
+/* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. */
 pdyn_status contact_check(struct contact *contact);
 
 static inline const struct pair_kind *pair_kind_of(uint64_t key) {

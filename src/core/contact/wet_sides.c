@@ -10,13 +10,14 @@ enum { WIDTH = sizeof((pdyn_wet_side){0}.particle) / sizeof(int) };
 enum { MOST = WIDTH - 3 }; /* particles on a side; 9 touch a sheet at rest */
 enum { SAMPLES = 256 };    /* grain */
 
-/* A side is as wet as it feels the fluid's density. Of a lattice that touches it, a sample feels
- * 0.049 between four particles, the least, and is wholly wet there (points with volumes: 0.105). */
+/* The wet part of a side is the fluid's density sum at the sample, in units of the rest density,
+ * over this number, up to 1. A lattice of particles that touches the surface is to wet all of it:
+ * its smallest sum is 0.049, between four particles (0.105 for points with volumes). */
 static const double wet_share = 0.05;
 
 struct side { /* of a sample */
     int count, particle[MOST];
-    double share[MOST], sum; /* of the density, and of all */
+    double share[MOST], sum; /* of each particle in the density sum; all together */
 };
 
 static void normal_of(const struct wet_sides *d, int sample, double n[3]) {
@@ -27,8 +28,8 @@ static void normal_of(const struct wet_sides *d, int sample, double n[3]) {
     for (int a = 0; a < 3; a++) n[a] = length > 0.0 ? n[a] / length : 0.0;
 }
 
-/* The normal, and the fluid on both sides: it points to the second. */
-static void look(const struct wet_sides *d, int sample, double n[3], struct side side[2]) {
+/* The normal of a sample and the fluid on its two sides; the normal points to the second side. */
+static void find_fluid(const struct wet_sides *d, int sample, double n[3], struct side side[2]) {
     const pdyn_neighbours *l = d->lists;
     struct kernel kernel = kernel_make(l->surface_support);
     int at = d->samples->particles + sample;
@@ -55,7 +56,7 @@ static void count_sides(void *arg, int first, int last, int block) {
         double n[3];
         d->first[2 * k] = d->first[2 * k + 1] = 0;
         if (d->rate[k] == 0.0) continue;
-        look(d, k, n, side);
+        find_fluid(d, k, n, side);
         for (int m = 0; m < 2; m++) d->first[2 * k + m] = side[m].count > 0;
     }
 }
@@ -87,7 +88,7 @@ static void fill_sides(void *arg, int first, int last, int block) {
         struct side side[2];
         double n[3];
         if (d->first[2 * k + 2] == d->first[2 * k]) continue;
-        look(d, k, n, side);
+        find_fluid(d, k, n, side);
         for (int m = 0; m < 2; m++)
             if (side[m].count) set_side(d, d->first[2 * k + m], k, n, &side[m]);
     }
@@ -119,7 +120,7 @@ pdyn_status wet_sides_find(struct wet_sides *d, const double *x) {
 
 /* ---- setting up ------------------------------------------------------------------------------ */
 
-/* The samples of a body share its area. */
+/* The rates of a body's samples, which all have the same part of its area. */
 static void set_rates(struct wet_sides *d, const pdyn_body *body, double friction) {
     const struct samples *s = d->samples;
     double area = 0.0;
