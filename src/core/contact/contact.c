@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* The points at x; solids are where they are. */
+/* Collects the positions of all points, with free particles at x and solids where they are. */
 static void gather(const struct contact *c, const double *x, double *at) {
     for (int i = 0; i < c->free; i++) memcpy(at + 3 * i, x + 3 * c->column[i], 3 * sizeof *at);
     if (at == c->at) return;
@@ -27,7 +27,7 @@ pdyn_status contact_local(struct contact *c, const double *x) {
 
 /* ---- paths ----------------------------------------------------------------------------------- */
 
-/* Solids go the part of their steps that was found free. */
+/* Moves solids by the part of their displacement that is free. */
 static void move_solids(struct contact *c) {
     size_t first = (size_t)c->free, count = 3 * (size_t)(c->points - c->free);
     c->behind = false;
@@ -118,7 +118,8 @@ pdyn_status contact_take_back(struct contact *c, const double *x) {
     return contact_local(c, x);
 }
 
-/* The pairs are listed again where they were, for their order decides how sums are rounded. */
+/* After reading, the pairs are listed at the positions where they were listed before: their order
+ * decides how sums are rounded. */
 void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
     snapshot_file_bytes(a, c->region, n * sizeof *c->region);

@@ -1,13 +1,14 @@
-/* Paths without collision. Every point has its own part of its displacement; a pair that would
- * collide shortens those of its four points, and is looked at again with the others that have them,
- * until none is left. A solid goes as far as the least of its points. */
+/* Continuous collision detection: paths without collision. Every point moves by a part of its
+ * displacement. A pair that would collide shortens the parts of its four points; then all pairs of
+ * these points are tested again, until no pair collides. All points of a solid move by the same
+ * part, the smallest one. */
 #include "contact.h"
 
 #include "projdyn/vec3.h"
 
 #include <string.h>
 
-/* Rounds: after these, what is still blocked is held so close that it cannot be a second time. */
+/* Rounds, after which a pair that is still blocked is shortened so far that it cannot collide. */
 enum { ROUNDS = 32 };
 
 struct round {
@@ -15,13 +16,15 @@ struct round {
     int number;
 };
 
-/* What a path leaves of a distance: half of it, and no pair is stopped that is not in contact. */
+/* The distance that a path leaves a pair, m: half of its distance or thickness (a quarter after the
+ * first round), so that only pairs in contact are stopped. */
 static double kept(const struct pair *p, double distance, int round) {
     double some = (round ? 0.25 : 0.5) * fmin(distance, p->thickness);
     return fmax(some, fmin(distance, CONTACT_LEAST * p->thickness));
 }
 
-/* The most that two primitives may come closer, from how far their points go. */
+/* An upper bound of how far the two primitives approach each other, m: the sum of the largest
+ * displacements of their points. */
 static double most_approach(const struct pair *p, const double *length) {
     const int *i = p->point;
     double one = length[i[0]], other = fmax(length[i[2]], length[i[3]]);
@@ -35,7 +38,7 @@ static bool was_cut(const struct contact *c, const struct pair *p) {
            c->cut[p->point[3]] < 1.0;
 }
 
-/* The part of its way that the pair may go. */
+/* The part of its displacement, 0 to 1, by which the pair may move. */
 static double free_part(const struct contact *c, const struct pair *p, int round) {
     const struct pair_kind *kind = pair_kind_of(p->key);
     const double *x[4], *d[4];
@@ -63,7 +66,7 @@ static void find_blocked(void *arg, int first, int last, int block) {
     c->blocked_count[block] = count;
 }
 
-/* All points of a solid go the same part of their ways. */
+/* Makes the factor the same for all points of a solid, the smallest one. */
 static void keep_solids_whole(struct contact *c) {
     for (int s = 0; s < c->groups - c->bodies; s++) {
         double *cut = c->cut + c->solid[s].first, least = 1.0;
@@ -72,7 +75,7 @@ static void keep_solids_whole(struct contact *c) {
     }
 }
 
-/* Shortens the ways of what is blocked; false: nothing is. */
+/* Shortens the displacements of blocked pairs. Returns false if there are none. */
 static bool shorten(struct contact *c) {
     bool any = false;
     for (int i = 0; i < c->points; i++) c->cut[i] = 1.0;

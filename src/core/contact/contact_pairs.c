@@ -1,15 +1,18 @@
-/* Which pairs may come into contact: all whose boxes overlap and that are close enough. Each point
- * has a region; as long as no point leaves its own, the list holds. */
+/* Broad phase: the list of pairs that may come into contact. Each point has a region, a box around
+ * it and its displacement. Pairs whose boxes around these regions overlap (bvh.h) and that can come
+ * closer than their thickness are listed; the list is complete while every point is in its region.
+ */
 #include "contact.h"
 
 #include "projdyn/vec3.h"
 
 #include <string.h>
 
-enum { QUERIES = 256, FIRST_ROOM = 4096 }; /* queries of a block; pairs it may find, at first */
+enum { QUERIES = 256 };     /* of a parallel block */
+enum { FIRST_ROOM = 4096 }; /* pairs that a block may find, at first */
 
-/* How far a region reaches around where a point is and goes to: a part of the thickness and of the
- * way, but no more thicknesses than that. */
+/* Margin of a region around a point and its displacement: `still` thicknesses plus `ahead` of the
+ * length of the displacement, the latter at most `most_ahead` thicknesses. */
 static const double still = 0.5, ahead = 0.25, most_ahead = 1.0;
 
 /* ---- regions --------------------------------------------------------------------------------- */
@@ -52,7 +55,7 @@ static void set_regions(struct contact *c, const double *x, const double *step) 
 
 /* ---- trees ----------------------------------------------------------------------------------- */
 
-/* Around the regions of the corners, and half a thickness more. */
+/* The box around the regions of the corners, larger by half a thickness. */
 static void wrap(const struct contact *c, const int *corner, int corners, struct box *box) {
     *box = box_empty;
     for (int k = 0; k < corners; k++) {
@@ -76,7 +79,7 @@ static void plant(struct contact *c) {
 
 /* ---- the search ------------------------------------------------------------------------------ */
 
-struct search { /* the pairs of one vertex or edge */
+struct search { /* for the pairs of one point or edge, number a */
     struct contact *contact;
     bool edges;
     int a, base, block; /* base: number of the first box of the tree */
@@ -104,8 +107,9 @@ static double distance_in(const struct pair *p, const double *x) {
     return sqrt(pair_kind_of(p->key)->closest(points, unused));
 }
 
-/* Whether the pair can come closer than its thickness in the regions. In one and the same body it
- * has none beyond its distance at rest, so that the rest shape is free of forces. */
+/* Whether the pair can come closer than its thickness while its points are in their regions; sets
+ * its distance and thickness. Within a body the thickness is less than the distance in the rest
+ * shape, so that the rest shape has no contact forces. */
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
@@ -140,17 +144,17 @@ static void search_around(struct search *s, const struct box *box) {
     s->base = 0;
     bvh_visit(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0, visit,
               s);
-    if (!s->edges && s->a >= c->vertices) return; /* what solids do to fluids is not contact's */
+    if (!s->edges && s->a >= c->vertices) return; /* solids act on fluids by their samples */
     s->base = s->edges ? c->free_edges : c->free_faces;
     bvh_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
 }
 
-/* A particle that has not come yet, or is gone. */
+/* Whether the point is a particle that does not exist: not yet emitted, or removed. */
 static bool is_absent(const struct contact *c, int point) {
     return c->live && point >= c->vertices && point < c->free && !c->live[c->column[point]];
 }
 
-/* Queries: the points, then the edges of surfaces. */
+/* A range of queries: each point is a query, then each edge of a surface. */
 static void search_block(void *arg, int first, int last, int block) {
     struct contact *c = arg;
     c->found_count[block] = 0;
@@ -173,7 +177,7 @@ static pdyn_status make_block_room(struct contact *c, int room) {
     return c->found ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* No region holds anything at first. */
+/* Makes room for the search before the first one. */
 static pdyn_status prepare(struct contact *c) {
     if (c->found) return PDYN_OK;
     c->blocks = pool_blocks(c->points + c->free_edges, QUERIES);
@@ -181,7 +185,7 @@ static pdyn_status prepare(struct contact *c) {
     return c->found_count ? make_block_room(c, FIRST_ROOM) : PDYN_NO_MEMORY;
 }
 
-/* Repeated with more room where a block found too much for it. */
+/* Repeats the search with more room if a block found more pairs than it had room for. */
 static pdyn_status search(struct contact *c) {
     pdyn_status status = prepare(c);
     while (status == PDYN_OK) {

@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PARTICLES = 1024 }; /* grain: worth waking a thread for */
-enum { PIECE = 256 };      /* elements of a local step at once */
+enum { PARTICLES = 1024 }; /* of a parallel block */
+enum { PIECE = 256 }; /* elements of one call of a callback, so that they stay in the L1 cache */
 
 struct call { /* the arguments of a parallel loop over a batch */
     struct batch *batch;
@@ -16,7 +16,7 @@ struct call { /* the arguments of a parallel loop over a batch */
     double number; /* eps, or the length of a step */
 };
 
-struct impacts { /* the same, of a loop over its impacts */
+struct impacts { /* the arguments of a parallel loop over the impacts of a batch */
     struct batch *batch;
     const struct velocity_change *change;
 };
@@ -27,16 +27,16 @@ static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *
     pool_for(batch->context->pool, count, grain, fn, &call);
 }
 
-/* ---- what goes through an operator: vectors that end with the samples' values ---------------- */
+/* ---- operators: vectors that end with the values of samples ---------------------------------- */
 
-/* Callers may take the samples' input and output for u and y, and save copies. */
+/* u with the values of samples. A caller that has u in samples->input already saves a copy. */
 static const double *extend(const struct batch *b, const double *u) {
     if (!b->samples) return u;
     samples_follow(b->samples, u);
     return b->samples->input;
 }
 
-/* Where an operator adds to y, until it is gathered. */
+/* The vector to which an operator adds; end_output distributes its samples and writes y. */
 static double *begin_output(const struct batch *b, double *y) {
     if (!b->samples) return y;
     size_t all = 3 * (size_t)b->one_sided.particles;
@@ -51,7 +51,7 @@ static void end_output(const struct batch *b, double *y) {
 
 /* ---- the rows: u = G x, flux -> particles ---------------------------------------------------- */
 
-/* The sum of so many entries from k on */
+/* u = sum over `width` entries from k on */
 INLINE void gather_entries(const pdyn_batch *v, int k, int width, const double *x, v4 *u) {
     *u = (v4){0};
     for (int end = k + width; k < end; k++) {
@@ -61,7 +61,7 @@ INLINE void gather_entries(const pdyn_batch *v, int k, int width, const double *
     }
 }
 
-/* u of row r; pairs are unrolled */
+/* u of row r; the loop over two entries is unrolled */
 INLINE void gather_row(const struct batch *b, int r, const double *x, v4 *u) {
     const int *entry = b->view.row_entry + r;
     if (b->width == 2) gather_entries(&b->view, 2 * r, 2, x, u);
@@ -76,7 +76,7 @@ WIDE static void gather_rows(const struct batch *b, int first, int last, const d
     }
 }
 
-/* out += G' flux, by particles, so that no two threads write to one place */
+/* out += G' flux, by particles, so that threads write to different places */
 WIDE static void scatter_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -98,9 +98,9 @@ void batch_scatter(struct batch *b, double *y) {
 
 /* ---- local step ------------------------------------------------------------------------------ */
 
-/* flux = w (u - p) in row r; adds to twice the energy. */
+/* flux = w (u - p) in row r; adds twice the energy of the row. */
 INLINE void pull_row(const struct batch *b, int r, double w, v4 *energy) {
-    v4 u, p, f; /* their fourth lanes mean nothing */
+    v4 u, p, f; /* fourth lanes are undefined */
     memcpy(&u, b->view.u + 3 * (size_t)r, sizeof u);
     memcpy(&p, b->view.p + 3 * (size_t)r, sizeof p);
     u -= p;
@@ -109,7 +109,7 @@ INLINE void pull_row(const struct batch *b, int r, double w, v4 *energy) {
     memcpy(b->flux + 4 * (size_t)r, &f, sizeof f);
 }
 
-/* Returns the energy. */
+/* flux of the elements [first, last). Returns their energy w/2 |u - p|^2. */
 WIDE static double pull_rows(struct batch *b, int first, int last) {
     const pdyn_batch *v = &b->view;
     v4 energy = {0};
@@ -121,7 +121,7 @@ WIDE static double pull_rows(struct batch *b, int first, int last) {
     return 0.5 * (energy[0] + energy[1] + energy[2]);
 }
 
-/* In pieces whose u, p and flux stay in the first cache. */
+/* Works in pieces whose u, p and flux stay in the L1 cache. */
 static void local_rows(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct batch *b = c->batch;
@@ -280,7 +280,7 @@ pdyn_status batch_linearise(struct batch *b, double eps) {
     return PDYN_OK;
 }
 
-/* flux = B u for element e, of so many rows from `first` on; B = w I for eps = 1 */
+/* flux = B u for element e, which has `rows` rows from `first` on; B = w I for eps = 1 */
 INLINE void multiply_element(const struct batch *b, int e, int first, int rows, const double *x) {
     double *flux = b->flux + 4 * (size_t)first;
     const double *B = batch_has_blocks(b) ? b->block + b->block_start[e] : NULL;
@@ -300,7 +300,7 @@ INLINE void multiply_element(const struct batch *b, int e, int first, int rows, 
     }
 }
 
-/* The same where B = m m' + a I. */
+/* flux = B u for element e of one row with B = m m' + a I */
 INLINE void multiply_axis(const struct batch *b, int e, const double *x) {
     v4 u, f, B;
     gather_row(b, e, x, &u);
@@ -371,8 +371,8 @@ int batch_go(struct batch *b, double t, double *y) {
     return changed;
 }
 
-/* change->scratch = acceleration against which the constraints push, of all forces of the batch as
- * they are: their gradients over the masses. */
+/* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
+ * gradient of its energy over the masses. */
 static void find_acceleration(struct batch *b, const struct velocity_change *change) {
     double *a = change->scratch;
     int n = 3 * change->particles;
@@ -384,8 +384,9 @@ static void find_acceleration(struct batch *b, const struct velocity_change *cha
     for (int k = 0; k < n; k++) a[k] /= change->mass[k / 3];
 }
 
-/* flux = its impact part, row by row. As in one_sided.c, the larger of two changes counts: by this
- * row alone, and by all, for many contacts of a point share what stops it. */
+/* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
+ * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
+ * force that stops it. */
 static void keep_impacts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
     struct batch *b = c->batch;
@@ -480,8 +481,8 @@ void batch_block(const struct batch *b, int k, int m, double B[9]) {
 
 /* ---- block diagonal -------------------------------------------------------------------------- */
 
-/* What entry k adds to the block of its particle: its pairs with the entries of the same element
- * that select the same particle. */
+/* Adds the contribution of entry k to the block of its particle: its pairs with those entries of
+ * the same element that select the same particle. */
 static void diagonal_of_entry(const struct batch *b, int k, double *block) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     const pdyn_batch *v = &b->view;
@@ -503,7 +504,8 @@ static void diagonal_rows(void *arg, int first, int last, int block) {
             diagonal_of_entry(b, b->touch[t].entry, c->out + 6 * (size_t)(b->touch_first + i));
 }
 
-/* The same where an element is a row that selects no particle twice. */
+/* Adds to the blocks of particles [first, last) where each element is a row that selects no
+ * particle twice. */
 WIDE static void diagonal_single(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -528,7 +530,7 @@ WIDE static void diagonal_single(void *arg, int first, int last, int block) {
     }
 }
 
-/* The same where B = m m' + a I. */
+/* As diagonal_single, for B = m m' + a I. */
 WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -547,7 +549,7 @@ WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
     }
 }
 
-/* What adds the rows' part for a range of the particles that they touch. */
+/* The function that adds the blocks of a range of particles. */
 static pdyn_range_fn *diagonal_of(const struct batch *b) {
     if (!b->single) return diagonal_rows;
     return b->type->tangent_rank1 && batch_has_blocks(b) ? diagonal_axes : diagonal_single;

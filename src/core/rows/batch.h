@@ -1,6 +1,7 @@
-/* A batch: one constraint type on one body. The rows tier is worked out here, from what the type's
- * callbacks give; the operator tier is passed through. Either way a batch can do three things:
- * the local step, the product with its part of the Hessian, and the block diagonal of that part. */
+/* A batch: one constraint type on one body. Both tiers of module.h have the same interface here:
+ * local step, product with the batch's part of the Hessian, and block diagonal of that part. For
+ * the rows tier they are computed from the type's callbacks, for the operator tier by its operator.
+ */
 #ifndef PDYN_BATCH_H
 #define PDYN_BATCH_H
 
@@ -11,9 +12,9 @@
 #include "row_memory.h"
 #include "sph/neighbours.h"
 
-enum { BATCH_GRAIN = 2048 }; /* elements: worth waking a thread for */
+enum { BATCH_GRAIN = 2048 }; /* elements of a parallel block */
 
-struct touch { /* an entry, from its particle */
+struct touch { /* an entry, in the list of its particle */
     double coefficient;
     int row, entry;
 };
@@ -24,35 +25,35 @@ struct batch {
     const void *params;
     pdyn_batch view;            /* what the type sees; arrays owned here */
     void *op;                   /* operator tier: the type's state */
-    struct one_sided one_sided; /* and its constraints */
-    struct samples *samples;    /* its vectors go on with these; NULL: not */
+    struct one_sided one_sided; /* operator tier: its constraints */
+    struct samples *samples;    /* operator tier: vectors end with these samples; NULL: without */
     double eps;                 /* damping of the current linearisation */
     double energy;              /* J, at the last local step */
-    bool damper; /* holds back the rate of strain, see pdyn_constraint_type.damping */
+    bool damper;                /* the second batch of pdyn_constraint_type.damping */
 
     /* rows tier */
     int rows, entries;
     struct {
         int elements, rows, entries;
     } room;              /* of the arrays */
-    unsigned revision;   /* moves when the selector does */
+    unsigned revision;   /* changes when the selector does */
     int width;           /* entries of every row, or 0 where they differ */
     bool single;         /* every element is a row that selects no particle twice */
     double *flux;        /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
     size_t *block_start; /* elements + 1 */
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
-                            if axial B = m m' + a I, 4 numbers, m and a; NULL until eps is below 1
-                            for the first time */
-    double *partial;     /* a partial energy for each parallel block */
-    struct linear_rows *linear;     /* stands for all rows in products and local steps; NULL: not */
-    int *entry_element, *entry_row; /* entries: where they belong */
-    int touch_first, touch_count;   /* the rows touch only these particles of the system */
-    int *touch_start;               /* touch_count + 1: where a particle's entries begin in */
+                            with tangent_rank1 B = m m' + a I, 4 numbers, m and a; NULL until eps
+                            is below 1 for the first time */
+    double *partial;     /* one number for each parallel block */
+    struct linear_rows *linear;     /* replaces all rows in products and local steps; NULL: none */
+    int *entry_element, *entry_row; /* entries: their elements and rows */
+    int touch_first, touch_count;   /* rows select only particles of this range of the system */
+    int *touch_start;               /* touch_count + 1: first entry of each particle in `touch` */
     struct touch *touch;            /* entries, ascending for each particle */
     struct row_memory memory;       /* what elements that come and go left to the next step */
 };
 
-/* `rows_only`: use the rows even where the type has an operator (assembly and tests do). */
+/* rows_only: uses the rows tier of a type that has an operator, too (for assembly and tests). */
 pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
                          const void *params, const pdyn_body *body, const pdyn_services *services,
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
@@ -61,8 +62,8 @@ void batch_free(struct batch *batch);
 /* Whether the selector is the same in all steps. */
 static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
 
-/* From now on one matrix stands for the rows, where the type says that these are linear. u, p and
- * flux are left alone then. */
+/* Replaces the rows by one constant matrix if the type says that they are linear. u, p and flux are
+ * not used then. */
 pdyn_status batch_join_rows(struct batch *batch);
 
 /* Elements that come and go: calls the type's `update` at x and v (particles x 3; v NULL in a local
@@ -80,14 +81,14 @@ pdyn_status batch_open(struct batch *batch, const double *x, const double *v, do
 /* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
  * weights change even where h does not. */
 bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
-/* The weights of a damper for steps of length h, s; those of others stay. */
+/* Sets the weights of a damper for steps of length h, s; does nothing for other batches. */
 void batch_weigh(struct batch *batch, double h);
 
-/* The neighbour lists have changed. */
+/* Gives an operator new neighbour lists. */
 pdyn_status batch_neighbours(struct batch *batch, const pdyn_neighbours *neighbours);
 
-/* Local step at x (particles x 3; of an operator with samples these, too): projects, sets
- * batch->energy, adds to the gradient, in N. */
+/* Local step at x (particles x 3; with samples for an operator that has them): projects, sets
+ * batch->energy, J, and adds to the gradient, N. */
 pdyn_status batch_local(struct batch *batch, const double *x, double time, double *gradient);
 
 /* Fixes the tangent at the x of the last local step, damped with eps in [0, 1]. */
@@ -96,26 +97,25 @@ pdyn_status batch_linearise(struct batch *batch, double eps);
 /* y += G' B G u, B = w ((1 - eps)(I - J) + eps I) */
 void batch_apply(struct batch *batch, const double *u, double *y);
 
-struct velocity_change {  /* in a step of effective length h, s */
-    const double *slowed; /* particles x 3: velocities before it less those after it, m/s */
+struct velocity_change {  /* by a step of effective length h, s */
+    const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
     int particles;
     const double *mass; /* particles, kg */
     double h;
     double *scratch; /* particles x 3 */
 };
 
-/* Of a type with one side: force += the impact part (one_sided.h) of its forces at the last local
- * step, N, as gradients of its energy. Returns how many constraints or rows have an impact. The
- * rows' flux is lost. */
+/* One-sided constraints: force += the impact part (one_sided.h) of their forces at the last local
+ * step, N, with the sign of the gradient. Returns the number of constraints or rows with an impact.
+ * Overwrites the flux of rows. */
 int batch_impacts(struct batch *batch, const struct velocity_change *change, double *force);
 /* Rows tier: y += G' flux */
 void batch_scatter(struct batch *batch, double *y);
 
-/* Operator tier: changes velocities after a step, where the type does. */
+/* Calls `velocity`, `limit` and `accept` of pdyn_operator, where the batch has these callbacks. For
+ * batch_limit, x ends with the samples. */
 void batch_velocity(struct batch *batch, double *v);
-/* The same: see `limit` of pdyn_operator; x ends with the samples. */
 void batch_limit(struct batch *batch, const double *x, double *way);
-/* The step that ended at the x of the last local step was taken. */
 void batch_accept(struct batch *batch);
 
 /* Operator tier: rate_i = grad C_i . u for the constraints marked in `which`; y += sum of
@@ -129,17 +129,18 @@ int batch_turns(struct batch *batch);
 double batch_slope(struct batch *batch, double t, double *curvature);
 int batch_go(struct batch *batch, double t, double *y);
 
-/* Adds the 3 x 3 block diagonal of the same, packed xx xy xz yy yz zz, particles x 6. */
+/* Adds the 3 x 3 block diagonal of G' B G, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);
 
-/* held[i] becomes true for each particle that some row selects. */
+/* Sets held[i] to true for each particle i that a row selects. */
 void batch_mark_held(const struct batch *batch, bool *held);
 
-/* Rows tier: the components of a row are not independent, B is not w I. */
+/* Rows tier: whether B is stored by blocks, because it is not w I. */
 static inline bool batch_has_blocks(const struct batch *b) {
     return b->eps < 1.0 && !b->linear && (b->type->tangent || b->type->tangent_rank1);
 }
-/* Rows tier: numbers in batch->block, with room to load the last column as four. */
+/* Rows tier: numbers in batch->block, one more than needed so that the last column can be loaded as
+ * four numbers. */
 size_t batch_block_numbers(const struct batch *batch);
 /* Rows tier: the 3 x 3 part of B between the rows of two entries of one element. */
 void batch_block(const struct batch *batch, int k, int m, double B[9]);

@@ -1,3 +1,4 @@
+/* Makes a batch: its rows where its elements stay the same, or its operator. */
 #include "row_arrays.h"
 
 #include <string.h>
@@ -35,7 +36,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
     return PDYN_OK;
 }
 
-/* Every element is a row that selects no particle twice. */
+/* Whether every element is a row that selects no particle twice. */
 static bool is_single(const pdyn_batch *v) {
     for (int e = 0; e < v->elements; e++) {
         if (v->element_row[e + 1] - v->element_row[e] != 1) return false;
@@ -54,6 +55,7 @@ static int common_width(const pdyn_batch *v, int rows) {
     return width;
 }
 
+/* The range of particles that rows select. */
 static pdyn_status find_touched(struct batch *b) {
     const pdyn_batch *v = &b->view;
     int low = INT32_MAX, high = -1;

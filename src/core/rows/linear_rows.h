@@ -1,5 +1,5 @@
-/* The stiffness K = sum of w G' G of a batch that is linear (pdyn_constraint_type.linear), by
- * particles: one pass over memory where rows would take two. */
+/* The constant stiffness matrix K = sum of w G' G of a batch whose rows are linear
+ * (pdyn_constraint_type.linear), stored by particles: a product reads memory once, rows twice. */
 #ifndef PDYN_LINEAR_ROWS_H
 #define PDYN_LINEAR_ROWS_H
 
@@ -10,24 +10,25 @@ struct batch;
 
 struct linear_rows {
     pdyn_context *context;
-    int first, count; /* particles of the system that it touches */
+    int first, count; /* particles of the system with entries in K */
     int entries;
-    int *start;       /* count + 1: the entries of each */
+    int *start;       /* count + 1: first entry of each particle */
     int *column;      /* entries: another particle of the system */
     double *value;    /* entries: K_ij */
-    double *own;      /* count: the sum of the row, K_ii and all */
+    double *own;      /* count: sum of the row of K, K_ii included */
     double *diagonal; /* count: K_ii */
-    double *partial;  /* an energy for each parallel block */
+    double *partial;  /* energy of each parallel block */
 };
 
-/* Of a batch whose rows are known. */
+/* The matrix of a batch whose rows are filled. */
 pdyn_status linear_rows_create(pdyn_context *context, const struct batch *batch,
                                struct linear_rows **out);
 void linear_rows_free(struct linear_rows *stiffness); /* NULL is fine */
 
 /* y += K x */
 void linear_rows_apply(struct linear_rows *stiffness, const double *x, double *y);
-/* Returns x.K x / 2, summed as differences of neighbours are; y += K x. */
+/* Returns x . K x / 2, summed from differences between neighbours against cancellation; y += K x.
+ */
 double linear_rows_energy(struct linear_rows *stiffness, const double *x, double *y);
 /* Adds K_ii to the blocks, packed xx xy xz yy yz zz, particles x 6. */
 void linear_rows_diagonal(const struct linear_rows *stiffness, double *blocks);

@@ -1,5 +1,5 @@
-/* From a scene to its contact: points, faces and edges of all surfaces and solids, and the check
- * that none intersects another. */
+/* Sets up contact from a scene: points, faces and edges of all surfaces and solids, the batches of
+ * contact and friction, and the check that nothing intersects at the start. */
 #include "contact/contact.h"
 
 #include "base/registry.h"
@@ -16,8 +16,8 @@
 
 static int compare_edges(const void *a, const void *b) { return memcmp(a, b, 2 * sizeof(int)); }
 
-/* The edges of a mesh, each once, as pairs of points that count from `first`; room for 3 x
- * triangles. Returns how many. */
+/* Writes the edges of a mesh, each once, as pairs of points that count from `first`. edge has room
+ * for 3 x triangles of them. Returns the number of edges. */
 static int mesh_edges(const struct mesh *mesh, int first, int *edge) {
     int count = 3 * mesh->triangles, kept = 0;
     for (int k = 0; k < count; k++) {
@@ -76,8 +76,8 @@ static bool allocate(struct contact *c) {
 
 /* ---- parts ----------------------------------------------------------------------------------- */
 
-/* A particle is felt where it comes closer than this to a surface, in radii: in water at rest
- * particles are held farther away by the surface's part in their density. */
+/* Thickness between a fluid particle and a surface, in particle radii. In water at rest, the
+ * samples of the surface keep particles farther away, so that contact forces are 0. */
 static const double particle_thickness = 0.5;
 
 static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int points) {
@@ -105,8 +105,8 @@ static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
     }
 }
 
-/* Points that no triangle has are of no group. Those of solids that move are kept from the pivot.
- */
+/* Points that no triangle has belong to no group. Points of solids that move are stored relative to
+ * the pivot. */
 static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
     int points = c->free, faces = c->free_faces;
     c->edges = c->free_edges;
@@ -152,7 +152,7 @@ static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *t
     return status;
 }
 
-/* All constraints may see the contacts. */
+/* Shows all constraints the contacts: those of the local step, or of the beginning of the step. */
 static void show(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
     const pdyn_contacts contacts = {.stiffness = c->set->stiffness,
@@ -177,7 +177,7 @@ static pdyn_status add_batches(struct pdyn_sim *sim) {
     return status;
 }
 
-/* Solids at the start; the first contacts. */
+/* Places solids at time 0, finds the first contacts and checks them. */
 static pdyn_status place(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
     for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
@@ -244,8 +244,7 @@ void contact_free(struct contact *c) {
 
 /* ---- the check at the start ------------------------------------------------------------------ */
 
-/* On which side of a plane through a, b, c a point is: -1, 1, or 0 where that is a matter of
- * rounding. */
+/* The side of the plane through a, b, c on which d is: -1 or 1, or 0 within rounding errors. */
 static int side(const double *a, const double *b, const double *c, const double *d) {
     double ab[3], ac[3], ad[3], normal[3];
     for (int k = 0; k < 3; k++) ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ad[k] = d[k] - a[k];
@@ -255,7 +254,8 @@ static int side(const double *a, const double *b, const double *c, const double 
     return volume > rounding ? 1 : volume < -rounding ? -1 : 0;
 }
 
-/* The ends on both sides of the face's plane, and the face around the line through them. */
+/* Whether the edge p q passes through the face a b c: its ends are on both sides of the plane, and
+ * the line through them passes all sides of the face in the same sense. */
 static bool passes(const double *p, const double *q, const double *a, const double *b,
                    const double *c) {
     if (side(a, b, c, p) * side(a, b, c, q) >= 0) return false;
@@ -263,7 +263,7 @@ static bool passes(const double *p, const double *q, const double *a, const doub
     return one != 0 && one == two && one == three;
 }
 
-struct crossing { /* the edge that is looked at, and what it passes through */
+struct crossing { /* an edge and the face that it passes through */
     const struct contact *contact;
     int edge, base, face; /* face: -1 for none */
 };
@@ -281,7 +281,7 @@ static void try_face(void *user, int id) {
         s->face = s->base + id;
 }
 
-/* A triangle of its group that has this edge, counted from the group's first. */
+/* The number of a triangle that has these corners, counted from the first one of its group. */
 static int triangle_number(const struct contact *c, const int *corner, int corners) {
     int number = 0;
     for (int f = 0; f < c->faces; f++) {
