@@ -42,14 +42,14 @@ static void test_near_miss(void **state) {
         {"temperature", NULL},
     };
     for (int k = 0; k < COUNT(cases); k++) {
-        const char *found = registry_near_miss(cases[k].word, names, COUNT(names));
+        const char *found = text_closest(cases[k].word, names, COUNT(names));
         if (!cases[k].nearest) assert_null(found);
         else assert_string_equal(found ? found : "", cases[k].nearest);
     }
     char long_word[200];
     memset(long_word, 'r', sizeof long_word - 1);
     long_word[sizeof long_word - 1] = '\0';
-    assert_null(registry_near_miss(long_word, names, COUNT(names)));
+    assert_null(text_closest(long_word, names, COUNT(names)));
     char clipped[8];
     text_clip(clipped, sizeof clipped, "abc\xc3\xa4\n123456");
     assert_string_equal(clipped, "abc...");

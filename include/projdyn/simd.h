@@ -1,16 +1,16 @@
-/* Four lanes at a time, by the compilers' vector types: 3-vectors are padded to four doubles, so
- * that one is loaded, scaled and added at once. Static functions marked WIDE are compiled for AVX2
- * and AVX-512 as well as for the plain target and chosen when the program starts. All give the same
- * bits, but for the kernels of linear solves on machines that cannot multiply and add at once.
- * Their names are unique in the library, as the choice is global with clang. */
-#ifndef PDYN_SIMD_H
-#define PDYN_SIMD_H
+/* SIMD with four lanes, by the vector types of GCC and Clang. A 3-vector padded to four doubles is
+ * loaded, scaled and added at once. A static function marked WIDE is compiled for the plain target,
+ * AVX2 and AVX-512; the loader chooses when the program starts. All versions give the same bits,
+ * except the kernels of linear solves on machines without fused multiply-add. Names of WIDE
+ * functions must be unique in the library, because clang makes the choice global. */
+#ifndef PROJDYN_SIMD_H
+#define PROJDYN_SIMD_H
 
 #include <string.h>
 
 typedef double v4 __attribute__((vector_size(32)));
 
-/* Sanitizers do not know the loader's choice between versions of a function. */
+/* Sanitizers do not support the loader's choice between versions of a function. */
 #if !defined(__x86_64__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SIMD_PLAIN
 #elif defined(__has_feature)
@@ -19,7 +19,8 @@ typedef double v4 __attribute__((vector_size(32)));
 #endif
 #endif
 
-/* By features for clang, as what versions before 18 make of levels is never chosen. */
+/* Clang: by feature names, because before version 18 a version for an architecture level is never
+ * chosen. */
 #if defined(SIMD_PLAIN)
 #define WIDE
 #elif defined(__clang__)
@@ -28,15 +29,17 @@ typedef double v4 __attribute__((vector_size(32)));
 #define WIDE __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #endif
 
-/* What WIDE functions call has to become part of them. */
+/* For functions called by WIDE functions: they must become part of the caller to be compiled for
+ * its target. */
 #define INLINE static inline __attribute__((always_inline))
 
-/* Vectors go by address: by value, the plain and the wide target would pass them differently. */
+/* Vectors are passed by address: by value, the plain and the wide targets use different registers.
+ */
 
-/* out = a and a fourth lane */
+/* out = (a[0], a[1], a[2], last) */
 INLINE void v4_set(v4 *out, const double *a, double last) { *out = (v4){a[0], a[1], a[2], last}; }
 
-/* The four at `index` of an array of fours. */
+/* Loads or stores element `index` of an array of 4-vectors. */
 INLINE void v4_load(v4 *to, const double *from, int index) {
     memcpy(to, from + 4 * (size_t)index, sizeof *to);
 }
@@ -44,7 +47,7 @@ INLINE void v4_store(double *to, int index, const v4 *from) {
     memcpy(to + 4 * (size_t)index, from, sizeof *from);
 }
 
-/* y += a, three lanes of it */
+/* y += a, first three lanes */
 INLINE void v4_add_to(double *y, const v4 *a) { y[0] += (*a)[0], y[1] += (*a)[1], y[2] += (*a)[2]; }
 
 INLINE double v4_dot(const v4 *a, const v4 *b) {
@@ -53,7 +56,7 @@ INLINE double v4_dot(const v4 *a, const v4 *b) {
 
 INLINE double v4_sum(const v4 *a) { return ((*a)[0] + (*a)[2]) + ((*a)[1] + (*a)[3]); }
 
-/* sum of a[k] b[k], in sixteen lanes: no addition waits for the one before */
+/* Dot product of a and b, `count` each, summed in sixteen lanes: no addition waits for another. */
 INLINE double simd_dot(const double *a, const double *b, int count) {
     v4 sum[4] = {{0}}, x, y;
     double rest = 0.0;

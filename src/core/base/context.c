@@ -1,3 +1,4 @@
+/* The context: creation, memory through the user's allocator, error text and log messages. */
 #include "context.h"
 
 #include "registry.h"
@@ -25,7 +26,9 @@ const char *pdyn_status_text(pdyn_status status) {
 
 static void *libc_allocate(void *user, void *block, size_t old_size, size_t new_size) {
     (void)user, (void)old_size;
-    enum { LINE = 64 }; /* bytes of a cache line: what is loaded at once then lies in one */
+    enum {
+        LINE = 64
+    }; /* bytes of a cache line: a SIMD load of aligned data then touches a single line */
     if (new_size && !block) return aligned_alloc(LINE, (new_size + LINE - 1) / LINE * LINE);
     if (new_size) return realloc(block, new_size);
     free(block);
@@ -91,6 +94,22 @@ void *context_array(pdyn_context *context, size_t count, size_t size) {
     void *block = count > SIZE_MAX / size ? NULL : context_resize(context, NULL, 0, count * size);
     if (!block) context_no_memory(context);
     return block;
+}
+
+/* The pointers of a table have different types: memcpy reads and writes them whatever the type. */
+bool context_arrays(pdyn_context *context, const struct array_entry *table, size_t rows,
+                    enum array_action action) {
+    bool complete = true;
+    for (const struct array_entry *a = table; a < table + rows; a++) {
+        void *array = NULL;
+        memcpy(&array, a->pointer, sizeof array);
+        if (action == ARRAYS_FREE)
+            array = array ? context_resize(context, array, a->count * a->size, 0) : NULL;
+        else array = context_array(context, a->count, a->size);
+        complete &= array != NULL || !a->count;
+        memcpy(a->pointer, &array, sizeof array);
+    }
+    return complete;
 }
 
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...) {

@@ -1,4 +1,5 @@
-/* The context: memory, errors, messages, threads. Everything else in core hangs on one. */
+/* The context (pdyn_context): memory, error text, log messages, thread pool and registered types.
+ * Every object of the library belongs to one context. */
 #ifndef PDYN_CONTEXT_H
 #define PDYN_CONTEXT_H
 
@@ -8,7 +9,7 @@
 #include <pthread.h>
 #include <stdarg.h>
 
-enum { MOST_PLUGINS = 64 };
+enum { MAX_PLUGINS = 64 };
 
 struct pdyn_context {
     pdyn_options options;
@@ -17,16 +18,16 @@ struct pdyn_context {
     size_t bytes, peak_bytes;
     char error[2048];
     int plugins;
-    const struct pdyn_plugin
-        *plugin[MOST_PLUGINS]; /* what is registered; the library's own first */
+    const struct pdyn_plugin *plugin[MAX_PLUGINS]; /* entry 0: the library's own types */
 };
 
-/* Memory. Sizes are given back on release, so that the live count is exact. New memory is zeroed.
- * context_resize: block NULL allocates, new_size 0 frees and returns NULL. */
+/* Allocates, resizes or frees memory through the user's allocator and counts the bytes in use.
+ * block NULL allocates; new_size 0 frees and returns NULL. old_size is the size of `block`, so that
+ * the count is exact. New bytes are zeroed. Returns NULL without memory; sets no error text. */
 void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t new_size);
 
-/* count x size zeroed bytes, or NULL with the context's error set; count 0 gives NULL too.
- * FREE_ARRAY of NULL does nothing. */
+/* Allocates count x size zeroed bytes. Returns NULL for count 0, and NULL with the context's error
+ * set (PDYN_NO_MEMORY) without memory. FREE_ARRAY of a NULL pointer does nothing. */
 void *context_array(pdyn_context *context, size_t count, size_t size);
 
 #define NEW_ARRAY(context, count, type)                                                            \
@@ -35,12 +36,37 @@ void *context_array(pdyn_context *context, size_t count, size_t size);
     ((void)context_resize(context, (void *)(pointer), (size_t)(count) * sizeof *(pointer), 0),     \
      (pointer) = NULL)
 
-/* A vector of the system, particles x 3, with room to load the last particle's part as four. */
+/* A vector of 3 doubles per particle, plus one double: code that loads four doubles at once
+ * (simd.h) may then read past the last particle. */
 #define NEW_VECTOR(context, particles) NEW_ARRAY(context, 3 * (size_t)(particles) + 1, double)
 #define FREE_VECTOR(context, pointer, particles)                                                   \
     FREE_ARRAY(context, pointer, 3 * (size_t)(particles) + 1)
 
-/* Sets the error text and returns the status. */
+/* Array tables. A struct with several arrays lists them once, and one function allocates or frees
+ * them all:
+ *
+ *     static bool resize_arrays(struct mesh *m, enum array_action action) {
+ *         const struct array_entry table[] = {ARRAY(m->vertex, 3 * m->vertices),
+ *                                             ARRAY(m->triangle, 3 * m->triangles)};
+ *         return context_arrays(m->context, table, ARRAY_ROWS(table), action);
+ *     } */
+struct array_entry {
+    void *pointer; /* address of the pointer to the array */
+    size_t count, size;
+};
+#define ARRAY(pointer, count)                                                                      \
+    { &(pointer), (size_t)(count), sizeof *(pointer) }
+#define ARRAY_ROWS(table) (sizeof(table) / sizeof *(table))
+
+enum array_action { ARRAYS_ALLOCATE, ARRAYS_FREE };
+
+/* Allocates (zeroed) or frees every array of a table. Returns false if memory is missing for one
+ * array; the others are allocated and have to be freed by the caller. An array of count 0 stays
+ * NULL, and a pointer that is freed becomes NULL. */
+bool context_arrays(pdyn_context *context, const struct array_entry *table, size_t rows,
+                    enum array_action action);
+
+/* Sets the error text (printf format) and returns `status`. */
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...)
     PDYN_PRINTF(3, 4);
 pdyn_status context_no_memory(pdyn_context *context);

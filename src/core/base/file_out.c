@@ -1,3 +1,4 @@
+/* Writing files that appear complete or not at all: see file_out.h. */
 #include "file_out.h"
 
 #include <errno.h>
@@ -6,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-enum { CHUNK = 1024 }; /* numbers encoded at a time */
+enum { CHUNK = 1024 }; /* numbers encoded per fwrite */
 
 static const char *target_of(const struct file_out *out) {
     return out->aside ? out->aside : out->path;
@@ -17,7 +18,7 @@ static void release(struct file_out *out) {
     FREE_ARRAY(out->context, out->aside, out->aside_size);
 }
 
-/* Not followed: a link like /dev/stdout must stay what it is. */
+/* Uses lstat: a link like /dev/stdout must be written through, not replaced by a file. */
 static bool is_special(const char *path) {
     struct stat info;
     return lstat(path, &info) == 0 && !S_ISREG(info.st_mode);
@@ -62,7 +63,7 @@ static void encode(uint32_t bits, enum byte_order order, unsigned char byte[4]) 
 
 static uint32_t float_bits(struct file_out *out, double value) {
     uint32_t bits;
-    bool fits = fabs(value) <= FLT_MAX; /* not for NaN */
+    bool fits = fabs(value) <= FLT_MAX; /* false for NaN */
     float narrow = fits ? (float)value : 0.0f;
     if (!fits) out->unfit = true;
     memcpy(&bits, &narrow, sizeof bits);

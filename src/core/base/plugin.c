@@ -1,5 +1,5 @@
-/* Plug-ins: shared objects with one data symbol, pdyn_plugin_table. They are never unloaded, for
- * simulations refer to their tables, and another context may, too. */
+/* Loading plug-ins: shared objects with one data symbol, pdyn_plugin_table. A plug-in is never
+ * unloaded, because simulations and other contexts may refer to its tables. */
 #include "context.h"
 #include "projdyn/module.h"
 
@@ -13,7 +13,8 @@ static pdyn_status fail_load(pdyn_context *context, const char *path) {
                         why ? why : "unknown reason");
 }
 
-/* The loader looks for a name without a slash in the system's folders. */
+/* Opens a shared object. dlopen searches system directories for a name without a slash; "./" in
+ * front makes it the current directory. */
 static void *open_object(pdyn_context *context, const char *path) {
     if (strchr(path, '/')) return dlopen(path, RTLD_NOW | RTLD_LOCAL);
     size_t size = strlen(path) + 3;

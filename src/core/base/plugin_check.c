@@ -1,4 +1,4 @@
-/* What can be told from the tables of a plug-in before anything of it runs. */
+/* Checks of the tables of a plug-in before any of its code runs: names, parameters, callbacks. */
 #include "registry.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static const size_t kind_size[] = {[PDYN_REAL] = sizeof(double),
                                    [PDYN_PATH] = sizeof(pdyn_path),
                                    [PDYN_OTHER] = sizeof(pdyn_other)};
 
-/* What is wrong with a parameter, given those before it; NULL: nothing. */
+/* Describes the first error in a parameter, compared with the parameters before it; NULL: none. */
 static const char *param_fault(const pdyn_constraint_type *type, const pdyn_param *p) {
     if (!is_name(p->name) || !strcmp(p->name, "type")) return "its name cannot be a key of a scene";
     if ((unsigned)p->kind >= sizeof kind_size / sizeof *kind_size) return "its kind is unknown";
@@ -41,7 +41,7 @@ static const char *param_fault(const pdyn_constraint_type *type, const pdyn_para
     if (p->kind <= PDYN_VECTOR && p->kind != PDYN_BOOL && !(p->min <= p->max))
         return "its bounds are not ordered";
     for (const pdyn_param *q = type->params; q < p; q++) {
-        if (!strcmp(q->name, p->name)) return "its name is there twice";
+        if (!strcmp(q->name, p->name)) return "its name is given twice";
         if (p->offset < q->offset + kind_size[q->kind] &&
             q->offset < p->offset + kind_size[p->kind])
             return "it overlaps another one";

@@ -1,45 +1,50 @@
+/* The thread pool: shares of blocks, and workers that spin briefly before they sleep. */
 #include "pool.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
-enum { SPINS = 2000 }; /* some 50 microseconds: longer than between the regions of a CG iteration */
+enum {
+    SPINS = 2000
+}; /* busy-wait of about 50 microseconds, longer than the gap between two parallel regions of a CG
+    * iteration: threads then do not sleep within a solve */
 
-static void relax(void) {
+static void pause_cpu(void) {
 #if defined(__x86_64__) || defined(__i386__)
     __builtin_ia32_pause();
 #endif
 }
 
-/* Of the blocks of a job: those of one thread first, the same ones in every job of that size, so
- * that it finds in its cache what it left there; then what others have not begun. */
+/* The blocks of a job that one thread runs first. They are the same blocks in every job of the same
+ * size, so that the thread finds its data in its cache. A thread that has finished its share
+ * continues with blocks that other threads have not begun. */
 struct share {
-    _Alignas(64) atomic_int next; /* block to take */
+    _Alignas(64) atomic_int next; /* next block to run */
     int end;
 };
 
 struct worker {
     struct pool *pool;
     pthread_t thread;
-    int number; /* whose share it is; that of the caller is 0 */
+    int number; /* index of its share; the calling thread has share 0 */
 };
 
 struct pool {
     int threads;
-    struct worker *worker; /* threads - 1: the caller works too */
-    struct share *share;   /* threads */
+    struct worker *worker; /* threads - 1 workers: the calling thread works, too */
+    struct share *share;   /* one share per thread */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
-    atomic_uint job; /* number of the current job; workers wait for it to move */
-    atomic_int busy; /* workers still in the current job */
+    atomic_uint job; /* number of the current job; workers wait for it to change */
+    atomic_int busy; /* workers that have not finished the current job */
     bool stop;
     int count, grain, blocks;
     pdyn_range_fn *fn;
     void *arg;
 };
 
-static void work_on(struct pool *pool, struct share *share) {
+static void run_share(struct pool *pool, struct share *share) {
     for (;;) {
         int block = atomic_fetch_add_explicit(&share->next, 1, memory_order_relaxed);
         if (block >= share->end) return;
@@ -49,14 +54,15 @@ static void work_on(struct pool *pool, struct share *share) {
     }
 }
 
-static void work(struct pool *pool, int number) {
+/* Runs the thread's share of the blocks, then what is left of the other shares. */
+static void run_blocks(struct pool *pool, int number) {
     for (int k = 0; k < pool->threads; k++)
-        work_on(pool, &pool->share[(number + k) % pool->threads]);
+        run_share(pool, &pool->share[(number + k) % pool->threads]);
 }
 
-/* Waits for a job other than `seen`. */
+/* Waits until the job number differs from `seen`; returns the new number. */
 static unsigned wait_job(struct pool *pool, unsigned seen) {
-    for (int i = 0; i < SPINS; i++, relax())
+    for (int i = 0; i < SPINS; i++, pause_cpu())
         if (atomic_load_explicit(&pool->job, memory_order_acquire) != seen)
             return atomic_load_explicit(&pool->job, memory_order_acquire);
     pthread_mutex_lock(&pool->lock);
@@ -71,7 +77,7 @@ static void *worker_main(void *arg) {
     for (unsigned seen = 0;;) {
         seen = wait_job(pool, seen);
         if (pool->stop) return NULL;
-        work(pool, worker->number);
+        run_blocks(pool, worker->number);
         if (atomic_fetch_sub(&pool->busy, 1) == 1) {
             pthread_mutex_lock(&pool->lock);
             pthread_cond_signal(&pool->done);
@@ -80,7 +86,8 @@ static void *worker_main(void *arg) {
     }
 }
 
-static void post(struct pool *pool) {
+/* Divides the blocks of a job among the threads and wakes the workers. */
+static void start_job(struct pool *pool) {
     pthread_mutex_lock(&pool->lock);
     for (int k = 0; k < pool->threads; k++) {
         struct share *share = &pool->share[k];
@@ -95,7 +102,7 @@ static void post(struct pool *pool) {
 }
 
 static void wait_done(struct pool *pool) {
-    for (int i = 0; i < SPINS; i++, relax())
+    for (int i = 0; i < SPINS; i++, pause_cpu())
         if (!atomic_load_explicit(&pool->busy, memory_order_acquire)) return;
     pthread_mutex_lock(&pool->lock);
     while (atomic_load(&pool->busy)) pthread_cond_wait(&pool->done, &pool->lock);
@@ -110,8 +117,8 @@ void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *
         return;
     }
     pool->count = count, pool->grain = grain, pool->blocks = blocks, pool->fn = fn, pool->arg = arg;
-    post(pool);
-    work(pool, 0);
+    start_job(pool);
+    run_blocks(pool, 0);
     wait_done(pool);
 }
 
@@ -137,7 +144,7 @@ struct pool *pool_create(int threads) {
 
 void pool_destroy(struct pool *pool) {
     pool->stop = true, pool->blocks = 0;
-    if (pool->threads > 1) post(pool);
+    if (pool->threads > 1) start_job(pool);
     for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i].thread, NULL);
     pthread_cond_destroy(&pool->wake);
     pthread_cond_destroy(&pool->done);

@@ -1,8 +1,8 @@
-/* A pthread pool with one job: run a function over [0, count) in blocks of a fixed grain.
+/* A thread pool (pthreads) with one operation: call a function on [0, count) in blocks of a fixed
+ * grain.
  *
- * The grain is a constant of the call site, so the blocks, and with them every partial sum, are the
- * same for any number of threads. Work that fits one block runs on the caller without waking
- * anyone. */
+ * The grain is a constant of the call site. The blocks, and with them every partial sum, are the
+ * same for any number of threads. Work that fits one block runs on the calling thread alone. */
 #ifndef PDYN_POOL_H
 #define PDYN_POOL_H
 
@@ -10,11 +10,13 @@
 
 struct pool;
 
-struct pool *pool_create(int threads); /* NULL: no memory or no threads */
+struct pool *pool_create(int threads); /* threads: the caller's included. NULL: no memory, or a
+                                          thread could not be created. */
 void pool_destroy(struct pool *pool);
 int pool_threads(const struct pool *pool);
 
-/* Returns when every block is done. Not to be called from within a block. */
+/* Calls fn(arg, first, last, block) for every block, on all threads; returns when every block is
+ * done. Must not be called from within a block. */
 void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *arg);
 
 /* Number of blocks that pool_for makes. */

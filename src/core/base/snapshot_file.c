@@ -1,3 +1,4 @@
+/* The file of a saved state: header, content and checksum. */
 #include "snapshot_file.h"
 
 #include <errno.h>
@@ -63,7 +64,7 @@ static pdyn_status damaged(const struct snapshot_file *a, const char *what) {
     return context_fail(a->context, PDYN_BAD_INPUT, "%.1024s: %s", a->path, what);
 }
 
-/* Hashes what lies between head and tail. */
+/* Compares the hash of `size` bytes of content with the hash that follows them in the file. */
 static pdyn_status check_content(struct snapshot_file *a, size_t size) {
     unsigned char buffer[CHUNK];
     uint64_t hash = HASH_BEGIN, found = 0;

@@ -1,19 +1,19 @@
+/* Text for messages: similar names by edit distance, clipping, the C locale. */
 #include "text.h"
-
-#include "registry.h"
 
 #include <ctype.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { LONGEST = 64 }; /* characters of a word that is worth a hint */
+enum { MAX_WORD = 64 }; /* longest word, in characters, for which a suggestion is made */
 
-static int least(int a, int b) { return a < b ? a : b; }
+static int min_int(int a, int b) { return a < b ? a : b; }
 
-/* Insertions, deletions, replacements and swaps of neighbours that turn a into b, in any case. */
+/* Optimal string alignment distance: insertions, deletions, replacements and swaps of adjacent
+ * letters that turn a into b, ignoring case. */
 static int edit_distance(const char *a, const char *b) {
-    int rows[3][LONGEST + 1], m = (int)strlen(a), n = (int)strlen(b);
+    int rows[3][MAX_WORD + 1], m = (int)strlen(a), n = (int)strlen(b);
     int *before = rows[0], *above = rows[1], *row = rows[2];
     for (int j = 0; j <= n; j++) row[j] = j;
     for (int i = 1; i <= m; i++) {
@@ -22,24 +22,24 @@ static int edit_distance(const char *a, const char *b) {
         row[0] = i;
         for (int j = 1; j <= n; j++) {
             int p = tolower((unsigned char)a[i - 1]), q = tolower((unsigned char)b[j - 1]);
-            row[j] = least(above[j - 1] + (p != q), 1 + least(above[j], row[j - 1]));
+            row[j] = min_int(above[j - 1] + (p != q), 1 + min_int(above[j], row[j - 1]));
             if (i > 1 && j > 1 && p == tolower((unsigned char)b[j - 2]) &&
                 q == tolower((unsigned char)a[i - 2]))
-                row[j] = least(row[j], before[j - 2] + 1);
+                row[j] = min_int(row[j], before[j - 2] + 1);
         }
     }
     return row[n];
 }
 
-const char *registry_near_miss(const char *name, const char *const *names, int count) {
+const char *text_closest(const char *name, const char *const *names, int count) {
     size_t length = strlen(name);
-    if (!length || length > LONGEST) return NULL;
+    if (!length || length > MAX_WORD) return NULL;
     const char *nearest = NULL;
-    int best = (int)(length + 2) / 3 + 1; /* a third of the letters may be wrong */
+    int best = (int)(length + 2) / 3 + 1; /* at most a third of the letters may differ */
     for (int i = 0; i < count; i++) {
-        if (strlen(names[i]) > LONGEST) continue;
+        if (strlen(names[i]) > MAX_WORD) continue;
         int distance = edit_distance(name, names[i]);
-        if (length > 3 && strstr(names[i], name)) distance = least(distance, best - 1);
+        if (length > 3 && strstr(names[i], name)) distance = min_int(distance, best - 1);
         if (distance < best) best = distance, nearest = names[i];
     }
     return nearest;
@@ -65,7 +65,7 @@ void text_clip(char *text, size_t size, const char *from) {
 }
 
 void text_hint(char *text, size_t size, const char *word, const char *const *names, int count) {
-    const char *nearest = registry_near_miss(word, names, count);
+    const char *nearest = text_closest(word, names, count);
     if (nearest) text_append(text, size, "; did you mean \"%s\"?", nearest);
     for (int i = 0; i < count; i++)
         text_append(text, size, "%s%s", i ? ", " : "; known: ", names[i]);

@@ -1,4 +1,4 @@
-/* Text for people: growing it, keeping it clean, and hints for a word that was not understood. */
+/* Text for messages: append, clip, suggestions for an unknown word, numbers in the C locale. */
 #ifndef PDYN_TEXT_H
 #define PDYN_TEXT_H
 
@@ -6,17 +6,21 @@
 
 #include <locale.h>
 
-/* Adds formatted text to `text`, as much of it as fits into `size` bytes. */
+/* The name most similar to `word`: at most a third of its letters differ. NULL: none. */
+const char *text_closest(const char *word, const char *const *names, int count);
+
+/* Appends formatted text, truncated to `size` bytes in all, the closing NUL included. */
 void text_append(char *text, size_t size, const char *format, ...) PDYN_PRINTF(3, 4);
 
-/* Copies at most size - 1 bytes: control characters become '?', and what is too long ends with
- * "..." after a whole UTF-8 character. */
+/* Copies at most size - 1 bytes of `from`. Control characters become '?'; a longer text is cut
+ * after a complete UTF-8 character and ends with "...". */
 void text_clip(char *text, size_t size, const char *from);
 
-/* Adds `; did you mean "x"?` where one of the names is near, and `; known: a, b, c`. */
+/* Appends `; did you mean "x"?` if one of the names is similar to `word`, then `; known: a, b, c`.
+ */
 void text_hint(char *text, size_t size, const char *word, const char *const *names, int count);
 
-/* Until text_end numbers have a decimal point, whatever the locale of the program. */
+/* Sets the C locale for the calling thread until text_end: numbers have a decimal point. */
 struct text_locale {
     locale_t plain, before;
 };

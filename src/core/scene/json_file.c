@@ -210,7 +210,7 @@ static pdyn_status fail_element(const struct json_file *file, int i, const json_
         text_append(hint, sizeof hint, " (%s)", clipped);
         if (count < KEYS) names[count++] = name;
     }
-    const char *nearest = registry_near_miss(key, names, count);
+    const char *nearest = text_closest(key, names, count);
     text_clip(clipped, sizeof clipped, key);
     if (!nearest)
         return fail_override(file, i, "no element \"%s\"%s", clipped,
