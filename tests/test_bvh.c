@@ -33,7 +33,7 @@ static void check_set(int count, double size, uint64_t seed) {
     for (int i = 0; i < count; i++) box[i] = random_box(&seed, i % 50 ? size : 2.0);
     assert_int_equal(bvh_create(context, count + 3, &tree), PDYN_OK);
     for (int again = 0; again < 2; again++) {
-        bvh_sort(&tree, box, count);
+        bvh_build(&tree, box, count);
         for (int q = 0; q < 100; q++) {
             struct box query = random_box(&seed, size);
             struct found found = {0};
@@ -72,7 +72,7 @@ static void test_heap(void **state) {
     struct found found = {0};
     for (int i = 0; i < 100; i++) box[i] = (struct box){{1, 1, 1}, {1, 1, 1}};
     assert_int_equal(bvh_create(context, 100, &tree), PDYN_OK);
-    bvh_sort(&tree, box, 100);
+    bvh_build(&tree, box, 100);
     bvh_visit(&tree, &box[0], 10, note, &found);
     assert_int_equal(found.count, 90);
     bvh_free(context, &tree);

@@ -127,7 +127,7 @@ static void test_compact(void **state) {
             id[k] = 3 * k + 1;
             if (squared[k] < 0.5 && id[k] != 22) expected[found++] = id[k];
         }
-        assert_int_equal(compact(squared, id, count, 0.5, 22, list), found);
+        assert_int_equal(compress_ids(squared, id, count, 0.5, 22, list), found);
         if (found) assert_memory_equal(list, expected, (size_t)found * sizeof *list);
         free(squared), free(id), free(list);
     }

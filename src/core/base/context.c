@@ -96,6 +96,15 @@ void *context_array(pdyn_context *context, size_t count, size_t size) {
     return block;
 }
 
+void *context_grow(pdyn_context *context, void *array, size_t *capacity, size_t need, size_t size) {
+    if (need <= *capacity) return array;
+    size_t grown = 2 * need + 1024;
+    void *moved = context_resize(context, array, *capacity * size, grown * size);
+    if (moved) *capacity = grown;
+    else context_no_memory(context);
+    return moved;
+}
+
 /* The pointers of a table have different types: memcpy reads and writes them whatever the type. */
 bool context_arrays(pdyn_context *context, const struct array_entry *table, size_t rows,
                     enum array_action action) {

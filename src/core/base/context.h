@@ -30,6 +30,11 @@ void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t
  * set (PDYN_NO_MEMORY) without memory. FREE_ARRAY of a NULL pointer does nothing. */
 void *context_array(pdyn_context *context, size_t count, size_t size);
 
+/* Makes room for `need` elements in a growing array of *capacity elements: at least doubles the
+ * capacity where it is too small. Returns the array, which may have moved; NULL with the context's
+ * error set without memory, the array is then unchanged. */
+void *context_grow(pdyn_context *context, void *array, size_t *capacity, size_t need, size_t size);
+
 #define NEW_ARRAY(context, count, type)                                                            \
     ((type *)context_array(context, (size_t)(count), sizeof(type)))
 #define FREE_ARRAY(context, pointer, count)                                                        \

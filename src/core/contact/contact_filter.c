@@ -49,7 +49,7 @@ static double free_part(const struct contact *c, const struct pair *p, int round
     double distance = sqrt(kind->closest(x, unused)), keep = kept(p, distance, round);
     if (distance - way >= keep) return 1.0;
     pair_load(p->point, c->step, d);
-    if (distance - pair_approach(kind, d) >= keep) return 1.0;
+    if (distance - pair_closing_bound(kind, d) >= keep) return 1.0;
     if (round >= ROUNDS) return fmin(0.2 * distance, distance - keep) / way;
     return pair_free_path(kind, x, d, keep);
 }

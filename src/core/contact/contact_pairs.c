@@ -71,10 +71,10 @@ static void wrap(const struct contact *c, const int *corner, int corners, struct
 static void plant(struct contact *c) {
     for (int f = 0; f < c->faces; f++) wrap(c, c->face + 3 * f, 3, &c->face_box[f]);
     for (int e = 0; e < c->edges; e++) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
-    bvh_sort(&c->face_tree[0], c->face_box, c->free_faces);
-    bvh_sort(&c->face_tree[1], c->face_box + c->free_faces, c->faces - c->free_faces);
-    bvh_sort(&c->edge_tree[0], c->edge_box, c->free_edges);
-    bvh_sort(&c->edge_tree[1], c->edge_box + c->free_edges, c->edges - c->free_edges);
+    bvh_build(&c->face_tree[0], c->face_box, c->free_faces);
+    bvh_build(&c->face_tree[1], c->face_box + c->free_faces, c->faces - c->free_faces);
+    bvh_build(&c->edge_tree[0], c->edge_box, c->free_edges);
+    bvh_build(&c->edge_tree[1], c->edge_box + c->free_edges, c->edges - c->free_edges);
 }
 
 /* ---- the search ------------------------------------------------------------------------------ */

@@ -1,3 +1,4 @@
+/* A bounding volume hierarchy by Morton order: build and box queries. */
 #include "bvh.h"
 
 #include "base/simd.h"
@@ -14,41 +15,44 @@ void box_add(struct box *box, const double x[3]) {
     }
 }
 
-/* Groups of all levels over `count` boxes; first: where each level begins. */
+/* Computes for `count` boxes the number of levels and the first group of each; returns the number
+ * of groups in all levels. */
 static int count_groups(int count, int *levels, int *first) {
     int total = 0;
     *levels = 0;
     do {
         first[(*levels)++] = total;
-        count = (count + BOXES_WIDTH - 1) / BOXES_WIDTH;
+        count = (count + BVH_WIDTH - 1) / BVH_WIDTH;
         total += count;
     } while (count > 1);
     first[*levels] = total;
     return total;
 }
 
-pdyn_status bvh_create(pdyn_context *context, int capacity, struct bvh *boxes) {
-    *boxes = (struct bvh){.capacity = capacity};
-    boxes->key = NEW_ARRAY(context, capacity, uint32_t);
-    boxes->order = NEW_ARRAY(context, capacity, int);
-    boxes->swapped = NEW_ARRAY(context, capacity, int);
-    int groups = count_groups(capacity, &boxes->levels, boxes->first);
-    boxes->group = NEW_ARRAY(context, groups, struct box_group);
-    if (!capacity || (boxes->key && boxes->order && boxes->swapped && boxes->group)) return PDYN_OK;
-    bvh_free(context, boxes);
+static bool resize_arrays(pdyn_context *context, struct bvh *tree, enum array_action action) {
+    const struct array_entry table[] = {
+        ARRAY(tree->key, tree->capacity),
+        ARRAY(tree->order, tree->capacity),
+        ARRAY(tree->swapped, tree->capacity),
+        ARRAY(tree->group, count_groups(tree->capacity, &tree->levels, tree->first)),
+    };
+    return context_arrays(context, table, ARRAY_ROWS(table), action);
+}
+
+pdyn_status bvh_create(pdyn_context *context, int capacity, struct bvh *tree) {
+    *tree = (struct bvh){.capacity = capacity};
+    if (resize_arrays(context, tree, ARRAYS_ALLOCATE)) return PDYN_OK;
+    bvh_free(context, tree);
     return PDYN_NO_MEMORY;
 }
 
-void bvh_free(pdyn_context *context, struct bvh *boxes) {
-    FREE_ARRAY(context, boxes->key, boxes->capacity);
-    FREE_ARRAY(context, boxes->order, boxes->capacity);
-    FREE_ARRAY(context, boxes->swapped, boxes->capacity);
-    FREE_ARRAY(context, boxes->group, count_groups(boxes->capacity, &boxes->levels, boxes->first));
+void bvh_free(pdyn_context *context, struct bvh *tree) {
+    resize_arrays(context, tree, ARRAYS_FREE);
 }
 
 /* ---- sorting --------------------------------------------------------------------------------- */
 
-/* Ten bits with two zeros before each. */
+/* Inserts two zero bits before each of the ten low bits of v. */
 static uint32_t spread(uint32_t v) {
     v = (v | v << 16) & 0x030000FFu;
     v = (v | v << 8) & 0x0300F00Fu;
@@ -56,33 +60,33 @@ static uint32_t spread(uint32_t v) {
     return (v | v << 2) & 0x09249249u;
 }
 
-static void find_keys(struct bvh *boxes, const struct box *box, int count) {
+/* Computes the Morton codes of the centres of the boxes. */
+static void compute_keys(struct bvh *tree, const struct box *box, int count) {
     struct box all = box_empty;
     double middle[3], scale = 0.0;
     for (int i = 0; i < count; i++) box_add(&all, box[i].min), box_add(&all, box[i].max);
     for (int a = 0; a < 3; a++) scale = fmax(scale, all.max[a] - all.min[a]);
     scale = scale > 0.0 ? 1023.0 / scale : 0.0;
     for (int i = 0; i < count; i++) {
-        boxes->order[i] = i, boxes->key[i] = 0;
+        tree->order[i] = i, tree->key[i] = 0;
         for (int a = 0; a < 3; a++) {
             middle[a] = 0.5 * (box[i].min[a] + box[i].max[a]) - all.min[a];
-            boxes->key[i] |= spread((uint32_t)(scale * middle[a])) << a;
+            tree->key[i] |= spread((uint32_t)(scale * middle[a])) << a;
         }
     }
 }
 
-/* Ten bits at a time, from the lowest. */
-static void sort_keys(struct bvh *boxes, int count) {
+/* Radix sort of the Morton codes, ten bits per pass. */
+static void sort_keys(struct bvh *tree, int count) {
     enum { BITS = 10, BINS = 1 << BITS };
     for (int shift = 0; shift < 30; shift += BITS) {
         int end[BINS + 1] = {0};
-        for (int i = 0; i < count; i++) end[1 + (boxes->key[i] >> shift & (BINS - 1))]++;
+        for (int i = 0; i < count; i++) end[1 + (tree->key[i] >> shift & (BINS - 1))]++;
         for (int b = 0; b < BINS; b++) end[b + 1] += end[b];
         for (int i = 0; i < count; i++)
-            boxes->swapped[end[boxes->key[boxes->order[i]] >> shift & (BINS - 1)]++] =
-                boxes->order[i];
-        int *sorted = boxes->swapped;
-        boxes->swapped = boxes->order, boxes->order = sorted;
+            tree->swapped[end[tree->key[tree->order[i]] >> shift & (BINS - 1)]++] = tree->order[i];
+        int *sorted = tree->swapped;
+        tree->swapped = tree->order, tree->order = sorted;
     }
 }
 
@@ -91,41 +95,41 @@ static void set_lane(struct box_group *group, int lane, const struct box *box) {
         group->min[a][lane] = box->min[a], group->max[a][lane] = box->max[a];
 }
 
-static struct box around(const struct box_group *group) {
+static struct box bounds_of(const struct box_group *group) {
     struct box box = box_empty;
     for (int a = 0; a < 3; a++)
-        for (int k = 0; k < BOXES_WIDTH; k++) {
+        for (int k = 0; k < BVH_WIDTH; k++) {
             box.min[a] = fmin(box.min[a], group->min[a][k]);
             box.max[a] = fmax(box.max[a], group->max[a][k]);
         }
     return box;
 }
 
-void bvh_sort(struct bvh *boxes, const struct box *box, int count) {
-    boxes->count = count;
-    count_groups(count, &boxes->levels, boxes->first);
+void bvh_build(struct bvh *tree, const struct box *box, int count) {
+    tree->count = count;
+    count_groups(count, &tree->levels, tree->first);
     if (!count) return;
-    find_keys(boxes, box, count);
-    sort_keys(boxes, count);
-    for (int level = 0, below = count; level < boxes->levels; level++) {
-        struct box_group *group = boxes->group + boxes->first[level];
-        int groups = boxes->first[level + 1] - boxes->first[level];
-        for (int k = 0; k < BOXES_WIDTH * groups; k++) {
+    compute_keys(tree, box, count);
+    sort_keys(tree, count);
+    for (int level = 0, below = count; level < tree->levels; level++) {
+        struct box_group *group = tree->group + tree->first[level];
+        int groups = tree->first[level + 1] - tree->first[level];
+        for (int k = 0; k < BVH_WIDTH * groups; k++) {
             struct box one = box_empty;
             if (k < below)
-                one = level ? around(boxes->group + boxes->first[level - 1] + k)
-                            : box[boxes->order[k]];
-            set_lane(&group[k / BOXES_WIDTH], k % BOXES_WIDTH, &one);
+                one = level ? bounds_of(tree->group + tree->first[level - 1] + k)
+                            : box[tree->order[k]];
+            set_lane(&group[k / BVH_WIDTH], k % BVH_WIDTH, &one);
         }
         below = groups;
     }
 }
 
-/* ---- asking ---------------------------------------------------------------------------------- */
+/* ---- queries --------------------------------------------------------------------------------- */
 
 typedef int64_t lanes4 __attribute__((vector_size(32)));
 
-/* Not 0 in the lanes that overlap the box. */
+/* Sets lanes[k] to a value other than 0 if box k of the group overlaps `box`. */
 INLINE void test_group(const struct box_group *group, const struct box *box, int64_t lanes[4]) {
     v4 min, max;
     lanes4 good = {-1, -1, -1, -1};
@@ -139,25 +143,25 @@ INLINE void test_group(const struct box_group *group, const struct box *box, int
     memcpy(lanes, &good, sizeof good);
 }
 
-/* Depth first; a group waits on the stack with its level. */
-WIDE static void visit_groups(const struct bvh *boxes, const struct box *box, int from,
+/* Depth-first traversal with a stack of groups and their levels. */
+WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int from,
                               void (*visit)(void *user, int id), void *user) {
     struct {
         int level, group;
-    } stack[BOXES_LEVELS * BOXES_WIDTH] = {{boxes->levels - 1, 0}};
+    } stack[BVH_LEVELS * BVH_WIDTH] = {{tree->levels - 1, 0}};
     for (int waiting = 1; waiting;) {
         int level = stack[--waiting].level, group = stack[waiting].group;
-        int64_t lanes[BOXES_WIDTH];
-        test_group(&boxes->group[boxes->first[level] + group], box, lanes);
-        for (int k = 0, child = BOXES_WIDTH * group; k < BOXES_WIDTH; k++, child++) {
+        int64_t lanes[BVH_WIDTH];
+        test_group(&tree->group[tree->first[level] + group], box, lanes);
+        for (int k = 0, child = BVH_WIDTH * group; k < BVH_WIDTH; k++, child++) {
             if (!lanes[k]) continue;
             if (level) stack[waiting].level = level - 1, stack[waiting++].group = child;
-            else if (boxes->order[child] >= from) visit(user, boxes->order[child]);
+            else if (tree->order[child] >= from) visit(user, tree->order[child]);
         }
     }
 }
 
-void bvh_visit(const struct bvh *boxes, const struct box *box, int from,
+void bvh_visit(const struct bvh *tree, const struct box *box, int from,
                void (*visit)(void *user, int id), void *user) {
-    if (boxes->count) visit_groups(boxes, box, from, visit, user);
+    if (tree->count) visit_groups(tree, box, from, visit, user);
 }

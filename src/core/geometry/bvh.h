@@ -1,7 +1,8 @@
-/* A tree of boxes: which boxes of a set overlap a given one. The boxes are sorted along a curve
- * that fills space (Morton order; Lauterbach et al. 2009); four neighbours make a group, which has
- * a box around it, four of these groups make one again, up to a single one. A group is tested at
- * once. */
+/* A bounding volume hierarchy of axis-aligned boxes with four children per node: which boxes of a
+ * set overlap a given one? The boxes are sorted along a space-filling curve (Morton order;
+ * Lauterbach et al. 2009). Every four neighbours form a group with a bounding box, every four
+ * groups form a group of the next level, up to a single group. The four boxes of a group are tested
+ * at once (simd.h). */
 #ifndef PDYN_BVH_H
 #define PDYN_BVH_H
 
@@ -11,29 +12,33 @@ struct box {
     double min[3], max[3];
 };
 
-enum { BOXES_WIDTH = 4, BOXES_LEVELS = 16 };
+enum { BVH_WIDTH = 4, BVH_LEVELS = 16 };
 
-struct box_group { /* lanes without a box hold none */
-    double min[3][BOXES_WIDTH], max[3][BOXES_WIDTH];
+struct box_group { /* four boxes side by side; unused lanes hold the empty box */
+    double min[3][BVH_WIDTH], max[3][BVH_WIDTH];
 };
 
 struct bvh {
     int count, capacity;
-    int *order;                          /* capacity: the boxes along the curve */
-    int levels, first[BOXES_LEVELS + 1]; /* where the groups of a level begin; level 0: of boxes */
+    int *order; /* capacity: indices of the boxes in Morton order */
+    int levels,
+        first[BVH_LEVELS +
+              1]; /* first group of each level; the groups of level 0 hold the boxes themselves */
     struct box_group *group;
-    uint32_t *key; /* capacity: along the curve */
+    uint32_t *key; /* capacity: Morton codes, 30 bits */
     int *swapped;  /* capacity: scratch of the sort */
 };
 
-pdyn_status bvh_create(pdyn_context *context, int capacity, struct bvh *boxes);
-void bvh_free(pdyn_context *context, struct bvh *boxes);
+/* Allocates a hierarchy of up to `capacity` boxes; free it with bvh_free. */
+pdyn_status bvh_create(pdyn_context *context, int capacity, struct bvh *tree);
+void bvh_free(pdyn_context *context, struct bvh *tree);
 
-void bvh_sort(struct bvh *boxes, const struct box *box, int count);
+/* Builds the hierarchy of `count` <= capacity boxes. */
+void bvh_build(struct bvh *tree, const struct box *box, int count);
 
-/* Calls visit for each box that overlaps or touches `box` and is numbered `from` or higher. It may
- * make `box` smaller, which then holds for what has not been visited. */
-void bvh_visit(const struct bvh *boxes, const struct box *box, int from,
+/* Calls visit(user, id) for each box with an index of at least `from` that overlaps or touches
+ * `box`. `visit` may shrink `box`; the rest of the search then uses the smaller one. */
+void bvh_visit(const struct bvh *tree, const struct box *box, int from,
                void (*visit)(void *user, int id), void *user);
 
 static inline bool box_overlaps(const struct box *a, const struct box *b) {
@@ -41,7 +46,7 @@ static inline bool box_overlaps(const struct box *a, const struct box *b) {
            (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
 }
 
-/* Makes the box hold a point. A box that holds none has min > max. */
+/* Extends the box to contain x. An empty box (box_empty) has min > max. */
 void box_add(struct box *box, const double x[3]);
 extern const struct box box_empty;
 

@@ -1,11 +1,12 @@
-/* The plain version, and one by AVX-512's own instruction for it, to the same result. */
+/* Selection of near points: a portable version and one with the AVX-512 compress instruction. Both
+ * give the same result. */
 #include "compress.h"
 
 #ifdef __x86_64__
 #include <immintrin.h>
 #endif
 
-/* Every id is written and only the good ones stay: no branch to guess wrong. */
+/* Writes every id and advances only past the selected ones: no branch, so no misprediction. */
 static int compress_plain(const double *squared, const int *id, int count, double limit,
                           int without, int *list) {
     int found = 0;
@@ -40,7 +41,8 @@ __attribute__((target("avx512f"))) static int compress_wider(const double *squar
 }
 #endif
 
-int compact(const double *squared, const int *id, int count, double limit, int without, int *list) {
+int compress_ids(const double *squared, const int *id, int count, double limit, int without,
+                 int *list) {
 #ifdef __x86_64__
     if (__builtin_cpu_supports("avx512f"))
         return compress_wider(squared, id, count, limit, without, list);

@@ -1,3 +1,4 @@
+/* Distance of vertex-face and edge-edge pairs, and collision-free paths. */
 #include "distance.h"
 
 #include "projdyn/closest3.h"
@@ -27,7 +28,8 @@ static double set_edges(pair_points x, double s, double t, double c[4]) {
     return squared_length(x, c);
 }
 
-/* Lines that are nearly parallel: one of the closest points is an end. */
+/* Nearly parallel edges: one of the closest points is an end of an edge, so the four ends are
+ * compared. */
 static double closest_parallel(pair_points x, const double *p, const double *q, const double *r,
                                double c[4]) {
     double pp = vec3_dot(p, p), qq = vec3_dot(q, q), pq = vec3_dot(p, q), best = INFINITY;
@@ -45,8 +47,8 @@ static double closest_parallel(pair_points x, const double *p, const double *q, 
     return best;
 }
 
-/* Points x0 + s p and x2 + t q; one of s and t follows from the other where that is clamped
- * (Ericson 2005, section 5.1.9). */
+/* The closest points are x0 + s p and x2 + t q. If one of s and t is clamped to [0, 1], the other
+ * is computed from it (Ericson 2005, section 5.1.9). */
 double closest_edge_edge(pair_points x, double c[4]) {
     double p[3], q[3], r[3];
     difference(p, x[1], x[0]);
@@ -65,9 +67,9 @@ double closest_edge_edge(pair_points x, double c[4]) {
 const struct pair_kind pair_vertex_face = {closest_vertex_face, 1};
 const struct pair_kind pair_edge_edge = {closest_edge_edge, 2};
 
-/* ---- on the way ------------------------------------------------------------------------------ */
+/* ---- collision-free paths -------------------------------------------------------------------- */
 
-double pair_approach(const struct pair_kind *kind, pair_points d) {
+double pair_closing_bound(const struct pair_kind *kind, pair_points d) {
     double mean[3] = {0}, fastest[2] = {0};
     for (int k = 0; k < 4; k++) vec3_add(mean, 0.25, d[k]);
     for (int k = 0; k < 4; k++)
@@ -82,16 +84,19 @@ static double distance_at(const struct pair_kind *kind, pair_points x, pair_poin
     return sqrt(kind->closest((pair_points){at[0], at[1], at[2], at[3]}, c));
 }
 
-double pair_free_path(const struct pair_kind *kind, pair_points x, pair_points d, double keep) {
-    enum { STEPS = 1000 }; /* then it is a shorter path */
-    double approach = pair_approach(kind, d), t = 0.0;
-    double step = 0.999 * (distance_at(kind, x, d, 0.0) - keep) / approach;
+double pair_free_path(const struct pair_kind *kind, pair_points x, pair_points d,
+                      double min_distance) {
+    enum {
+        STEPS = 1000
+    }; /* after so many steps the path found so far is returned, which is shorter than possible */
+    double closing = pair_closing_bound(kind, d), t = 0.0;
+    double step = 0.999 * (distance_at(kind, x, d, 0.0) - min_distance) / closing;
     for (int k = 0; k < STEPS && t < 1.0; k++) {
         double next = t + step < 1.0 ? t + step : 1.0;
         double distance = distance_at(kind, x, d, next);
-        if (distance < keep) break;
+        if (distance < min_distance) break;
         t = next;
-        step = 0.9 * distance / approach;
+        step = 0.9 * distance / closing;
     }
     return t;
 }

@@ -1,3 +1,4 @@
+/* A uniform grid for neighbour searches: sorting points into cells, and queries. */
 #include "grid.h"
 
 #include "base/simd.h"
@@ -6,37 +7,33 @@
 #include <math.h>
 #include <string.h>
 
-enum { STRIDE = 8 }; /* points that are looked at side by side: there are as many beyond the last */
+enum {
+    STRIDE = 8
+}; /* points processed per vector operation: arrays have as many unused elements at their end */
 
-enum { TABLE = 8 }; /* cells for each point that there is room for in the table */
+enum { TABLE = 8 }; /* length of the key table per point of capacity */
+
+static bool resize_arrays(pdyn_context *context, struct grid *grid, enum array_action action) {
+    size_t capacity = (size_t)grid->capacity;
+    const struct array_entry table[] = {
+        ARRAY(grid->id, capacity + STRIDE),   ARRAY(grid->order, capacity),
+        ARRAY(grid->swapped, capacity),       ARRAY(grid->key, capacity),
+        ARRAY(grid->point_key, capacity),     ARRAY(grid->start, capacity + 1),
+        ARRAY(grid->table, TABLE * capacity), ARRAY(grid->x[0], capacity + STRIDE),
+        ARRAY(grid->x[1], capacity + STRIDE), ARRAY(grid->x[2], capacity + STRIDE),
+    };
+    return context_arrays(context, table, ARRAY_ROWS(table), action);
+}
 
 pdyn_status grid_create(pdyn_context *context, int capacity, double reach, struct grid *grid) {
     *grid = (struct grid){.cell = reach, .capacity = capacity};
-    grid->id = NEW_ARRAY(context, capacity + STRIDE, int);
-    grid->order = NEW_ARRAY(context, capacity, int);
-    grid->swapped = NEW_ARRAY(context, capacity, int);
-    grid->key = NEW_ARRAY(context, capacity, int64_t);
-    grid->point_key = NEW_ARRAY(context, capacity, int64_t);
-    grid->start = NEW_ARRAY(context, capacity + 1, int);
-    grid->table = NEW_ARRAY(context, TABLE * (size_t)capacity, int);
-    bool good = grid->id && grid->order && grid->swapped && grid->key && grid->point_key &&
-                (!capacity || grid->table);
-    for (int a = 0; a < 3; a++)
-        good &= (grid->x[a] = NEW_ARRAY(context, capacity + STRIDE, double)) != NULL;
-    if (grid->start && (!capacity || good)) return PDYN_OK;
+    if (resize_arrays(context, grid, ARRAYS_ALLOCATE)) return PDYN_OK;
     grid_free(context, grid);
     return PDYN_NO_MEMORY;
 }
 
 void grid_free(pdyn_context *context, struct grid *grid) {
-    FREE_ARRAY(context, grid->id, grid->capacity + STRIDE);
-    FREE_ARRAY(context, grid->order, grid->capacity);
-    FREE_ARRAY(context, grid->swapped, grid->capacity);
-    FREE_ARRAY(context, grid->key, grid->capacity);
-    FREE_ARRAY(context, grid->point_key, grid->capacity);
-    FREE_ARRAY(context, grid->start, grid->capacity + 1);
-    FREE_ARRAY(context, grid->table, TABLE * (size_t)grid->capacity);
-    for (int a = 0; a < 3; a++) FREE_ARRAY(context, grid->x[a], grid->capacity + STRIDE);
+    resize_arrays(context, grid, ARRAYS_FREE);
 }
 
 static void cell_of(const struct grid *grid, const double *x, int cell[3]) {
@@ -48,16 +45,17 @@ static bool in_range(const struct grid *grid, const double *x) {
     return fabs(x[0]) < bound && fabs(x[1]) < bound && fabs(x[2]) < bound;
 }
 
-/* Of the box around all points: they must be numbers of 64 bits. */
-static const double most_keys = 0x1p62;
+/* bound of the number of cells in the bounding box, so that keys fit 64 bits */
+static const double max_keys = 0x1p62;
 
-/* Far outside there is no cell, and so no key. */
+/* Not defined far outside of the bounding box: such cells have no key. */
 static int64_t key_of(const struct grid *grid, const int cell[3]) {
     return ((int64_t)cell[0] - grid->low[0]) + grid->pitch[0] * ((int64_t)cell[1] - grid->low[1]) +
            grid->pitch[1] * ((int64_t)cell[2] - grid->low[2]);
 }
 
-/* The box of cells in use gives the keys; a margin keeps runs along x from going round its ends. */
+/* Computes the bounding box of the cells in use. Keys number its cells; a margin of one cell keeps
+ * runs along x from wrapping around its ends. */
 static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int *id,
                             const double *x) {
     int low[3] = {GRID_RANGE, GRID_RANGE, GRID_RANGE},
@@ -79,12 +77,12 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
     }
     int64_t span[3];
     for (int a = 0; a < 3; a++) {
-        if (!grid->points) low[a] = high[a] = 0; /* some cell: nothing is in any */
+        if (!grid->points) low[a] = high[a] = 0; /* no points: any cell will do */
         grid->low[a] = low[a] - 1;
         span[a] = (int64_t)high[a] - low[a] + 3;
     }
     grid->pitch[0] = span[0], grid->pitch[1] = span[0] * span[1];
-    if ((double)span[0] * (double)span[1] * (double)span[2] < most_keys) {
+    if ((double)span[0] * (double)span[1] * (double)span[2] < max_keys) {
         grid->keys = grid->pitch[1] * span[2];
         return PDYN_OK;
     }
@@ -95,12 +93,12 @@ static pdyn_status find_box(pdyn_context *context, struct grid *grid, const int 
                         (double)span[2] * grid->cell);
 }
 
-/* Sorts `order` by the keys of the points that it names, eleven bits at a time, from the lowest. */
+/* Radix sort of `order` by the keys of the points, eleven bits per pass. */
 static void sort_by_key(struct grid *grid) {
     enum { BITS = 11, BINS = 1 << BITS };
-    int64_t all = 0;
-    for (int k = 0; k < grid->points; k++) all |= grid->point_key[k];
-    for (int shift = 0; shift == 0 || all >> shift; shift += BITS) {
+    int64_t used_bits = 0;
+    for (int k = 0; k < grid->points; k++) used_bits |= grid->point_key[k];
+    for (int shift = 0; shift == 0 || used_bits >> shift; shift += BITS) {
         int end[BINS + 1] = {0};
         for (int k = 0; k < grid->points; k++)
             end[1 + (grid->point_key[k] >> shift & (BINS - 1))]++;
@@ -114,7 +112,7 @@ static void sort_by_key(struct grid *grid) {
     }
 }
 
-/* The points in the order of their cells, and where each cell begins. */
+/* Copies ids and coordinates in the order of the cells and finds the first point of each cell. */
 static void fill_cells(struct grid *grid, const int *id, const double *x) {
     grid->cells = 0;
     for (int k = 0; k < grid->points; k++) {
@@ -128,7 +126,7 @@ static void fill_cells(struct grid *grid, const int *id, const double *x) {
     grid->start[grid->cells] = grid->points;
 }
 
-/* Of every key in the box, those of empty cells, too. */
+/* Fills the key table, with empty cells included, if there is room for all keys. */
 static void fill_table(struct grid *grid) {
     int64_t key = 0;
     grid->tabled = grid->keys <= TABLE * (int64_t)grid->capacity;
@@ -154,9 +152,9 @@ pdyn_status grid_sort(pdyn_context *context, struct grid *grid, int points, cons
     return PDYN_OK;
 }
 
-/* The first cell whose key is at least `key`, looked for from cell `c` on in growing steps. */
+/* Finds the first cell with a key of at least `key`, by exponential search from cell `c`. */
 static int find_cell(const struct grid *grid, int64_t key, int c) {
-    int low = -1, high = grid->cells, step = 1; /* key[low] < key <= key[high] */
+    int low = -1, high = grid->cells, step = 1; /* invariant: key[low] < key <= key[high] */
     if (c < high && grid->key[c] < key)
         for (low = c; low + step < high; step *= 2) {
             if (grid->key[low + step] >= key) high = low + step;
@@ -175,17 +173,18 @@ static int find_cell(const struct grid *grid, int64_t key, int c) {
     return high;
 }
 
-/* The first point of a cell whose key is at least `key`, also of one outside. */
-static int look_up(const struct grid *grid, int64_t key) {
+/* First point of the first cell with a key of at least `key`; `key` may be out of range. */
+static int point_from_key(const struct grid *grid, int64_t key) {
     if (key < 0) return 0;
     return key < grid->keys ? grid->table[key] : grid->points;
 }
 
-/* Points of the cells with keys in [key, key + width). */
+/* Finds the points of the cells with keys in [key, key + width). */
 static void find_run(const struct grid *grid, struct grid_cells *cells, int r, int64_t key,
                      int width) {
     if (grid->tabled) {
-        cells->first[r] = look_up(grid, key), cells->last[r] = look_up(grid, key + width);
+        cells->first[r] = point_from_key(grid, key);
+        cells->last[r] = point_from_key(grid, key + width);
         return;
     }
     int c = cells->cell[r] = find_cell(grid, key, cells->cell[r]);
@@ -194,7 +193,7 @@ static void find_run(const struct grid *grid, struct grid_cells *cells, int r, i
     cells->last[r] = grid->start[c];
 }
 
-void grid_around(const struct grid *grid, const double *at, struct grid_cells *cells) {
+void grid_update_cells(const struct grid *grid, const double *at, struct grid_cells *cells) {
     int cell[3];
     cell_of(grid, at, cell);
     int64_t middle = key_of(grid, cell);
@@ -205,15 +204,15 @@ void grid_around(const struct grid *grid, const double *at, struct grid_cells *c
                  middle - 1 + (r % 3 - 1) * grid->pitch[0] + (r / 3 - 1) * grid->pitch[1], 3);
 }
 
-/* Candidates, side by side. */
+/* Candidates of a query: ids and squared distances in contiguous arrays. */
 enum { CHUNK = 512 };
 struct candidates {
     int count;
-    double squared[CHUNK + STRIDE]; /* m^2, of the distance */
+    double squared[CHUNK + STRIDE]; /* squared distance, m^2 */
     int id[CHUNK + STRIDE];
 };
 
-/* Appends `count` points, and what then follows up to a whole stride. */
+/* Appends `count` points; rounds up to a multiple of STRIDE and ignores what is beyond `count`. */
 INLINE void measure(const struct grid *grid, const double *at, int first, int count,
                     struct candidates *c) {
     const double *x = grid->x[0] + first, *y = grid->x[1] + first, *z = grid->x[2] + first;
@@ -230,13 +229,14 @@ INLINE void measure(const struct grid *grid, const double *at, int first, int co
     c->count += count;
 }
 
-/* Writes the good ones behind the `found` that are there; returns how many are there then. */
-INLINE int take(struct candidates *c, double limit, int self, const bool *keep, int *list, int room,
-                int found) {
+/* Appends the candidates within the limit to `list`, which has `found` entries, and empties `c`.
+ * Returns the new number of entries. */
+INLINE int append_near(struct candidates *c, double limit, int self, const bool *keep, int *list,
+                       int room, int found) {
     int count = c->count;
     c->count = 0;
     if (!keep && found + count <= room)
-        return found + compact(c->squared, c->id, count, limit, self, list + found);
+        return found + compress_ids(c->squared, c->id, count, limit, self, list + found);
     for (int k = 0; k < count; k++) {
         list[found < room ? found : room] = c->id[k];
         found += (c->squared[k] < limit) & (c->id[k] != self) & (!keep || keep[c->id[k]]);
@@ -255,9 +255,10 @@ WIDE static int query(const struct grid *grid, const struct grid_cells *cells, c
             count = cells->last[r] - first;
             if (count > CHUNK - near.count) count = CHUNK - near.count;
             measure(grid, at, first, count, &near);
-            if (near.count == CHUNK) found = take(&near, limit, self, keep, list, room, found);
+            if (near.count == CHUNK)
+                found = append_near(&near, limit, self, keep, list, room, found);
         }
-    return take(&near, limit, self, keep, list, room, found);
+    return append_near(&near, limit, self, keep, list, room, found);
 }
 
 int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,

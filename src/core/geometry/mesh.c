@@ -211,7 +211,7 @@ static void release(const struct mesh_file *file, struct mesh_array *array) {
     *array = (struct mesh_array){0};
 }
 
-void *mesh_file_take(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
+void *mesh_file_detach(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
     void *taken = context_resize(file->context, array->data, array->bytes, bytes);
     if (taken || !bytes) *array = (struct mesh_array){0};
     return taken;
@@ -250,8 +250,8 @@ static pdyn_status take_mesh(struct mesh_file *file, struct mesh *out) {
                             file->path);
     size_t vertices = (size_t)file->vertices, triangles = (size_t)file->triangles;
     out->vertices = file->vertices, out->triangles = file->triangles;
-    out->vertex = mesh_file_take(file, &file->vertex, 3 * vertices * sizeof(double));
-    out->triangle = mesh_file_take(file, &file->triangle, 3 * triangles * sizeof(int));
+    out->vertex = mesh_file_detach(file, &file->vertex, 3 * vertices * sizeof(double));
+    out->triangle = mesh_file_detach(file, &file->triangle, 3 * triangles * sizeof(int));
     if (out->vertex && out->triangle) return PDYN_OK;
     mesh_free(file->context, out);
     return context_no_memory(file->context);
@@ -274,8 +274,8 @@ static pdyn_status take_particles(struct mesh_file *file, struct particles *out)
     size_t bytes = 3 * (size_t)file->vertices * sizeof(double);
     bool moving = file->velocities;
     out->count = file->vertices;
-    out->x = mesh_file_take(file, &file->vertex, bytes);
-    if (moving) out->v = mesh_file_take(file, &file->velocity, bytes);
+    out->x = mesh_file_detach(file, &file->vertex, bytes);
+    if (moving) out->v = mesh_file_detach(file, &file->velocity, bytes);
     if (out->x && (out->v || !moving)) return PDYN_OK;
     particles_free(file->context, out);
     return context_no_memory(file->context);

@@ -40,7 +40,7 @@ pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, con
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name);
 
 /* How many vertices lie where another one does already. */
-pdyn_status mesh_doubles(pdyn_context *context, const struct mesh *mesh, int *count);
+pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count);
 
 /* What a volume needs on top of mesh_check: no edge has an odd number of triangles, so that there
  * is an inside. */

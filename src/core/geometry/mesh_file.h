@@ -37,7 +37,7 @@ pdyn_status mesh_vtk_parse(struct mesh_file *file); /* only points */
 /* Loads the file at `path`; line and all else are the caller's. */
 pdyn_status mesh_file_load(struct mesh_file *file);
 /* Gives an array away with no room to spare. */
-void *mesh_file_take(const struct mesh_file *file, struct mesh_array *array, size_t bytes);
+void *mesh_file_detach(const struct mesh_file *file, struct mesh_array *array, size_t bytes);
 void mesh_file_release(struct mesh_file *file);
 
 /* Words of a line; a length of 0 says that the line has no more. */

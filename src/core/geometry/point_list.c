@@ -1,3 +1,4 @@
+/* A growing array of points. */
 #include "point_list.h"
 
 #include <string.h>
@@ -6,25 +7,21 @@ pdyn_status point_list_too_many(pdyn_context *context) {
     return context_fail(context, PDYN_BAD_INPUT,
                         "more than %d points: the particle radius is too small "
                         "for the size of the scene",
-                        POINT_LIST_MOST);
+                        POINT_LIST_MAX);
 }
 
 pdyn_status point_list_add(pdyn_context *context, struct point_list *points, const double x[3]) {
     size_t need = 3 * ((size_t)points->count + 1);
-    if (points->count == POINT_LIST_MOST) return point_list_too_many(context);
-    if (need > points->capacity) {
-        size_t capacity = 2 * need + 3 * 1024;
-        double *x_new = context_resize(context, points->x, points->capacity * sizeof *x_new,
-                                       capacity * sizeof *x_new);
-        if (!x_new) return context_no_memory(context);
-        points->x = x_new, points->capacity = capacity;
-    }
+    if (points->count == POINT_LIST_MAX) return point_list_too_many(context);
+    double *grown = context_grow(context, points->x, &points->capacity, need, sizeof *grown);
+    if (!grown) return PDYN_NO_MEMORY;
+    points->x = grown;
     memcpy(points->x + 3 * (size_t)points->count++, x, 3 * sizeof *x);
     return PDYN_OK;
 }
 
-pdyn_status point_list_add_all(pdyn_context *context, struct point_list *points, const double *x,
-                               int count) {
+pdyn_status point_list_append(pdyn_context *context, struct point_list *points, const double *x,
+                              int count) {
     pdyn_status status = PDYN_OK;
     for (int i = 0; status == PDYN_OK && i < count; i++)
         status = point_list_add(context, points, x + 3 * (size_t)i);

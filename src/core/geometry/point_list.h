@@ -1,10 +1,10 @@
-/* A list of points that grows. */
+/* A growing array of points. */
 #ifndef PDYN_POINT_LIST_H
 #define PDYN_POINT_LIST_H
 
 #include "base/context.h"
 
-enum { POINT_LIST_MOST = INT32_MAX / 4 };
+enum { POINT_LIST_MAX = INT32_MAX / 4 };
 
 struct point_list {
     int count;
@@ -12,13 +12,13 @@ struct point_list {
     double *x; /* count x 3, m */
 };
 
-/* Adds one point, or points as they are. PDYN_BAD_INPUT: there are POINT_LIST_MOST already. */
+/* Appends one point, or `count` points. PDYN_BAD_INPUT: the list would exceed POINT_LIST_MAX. */
 pdyn_status point_list_add(pdyn_context *context, struct point_list *points, const double x[3]);
-pdyn_status point_list_add_all(pdyn_context *context, struct point_list *points, const double *x,
-                               int count);
+pdyn_status point_list_append(pdyn_context *context, struct point_list *points, const double *x,
+                              int count);
 void point_list_free(pdyn_context *context, struct point_list *points);
 
-/* The error of a list that would grow too long. */
+/* Sets the error text for a list that would exceed POINT_LIST_MAX; returns PDYN_BAD_INPUT. */
 pdyn_status point_list_too_many(pdyn_context *context);
 
 #endif

@@ -1,9 +1,9 @@
-/* The simple shapes that a scene names by numbers. */
+/* Simple shapes given by a few numbers in a scene: boxes and spheres. */
 #ifndef PDYN_PRIMITIVES_H
 #define PDYN_PRIMITIVES_H
 
 struct scene_box {
-    double min[3], max[3]; /* m; min < max in every axis */
+    double min[3], max[3]; /* m; min < max along every axis */
 };
 
 struct scene_sphere {

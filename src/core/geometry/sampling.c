@@ -10,7 +10,7 @@ pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box
     double cuts[3];
     long n[3];
     for (int a = 0; a < 3; a++) cuts[a] = sample_cells(box->max[a] - box->min[a], 2.0 * radius);
-    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MOST)) return point_list_too_many(context);
+    if (!(cuts[0] * cuts[1] * cuts[2] < POINT_LIST_MAX)) return point_list_too_many(context);
     for (int a = 0; a < 3; a++) n[a] = (long)cuts[a];
     for (long k = 0; k < n[0] * n[1] * n[2]; k++) {
         long cell[3] = {k % n[0], k / n[0] % n[1], k / n[0] / n[1]};
@@ -26,7 +26,7 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
                                  double radius, struct point_list *out) {
     double reach = sphere->radius - radius, half = floor(reach / (2.0 * radius) + 1e-9);
     double side = 2.0 * half + 1.0;
-    if (!(side * side * side < POINT_LIST_MOST)) return point_list_too_many(context);
+    if (!(side * side * side < POINT_LIST_MAX)) return point_list_too_many(context);
     pdyn_status status = PDYN_OK;
     for (double k = -half; k <= half; k++)
         for (double j = -half; j <= half; j++)
@@ -74,7 +74,7 @@ static pdyn_status sample_face(pdyn_context *context, const struct scene_box *bo
         double length = box->max[b] - box->min[b] + under + over;
         double cuts = ceil(length / grid->spacing - 1e-9);
         if (b == a) continue;
-        if (!(cuts < POINT_LIST_MOST)) return point_list_too_many(context);
+        if (!(cuts < POINT_LIST_MAX)) return point_list_too_many(context);
         n[b] = (long)cuts, pitch[b] = length / cuts, low[b] = box->min[b] - under;
     }
     int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -102,7 +102,7 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
 /* ---- meshes: candidates in a fixed order, each taken unless one taken before is too close ---- */
 
 static pdyn_status add_spot(pdyn_context *context, struct spots *spots, const struct spot *spot) {
-    if (spots->count == POINT_LIST_MOST) return point_list_too_many(context);
+    if (spots->count == POINT_LIST_MAX) return point_list_too_many(context);
     if ((size_t)spots->count == spots->capacity) {
         size_t capacity = 2 * spots->capacity + 1024;
         struct spot *grown = context_resize(context, spots->spot, spots->capacity * sizeof *grown,
@@ -162,7 +162,7 @@ static void thin_out(const struct grid *grid, const double *x, int count, double
     int one;
     for (int i = 0; i < count; i++) {
         const double *at = x + 3 * (size_t)i;
-        grid_around(grid, at, &cells);
+        grid_update_cells(grid, at, &cells);
         taken[i] = !grid_query(grid, &cells, at, distance, i, taken, &one, 0);
     }
 }
@@ -194,7 +194,7 @@ static int nearest_spot(const struct grid *grid, struct grid_cells *cells, const
                         const double *at) {
     int list[NEAR + 1], best = -1;
     double least = INFINITY;
-    grid_around(grid, at, cells);
+    grid_update_cells(grid, at, cells);
     int found = grid_query(grid, cells, at, grid->cell, -1, NULL, list, NEAR);
     for (int k = 0; k < found && k < NEAR; k++) {
         double distance = vec3_distance(at, x + 3 * (size_t)list[k]);

@@ -308,8 +308,8 @@ pdyn_status tets_read(pdyn_context *context, const char *path, struct mesh *mesh
     if (status == PDYN_OK) {
         mesh->vertices = file.vertices, tets->count = r.count;
         mesh->vertex =
-            mesh_file_take(&file, &file.vertex, 3 * (size_t)file.vertices * sizeof(double));
-        tets->corner = mesh_file_take(&file, &r.tets, 4 * (size_t)r.count * sizeof(int));
+            mesh_file_detach(&file, &file.vertex, 3 * (size_t)file.vertices * sizeof(double));
+        tets->corner = mesh_file_detach(&file, &r.tets, 4 * (size_t)r.count * sizeof(int));
         if (!mesh->vertex || !tets->corner) status = context_no_memory(context);
     }
     context_resize(context, r.tag.data, r.tag.bytes, 0);

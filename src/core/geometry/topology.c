@@ -151,7 +151,7 @@ static int by_place(const void *a, const void *b, void *vertex) {
     return (x[k] > y[k]) - (x[k] < y[k]);
 }
 
-pdyn_status mesh_doubles(pdyn_context *context, const struct mesh *mesh, int *count) {
+pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count) {
     int *order = NEW_ARRAY(context, mesh->vertices, int);
     if (!order) return PDYN_NO_MEMORY;
     for (int i = 0; i < mesh->vertices; i++) order[i] = i;

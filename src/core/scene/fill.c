@@ -90,9 +90,9 @@ static pdyn_status fill_placed_file(const struct json_at *at, struct fill *fill,
     struct scene_body *body = fill->body;
     pdyn_status status = fill_count(at, particles->count, fill->so_far);
     if (status == PDYN_OK)
-        status = point_list_add_all(context, &body->start, particles->x, particles->count);
+        status = point_list_append(context, &body->start, particles->x, particles->count);
     if (status == PDYN_OK && particles->v && !fill->has_velocity)
-        status = point_list_add_all(context, &body->start_v, particles->v, particles->count);
+        status = point_list_append(context, &body->start_v, particles->v, particles->count);
     return status;
 }
 

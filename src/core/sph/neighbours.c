@@ -232,7 +232,7 @@ static void append(struct neighbours *n, struct walk *w, const struct grid *grid
     int room = w->used < n->room ? n->room - w->used : 0;
     int *list = w->list + n->room - room;
     if (!grid->points) return;
-    grid_around(grid, at, cells);
+    grid_update_cells(grid, at, cells);
     int found = grid_query(grid, cells, at, reach, i, NULL, list, room);
     for (int k = 0; first && k < found && k < room; k++) list[k] += first;
     w->used += found;
@@ -351,7 +351,7 @@ pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const 
     if (status == PDYN_OK) status = grid_sort(context, &grid, points, NULL, x);
     for (int i = 0; status == PDYN_OK && i < points; i++) {
         const double *at = x + 3 * (size_t)i;
-        grid_around(&grid, at, &cells);
+        grid_update_cells(&grid, at, &cells);
         int found = grid_query(&grid, &cells, at, support, -1, NULL, list, capacity - 1);
         if (found >= capacity) {
             status = grow(context, &list, &capacity, found + 1);

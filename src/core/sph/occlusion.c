@@ -65,7 +65,7 @@ void occlusion_update(struct occlusion *s, const double *x, const struct box *ar
         for (int k = 0; k < 3; k++) box_add(box, x + 3 * (size_t)s->corner[3 * t + k]);
         if (box_overlaps(box, &near)) s->planted_as[s->planted++] = t;
     }
-    bvh_sort(&s->tree, s->box, s->planted);
+    bvh_build(&s->tree, s->box, s->planted);
 }
 
 struct question {

@@ -49,8 +49,8 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct point_list *all) {
                             .area_density = from->area_density};
         pdyn_status status = PDYN_OK;
         if (from->is_surface)
-            status = point_list_add_all(c, all, from->mesh.vertex, from->mesh.vertices);
-        else status = point_list_add_all(c, all, from->start.x, from->start.count);
+            status = point_list_append(c, all, from->mesh.vertex, from->mesh.vertices);
+        else status = point_list_append(c, all, from->start.x, from->start.count);
         for (int k = 0; status == PDYN_OK && k < from->budget; k++)
             status = point_list_add(c, all, (const double[3]){0});
         if (status != PDYN_OK) return status;
@@ -95,7 +95,7 @@ static pdyn_status allocate_state(struct pdyn_sim *sim, const struct point_list 
 /* Files often have vertices twice along seams. */
 static pdyn_status look_for_seams(struct pdyn_sim *sim, const struct scene_body *body) {
     int doubles;
-    pdyn_status status = mesh_doubles(sim->context, &body->mesh, &doubles);
+    pdyn_status status = mesh_count_duplicates(sim->context, &body->mesh, &doubles);
     if (status == PDYN_OK && doubles)
         context_log(sim->context, PDYN_LOG_WARNING,
                     "body \"%s\": %d of its vertices lie where another one does already; triangles "
