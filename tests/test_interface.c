@@ -52,28 +52,28 @@ static void sum_over(int count, const double *x, const double *area, double *mea
     *mean = sum / PLACES, *spread = sqrt(squares / PLACES - *mean * *mean);
 }
 
-/* The spots of a mesh stand for its whole area, and a plane's sum over them hardly varies. */
+/* The points of a mesh stand for its whole area, and a plane's sum over them hardly varies. */
 static void test_areas(void **state) {
     (void)state;
     static const double vertex[] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
     static const int triangle[] = {0, 1, 2, 0, 2, 3};
     pdyn_context *context = test_context(1);
-    struct spots spots = {0};
-    assert_int_equal(sample_triangles(context, vertex, 2, triangle, 0.5 * d, &spots), PDYN_OK);
-    double *x = malloc(3 * (size_t)spots.count * sizeof *x),
-           *area = malloc((size_t)spots.count * sizeof *area);
+    struct surface_points points = {0};
+    assert_int_equal(sample_triangles(context, vertex, 2, triangle, 0.5 * d, &points), PDYN_OK);
+    double *x = malloc(3 * (size_t)points.count * sizeof *x),
+           *area = malloc((size_t)points.count * sizeof *area);
     double all = 0.0, mean, spread;
     assert_true(x && area);
-    for (int k = 0; k < spots.count; k++) {
-        spot_position(&spots.spot[k], vertex, triangle, x + 3 * k);
-        all += area[k] = spots.spot[k].area;
+    for (int k = 0; k < points.count; k++) {
+        surface_point_position(&points.point[k], vertex, triangle, x + 3 * k);
+        all += area[k] = points.point[k].area;
     }
     assert_true(fabs(all - 4.0) < 1e-9);
-    sum_over(spots.count, x, area, &mean, &spread);
-    print_message("a plane's sum over spots: %.4f of lambda, +- %.4f\n", mean, spread);
+    sum_over(points.count, x, area, &mean, &spread);
+    print_message("a plane's sum over points: %.4f of lambda, +- %.4f\n", mean, spread);
     assert_true(fabs(mean - 1.0) < 0.01 && spread < 0.03);
     free(x), free(area);
-    spots_free(context, &spots);
+    surface_points_free(context, &points);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);
 }

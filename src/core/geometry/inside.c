@@ -1,7 +1,11 @@
-/* Filling a closed mesh with particles. Every triangle leaves its marks on a lattice: where rows
- * along x pass through it, and what is too close to it. A row is inside after an odd number of
- * passages. Which rows an edge meets is decided by its two ends alone, alike for the triangles that
- * share it, so that no row slips through between two of them. */
+/* Filling a closed mesh with particles. Lattice points are grouped in rows along x; a row is inside
+ * after an odd number of crossings with the mesh.
+ *
+ *     triangle  --> toggles PASSED at the first point after each crossing of a row
+ *               --> sets CLOSE at points nearer than the particle radius
+ *
+ * Whether an edge crosses a row depends on the two ends of the edge alone. Triangles that share the
+ * edge therefore agree, and no row slips through between them. */
 #include "sampling.h"
 
 #include "projdyn/vec3.h"
@@ -11,12 +15,13 @@ enum { PASSED = 1, CLOSE = 2 };
 struct lattice {
     double origin[3], spacing;
     long n[3];
-    unsigned char *mark; /* n[0] x n[1] x n[2], along x first */
+    unsigned char *mark; /* n[0] x n[1] x n[2] bits PASSED and CLOSE, x fastest */
 };
 
-/* In the middle of the box, every cell wholly inside it; n of 0: there is no room. */
-static pdyn_status lay_lattice(pdyn_context *context, const struct mesh *mesh, double spacing,
-                               struct lattice *out) {
+/* Places the lattice in the middle of the bounding box of the mesh, all cells inside it. n = 0: the
+ * box is too small for a cell. */
+static pdyn_status create_lattice(pdyn_context *context, const struct mesh *mesh, double spacing,
+                                  struct lattice *out) {
     double cuts[3];
     *out = (struct lattice){.spacing = spacing};
     for (int a = 0; a < 3; a++) {
@@ -39,7 +44,7 @@ static double place(const struct lattice *l, int axis, long index) {
     return l->origin[axis] + l->spacing * (double)index;
 }
 
-/* The first index at or beyond x, from 0 to n. */
+/* The first index with a coordinate of at least x, from 0 to n. */
 static long index_from(const struct lattice *l, int axis, double x) {
     double index = ceil((x - l->origin[axis]) / l->spacing);
     return (long)fmin(fmax(index, 0.0), (double)l->n[axis]);
@@ -49,9 +54,10 @@ static unsigned char *marks(const struct lattice *l, long j, long k) {
     return l->mark + (size_t)(l->n[0] * (j + l->n[1] * k));
 }
 
-/* ---- where rows pass ------------------------------------------------------------------------- */
+/* ---- crossings of rows ------------------------------------------------------------------------
+ */
 
-/* The point (x, y) of an edge in layer k, between whose ends the layer lies. */
+/* Intersects an edge with layer k, which lies between its ends: (x, y) of the point. */
 static void cut_edge(const struct lattice *l, const double *p, const double *q, long k,
                      double at[2]) {
     const double *low = p[2] < q[2] ? p : q, *high = p[2] < q[2] ? q : p;
@@ -88,7 +94,8 @@ static void mark_passed(const struct lattice *l, const double *const corner[3]) 
     }
 }
 
-/* ---- what is too close ----------------------------------------------------------------------- */
+/* ---- distance to the mesh ---------------------------------------------------------------------
+ */
 
 static double distance_to_edge(const double *x, const double *p, const double *q) {
     double along[3], from[3];
@@ -99,7 +106,8 @@ static double distance_to_edge(const double *x, const double *p, const double *q
     return vec3_length(from);
 }
 
-/* normal: of any length; 0: only the edges count */
+/* Distance, m. normal: normal of the triangle, any length; 0: uses only the distance to the edges.
+ */
 static double distance_to_triangle(const double *x, const double *const corner[3],
                                    const double *normal) {
     double nearest = HUGE_VAL, length = vec3_length(normal), height = 0.0;
@@ -116,7 +124,8 @@ static double distance_to_triangle(const double *x, const double *const corner[3
     return above ? fmin(nearest, height / length) : nearest;
 }
 
-/* Cuts low to high down to the part of row (j, k) in which the triangle's plane is close. */
+/* Shrinks [low, high], a part of row (j, k), to where the plane of the triangle is within
+ * `distance`. */
 static void clip_row(const struct lattice *l, const double *corner, const double *normal,
                      double distance, long j, long k, double *low, double *high) {
     double rest =
@@ -138,7 +147,9 @@ static void mark_close(const struct lattice *l, const double *const corner[3], d
         first[a] = index_from(l, a, low[a]), last[a] = index_from(l, a, high[a]);
     }
     vec3_cross(normal, u, v);
-    if (vec3_length(normal) < 1e-9 * vec3_length(u) * vec3_length(v)) /* rounding: no plane */
+    if (vec3_length(normal) <
+        1e-9 * vec3_length(u) *
+            vec3_length(v)) /* a needle triangle: rounding makes its plane meaningless */
         for (int a = 0; a < 3; a++) normal[a] = 0.0;
     for (long k = first[2]; k < last[2]; k++)
         for (long j = first[1]; j < last[1]; j++) {
@@ -174,14 +185,15 @@ static pdyn_status add_inside(pdyn_context *context, const struct lattice *l,
 pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
                                struct point_list *out) {
     struct lattice lattice;
-    pdyn_status status = lay_lattice(context, mesh, 2.0 * radius, &lattice);
+    pdyn_status status = create_lattice(context, mesh, 2.0 * radius, &lattice);
     if (status != PDYN_OK) return status;
     for (int t = 0; lattice.mark && t < mesh->triangles; t++) {
         const double *corner[3];
         for (int c = 0; c < 3; c++)
             corner[c] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * (size_t)t + c];
         mark_passed(&lattice, corner);
-        mark_close(&lattice, corner, radius * (1.0 - 1e-6)); /* rounding keeps what just touches */
+        mark_close(&lattice, corner,
+                   radius * (1.0 - 1e-6)); /* the tolerance keeps particles that touch the mesh */
     }
     status = add_inside(context, &lattice, out);
     FREE_ARRAY(context, lattice.mark, lattice.n[0] * lattice.n[1] * lattice.n[2]);

@@ -1,68 +1,74 @@
-/* Triangle meshes: reading OBJ and PLY, and the neighbourhood that constraints need. Points without
- * triangles, from PLY and VTK. */
+/* Triangle meshes and particles: files (OBJ, PLY, VTK), checks, and the topology that constraints
+ * need. */
 #ifndef PDYN_MESH_H
 #define PDYN_MESH_H
 
 #include "base/context.h"
 #include "projdyn/module.h"
 
+enum { MESH_MAX = INT32_MAX / 8 };              /* vertices or triangles: 6 x MESH_MAX fits int */
+static const double mesh_max_coordinate = 1e12; /* m: squares and products stay finite */
+
 struct mesh {
     int vertices;
     double *vertex; /* vertices x 3, m */
     int triangles;
-    int *triangle; /* triangles x 3 */
+    int *triangle; /* triangles x 3, indices of vertices */
 };
 
-/* Reads a mesh by the ending of its name, .obj or .ply (ASCII, binary little or big endian).
- * Polygons become triangle fans. Every coordinate is finite and at most 1e12 m, every index in
- * range, no face uses a vertex twice, there is at least one triangle; anything else fails with file
- * and line (or byte) and what was expected: PDYN_BAD_INPUT, or PDYN_IO_FAILED where the file cannot
- * be read. On failure *out is empty. What only cloth asks for is left to mesh_check_cloth. */
+/* Reads a triangle mesh; the ending of the name, .obj or .ply (ASCII, binary little or big endian),
+ * chooses the format. Polygons become triangle fans. Ensures: coordinates are finite and at most
+ * 1e12 m, indices are in range, no face uses a vertex twice, there is at least one triangle.
+ * PDYN_BAD_INPUT: the error text has file, line (or byte) and what was expected. PDYN_IO_FAILED:
+ * the file cannot be read. On failure *out is empty. Cloth needs mesh_check_cloth in addition. */
 pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out);
 
-/* A rectangular sheet in the x-z plane, centred at the origin: size[0] along x, size[1] along z,
- * vertices[0] x vertices[1] points (each at least 2), diagonals alternating. Its middle hangs `sag`
- * below its border, parabolic along both sides. */
+/* Makes a rectangular sheet in the x-z plane, centred at the origin: size[0] x size[1] m,
+ * vertices[0] x vertices[1] points (each at least 2), alternating diagonals. The middle hangs
+ * `sag`, m, below the border, with a parabolic profile along both sides. */
 pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int vertices[2],
                       double sag, struct mesh *out);
 
-/* The checks of mesh_read on a mesh from elsewhere; `name` stands for the mesh in the message,
- * which counts vertices and triangles from 0. */
+/* Applies the checks of mesh_read to a mesh from another source. The error text begins with `name`
+ * and counts vertices and triangles from 0. */
 pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const char *name);
 
-/* What a sheet needs on top of mesh_check: every vertex is used by a triangle (it would have no
- * mass), every triangle has an area (more than 1e-12 of its longest edge squared), no edge has more
- * than two triangles, no two triangles have the same vertices. A solid, whose surface is only
- * sampled, does without. */
+/* Checks what cloth needs in addition to mesh_check: every vertex belongs to a triangle (it would
+ * have no mass), every triangle has an area of more than 1e-12 of its longest edge squared, no edge
+ * has more than two triangles, no two triangles have the same vertices. Solids do not need this,
+ * because their surface is only sampled. */
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name);
 
-/* The part of it about edges. */
+/* The checks of mesh_check_cloth that concern edges: at most two triangles, no duplicate triangles.
+ */
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name);
 
-/* How many vertices lie where another one does already. */
+/* Counts the vertices that have the same position as another vertex with a smaller index. */
 pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count);
 
-/* What a volume needs on top of mesh_check: no edge has an odd number of triangles, so that there
- * is an inside. */
+/* Checks what a closed volume needs in addition to mesh_check: every edge has an even number of
+ * triangles, so that inside and outside are defined. */
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* Allocates a mesh, zeroed. PDYN_NO_MEMORY: *out is empty. */
+pdyn_status mesh_allocate(pdyn_context *context, int vertices, int triangles, struct mesh *out);
 void mesh_free(pdyn_context *context, struct mesh *mesh);
 
 struct particles {
     int count;
     double *x; /* count x 3, m */
-    double *v; /* count x 3, m/s; NULL: the file gives none */
+    double *v; /* count x 3, m/s; NULL: the file has no velocities */
 };
 
-/* Reads points by the ending of the file's name, .ply (vx, vy, vz are their velocities) or .vtk
- * (legacy, before version 5; vectors named "velocity"). Coordinates are as those of mesh_read,
- * velocities finite and at most 1e6 m/s. Fails as mesh_read does. */
+/* Reads particles; the ending of the name chooses the format: .ply (velocities vx, vy, vz) or .vtk
+ * (legacy format before version 5; velocities are the vectors named "velocity"). Coordinates are
+ * limited as in mesh_read, velocities are finite and at most 1e6 m/s. Errors as in mesh_read. */
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out);
 void particles_free(pdyn_context *context, struct particles *particles);
 
-/* Edges, areas, borders and neighbouring triangles of a mesh that passed
- * mesh_check_cloth, as pdyn_body wants them (see module.h). Fails only without memory; *out is then
- * empty. */
+/* Edges, areas, borders and neighbouring triangles of a mesh that passed mesh_check_cloth. The
+ * arrays have the meaning of the members of pdyn_body with the same names (module.h).
+ * PDYN_NO_MEMORY: *out is empty. */
 struct topology {
     int vertices, edges;
     double *vertex_area;

@@ -1,10 +1,10 @@
-/* Wavefront OBJ: vertices and polygons; names, materials, normals and the like are passed over. */
+/* Wavefront OBJ: reads vertices and polygons; ignores names, materials, normals and curves. */
 #include "mesh_file.h"
 
 #include <ctype.h>
 #include <stdlib.h>
 
-/* A comment ends the line. */
+/* Next word of the line; '#' starts a comment and ends the line. */
 static struct mesh_word next_word(struct mesh_file *file) {
     struct mesh_word word = mesh_file_word(file);
     if (*word.text == '#') word.length = 0;
@@ -18,7 +18,7 @@ static pdyn_status read_vertex(struct mesh_file *file) {
         if (!mesh_word_number(word, x + k))
             return mesh_file_expected(file, "3 coordinates after 'v'", word);
     }
-    for (struct mesh_word word; (word = next_word(file)).length;) /* a weight or a colour */
+    for (struct mesh_word word; (word = next_word(file)).length;) /* weight or colour */
         if (!mesh_word_number(word, &extra)) return mesh_file_expected(file, "a number", word);
     return mesh_file_vertex(file, x);
 }
@@ -32,7 +32,7 @@ static bool read_integer(const char **at, const char *end, long *value) {
     return read;
 }
 
-/* The v of v, v/t, v//n or v/t/n. */
+/* Parses a face corner v, v/t, v//n or v/t/n and returns v. */
 static bool read_corner(struct mesh_word word, long *vertex) {
     const char *at = word.text, *end = at + word.length;
     long ignored;
@@ -64,7 +64,7 @@ static pdyn_status read_face(struct mesh_file *file) {
 
 static const struct {
     const char *name;
-    pdyn_status (*read)(struct mesh_file *file); /* NULL: of no interest here */
+    pdyn_status (*read)(struct mesh_file *file); /* NULL: the line is ignored */
 } keywords[] = {
     {"v", read_vertex},  {"f", read_face},   {"vt", NULL},     {"vn", NULL},
     {"vp", NULL},        {"l", NULL},        {"p", NULL},      {"o", NULL},

@@ -1,6 +1,6 @@
-/* PLY: a header that describes elements and their properties, then their values as text or as
- * bytes. Wanted are x, y, z of "vertex" and of a mesh the list of corners of "face", of points
- * their velocity; the rest is skipped. */
+/* PLY: a header that lists elements and their properties, then the values as text or bytes. Read
+ * are x, y, z of "vertex", for a mesh the list of corners of "face", for particles vx, vy, vz. All
+ * other properties are skipped. */
 #include "mesh_file.h"
 
 #include <inttypes.h>
@@ -20,7 +20,7 @@ struct type {
     size_t size;
     double (*decode)(uint64_t bits);
     bool whole;
-    double min, max; /* of a whole number */
+    double min, max; /* range of an integer type */
 };
 static const struct type types[] = {
     {"char", "int8", 1, from_int8, true, INT8_MIN, INT8_MAX},
@@ -39,7 +39,7 @@ static bool is_whole(double value, double min, double max) {
     return value >= min && value <= max && value == floor(value);
 }
 
-/* false: there is none; `found` is what stands there instead. */
+/* Returns false if the next word is not such a number; `found` is that word. */
 static bool read_text(struct mesh_file *file, const struct type *type, double *value,
                       struct mesh_word *found) {
     *found = mesh_file_word(file);
@@ -109,7 +109,7 @@ enum { WANTED = sizeof wanted / sizeof *wanted };
 struct property {
     struct mesh_word name;
     const struct type *type;
-    const struct type *length; /* of a list; NULL: not a list */
+    const struct type *length; /* type of the length of a list; NULL: not a list */
     int slot;
 };
 
@@ -117,7 +117,7 @@ struct element {
     struct mesh_word name;
     int64_t count;
     size_t first, properties;
-    int slots; /* bits: what it gives of the wanted */
+    int slots; /* bits 1 << SLOT_...: properties of this element that are read */
 };
 
 struct ply {
@@ -168,7 +168,7 @@ static bool is_wanted(const struct ply *ply, int k) {
     return ply->file->only_points ? wanted[k].of_points : wanted[k].of_mesh;
 }
 
-/* Finds what a property is wanted for. */
+/* Finds the slot into which a property is read; SLOT_NONE: it is skipped. */
 static pdyn_status assign_slot(struct ply *ply, struct element *element, struct property *p) {
     p->slot = SLOT_NONE;
     for (int k = 0; k < WANTED; k++)
@@ -224,7 +224,7 @@ static pdyn_status end_header(struct ply *ply) {
 static pdyn_status read_header_line(struct ply *ply) {
     static const struct {
         const char *name;
-        pdyn_status (*read)(struct ply *ply); /* NULL: the line is passed over */
+        pdyn_status (*read)(struct ply *ply); /* NULL: the line is ignored */
     } keywords[] = {{"format", read_format},     {"element", read_element},
                     {"property", read_property}, {"end_header", end_header},
                     {"comment", NULL},           {"obj_info", NULL}};
@@ -241,7 +241,8 @@ static pdyn_status read_header_line(struct ply *ply) {
     return word.length ? mesh_file_expected(ply->file, "the end of the line", word) : PDYN_OK;
 }
 
-/* Compares what the header claims with the bytes that follow, before anything is made of it. */
+/* Checks the header, and that the rest of the file is long enough for the elements it announces,
+ * before memory is allocated for them. */
 static pdyn_status check_header(const struct ply *ply) {
     if (!ply->format) return mesh_file_fail(ply->file, "expected a format line in the header");
     for (int k = 0; k < WANTED; k++)
@@ -259,7 +260,7 @@ static pdyn_status check_header(const struct ply *ply) {
         if (!element[e].properties)
             return mesh_file_fail(ply->file, "element '%.*s' has no properties", shown(name),
                                   name.text);
-        size_t bytes = 0; /* of one at least; in text a digit and a blank for each number */
+        size_t bytes = 0; /* minimum size of one element; in text a digit and a blank per number */
         for (size_t k = 0; k < element[e].properties; k++) {
             const struct property *p = property + element[e].first + k;
             bytes += !ply->format->binary ? 2 : p->length ? p->length->size : p->type->size;
@@ -290,9 +291,9 @@ static pdyn_status read_header(struct ply *ply) {
 
 /* ---- the values ----------------------------------------------------------------------------- */
 
-struct place { /* for messages */
+struct place { /* the current element, for error messages */
     const struct element *element;
-    int64_t number; /* counted from 0 */
+    int64_t number; /* index of the element, from 0 */
 };
 
 static pdyn_status read_value(const struct ply *ply, struct place place, const struct property *p,

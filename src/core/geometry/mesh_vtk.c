@@ -1,5 +1,5 @@
-/* Legacy VTK before version 5, text or big endian bytes: points of POLYDATA or UNSTRUCTURED_GRID,
- * and their vectors named "velocity"; cells and other data are passed over. */
+/* Legacy VTK before version 5, text or big-endian bytes: reads the points of POLYDATA or
+ * UNSTRUCTURED_GRID and their vectors named "velocity"; skips cells and other data. */
 #include "mesh_file.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 struct type {
     const char *name;
     size_t size;
-    double (*decode)(uint64_t bits); /* NULL: no coordinates are written so */
+    double (*decode)(uint64_t bits); /* NULL: not accepted for coordinates */
 };
 static const struct type types[] = {
     {"float", 4, mesh_from_float},
@@ -47,7 +47,7 @@ static pdyn_status read_number(struct mesh_file *file, const struct type *type, 
     return file->binary ? read_bytes(file, type, value) : read_text(file, value);
 }
 
-/* Vectors from the next line on, each given to `add`; NULL: they are passed over. */
+/* Reads `count` numbers from the next line on and calls `add` for every three; NULL: skips them. */
 typedef pdyn_status add_fn(struct mesh_file *file, const double x[3]);
 static pdyn_status read_values(struct mesh_file *file, const struct type *type, int64_t count,
                                add_fn *add) {
@@ -65,8 +65,8 @@ static pdyn_status read_values(struct mesh_file *file, const struct type *type, 
 
 struct vtk {
     struct mesh_file *file;
-    int64_t tuples; /* of the data that follow */
-    bool on_points; /* they belong to the points */
+    int64_t tuples; /* number of tuples of the current data section */
+    bool on_points; /* the current data section belongs to the points */
 };
 
 static pdyn_status read_count(struct mesh_file *file, const char *what, int64_t *out) {
@@ -136,7 +136,7 @@ static pdyn_status begin_cell_data(struct vtk *vtk) {
 static pdyn_status skip_scalars(struct vtk *vtk) {
     int64_t parts = 1;
     const struct type *type = NULL;
-    mesh_file_word(vtk->file); /* the name */
+    mesh_file_word(vtk->file); /* the name of the scalars */
     pdyn_status status = read_type(vtk->file, &type);
     const char *after = vtk->file->at;
     bool last = !mesh_file_word(vtk->file).length;
@@ -151,7 +151,7 @@ static pdyn_status skip_scalars(struct vtk *vtk) {
     return read_values(vtk->file, type, parts * vtk->tuples, NULL);
 }
 
-/* The velocity where it is that, passed over otherwise. */
+/* Reads an array if it holds the velocities, otherwise skips it. */
 static pdyn_status read_array(struct vtk *vtk, struct mesh_word name, const struct type *type,
                               int64_t numbers) {
     bool wanted = vtk->on_points && mesh_word_is(name, "velocity") && numbers == 3 * vtk->tuples;
@@ -172,7 +172,7 @@ static pdyn_status read_vectors(struct vtk *vtk) {
 
 static pdyn_status read_field(struct vtk *vtk) {
     int64_t arrays = 0, parts = 0, tuples = 0;
-    mesh_file_word(vtk->file); /* the name */
+    mesh_file_word(vtk->file); /* the name of the field */
     pdyn_status status = read_count(vtk->file, "a number of arrays", &arrays);
     for (int64_t k = 0; k < arrays && status == PDYN_OK; k++) {
         const struct type *type = NULL;
@@ -213,7 +213,7 @@ static pdyn_status read_section(struct vtk *vtk) {
                               word);
 }
 
-/* Two lines of header, and the word that says how numbers are written. */
+/* Reads the header: version, title, ASCII or BINARY. */
 static pdyn_status read_header(struct mesh_file *file) {
     static const char *const magic[] = {"#", "vtk", "DataFile", "Version"};
     double version;

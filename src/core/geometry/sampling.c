@@ -1,3 +1,4 @@
+/* Sampling of boxes and spheres with particles, and of surfaces with points. */
 #include "sampling.h"
 
 #include "grid.h"
@@ -42,33 +43,31 @@ pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_spher
 
 /* ---- the faces of a box ---------------------------------------------------------------------- */
 
-void patches_free(pdyn_context *context, struct patches *patches) {
-    FREE_ARRAY(context, patches->patch, patches->capacity);
-    point_list_free(context, &patches->at);
-    *patches = (struct patches){0};
+void boundary_points_free(pdyn_context *context, struct boundary_points *out) {
+    FREE_ARRAY(context, out->point, out->capacity);
+    point_list_free(context, &out->at);
+    *out = (struct boundary_points){0};
 }
 
-static pdyn_status add_patch(pdyn_context *context, struct patches *patches, const double x[3],
-                             const struct patch *patch) {
-    size_t count = (size_t)patches->at.count;
-    if (count == patches->capacity) {
-        size_t capacity = 2 * count + 1024;
-        struct patch *grown = context_resize(context, patches->patch, count * sizeof *grown,
-                                             capacity * sizeof *grown);
-        if (!grown) return context_no_memory(context);
-        patches->patch = grown, patches->capacity = capacity;
-    }
-    patches->patch[count] = *patch;
-    return point_list_add(context, &patches->at, x);
+static pdyn_status append_boundary_point(pdyn_context *context, struct boundary_points *out,
+                                         const double x[3], const struct boundary_point *point) {
+    size_t count = (size_t)out->at.count;
+    struct boundary_point *grown =
+        context_grow(context, out->point, &out->capacity, count + 1, sizeof *grown);
+    if (!grown) return PDYN_NO_MEMORY;
+    out->point = grown;
+    out->point[count] = *point;
+    return point_list_add(context, &out->at, x);
 }
 
-/* One face: across axis a, at its lower or upper end. */
+/* Samples the face across axis a, at the lower or upper end. */
 static pdyn_status sample_face(pdyn_context *context, const struct scene_box *box, int a,
-                               bool upper, const struct face_grid *grid, struct patches *out) {
+                               bool upper, const struct face_grid *grid,
+                               struct boundary_points *out) {
     double pitch[3], low[3], x[3];
     long n[3] = {0};
     for (int b = 0; b < 3; b++) {
-        /* beyond the face only where another one begins */
+        /* past an edge only if the adjacent face is closed */
         double under = grid->open >> (2 * b) & 1u ? 0.0 : grid->beyond;
         double over = grid->open >> (2 * b + 1) & 1u ? 0.0 : grid->beyond;
         double length = box->max[b] - box->min[b] + under + over;
@@ -82,16 +81,17 @@ static pdyn_status sample_face(pdyn_context *context, const struct scene_box *bo
     for (long i = 0; i <= n[b]; i++)
         for (long j = 0; j <= n[c]; j++) {
             double share = (i == 0 || i == n[b] ? 0.5 : 1.0) * (j == 0 || j == n[c] ? 0.5 : 1.0);
-            const struct patch patch = {.area = share * pitch[b] * pitch[c], .of_box = true};
+            const struct boundary_point point = {.area = share * pitch[b] * pitch[c],
+                                                 .of_box = true};
             x[b] = low[b] + (double)i * pitch[b], x[c] = low[c] + (double)j * pitch[c];
-            pdyn_status status = add_patch(context, out, x, &patch);
+            pdyn_status status = append_boundary_point(context, out, x, &point);
             if (status != PDYN_OK) return status;
         }
     return PDYN_OK;
 }
 
 pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box,
-                               const struct face_grid *grid, struct patches *out) {
+                               const struct face_grid *grid, struct boundary_points *out) {
     pdyn_status status = PDYN_OK;
     for (int side = 0; side < 6 && status == PDYN_OK; side++)
         if (!(grid->open >> side & 1u))
@@ -99,65 +99,66 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
     return status;
 }
 
-/* ---- meshes: candidates in a fixed order, each taken unless one taken before is too close ---- */
+/* ---- surfaces of meshes: a greedy Poisson-disk set ------------------------------------------ */
 
-static pdyn_status add_spot(pdyn_context *context, struct spots *spots, const struct spot *spot) {
-    if (spots->count == POINT_LIST_MAX) return point_list_too_many(context);
-    if ((size_t)spots->count == spots->capacity) {
-        size_t capacity = 2 * spots->capacity + 1024;
-        struct spot *grown = context_resize(context, spots->spot, spots->capacity * sizeof *grown,
-                                            capacity * sizeof *grown);
-        if (!grown) return context_no_memory(context);
-        spots->spot = grown, spots->capacity = capacity;
-    }
-    spots->spot[spots->count++] = *spot;
+static pdyn_status append_point(pdyn_context *context, struct surface_points *points,
+                                const struct surface_point *point) {
+    if (points->count == POINT_LIST_MAX) return point_list_too_many(context);
+    struct surface_point *grown = context_grow(context, points->point, &points->capacity,
+                                               (size_t)points->count + 1, sizeof *grown);
+    if (!grown) return PDYN_NO_MEMORY;
+    points->point = grown;
+    points->point[points->count++] = *point;
     return PDYN_OK;
 }
 
-void spots_free(pdyn_context *context, struct spots *spots) {
-    FREE_ARRAY(context, spots->spot, spots->capacity);
-    *spots = (struct spots){0};
+void surface_points_free(pdyn_context *context, struct surface_points *points) {
+    FREE_ARRAY(context, points->point, points->capacity);
+    *points = (struct surface_points){0};
 }
 
 static void corners_of(const double *vertex, const int *triangle, int t, const double *c[3]) {
     for (int k = 0; k < 3; k++) c[k] = vertex + 3 * (size_t)triangle[3 * t + k];
 }
 
-void spot_position(const struct spot *spot, const double *vertex, const int *triangle, double *x) {
+void surface_point_position(const struct surface_point *point, const double *vertex,
+                            const int *triangle, double *x) {
     const double *c[3];
-    corners_of(vertex, triangle, spot->triangle, c);
+    corners_of(vertex, triangle, point->triangle, c);
     for (int a = 0; a < 3; a++)
-        x[a] =
-            c[0][a] + spot->weight[1] * (c[1][a] - c[0][a]) + spot->weight[2] * (c[2][a] - c[0][a]);
+        x[a] = c[0][a] + point->weight[1] * (c[1][a] - c[0][a]) +
+               point->weight[2] * (c[2][a] - c[0][a]);
 }
 
-/* Into how many parts the sides of a triangle are cut, a quarter spacing each. */
+/* Number of parts of a quarter spacing, at most, into which the sides of a triangle are divided. */
 static double cuts_of(const double *const c[3], double spacing) {
     double longest =
         fmax(vec3_distance(c[0], c[1]), fmax(vec3_distance(c[1], c[2]), vec3_distance(c[2], c[0])));
     return fmax(1.0, ceil(longest / (0.25 * spacing)));
 }
 
-/* Candidates: a lattice of barycentric coordinates on every triangle, a quarter spacing apart. */
+/* Makes the candidates: on every triangle a lattice of barycentric coordinates, a quarter spacing
+ * apart. */
 static pdyn_status mesh_candidates(pdyn_context *context, const double *vertex, int triangles,
-                                   const int *triangle, double spacing, struct spots *out) {
+                                   const int *triangle, double spacing,
+                                   struct surface_points *out) {
     for (int t = 0; t < triangles; t++) {
         const double *c[3];
         corners_of(vertex, triangle, t, c);
         double cuts = cuts_of(c, spacing);
         for (double i = 0; i <= cuts; i++)
             for (double j = 0; i + j <= cuts; j++) {
-                struct spot spot = {t, {1.0 - (i + j) / cuts, i / cuts, j / cuts}, 0.0};
-                pdyn_status status = add_spot(context, out, &spot);
+                struct surface_point point = {t, {1.0 - (i + j) / cuts, i / cuts, j / cuts}, 0.0};
+                pdyn_status status = append_point(context, out, &point);
                 if (status != PDYN_OK) return status;
             }
     }
     return PDYN_OK;
 }
 
-/* Takes candidates greedily; `taken` marks those in the set. */
-static void thin_out(const struct grid *grid, const double *x, int count, double distance,
-                     bool *taken) {
+/* Selects candidates greedily: one that has no selected candidate within `distance` is selected. */
+static void select_points(const struct grid *grid, const double *x, int count, double distance,
+                          bool *taken) {
     struct grid_cells cells = {0};
     int one;
     for (int i = 0; i < count; i++) {
@@ -167,31 +168,31 @@ static void thin_out(const struct grid *grid, const double *x, int count, double
     }
 }
 
-/* Keeps of the candidates at x a Poisson-disk set. */
-static pdyn_status thin_candidates(pdyn_context *context, struct spots *spots, const double *x,
-                                   double distance) {
+/* Reduces the candidates at x to a Poisson-disk set. */
+static pdyn_status thin_candidates(pdyn_context *context, struct surface_points *points,
+                                   const double *x, double distance) {
     struct grid grid = {0};
-    int count = spots->count;
+    int count = points->count;
     bool *taken = NEW_ARRAY(context, count, bool);
     pdyn_status status = taken ? grid_create(context, count, distance, &grid) : PDYN_NO_MEMORY;
     if (status == PDYN_OK) status = grid_sort(context, &grid, count, NULL, x);
     if (status == PDYN_OK) {
-        thin_out(&grid, x, count, distance, taken);
-        spots->count = 0;
+        select_points(&grid, x, count, distance, taken);
+        points->count = 0;
         for (int i = 0; i < count; i++)
-            if (taken[i]) spots->spot[spots->count++] = spots->spot[i];
+            if (taken[i]) points->point[points->count++] = points->point[i];
     }
     FREE_ARRAY(context, taken, count);
     grid_free(context, &grid);
     return status;
 }
 
-/* ---- the share of the surface that a spot stands for ----------------------------------------- */
+/* ---- area of points ------------------------------------------------------------------------ */
 
-enum { NEAR = 256 }; /* spots that can lie around a point: some 10 do */
+enum { NEAR = 256 }; /* largest number of points near a place of the surface; about 10 occur */
 
-static int nearest_spot(const struct grid *grid, struct grid_cells *cells, const double *x,
-                        const double *at) {
+static int nearest_point(const struct grid *grid, struct grid_cells *cells, const double *x,
+                         const double *at) {
     int list[NEAR + 1], best = -1;
     double least = INFINITY;
     grid_update_cells(grid, at, cells);
@@ -203,9 +204,9 @@ static int nearest_spot(const struct grid *grid, struct grid_cells *cells, const
     return best;
 }
 
-/* Gives the small triangles of the candidates' lattice to the nearest spots. */
+/* Adds the area of each small triangle of the candidate lattice to the nearest point. */
 static void share_triangle(const double *const c[3], double spacing, const struct grid *grid,
-                           const double *x, struct spots *spots) {
+                           const double *x, struct surface_points *points) {
     double u[3], v[3], normal[3], cuts = cuts_of(c, spacing);
     struct grid_cells cells = {0};
     for (int a = 0; a < 3; a++) u[a] = c[1][a] - c[0][a], v[a] = c[2][a] - c[0][a];
@@ -218,44 +219,44 @@ static void share_triangle(const double *const c[3], double spacing, const struc
                 memcpy(at, c[0], sizeof at);
                 vec3_add(at, (i + third / 3.0) / cuts, u);
                 vec3_add(at, (j + third / 3.0) / cuts, v);
-                int spot = nearest_spot(grid, &cells, x, at);
-                if (spot >= 0) spots->spot[spot].area += each;
+                int point = nearest_point(grid, &cells, x, at);
+                if (point >= 0) points->point[point].area += each;
             }
 }
 
-/* A spot lies nowhere farther than 1.1 spacings from the surface around it. */
+/* Computes the areas of all points. A place of the surface has a point within 1.1 spacing. */
 static pdyn_status share_surface(pdyn_context *context, const double *vertex, int triangles,
                                  const int *triangle, double spacing, const double *x,
-                                 struct spots *spots) {
+                                 struct surface_points *points) {
     struct grid grid = {0};
-    pdyn_status status = grid_create(context, spots->count, 1.1 * spacing, &grid);
-    if (status == PDYN_OK) status = grid_sort(context, &grid, spots->count, NULL, x);
+    pdyn_status status = grid_create(context, points->count, 1.1 * spacing, &grid);
+    if (status == PDYN_OK) status = grid_sort(context, &grid, points->count, NULL, x);
     for (int t = 0; status == PDYN_OK && t < triangles; t++) {
         const double *c[3];
         corners_of(vertex, triangle, t, c);
-        share_triangle(c, spacing, &grid, x, spots);
+        share_triangle(c, spacing, &grid, x, points);
     }
     grid_free(context, &grid);
     return status;
 }
 
-static void spot_positions(const struct spots *spots, const double *vertex, const int *triangle,
-                           double *x) {
-    for (int i = 0; i < spots->count; i++)
-        spot_position(&spots->spot[i], vertex, triangle, x + 3 * (size_t)i);
+static void surface_point_positions(const struct surface_points *points, const double *vertex,
+                                    const int *triangle, double *x) {
+    for (int i = 0; i < points->count; i++)
+        surface_point_position(&points->point[i], vertex, triangle, x + 3 * (size_t)i);
 }
 
 pdyn_status sample_triangles(pdyn_context *context, const double *vertex, int triangles,
-                             const int *triangle, double spacing, struct spots *out) {
+                             const int *triangle, double spacing, struct surface_points *out) {
     pdyn_status status = mesh_candidates(context, vertex, triangles, triangle, spacing, out);
     if (status != PDYN_OK || !out->count) return status;
     size_t count = (size_t)out->count;
     double *x = NEW_ARRAY(context, 3 * count, double);
     if (!x) return PDYN_NO_MEMORY;
-    spot_positions(out, vertex, triangle, x);
+    surface_point_positions(out, vertex, triangle, x);
     status = thin_candidates(context, out, x, 0.75 * spacing);
     if (status == PDYN_OK) {
-        spot_positions(out, vertex, triangle, x);
+        surface_point_positions(out, vertex, triangle, x);
         status = share_surface(context, vertex, triangles, triangle, spacing, x, out);
     }
     FREE_ARRAY(context, x, 3 * count);
@@ -263,15 +264,16 @@ pdyn_status sample_triangles(pdyn_context *context, const double *vertex, int tr
 }
 
 pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
-                                struct patches *out) {
-    struct spots spots = {0};
+                                struct boundary_points *out) {
+    struct surface_points points = {0};
     pdyn_status status =
-        sample_triangles(context, mesh->vertex, mesh->triangles, mesh->triangle, spacing, &spots);
-    for (int i = 0; status == PDYN_OK && i < spots.count; i++) {
+        sample_triangles(context, mesh->vertex, mesh->triangles, mesh->triangle, spacing, &points);
+    for (int i = 0; status == PDYN_OK && i < points.count; i++) {
         double x[3];
-        spot_position(&spots.spot[i], mesh->vertex, mesh->triangle, x);
-        status = add_patch(context, out, x, &(struct patch){.area = spots.spot[i].area});
+        surface_point_position(&points.point[i], mesh->vertex, mesh->triangle, x);
+        status = append_boundary_point(context, out, x,
+                                       &(struct boundary_point){.area = points.point[i].area});
     }
-    spots_free(context, &spots);
+    surface_points_free(context, &points);
     return status;
 }

@@ -1,4 +1,4 @@
-/* Filling volumes with particles and covering solids with boundary points. */
+/* Sampling: fills volumes with particles and covers surfaces of solids with boundary points. */
 #ifndef PDYN_SAMPLING_H
 #define PDYN_SAMPLING_H
 
@@ -8,74 +8,78 @@
 
 #include <math.h>
 
-/* Whole cells of a lattice along an edge, where rounding takes none away. */
+/* Number of whole lattice cells along an edge; the tolerance keeps a cell that rounding would lose.
+ */
 static inline double sample_cells(double edge, double spacing) {
     return floor(edge / spacing * (1.0 + 1e-12) + 1e-9);
 }
 
-/* Adds a cubic lattice of particles of this radius, each wholly inside the box, from its minimum.
- */
+/* Fills a box with a cubic lattice of particles, starting at its minimum; every particle of this
+ * radius, m, is entirely inside. Appends to `out`. */
 pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
                               struct point_list *out);
 
-/* Adds a cubic lattice of particles of this radius, each wholly inside the sphere, one of them in
- * its centre. */
+/* Fills a sphere with a cubic lattice of particles of this radius, m, that are entirely inside; one
+ * particle is at the centre. Appends to `out`. */
 pdyn_status sample_sphere_volume(pdyn_context *context, const struct scene_sphere *sphere,
                                  double radius, struct point_list *out);
 
-/* Adds a cubic lattice of particles of this radius, each wholly inside a mesh that passed
- * mesh_check_closed; it lies in the middle of the mesh's bounding box. Inside is what an odd number
- * of the mesh's sheets separates from the outside. */
+/* Fills a mesh that passed mesh_check_closed with a cubic lattice of particles of this radius, m,
+ * that are entirely inside. The lattice is centred in the bounding box. A point is inside if a ray
+ * from it crosses the mesh an odd number of times. Appends to `out`. */
 pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, double radius,
                                struct point_list *out);
 
-struct patch {   /* what a point of a surface stands for */
-    double area; /* m^2 */
+struct boundary_point { /* attributes of a boundary point */
+    double area;        /* m^2, area of the surface that the point represents */
     bool of_box;
-    int solid; /* of the scene; set by solid_points_sample */
+    int solid; /* index of the solid in the scene; set by solid_points_sample */
 };
 
-struct patches { /* points on surfaces */
+struct boundary_points { /* points on the surfaces of solids */
     struct point_list at;
     size_t capacity;
-    struct patch *patch; /* at.count */
+    struct boundary_point *point; /* at.count */
 };
 
-void patches_free(pdyn_context *context, struct patches *patches);
+void boundary_points_free(pdyn_context *context, struct boundary_points *patches);
 
-struct face_grid {  /* of points on the faces of a box */
-    unsigned open;  /* faces that are not there: bits as in scene_solid */
-    double spacing; /* m: the points lie at most so far apart */
-    double outside; /* m: the points lie so far outside of the faces */
-    double beyond;  /* m: a grid goes so far beyond an edge that its face shares with another one */
+struct face_grid {  /* a grid of boundary points on the faces of a box */
+    unsigned open;  /* bits of the faces without points, as in scene_solid */
+    double spacing; /* m, largest distance of neighbouring points */
+    double outside; /* m, distance of the points from the face, outwards */
+    double beyond;  /* m, extension of the grid past an edge that two closed faces share */
 };
 
-/* Adds a regular grid of points for every face of the box. */
+/* Appends a regular grid of boundary points for every closed face of the box. */
 pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box,
-                               const struct face_grid *grid, struct patches *out);
+                               const struct face_grid *grid, struct boundary_points *out);
 
-struct spot { /* a point of a surface */
+struct surface_point { /* a point on a triangle */
     int triangle;
-    double weight[3]; /* of its corners: barycentric coordinates */
-    double area;      /* m^2: of the surface that is nearer to it than to any other spot */
+    double weight[3]; /* barycentric coordinates */
+    double area;      /* m^2, area of the surface that is nearer to this point than to any other */
 };
 
-struct spots {
+struct surface_points {
     int count;
     size_t capacity;
-    struct spot *spot;
+    struct surface_point *point;
 };
 
-/* Spots on triangles, none closer than 0.75 spacing to another and no spot of the surface further
- * than about 1.1 spacing from one: a Poisson-disk set (Akinci et al. 2012 sample solids so), taken
- * in a fixed order. `out` comes empty; free it after a failure, too. */
+/* Samples triangles with a Poisson-disk set in deterministic order (Akinci et al. 2012 sample
+ * solids in this way): the distance between points is at least 0.75 spacing, and every place of the
+ * surface is within about 1.1 spacing of a point. *out must be zeroed before; free it after a
+ * failure, too. */
 pdyn_status sample_triangles(pdyn_context *context, const double *vertex, int triangles,
-                             const int *triangle, double spacing, struct spots *out);
-void spots_free(pdyn_context *context, struct spots *spots);
-void spot_position(const struct spot *spot, const double *vertex, const int *triangle, double *x);
+                             const int *triangle, double spacing, struct surface_points *out);
+void surface_points_free(pdyn_context *context, struct surface_points *points);
+/* Computes the position of a point from the vertices of its triangle: x, 3 numbers, m. */
+void surface_point_position(const struct surface_point *point, const double *vertex,
+                            const int *triangle, double *x);
 
-/* Adds these spots of a mesh. */
+/* Samples a mesh as sample_triangles does and appends the points as boundary points. */
 pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
-                                struct patches *out);
+                                struct boundary_points *out);
 
 #endif

@@ -1,3 +1,4 @@
+/* Tetrahedral meshes: blocks, volumes, and the surface. */
 #include "tets.h"
 
 #include "projdyn/vec3.h"
@@ -5,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- a block --------------------------------------------------------------------------------- */
+/* ---- block ----------------------------------------------------------------------------------- */
 
-/* The corners of a cell that a tetrahedron passes from its lowest to its highest, one axis after
- * the other, in all six orders; bit a of a corner: it is the higher one along axis a. */
+/* The six tetrahedra of a cell: each is a path from the lowest to the highest corner along the axes
+ * in one order. Bit a of a corner: it is at the upper end of axis a. */
 static const int kuhn[6][4] = {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7},
                                {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}};
 
@@ -28,19 +29,21 @@ static void fill_grid(const double size[3], const int cells[3], struct mesh *mes
 
 pdyn_status tets_grid(pdyn_context *context, const double size[3], const int cells[3],
                       struct mesh *mesh, struct tets *tets) {
-    *mesh = (struct mesh){.vertices = (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1)};
     *tets = (struct tets){.count = 6 * cells[0] * cells[1] * cells[2]};
-    mesh->vertex = NEW_ARRAY(context, 3 * (size_t)mesh->vertices, double);
+    pdyn_status status =
+        mesh_allocate(context, (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1), 0, mesh);
+    if (status != PDYN_OK) return status;
     tets->corner = NEW_ARRAY(context, 4 * (size_t)tets->count, int);
-    if (!mesh->vertex || !tets->corner) return PDYN_NO_MEMORY;
+    if (!tets->corner) return PDYN_NO_MEMORY;
     fill_grid(size, cells, mesh, tets);
     return PDYN_OK;
 }
 
 /* ---- checks and volumes ---------------------------------------------------------------------- */
 
-static pdyn_status measure(pdyn_context *context, const char *name, const struct mesh *mesh,
-                           struct tets *tets) {
+/* Computes the volumes; swaps two vertices of a tetrahedron that is inverted. */
+static pdyn_status compute_volumes(pdyn_context *context, const char *name, const struct mesh *mesh,
+                                   struct tets *tets) {
     tets->volume = NEW_ARRAY(context, tets->count, double);
     if (!tets->volume) return PDYN_NO_MEMORY;
     for (int t = 0; t < tets->count; t++) {
@@ -82,8 +85,8 @@ static pdyn_status check_used(pdyn_context *context, const char *name, const str
 /* ---- the surface ----------------------------------------------------------------------------- */
 
 struct face {
-    int key[3];    /* its vertices, ascending */
-    int corner[3]; /* as seen from outside */
+    int key[3];    /* vertices, ascending */
+    int corner[3]; /* vertices, counter-clockwise as seen from outside */
 };
 
 static int compare_faces(const void *a, const void *b) {
@@ -106,7 +109,8 @@ static struct face *sorted_faces(pdyn_context *context, const struct tets *tets)
     return face;
 }
 
-/* Moves the faces of only one tetrahedron to the front; -1 with an error. */
+/* Moves the faces that belong to a single tetrahedron to the front; returns their number, -1 with
+ * an error set. */
 static int keep_outer(pdyn_context *context, const char *name, struct face *face, size_t count) {
     int kept = 0;
     for (size_t f = 0, next; f < count; f = next) {
@@ -140,7 +144,7 @@ static pdyn_status find_surface(pdyn_context *context, const char *name, struct 
 pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *mesh,
                         struct tets *tets) {
     pdyn_status status = check_used(context, name, mesh, tets);
-    if (status == PDYN_OK) status = measure(context, name, mesh, tets);
+    if (status == PDYN_OK) status = compute_volumes(context, name, mesh, tets);
     return status == PDYN_OK ? find_surface(context, name, mesh, tets) : status;
 }
 

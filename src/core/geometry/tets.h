@@ -1,5 +1,5 @@
-/* Meshes of tetrahedra: what a volume is made of. The vertices and the triangles of the surface are
- * in a mesh, so that a volume is a surface, too. */
+/* Tetrahedral meshes of soft solids. A struct mesh holds the vertices and the triangles of the
+ * surface; struct tets holds the tetrahedra. */
 #ifndef PDYN_TETS_H
 #define PDYN_TETS_H
 
@@ -7,23 +7,25 @@
 
 struct tets {
     int count;
-    int *corner;    /* count x 4: vertices of the mesh, such that (b - a) x (c - a) . (d - a) > 0 */
+    int *corner;    /* count x 4, vertices a, b, c, d with (b - a) x (c - a) . (d - a) > 0 */
     double *volume; /* count, m^3 */
 };
 
-/* Reads a mesh: NAME.node and NAME.ele of TetGen, by either name; or .msh of Gmsh, version 2.2 or
- * 4.1, ASCII, its linear tetrahedra. Fails as mesh_read does; no triangles and volumes yet. */
+/* Reads vertices and tetrahedra: TetGen (NAME.node and NAME.ele, either name is accepted) or Gmsh
+ * (.msh, version 2.2 or 4.1, ASCII, linear tetrahedra). Errors as in mesh_read. Triangles and
+ * volumes are left to tets_finish. */
 pdyn_status tets_read(pdyn_context *context, const char *path, struct mesh *mesh,
                       struct tets *tets);
 
-/* A block around the origin of so many cells, six tetrahedra each (Kuhn 1960). */
+/* Makes a block of cells[0] x cells[1] x cells[2] cells centred at the origin, size in m, with six
+ * tetrahedra per cell (Kuhn 1960). */
 pdyn_status tets_grid(pdyn_context *context, const double size[3], const int cells[3],
                       struct mesh *mesh, struct tets *tets);
 
-/* Turns all tetrahedra the same way, and finds volumes and the triangles of the surface, outward.
- * Every vertex is used, every tetrahedron has a volume (more than 1e-9 of its longest edge cubed),
- * no face has more than two, and no edge of the surface has more than two triangles; otherwise
- * PDYN_BAD_INPUT. `name` stands for the mesh in messages, which count from 0. */
+/* Orients all tetrahedra, computes their volumes and the triangles of the surface, which face
+ * outward. PDYN_BAD_INPUT: a vertex is unused, a tetrahedron has a volume below 1e-9 of its longest
+ * edge cubed, a face has more than two tetrahedra, or an edge of the surface more than two
+ * triangles. The error text begins with `name` and counts from 0. */
 pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *mesh,
                         struct tets *tets);
 

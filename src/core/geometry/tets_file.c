@@ -1,26 +1,24 @@
-/* Tetrahedra from files: TetGen's .node and .ele, Gmsh's .msh (2.2 and 4.1, ASCII). Counts in a
- * file are believed only as far as the file is long: arrays grow with what is read. */
+/* Tetrahedra from files: TetGen .node and .ele, Gmsh .msh (2.2 and 4.1, ASCII). A count in a file
+ * is accepted only if the file is long enough for it, and arrays grow as elements are read: a wrong
+ * count cannot exhaust memory. */
 #include "base/text.h"
 #include "mesh_file.h"
 #include "tets.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-enum { MOST = INT_MAX / 8 };
-
 struct reader {
     struct mesh_file *file;
-    struct mesh_array tag;  /* long: the vertices' names, ascending; NULL where they count */
-    struct mesh_array tets; /* int x 4 */
+    struct mesh_array tag;  /* long, one per vertex: tags, ascending; NULL: vertices are numbered */
+    struct mesh_array tets; /* int x 4 per tetrahedron */
     int count;
-    bool named;       /* vertices have tags */
-    long first_index; /* otherwise the first one's number */
+    bool named;       /* vertices have tags (Gmsh) */
+    long first_index; /* number of the first vertex (TetGen) */
 };
 
-/* A whole number within bounds. */
+/* Reads an integer from `low` to `high`; `what` is for the error text. */
 static pdyn_status read_whole(struct mesh_file *file, const char *what, double low, double high,
                               long *out) {
     double value;
@@ -31,18 +29,20 @@ static pdyn_status read_whole(struct mesh_file *file, const char *what, double l
     return *out = (long)value, PDYN_OK;
 }
 
-/* To the next word, over ends of lines and comments. */
+/* Skips blanks, line ends and comments up to the next word. */
 static void skip(struct mesh_file *file) {
     mesh_file_skip_blank(file);
     while (!mesh_file_at_end(file) && *file->at == '#')
         mesh_file_next_line(file), mesh_file_skip_blank(file);
 }
 
-/* A count that the rest of the file has room for, at `least` bytes each. */
-static pdyn_status read_count(struct mesh_file *file, const char *what, size_t least, long *out) {
+/* Reads a count of elements of at least `min_bytes` each; the rest of the file must be long enough.
+ */
+static pdyn_status read_count(struct mesh_file *file, const char *what, size_t min_bytes,
+                              long *out) {
     size_t left = (size_t)(file->data + file->size - file->at);
-    pdyn_status status = read_whole(file, what, 0, MOST, out);
-    if (status != PDYN_OK || (size_t)*out * least <= left) return status;
+    pdyn_status status = read_whole(file, what, 0, MESH_MAX, out);
+    if (status != PDYN_OK || (size_t)*out * min_bytes <= left) return status;
     return mesh_file_fail(file, "%ld of them cannot be in a file of %zu bytes", *out, file->size);
 }
 
@@ -55,9 +55,10 @@ static pdyn_status read_point(struct mesh_file *file) {
     return mesh_file_vertex(file, x);
 }
 
-/* ---- vertices by name ------------------------------------------------------------------------ */
+/* ---- vertices by tag --------------------------------------------------------------------------
+ */
 
-/* That of the vertex after `count` others. */
+/* Appends the tag of the vertex with index `count`. */
 static pdyn_status add_tag(struct reader *r, size_t count, long tag) {
     long last = count ? ((const long *)r->tag.data)[count - 1] : -1;
     if (tag <= last)
@@ -68,7 +69,7 @@ static pdyn_status add_tag(struct reader *r, size_t count, long tag) {
     return PDYN_OK;
 }
 
-/* The vertex with this name or number; -1: there is none. */
+/* Index of the vertex with this tag or number; -1: there is none. */
 static int find_vertex(const struct reader *r, long name) {
     const long *tag = r->tag.data;
     int low = 0, high = r->file->vertices;
@@ -83,10 +84,10 @@ static int find_vertex(const struct reader *r, long name) {
     return high > low && tag[low] == name ? low : -1;
 }
 
-/* The next four words are the corners of a tetrahedron. */
+/* Reads the four corners of a tetrahedron. */
 static pdyn_status read_tet(struct reader *r) {
     size_t bytes = 4 * sizeof(int) * ((size_t)r->count + 1);
-    if (r->count == MOST) return mesh_file_fail(r->file, "more than %d tetrahedra", MOST);
+    if (r->count == MESH_MAX) return mesh_file_fail(r->file, "more than %d tetrahedra", MESH_MAX);
     if (!mesh_file_reserve(r->file, &r->tets, bytes)) return PDYN_NO_MEMORY;
     int *corner = (int *)r->tets.data + 4 * (size_t)r->count++;
     for (int k = 0; k < 4; k++) {
@@ -113,7 +114,7 @@ static pdyn_status parse_node(struct reader *r) {
     mesh_file_next_line(file);
     for (long i = 0; i < count && status == PDYN_OK; i++, mesh_file_next_line(file)) {
         skip(file);
-        status = read_whole(file, "the number of a point", 0, MOST, &index);
+        status = read_whole(file, "the number of a point", 0, MESH_MAX, &index);
         if (!i) r->first_index = index;
         if (status == PDYN_OK && (index - i != r->first_index || r->first_index > 1))
             status =
@@ -132,7 +133,7 @@ static pdyn_status parse_ele(struct reader *r) {
     mesh_file_next_line(file);
     for (long i = 0; i < count && status == PDYN_OK; i++, mesh_file_next_line(file)) {
         skip(file);
-        status = read_whole(file, "the number of a tetrahedron", 0, MOST, &index);
+        status = read_whole(file, "the number of a tetrahedron", 0, MESH_MAX, &index);
         if (status == PDYN_OK) status = read_tet(r);
     }
     return status;
@@ -140,7 +141,7 @@ static pdyn_status parse_ele(struct reader *r) {
 
 /* ---- Gmsh ------------------------------------------------------------------------------------ */
 
-/* Goes behind the line of a section, "$Nodes". */
+/* Advances to the line after a section's name, e.g. "$Nodes". */
 static pdyn_status find_section(struct mesh_file *file, const char *name) {
     while (!mesh_file_at_end(file)) {
         struct mesh_word word = mesh_file_word(file);
@@ -158,7 +159,7 @@ static pdyn_status read_node_2(struct reader *r) {
     return status == PDYN_OK ? read_point(r->file) : status;
 }
 
-/* tag, type, number of further tags, these, then corners; 4 is a tetrahedron. */
+/* Format: tag, type, number of further tags, these tags, corners. Type 4 is a tetrahedron. */
 static pdyn_status read_element_2(struct reader *r) {
     long tag, type = 0, tags = 0, unused;
     skip(r->file);
@@ -183,7 +184,7 @@ static pdyn_status parse_2(struct reader *r) {
     return status;
 }
 
-/* The head of a block of an entity: dimension, tag, a number, how many follow. */
+/* Reads the head of a block of an entity: dimension, tag, a number, and the number of entries. */
 static pdyn_status read_block(struct mesh_file *file, long *number, long *count) {
     long dimension, tag;
     skip(file);
@@ -193,7 +194,7 @@ static pdyn_status read_block(struct mesh_file *file, long *number, long *count)
     return status == PDYN_OK ? read_count(file, "a number of entries", 2, count) : status;
 }
 
-/* First the tags of a block, then the points. */
+/* Format: the tags of all nodes of the block, then their coordinates. */
 static pdyn_status read_nodes_4(struct reader *r) {
     struct mesh_file *file = r->file;
     long parametric, count = 0, tag = 0;
@@ -226,7 +227,7 @@ static pdyn_status read_elements_4(struct reader *r) {
     return status;
 }
 
-/* The head of a section: how many blocks. */
+/* Reads a section of blocks: number of blocks, then each block by `read`. */
 static pdyn_status read_blocks(struct reader *r, const char *section,
                                pdyn_status (*read)(struct reader *r)) {
     long blocks = 0;
@@ -256,7 +257,7 @@ static pdyn_status parse_msh(struct reader *r) {
 
 /* ---- files ----------------------------------------------------------------------------------- */
 
-/* Reads one file after what is already known; vertices grow in `vertex`. */
+/* Reads and parses one file. Vertices are appended to those of files read before. */
 static pdyn_status read_one(struct reader *r, const char *path,
                             pdyn_status (*parse)(struct reader *r)) {
     r->file->path = path, r->file->line = 1;

@@ -1,5 +1,5 @@
-/* The neighbourhood of a mesh. All of it follows from the sides of the triangles, sorted so that
- * the sides of one edge stand next to each other. */
+/* Topology of triangle meshes: checks, edges, areas. Everything is computed from the sides of the
+ * triangles, sorted such that the sides of the same edge are adjacent. */
 #include "mesh.h"
 
 #include "projdyn/vec3.h"
@@ -8,11 +8,11 @@
 #include <string.h>
 
 struct side {
-    int end[2]; /* ascending */
-    int corner; /* the opposite one, as a place in mesh.triangle */
+    int end[2]; /* vertices, ascending */
+    int corner; /* index in mesh.triangle of the opposite corner */
 };
 
-/* A stable counting sort by one end; `start` has room for vertices + 1. */
+/* Stable counting sort by one end (0 or 1). start: scratch, vertices + 1. */
 static void sort_by_end(const struct side *from, struct side *to, int sides, int end, int *start,
                         int vertices) {
     memset(start, 0, ((size_t)vertices + 1) * sizeof *start);
@@ -21,7 +21,7 @@ static void sort_by_end(const struct side *from, struct side *to, int sides, int
     for (int i = 0; i < sides; i++) to[start[from[i].end[end]]++] = from[i];
 }
 
-/* The 3 sides of each triangle by (smaller, larger) end; NULL: no memory. */
+/* The three sides of every triangle, sorted by (smaller, larger) vertex. NULL: no memory. */
 static struct side *sorted_sides(pdyn_context *context, const struct mesh *mesh) {
     int sides = 3 * mesh->triangles;
     struct side *side = NEW_ARRAY(context, sides, struct side);
@@ -41,7 +41,7 @@ static struct side *sorted_sides(pdyn_context *context, const struct mesh *mesh)
     return side;
 }
 
-/* One past the last side of the edge that begins at side `first`. */
+/* One past the last side of the edge whose first side is `first`. */
 static int edge_end(const struct side *side, int sides, int first) {
     int last = first + 1;
     while (last < sides && !memcmp(side[last].end, side[first].end, sizeof side->end)) last++;
@@ -56,7 +56,7 @@ static double area_of(const struct mesh *mesh, int t) {
     return 0.5 * vec3_length(n);
 }
 
-/* ---- what cloth and volumes ask of a mesh ---------------------------------------------------- */
+/* ---- checks for cloth and closed volumes ----------------------------------------------------- */
 
 static pdyn_status check_used(pdyn_context *context, const struct mesh *mesh, const char *name) {
     bool *used = NEW_ARRAY(context, mesh->vertices, bool);
@@ -85,7 +85,7 @@ static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, c
     return PDYN_OK;
 }
 
-/* Looks at the sides of every edge, `count` of them from `side` on. */
+/* Checks one edge: `count` sides from `side` on. */
 typedef pdyn_status check_edge_fn(pdyn_context *context, const struct mesh *mesh, const char *name,
                                   const struct side *side, int count);
 
@@ -103,8 +103,8 @@ static pdyn_status check_edges(pdyn_context *context, const struct mesh *mesh, c
     return status;
 }
 
-static pdyn_status fits_cloth(pdyn_context *context, const struct mesh *mesh, const char *name,
-                              const struct side *side, int count) {
+static pdyn_status check_cloth_edge(pdyn_context *context, const struct mesh *mesh,
+                                    const char *name, const struct side *side, int count) {
     if (count == 2 && mesh->triangle[side[0].corner] == mesh->triangle[side[1].corner])
         return context_fail(context, PDYN_BAD_INPUT,
                             "%.1024s: triangles %d and %d have the same vertices", name,
@@ -116,8 +116,8 @@ static pdyn_status fits_cloth(pdyn_context *context, const struct mesh *mesh, co
                         name, side->end[0], side->end[1], count);
 }
 
-static pdyn_status even(pdyn_context *context, const struct mesh *mesh, const char *name,
-                        const struct side *side, int count) {
+static pdyn_status check_closed_edge(pdyn_context *context, const struct mesh *mesh,
+                                     const char *name, const struct side *side, int count) {
     (void)mesh;
     if (count % 2 == 0) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT,
@@ -127,7 +127,7 @@ static pdyn_status even(pdyn_context *context, const struct mesh *mesh, const ch
 }
 
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    return check_edges(context, mesh, name, fits_cloth);
+    return check_edges(context, mesh, name, check_cloth_edge);
 }
 
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
@@ -137,13 +137,13 @@ pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, con
 }
 
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    return check_edges(context, mesh, name, even);
+    return check_edges(context, mesh, name, check_closed_edge);
 }
 
 /* ---- vertices at the same place ---------------------------------------------------------------
  */
 
-static int by_place(const void *a, const void *b, void *vertex) {
+static int compare_positions(const void *a, const void *b, void *vertex) {
     const double *x = (const double *)vertex + 3 * (size_t) * (const int *)a;
     const double *y = (const double *)vertex + 3 * (size_t) * (const int *)b;
     int k = 0;
@@ -155,28 +155,26 @@ pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh
     int *order = NEW_ARRAY(context, mesh->vertices, int);
     if (!order) return PDYN_NO_MEMORY;
     for (int i = 0; i < mesh->vertices; i++) order[i] = i;
-    qsort_r(order, (size_t)mesh->vertices, sizeof *order, by_place, mesh->vertex);
+    qsort_r(order, (size_t)mesh->vertices, sizeof *order, compare_positions, mesh->vertex);
     *count = 0;
     for (int i = 1; i < mesh->vertices; i++)
-        *count += by_place(order + i - 1, order + i, mesh->vertex) == 0;
+        *count += compare_positions(order + i - 1, order + i, mesh->vertex) == 0;
     FREE_ARRAY(context, order, mesh->vertices);
     return PDYN_OK;
 }
 
 /* ---- topology ------------------------------------------------------------------------------- */
 
-static bool allocate(pdyn_context *context, struct topology *out) {
-    out->vertex_area = NEW_ARRAY(context, out->vertices, double);
-    out->edge = NEW_ARRAY(context, 2 * out->edges, int);
-    out->edge_share = NEW_ARRAY(context, out->edges, double);
-    out->on_border = NEW_ARRAY(context, out->vertices, bool);
-    out->triangle_area = NEW_ARRAY(context, out->triangles, double);
-    out->across = NEW_ARRAY(context, 3 * out->triangles, int);
-    return out->vertex_area && out->edge && out->edge_share && out->on_border && out->across &&
-           out->triangle_area;
+static bool resize_arrays(pdyn_context *context, struct topology *t, enum array_action action) {
+    const struct array_entry table[] = {
+        ARRAY(t->vertex_area, t->vertices),    ARRAY(t->edge, 2 * t->edges),
+        ARRAY(t->edge_share, t->edges),        ARRAY(t->on_border, t->vertices),
+        ARRAY(t->triangle_area, t->triangles), ARRAY(t->across, 3 * t->triangles),
+    };
+    return context_arrays(context, table, ARRAY_ROWS(table), action);
 }
 
-/* The area of a triangle over the sum of its squared sides. */
+/* The area of a triangle divided by the sum of its squared sides: its part of edge_share. */
 static double share(const struct mesh *mesh, int t) {
     double squares = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -214,7 +212,7 @@ pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struc
     struct side *side = sorted_sides(context, mesh);
     if (!side) return *out = (struct topology){0}, PDYN_NO_MEMORY;
     for (int first = 0; first < sides; first = edge_end(side, sides, first)) out->edges++;
-    bool ready = allocate(context, out);
+    bool ready = resize_arrays(context, out, ARRAYS_ALLOCATE);
     if (ready) {
         fill_edges(mesh, side, out);
         fill_areas(mesh, out);
@@ -224,11 +222,6 @@ pdyn_status topology_build(pdyn_context *context, const struct mesh *mesh, struc
 }
 
 void topology_free(pdyn_context *context, struct topology *topology) {
-    FREE_ARRAY(context, topology->vertex_area, topology->vertices);
-    FREE_ARRAY(context, topology->edge, 2 * topology->edges);
-    FREE_ARRAY(context, topology->edge_share, topology->edges);
-    FREE_ARRAY(context, topology->on_border, topology->vertices);
-    FREE_ARRAY(context, topology->triangle_area, topology->triangles);
-    FREE_ARRAY(context, topology->across, 3 * topology->triangles);
+    resize_arrays(context, topology, ARRAYS_FREE);
     *topology = (struct topology){0};
 }

@@ -6,15 +6,6 @@
 
 #include <string.h>
 
-static pdyn_status allocate(pdyn_context *context, int vertices, int triangles, struct mesh *out) {
-    *out = (struct mesh){.vertices = vertices, .triangles = triangles};
-    out->vertex = NEW_ARRAY(context, 3 * vertices, double);
-    out->triangle = NEW_ARRAY(context, 3 * triangles, int);
-    if (out->vertex && out->triangle) return PDYN_OK;
-    mesh_free(context, out);
-    return PDYN_NO_MEMORY;
-}
-
 /* Two directions of length 1 across another one, all at right angles and right-handed. */
 static void across(double axis[3], double u[3], double v[3]) {
     int least = 0;
@@ -71,7 +62,7 @@ pdyn_status primitive_capsule(pdyn_context *context, const double from[3], const
     if (sphere) memcpy(axes + 6, (const double[3]){0.0, 1.0, 0.0}, 3 * sizeof *axes);
     across(axes + 6, axes, axes + 3);
     int rings = 2 * QUARTER - sphere, vertices = 2 + rings * AROUND;
-    pdyn_status status = allocate(context, vertices, 2 * rings * AROUND, out);
+    pdyn_status status = mesh_allocate(context, vertices, 2 * rings * AROUND, out);
     if (status != PDYN_OK) return status;
     int *triangle = close_pole(0, 1, true, out->triangle);
     place_ring(from, radius, axes, 0.0, 1, out->vertex);
@@ -94,7 +85,7 @@ pdyn_status primitive_plane(pdyn_context *context, const double center[3], const
     static const int triangle[6] = {0, 1, 2, 0, 2, 3};
     double axis[3] = {normal[0], normal[1], normal[2]}, u[3], v[3];
     across(axis, u, v);
-    pdyn_status status = allocate(context, 4, 2, out);
+    pdyn_status status = mesh_allocate(context, 4, 2, out);
     if (status != PDYN_OK) return status;
     memcpy(out->triangle, triangle, sizeof triangle);
     for (int k = 0; k < 4; k++) {
@@ -110,7 +101,7 @@ pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, un
                           struct mesh *out) {
     int faces = 0, *triangle;
     for (int side = 0; side < 6; side++) faces += !(open >> side & 1u);
-    pdyn_status status = allocate(context, 8, 2 * faces, out);
+    pdyn_status status = mesh_allocate(context, 8, 2 * faces, out);
     if (status != PDYN_OK) return status;
     for (int k = 0; k < 24; k++)
         out->vertex[k] = k / 3 >> k % 3 & 1 ? box->max[k % 3] : box->min[k % 3];

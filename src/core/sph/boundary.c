@@ -18,14 +18,14 @@ static const struct boundary_model boundary_models[] = {
      .outside = 1.01,
      .beyond = 0.35,
      .layer = 12.95,
-     .spots = 0.5,
+     .mesh_spacing = 0.5,
      .support = 0.99498743710662}, /* q = d */
     {.name = "points",
      .summary = "boundary particles (Akinci et al. 2012), which hold fluid off by 0.7 spacings",
      .grid = 1.0,
      .outside = 0.6,
      .beyond = 0.6,
-     .spots = 0.9,
+     .mesh_spacing = 0.9,
      .support = 2.0,
      .volumes = true},
 };

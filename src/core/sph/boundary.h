@@ -9,7 +9,7 @@ struct boundary_model {
     /* all lengths in spacings of the fluid's particles */
     double grid, outside, beyond; /* of points of a box, see face_grid */
     double layer;                 /* of points of a box: volume per area; 0: 1 / sum W */
-    double spots;                 /* between points of a mesh, as sample_triangles says */
+    double mesh_spacing;                 /* between points of a mesh, as sample_triangles says */
     double support;               /* of the kernel of meshes */
     bool volumes; /* points of meshes have volumes 1 / sum W (Akinci et al. 2012) and the
                      kernel of particles; otherwise areas, and the surface kernel (kernel.h) */

@@ -198,17 +198,17 @@ void samples_free(struct samples *s) {
 }
 
 /* The samples of one surface, from `first` on; their positions go to s->x, areas to s->volume. */
-static void place(struct samples *s, const pdyn_body *body, const struct spots *spots, int first,
-                  const double *rest) {
-    for (int k = 0; k < spots->count; k++) {
-        const struct spot *spot = &spots->spot[k];
-        const int *corner = body->triangle + 3 * spot->triangle;
+static void place(struct samples *s, const pdyn_body *body, const struct surface_points *points,
+                  int first, const double *rest) {
+    for (int k = 0; k < points->count; k++) {
+        const struct surface_point *point = &points->point[k];
+        const int *corner = body->triangle + 3 * point->triangle;
         int *vertex = s->vertex + 3 * (first + k);
         for (int m = 0; m < 3; m++) vertex[m] = body->first + corner[m];
-        memcpy(s->weight + 3 * (first + k), spot->weight, sizeof spot->weight);
-        spot_position(spot, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
+        memcpy(s->weight + 3 * (first + k), point->weight, sizeof point->weight);
+        surface_point_position(point, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
         s->rest_area[first + k] = area(s, first + k, rest);
-        s->volume[first + k] = spot->area;
+        s->volume[first + k] = point->area;
     }
 }
 
@@ -218,13 +218,13 @@ struct wanted { /* of all samples */
 };
 
 static pdyn_status fill(struct samples *s, int bodies, const pdyn_body *body,
-                        const struct spots *spots, const struct wanted *wanted,
+                        const struct surface_points *points, const struct wanted *wanted,
                         const double *rest) {
     pdyn_status status = allocate(s) ? PDYN_OK : PDYN_NO_MEMORY;
-    for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += spots[b++].count) {
-        place(s, &body[b], &spots[b], first, rest);
+    for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += points[b++].count) {
+        place(s, &body[b], &points[b], first, rest);
         status = boundary_volumes(
-            s->context, wanted->model, spots[b].count, s->x + 3 * (size_t)first, s->volume + first,
+            s->context, wanted->model, points[b].count, s->x + 3 * (size_t)first, s->volume + first,
             body[b].tets ? 0.0 : wanted->thickness, wanted->spacing, s->rest_volume + first);
     }
     if (status != PDYN_OK) return status;
@@ -237,23 +237,23 @@ pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *b
                            const double *rest, const struct boundary_model *model, double thickness,
                            double spacing, struct samples **out) {
     const struct wanted wanted = {model, thickness, spacing};
-    struct spots *spots = NEW_ARRAY(context, bodies, struct spots);
-    pdyn_status status = spots ? PDYN_OK : PDYN_NO_MEMORY;
+    struct surface_points *points = NEW_ARRAY(context, bodies, struct surface_points);
+    pdyn_status status = points ? PDYN_OK : PDYN_NO_MEMORY;
     int count = 0;
     *out = NULL;
-    for (int b = 0; b < bodies && status == PDYN_OK; count += spots[b++].count)
+    for (int b = 0; b < bodies && status == PDYN_OK; count += points[b++].count)
         status = sample_triangles(context, body[b].rest, body[b].triangles, body[b].triangle,
-                                  model->spots * spacing, &spots[b]);
+                                  model->mesh_spacing * spacing, &points[b]);
     if (status == PDYN_OK && count) {
         *out = NEW_ARRAY(context, 1, struct samples);
         if (!*out) status = PDYN_NO_MEMORY;
         else {
             **out = (struct samples){.context = context, .particles = particles, .count = count};
-            status = fill(*out, bodies, body, spots, &wanted, rest);
+            status = fill(*out, bodies, body, points, &wanted, rest);
         }
     }
     if (status != PDYN_OK) samples_free(*out), *out = NULL;
-    for (int b = 0; spots && b < bodies; b++) spots_free(context, &spots[b]);
-    FREE_ARRAY(context, spots, bodies);
+    for (int b = 0; points && b < bodies; b++) surface_points_free(context, &points[b]);
+    FREE_ARRAY(context, points, bodies);
     return status;
 }

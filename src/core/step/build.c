@@ -244,7 +244,7 @@ static int way_count(const struct pdyn_sim *sim) {
  */
 static pdyn_status make_limits(struct pdyn_sim *sim) {
     bool surfaces = sim->samples;
-    for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.patch[k].of_box;
+    for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.point[k].of_box;
     if (!surfaces || sim->scene.settings.boundary->volumes) return PDYN_OK;
     sim->way = NEW_ARRAY(sim->context, way_count(sim), double);
     return sim->way ? PDYN_OK : PDYN_NO_MEMORY;
@@ -501,7 +501,7 @@ void pdyn_free(pdyn_sim *sim) {
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
     occlusion_free(sim->sides);
-    patches_free(c, &sim->boundary);
+    boundary_points_free(c, &sim->boundary);
     solid_load_free(sim);
     kinematic_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);

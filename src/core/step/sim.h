@@ -25,7 +25,7 @@ struct pdyn_sim {
     pdyn_body *body;                /* what modules see */
     struct topology *topology;      /* bodies; empty for particles */
     double *rest;                   /* particles x 3: the bodies' rest positions, m */
-    struct patches boundary;        /* points on the solids */
+    struct boundary_points boundary;        /* points on the solids */
     struct kinematic_solids motion; /* of the last of these */
     struct solid_loads *loads;      /* forces on the solids; NULL in a scene without */
     pdyn_services services;         /* what operators may call */

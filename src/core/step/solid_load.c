@@ -16,9 +16,9 @@ static void add_force(struct solid_load *load, const double *x, const double *fo
 /* ---- fluid ----------------------------------------------------------------------------------- */
 
 static void add_points(const struct pdyn_sim *sim, const double *force) {
-    const struct patches *all = &sim->boundary;
+    const struct boundary_points *all = &sim->boundary;
     for (int k = 0; k < all->at.count; k++)
-        add_force(&sim->loads->solid[all->patch[k].solid], all->at.x + 3 * (size_t)k,
+        add_force(&sim->loads->solid[all->point[k].solid], all->at.x + 3 * (size_t)k,
                   force + 3 * (size_t)k);
 }
 

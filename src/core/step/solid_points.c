@@ -10,17 +10,17 @@ static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *
     const struct face_grid grid = {solid->open, model->grid * spacing, model->outside * spacing,
                                    model->beyond * spacing};
     if (!solid->is_box)
-        return sample_mesh_surface(sim->context, &solid->mesh, model->spots * spacing,
+        return sample_mesh_surface(sim->context, &solid->mesh, model->mesh_spacing * spacing,
                                    &sim->boundary);
     return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
 }
 
 /* Solid number k of the scene. */
 static pdyn_status sample_solid(struct pdyn_sim *sim, int k, double spacing) {
-    struct patches *all = &sim->boundary;
+    struct boundary_points *all = &sim->boundary;
     int first = all->at.count;
     pdyn_status status = sample_shape(sim, &sim->scene.solid[k], spacing);
-    for (int i = first; status == PDYN_OK && i < all->at.count; i++) all->patch[i].solid = k;
+    for (int i = first; status == PDYN_OK && i < all->at.count; i++) all->point[i].solid = k;
     return status;
 }
 
@@ -59,11 +59,11 @@ static pdyn_status fill_published(struct pdyn_sim *sim, double spacing, double *
 
 pdyn_status solid_points_fill(struct pdyn_sim *sim, double spacing, double *volume, bool *is_wall) {
     const struct boundary_model *model = sim->scene.settings.boundary;
-    const struct patches *all = &sim->boundary;
+    const struct boundary_points *all = &sim->boundary;
     for (int k = 0; k < all->at.count; k++) {
-        const struct patch *patch = &all->patch[k];
-        is_wall[k] = model->volumes || patch->of_box;
-        volume[k] = (patch->of_box ? model->layer : 1.0) * patch->area * spacing;
+        const struct boundary_point *point = &all->point[k];
+        is_wall[k] = model->volumes || point->of_box;
+        volume[k] = (point->of_box ? model->layer : 1.0) * point->area * spacing;
     }
     return model->volumes ? fill_published(sim, spacing, volume) : PDYN_OK;
 }

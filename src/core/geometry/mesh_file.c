@@ -1,0 +1,292 @@
+/* Reading mesh and particle files: words, growing arrays, errors with file and line. */
+#include "mesh_file.h"
+
+#include "base/text.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const double max_speed = 1e6; /* m/s: the bound of velocities in scenes, too */
+
+/* ---- words and errors ----------------------------------------------------------------------- */
+
+bool mesh_file_at_end(const struct mesh_file *file) { return file->at == file->data + file->size; }
+
+struct mesh_word mesh_file_word(struct mesh_file *file) {
+    while (*file->at != '\n' && isspace((unsigned char)*file->at)) file->at++;
+    const char *start = file->at;
+    while (!mesh_file_at_end(file) && !isspace((unsigned char)*file->at)) file->at++;
+    file->last = start;
+    return (struct mesh_word){start, (size_t)(file->at - start)};
+}
+
+void mesh_file_next_line(struct mesh_file *file) {
+    const char *end = file->data + file->size;
+    const char *newline = memchr(file->at, '\n', (size_t)(end - file->at));
+    file->at = newline ? newline + 1 : end;
+    file->line += newline != NULL;
+}
+
+void mesh_file_skip_blank(struct mesh_file *file) {
+    struct mesh_word word;
+    while (!(word = mesh_file_word(file)).length && !mesh_file_at_end(file))
+        mesh_file_next_line(file);
+    file->at = word.text;
+}
+
+bool mesh_word_is(struct mesh_word word, const char *text) {
+    return word.length == strlen(text) && !memcmp(word.text, text, word.length);
+}
+
+bool mesh_word_number(struct mesh_word word, double *value) {
+    if (!word.length) return false;
+    char *end;
+    *value = strtod(word.text, &end);
+    return end == word.text + word.length;
+}
+
+double mesh_from_float(uint64_t bits) {
+    uint32_t low = (uint32_t)bits;
+    float value;
+    memcpy(&value, &low, sizeof value);
+    return value;
+}
+
+double mesh_from_double(uint64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+pdyn_status mesh_file_fail(const struct mesh_file *file, const char *format, ...) {
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    for (char *c = text; *c; c++)
+        if (!isprint((unsigned char)*c)) *c = '?';
+    if (file->binary)
+        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: byte %td: %s", file->path,
+                            file->last - file->data, text);
+    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%ld: %s", file->path, file->line,
+                        text);
+}
+
+pdyn_status mesh_file_expected(const struct mesh_file *file, const char *what,
+                               struct mesh_word found) {
+    if (found.length)
+        return mesh_file_fail(file, "expected %s, found '%.*s'", what,
+                              found.length < 40 ? (int)found.length : 40, found.text);
+    return mesh_file_fail(file, "expected %s, found the end of the %s", what,
+                          file->binary || mesh_file_at_end(file) ? "file" : "line");
+}
+
+/* ---- appending ----------------------------------------------------------------------- */
+
+bool mesh_file_reserve(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
+    if (bytes <= array->bytes) return true;
+    size_t room = bytes > 2 * array->bytes ? bytes : 2 * array->bytes;
+    void *moved = context_resize(file->context, array->data, array->bytes, room);
+    if (!moved) return context_no_memory(file->context), false;
+    *array = (struct mesh_array){moved, room};
+    return true;
+}
+
+pdyn_status mesh_file_vertex(struct mesh_file *file, const double x[3]) {
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(x[k]) <= mesh_max_coordinate))
+            return mesh_file_fail(file, "vertex %d: expected a finite %c of at most %g m, found %g",
+                                  file->vertices + file->first_index, "xyz"[k], mesh_max_coordinate,
+                                  x[k]);
+    if (file->vertices == MESH_MAX) return mesh_file_fail(file, "more than %d vertices", MESH_MAX);
+    size_t bytes = 3 * sizeof(double);
+    if (!mesh_file_reserve(file, &file->vertex, ((size_t)file->vertices + 1) * bytes))
+        return PDYN_NO_MEMORY;
+    memcpy((double *)file->vertex.data + 3 * file->vertices++, x, bytes);
+    return PDYN_OK;
+}
+
+pdyn_status mesh_file_velocity(struct mesh_file *file, const double v[3]) {
+    for (int k = 0; k < 3; k++)
+        if (!(fabs(v[k]) <= max_speed))
+            return mesh_file_fail(file,
+                                  "velocity %d: expected a finite %c of at most %g m/s, found %g",
+                                  file->velocities + file->first_index, "xyz"[k], max_speed, v[k]);
+    if (file->velocities == MESH_MAX)
+        return mesh_file_fail(file, "more than %d velocities", MESH_MAX);
+    size_t bytes = 3 * sizeof(double);
+    if (!mesh_file_reserve(file, &file->velocity, ((size_t)file->velocities + 1) * bytes))
+        return PDYN_NO_MEMORY;
+    memcpy((double *)file->velocity.data + 3 * file->velocities++, v, bytes);
+    return PDYN_OK;
+}
+
+void mesh_file_begin_face(struct mesh_file *file) { file->faces++, file->corners = 0; }
+
+static pdyn_status add_triangle(struct mesh_file *file, int a, int b, int c) {
+    if (file->triangles == MESH_MAX)
+        return mesh_file_fail(file, "more than %d triangles", MESH_MAX);
+    size_t bytes = ((size_t)file->triangles + 1) * 3 * sizeof(int);
+    if (!mesh_file_reserve(file, &file->triangle, bytes)) return PDYN_NO_MEMORY;
+    int *triangle = (int *)file->triangle.data + 3 * file->triangles++;
+    triangle[0] = a, triangle[1] = b, triangle[2] = c;
+    return PDYN_OK;
+}
+
+pdyn_status mesh_file_corner(struct mesh_file *file, int index) {
+    if (!mesh_file_reserve(file, &file->last_face, (size_t)file->vertices * sizeof(int)))
+        return PDYN_NO_MEMORY;
+    int *last = (int *)file->last_face.data + index;
+    if (*last == file->faces)
+        return mesh_file_fail(file, "the face uses vertex %d twice", index + file->first_index);
+    *last = file->faces;
+    pdyn_status status = PDYN_OK;
+    if (file->corners >= 2) status = add_triangle(file, file->first, file->previous, index);
+    if (!file->corners++) file->first = index;
+    file->previous = index;
+    return status;
+}
+
+pdyn_status mesh_file_end_face(const struct mesh_file *file) {
+    if (file->corners >= 3) return PDYN_OK;
+    return mesh_file_fail(file, "expected a face of at least 3 vertices, found %d", file->corners);
+}
+
+/* ---- reading -------------------------------------------------------------------------------- */
+
+static pdyn_status load_open(struct mesh_file *file, int descriptor) {
+    struct stat info;
+    if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))
+        return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: expected a regular file",
+                            file->path);
+    if (!info.st_size)
+        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file is empty",
+                            file->path);
+    file->data = NEW_ARRAY(file->context, info.st_size + 1, char);
+    if (!file->data) return PDYN_NO_MEMORY;
+    file->size = (size_t)info.st_size;
+    file->at = file->data;
+    for (size_t have = 0; have < file->size;) {
+        ssize_t more = read(descriptor, file->data + have, file->size - have);
+        if (more <= 0)
+            return context_fail(file->context, PDYN_IO_FAILED,
+                                "%.1024s: reading stopped at byte %zu of %zu: %s", file->path, have,
+                                file->size, more ? strerror(errno) : "the file shrank");
+        have += (size_t)more;
+    }
+    return PDYN_OK;
+}
+
+pdyn_status mesh_file_load(struct mesh_file *file) {
+    int descriptor =
+        open(file->path,
+             O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a pipe must not wait */
+    if (descriptor < 0)
+        return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s",
+                            file->path, strerror(errno));
+    pdyn_status status = load_open(file, descriptor);
+    close(descriptor);
+    return status;
+}
+
+static pdyn_status parse(struct mesh_file *file, pdyn_status (*format)(struct mesh_file *)) {
+    struct text_locale locale;
+    if (!text_begin(&locale)) return context_no_memory(file->context);
+    pdyn_status status = format(file);
+    text_end(&locale);
+    return status;
+}
+
+static void release(const struct mesh_file *file, struct mesh_array *array) {
+    context_resize(file->context, array->data, array->bytes, 0);
+    *array = (struct mesh_array){0};
+}
+
+void *mesh_file_detach(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
+    void *taken = context_resize(file->context, array->data, array->bytes, bytes);
+    if (taken || !bytes) *array = (struct mesh_array){0};
+    return taken;
+}
+
+struct format {
+    const char *ending;
+    pdyn_status (*parse)(struct mesh_file *file);
+};
+
+/* Reads a file in one of two formats, chosen by its ending. The caller calls mesh_file_release,
+ * after a failure, too. */
+static pdyn_status read_file(struct mesh_file *file, const struct format formats[2],
+                             const char *what) {
+    size_t length = strlen(file->path), k = 0;
+    file->line = 1;
+    while (k < 2 && (length < 4 || strcasecmp(file->path + length - 4, formats[k].ending))) k++;
+    if (k == 2)
+        return context_fail(file->context, PDYN_BAD_INPUT,
+                            "%.1024s: expected a %s ending with %s or %s", file->path, what,
+                            formats[0].ending, formats[1].ending);
+    pdyn_status status = mesh_file_load(file);
+    return status == PDYN_OK ? parse(file, formats[k].parse) : status;
+}
+
+void mesh_file_release(struct mesh_file *file) {
+    release(file, &file->vertex);
+    release(file, &file->triangle);
+    release(file, &file->velocity);
+    release(file, &file->last_face);
+    FREE_ARRAY(file->context, file->data, file->size + 1);
+}
+
+static pdyn_status detach_mesh(struct mesh_file *file, struct mesh *out) {
+    if (!file->triangles)
+        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles",
+                            file->path);
+    size_t vertices = (size_t)file->vertices, triangles = (size_t)file->triangles;
+    out->vertices = file->vertices, out->triangles = file->triangles;
+    out->vertex = mesh_file_detach(file, &file->vertex, 3 * vertices * sizeof(double));
+    out->triangle = mesh_file_detach(file, &file->triangle, 3 * triangles * sizeof(int));
+    if (out->vertex && out->triangle) return PDYN_OK;
+    mesh_free(file->context, out);
+    return context_no_memory(file->context);
+}
+
+pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out) {
+    static const struct format formats[2] = {{".obj", mesh_obj_parse}, {".ply", mesh_ply_parse}};
+    struct mesh_file file = {.context = context, .path = path};
+    *out = (struct mesh){0};
+    pdyn_status status = read_file(&file, formats, "mesh file");
+    if (status == PDYN_OK) status = detach_mesh(&file, out);
+    mesh_file_release(&file);
+    return status;
+}
+
+static pdyn_status detach_particles(struct mesh_file *file, struct particles *out) {
+    if (!file->vertices)
+        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file has no particles",
+                            file->path);
+    size_t bytes = 3 * (size_t)file->vertices * sizeof(double);
+    bool moving = file->velocities;
+    out->count = file->vertices;
+    out->x = mesh_file_detach(file, &file->vertex, bytes);
+    if (moving) out->v = mesh_file_detach(file, &file->velocity, bytes);
+    if (out->x && (out->v || !moving)) return PDYN_OK;
+    particles_free(file->context, out);
+    return context_no_memory(file->context);
+}
+
+pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out) {
+    static const struct format formats[2] = {{".ply", mesh_ply_parse}, {".vtk", mesh_vtk_parse}};
+    struct mesh_file file = {.context = context, .path = path, .only_points = true};
+    *out = (struct particles){0};
+    pdyn_status status = read_file(&file, formats, "file of particles");
+    if (status == PDYN_OK) status = detach_particles(&file, out);
+    mesh_file_release(&file);
+    return status;
+}
