@@ -34,11 +34,11 @@ static void test_places(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, drop);
-    const struct samples *s = sim->samples;
+    const struct surface_samples *s = sim->samples;
     const pdyn_body *sheet = &sim->body[1];
     int n = sim->objective.particles;
     double spacing = 0.5 * 0.02, *x = array(3 * (n + s->count)), area = 0.0;
-    samples_extend(s, sim->x, x);
+    samples_interpolate(s, sim->x, x);
     for (int k = 0; k < s->count; k++) {
         const double *w = s->weight + 3 * k, *at = x + 3 * (n + k);
         assert_true(fabs(w[0] + w[1] + w[2] - 1.0) < 1e-12);
@@ -71,20 +71,20 @@ static void test_places(void **state) {
 }
 
 /* Every so many-th sample is in some list from now on. */
-static void reach_every(struct samples *s, int many) {
+static void reach_every(struct surface_samples *s, int many) {
     int points = s->particles + s->count;
     int *start = calloc((size_t)points, sizeof *start), *end = calloc((size_t)points, sizeof *end);
     assert_true(start && end);
     for (int k = 0; k < s->count; k++) end[s->particles + k] = k % many == 0;
-    samples_reach(s, &(pdyn_neighbours){.start = start, .end = end});
-    assert_int_equal(s->live, (s->count + many - 1) / many);
+    samples_update_active(s, &(pdyn_neighbours){.start = start, .end = end});
+    assert_int_equal(s->active_count, (s->count + many - 1) / many);
     free(start), free(end);
 }
 
 /* (y, S' z) is the transpose of (x, S x), also where some samples are out of reach; blocks that are
  * lumped hold more than S' D S. */
 static void check_gather(pdyn_sim *sim, int many) {
-    struct samples *s = sim->samples;
+    struct surface_samples *s = sim->samples;
     int n = 3 * sim->objective.particles, all = n + 3 * s->count;
     double *x = array(n), *y = array(n), *up = array(all), *z = array(all);
     double *D = array(2 * all), *blocks = array(2 * n), left = 0.0, right = 0.0, held = 0.0;
@@ -92,22 +92,22 @@ static void check_gather(pdyn_sim *sim, int many) {
     for (int k = 0; k < n; k++) x[k] = test_random(&seed);
     reach_every(s, many);
     for (int k = 0; k < n; k++) z[k] = test_random(&seed);
-    for (int k = 0; k < s->live; k++)
-        for (int a = 0; a < 3; a++) z[n + 3 * s->near[k] + a] = test_random(&seed);
-    samples_extend(s, x, up), samples_follow(s, x);
+    for (int k = 0; k < s->active_count; k++)
+        for (int a = 0; a < 3; a++) z[n + 3 * s->active[k] + a] = test_random(&seed);
+    samples_interpolate(s, x, up), samples_interpolate_active(s, x);
     for (int k = 0; k < all; k++) assert_true(z[k] == 0.0 || s->input[k] == up[k]);
-    samples_gather(s, z, y);
+    samples_scatter(s, z, y);
     for (int k = 0; k < n; k++) left += y[k] * x[k];
     for (int k = 0; k < all; k++) right += z[k] * up[k];
     assert_true(fabs(left - right) < 1e-12 * fabs(left));
     for (int k = 0; k < all / 3; k++) D[6 * k] = D[6 * k + 3] = D[6 * k + 5] = 1.0 + z[3 * k];
-    samples_gather_blocks(s, D, blocks);
+    samples_scatter_blocks(s, D, blocks);
     for (int k = 0; k < n / 3; k++) held += blocks[6 * k] * vec3_dot(x + 3 * k, x + 3 * k);
     right = 0.0;
     for (int k = 0; k < all / 3; k++)
         if (k < n / 3 || D[6 * k] != 1.0) right += D[6 * k] * vec3_dot(up + 3 * k, up + 3 * k);
     assert_true(held >= right);
-    samples_gather(s, z, z);
+    samples_scatter(s, z, z);
     for (int k = 0; k < n; k++) assert_true(z[k] == y[k]);
     free(x), free(y), free(up), free(z), free(D), free(blocks);
 }
@@ -158,7 +158,7 @@ static void test_stretch(void **state) {
     const pdyn_body *sheet = &sim->body[1];
     for (int i = sheet->first; i < sheet->first + sheet->count; i++)
         for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= 1.1;
-    samples_stretch(sim->samples, sim->x);
+    samples_update_volumes(sim->samples, sim->x);
     for (int k = 0; k < sim->samples->count; k++)
         assert_true(fabs(sim->samples->volume[k] / sim->samples->rest_volume[k] - 1.21) < 1e-12);
     pdyn_free(sim);

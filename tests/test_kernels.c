@@ -87,17 +87,17 @@ static void walk(pdyn_context *context, double stride, int moving, double away) 
                                        .skin = 0.02};
     assert_int_equal(neighbours_create(context, &points, NULL, &n), PDYN_OK);
     for (int move = 0; move < 40; move++) {
-        if (!neighbours_hold(n, c->x)) assert_int_equal(neighbours_build(n, c->x), PDYN_OK);
+        if (!neighbours_are_valid(n, c->x)) assert_int_equal(neighbours_build(n, c->x), PDYN_OK);
         check_lists(neighbours_view(n), c, c->x);
         for (int k = 0; k < 3 * N; k++) c->x[k] += stride * test_random(&seed);
         for (int k = 0; k < 3 * moving; k++) carried[k] += k % 2 ? 0.0015 : -0.0015;
-        if (moving) neighbours_move(n, carried);
+        if (moving) neighbours_move_boundary(n, carried);
     }
     unsigned revision = neighbours_view(n)->revision;
     assert_true(revision > 1 && revision < 40); /* kept at times, rebuilt at times */
     assert_int_equal(neighbours_view(n)->boundary_revision, moving ? 40 : 0);
     c->x[7] = NAN;
-    assert_false(neighbours_hold(n, c->x));
+    assert_false(neighbours_are_valid(n, c->x));
     assert_int_equal(neighbours_build(n, c->x), PDYN_DIVERGED);
     neighbours_free(n);
     free(c);

@@ -64,7 +64,7 @@ static void count_sides(void *arg, int first, int last, int block) {
 /* Entries that are not needed select the sample's first corner with 0. */
 static void set_side(const struct wet_sides *d, int e, int sample, const double n[3],
                      const struct side *side) {
-    const struct samples *s = d->samples;
+    const struct surface_samples *s = d->samples;
     pdyn_wet_side *to = &d->side[e];
     double area = s->volume[sample];
     for (int k = 0; k < WIDTH; k++) to->particle[k] = s->vertex[3 * sample], to->coefficient[k] = 0;
@@ -122,7 +122,7 @@ pdyn_status wet_sides_find(struct wet_sides *d, const double *x) {
 
 /* The rates of a body's samples, which all have the same part of its area. */
 static void set_rates(struct wet_sides *d, const pdyn_body *body, double friction) {
-    const struct samples *s = d->samples;
+    const struct surface_samples *s = d->samples;
     double area = 0.0;
     int count = 0;
     for (int t = 0; t < body->triangles; t++) area += body->triangle_area[t];
@@ -142,7 +142,7 @@ static bool has_friction(const struct scene *scene) {
 }
 
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
-                             const pdyn_body *body, int particles, const struct samples *samples,
+                             const pdyn_body *body, int particles, const struct surface_samples *samples,
                              const pdyn_neighbours *lists, struct wet_sides **out) {
     if (!has_friction(scene)) return PDYN_OK;
     struct wet_sides *d = *out = NEW_ARRAY(context, 1, struct wet_sides);

@@ -16,7 +16,7 @@ struct scene;
 
 struct wet_sides {
     pdyn_context *context;
-    const struct samples *samples;
+    const struct surface_samples *samples;
     const pdyn_neighbours *lists;
     pdyn_body all; /* every particle of the system, for the batch */
     double *rate;  /* samples, N s/m: friction times the area at rest */
@@ -30,7 +30,7 @@ struct wet_sides {
 /* Of bodies with `fluid_friction`; *out stays NULL where there are none. After a failure *out is to
  * be freed, too. */
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
-                             const pdyn_body *body, int particles, const struct samples *samples,
+                             const pdyn_body *body, int particles, const struct surface_samples *samples,
                              const pdyn_neighbours *lists, struct wet_sides **out);
 void wet_sides_free(struct wet_sides *wet_sides);
 

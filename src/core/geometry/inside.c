@@ -54,8 +54,7 @@ static unsigned char *marks(const struct lattice *l, long j, long k) {
     return l->mark + (size_t)(l->n[0] * (j + l->n[1] * k));
 }
 
-/* ---- crossings of rows ------------------------------------------------------------------------
- */
+/* ---- crossings of rows ----------------------------------------------------------------------- */
 
 /* Intersects an edge with layer k, which lies between its ends: (x, y) of the point. */
 static void cut_edge(const struct lattice *l, const double *p, const double *q, long k,
@@ -94,8 +93,7 @@ static void mark_passed(const struct lattice *l, const double *const corner[3]) 
     }
 }
 
-/* ---- distance to the mesh ---------------------------------------------------------------------
- */
+/* ---- distance to the mesh -------------------------------------------------------------------- */
 
 static double distance_to_edge(const double *x, const double *p, const double *q) {
     double along[3], from[3];

@@ -15,7 +15,7 @@
 
 static const double max_speed = 1e6; /* m/s: the bound of velocities in scenes, too */
 
-/* ---- words and errors ----------------------------------------------------------------------- */
+/* ---- words and errors ------------------------------------------------------------------------ */
 
 bool mesh_file_at_end(const struct mesh_file *file) { return file->at == file->data + file->size; }
 
@@ -89,7 +89,7 @@ pdyn_status mesh_file_expected(const struct mesh_file *file, const char *what,
                           file->binary || mesh_file_at_end(file) ? "file" : "line");
 }
 
-/* ---- appending ----------------------------------------------------------------------- */
+/* ---- appending ------------------------------------------------------------------------------- */
 
 bool mesh_file_reserve(const struct mesh_file *file, struct mesh_array *array, size_t bytes) {
     if (bytes <= array->bytes) return true;
@@ -160,7 +160,7 @@ pdyn_status mesh_file_end_face(const struct mesh_file *file) {
     return mesh_file_fail(file, "expected a face of at least 3 vertices, found %d", file->corners);
 }
 
-/* ---- reading -------------------------------------------------------------------------------- */
+/* ---- reading --------------------------------------------------------------------------------- */
 
 static pdyn_status load_open(struct mesh_file *file, int descriptor) {
     struct stat info;

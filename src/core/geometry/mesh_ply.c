@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- types of numbers ----------------------------------------------------------------------- */
+/* ---- types of numbers ------------------------------------------------------------------------ */
 
 static double from_int8(uint64_t bits) { return (int8_t)bits; }
 static double from_int16(uint64_t bits) { return (int16_t)bits; }
@@ -33,7 +33,7 @@ static const struct type types[] = {
     {"double", "float64", 8, mesh_from_double, false, 0, 0},
 };
 
-/* ---- formats: how a number is written ------------------------------------------------------- */
+/* ---- formats: how a number is written -------------------------------------------------------- */
 
 static bool is_whole(double value, double min, double max) {
     return value >= min && value <= max && value == floor(value);
@@ -82,7 +82,7 @@ static const struct format formats[] = {
     {"binary_big_endian", true, read_big},
 };
 
-/* ---- the header ----------------------------------------------------------------------------- */
+/* ---- the header ------------------------------------------------------------------------------ */
 
 enum { SLOT_X, SLOT_Y, SLOT_Z, SLOT_VX, SLOT_VY, SLOT_VZ, SLOT_CORNERS, SLOT_NONE, SLOTS };
 enum {
@@ -289,7 +289,7 @@ static pdyn_status read_header(struct ply *ply) {
     return check_header(ply);
 }
 
-/* ---- the values ----------------------------------------------------------------------------- */
+/* ---- the values ------------------------------------------------------------------------------ */
 
 struct place { /* the current element, for error messages */
     const struct element *element;

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- numbers -------------------------------------------------------------------------------- */
+/* ---- numbers --------------------------------------------------------------------------------- */
 
 struct type {
     const char *name;
@@ -61,7 +61,7 @@ static pdyn_status read_values(struct mesh_file *file, const struct type *type, 
     return status;
 }
 
-/* ---- words of a section's first line -------------------------------------------------------- */
+/* ---- words of a section's first line --------------------------------------------------------- */
 
 struct vtk {
     struct mesh_file *file;
@@ -91,7 +91,7 @@ static pdyn_status read_real_type(struct mesh_file *file, const struct type **ou
     return mesh_file_fail(file, "expected float or double, found %s", (*out)->name);
 }
 
-/* ---- sections ------------------------------------------------------------------------------- */
+/* ---- sections -------------------------------------------------------------------------------- */
 
 static pdyn_status read_dataset(struct vtk *vtk) {
     struct mesh_word word = mesh_file_word(vtk->file);

@@ -99,7 +99,7 @@ pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *bo
     return status;
 }
 
-/* ---- surfaces of meshes: a greedy Poisson-disk set ------------------------------------------ */
+/* ---- surfaces of meshes: a greedy Poisson-disk set ------------------------------------------- */
 
 static pdyn_status append_point(pdyn_context *context, struct surface_points *points,
                                 const struct surface_point *point) {
@@ -187,7 +187,7 @@ static pdyn_status thin_candidates(pdyn_context *context, struct surface_points 
     return status;
 }
 
-/* ---- area of points ------------------------------------------------------------------------ */
+/* ---- area of points -------------------------------------------------------------------------- */
 
 enum { NEAR = 256 }; /* largest number of points near a place of the surface; about 10 occur */
 

@@ -55,8 +55,7 @@ static pdyn_status read_point(struct mesh_file *file) {
     return mesh_file_vertex(file, x);
 }
 
-/* ---- vertices by tag --------------------------------------------------------------------------
- */
+/* ---- vertices by tag ------------------------------------------------------------------------- */
 
 /* Appends the tag of the vertex with index `count`. */
 static pdyn_status add_tag(struct reader *r, size_t count, long tag) {

@@ -140,8 +140,7 @@ pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, co
     return check_edges(context, mesh, name, check_closed_edge);
 }
 
-/* ---- vertices at the same place ---------------------------------------------------------------
- */
+/* ---- vertices at the same place -------------------------------------------------------------- */
 
 static int compare_positions(const void *a, const void *b, void *vertex) {
     const double *x = (const double *)vertex + 3 * (size_t) * (const int *)a;
@@ -163,7 +162,7 @@ pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh
     return PDYN_OK;
 }
 
-/* ---- topology ------------------------------------------------------------------------------- */
+/* ---- topology -------------------------------------------------------------------------------- */
 
 static bool resize_arrays(pdyn_context *context, struct topology *t, enum array_action action) {
     const struct array_entry table[] = {

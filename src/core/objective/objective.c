@@ -45,14 +45,14 @@ static void inertia(void *arg, int first, int last, int block) {
 /* The points of SPH sums: particles, then samples of surfaces. */
 static const double *extend(const struct objective *sys, const double *x) {
     if (!sys->samples) return x;
-    samples_extend(sys->samples, x, sys->samples->x);
+    samples_interpolate(sys->samples, x, sys->samples->x);
     return sys->samples->x;
 }
 
 pdyn_status objective_share_lists(struct objective *sys) {
     const pdyn_neighbours *view = neighbours_view(sys->neighbours);
     pdyn_status status = PDYN_OK;
-    if (sys->samples) samples_reach(sys->samples, view);
+    if (sys->samples) samples_update_active(sys->samples, view);
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
         status = batch_neighbours(sys->batch[b], view);
     sys->lists = view->revision;
@@ -73,7 +73,7 @@ pdyn_status objective_build_lists(struct objective *sys, const double *x) {
 }
 
 static bool lists_hold(const struct objective *sys, const double *x) {
-    return !sys->neighbours || neighbours_hold(sys->neighbours, x);
+    return !sys->neighbours || neighbours_are_valid(sys->neighbours, x);
 }
 
 pdyn_status objective_ensure_lists(struct objective *sys, const double *x, const double **all) {
@@ -85,7 +85,7 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
                             double *gradient) {
     const double *all;
     pdyn_status status = objective_ensure_lists(sys, x, &all);
-    if (sys->neighbours) neighbours_decided(sys->neighbours);
+    if (sys->neighbours) neighbours_freeze_visibility(sys->neighbours);
     if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
@@ -107,7 +107,7 @@ pdyn_status objective_limit(struct objective *sys, const double *x, double *way)
     for (int i = 0; i < sys->particles + samples; i++) way[i] = INFINITY;
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
         batch_limit(sys->batch[b], all, way);
-    if (samples) samples_limit(sys->samples, way);
+    if (samples) samples_limit_motion(sys->samples, way);
     return status;
 }
 

@@ -36,7 +36,7 @@ struct objective {
     struct contact *contact;       /* NULL in a scene without contact */
     struct wet_sides *wet_sides;   /* NULL where no surface has friction with a fluid */
     struct neighbours *neighbours; /* NULL where no constraint needs them */
-    struct samples *samples;       /* on surfaces, for SPH sums; NULL: none */
+    struct surface_samples *samples;       /* on surfaces, for SPH sums; NULL: none */
     unsigned lists;                /* revision of the neighbour lists */
     bool dynamic_rows;             /* some batch changes its elements from step to step */
     int bodies;

@@ -32,7 +32,7 @@ static void for_range(struct batch *batch, int count, int grain, pdyn_range_fn *
 /* u with the values of samples. A caller that has u in samples->input already saves a copy. */
 static const double *extend(const struct batch *b, const double *u) {
     if (!b->samples) return u;
-    samples_follow(b->samples, u);
+    samples_interpolate_active(b->samples, u);
     return b->samples->input;
 }
 
@@ -46,7 +46,7 @@ static double *begin_output(const struct batch *b, double *y) {
 }
 
 static void end_output(const struct batch *b, double *y) {
-    if (b->samples) samples_gather(b->samples, b->samples->output, y);
+    if (b->samples) samples_scatter(b->samples, b->samples->output, y);
 }
 
 /* ---- the rows: u = G x, flux -> particles ---------------------------------------------------- */
@@ -452,7 +452,7 @@ void batch_velocity(struct batch *b, double *v) {
         b->type->matrix_free->velocity(b->op, v);
         return;
     }
-    samples_follow(b->samples, v);
+    samples_interpolate_active(b->samples, v);
     b->type->matrix_free->velocity(b->op, b->samples->input);
     memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }
@@ -559,7 +559,7 @@ void batch_diagonal(struct batch *b, double *blocks) {
     if (b->op && b->samples) {
         memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
         one_sided_diagonal(&b->one_sided, b->eps, b->samples->blocks);
-        samples_gather_blocks(b->samples, b->samples->blocks, blocks);
+        samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
     } else if (b->op) one_sided_diagonal(&b->one_sided, b->eps, blocks);
     else if (b->linear) linear_rows_diagonal(b->linear, blocks);
     else for_range(b, b->touch_count, PARTICLES, diagonal_of(b), NULL, blocks, 0.0);

@@ -1,19 +1,22 @@
+/* The boundary models "surface" and "points". */
 #include "boundary.h"
 
 #include "kernel.h"
 #include "neighbours.h"
 #include "scene/choices.h"
 
-/* Walls of a box have water on one side. Points that lie behind them push ever harder as a particle
- * comes closer, and go on where it is behind the face. As far away as this, and with this volume, a
- * plane adds 0.150 half a spacing in front of the face, and -1.15 per spacing: the lowest layer of
- * water at rest then has the pressure of its depth. A lattice of particles that touches the faces
- * is at rest (1.00 at walls, edges and in corners): for that, grids go on beyond the edges. A
- * plane's sum varies by 3 % over the grid, that of the surface kernel by 3 % over a mesh
- * (test_interface.c). As published, so far outside, such a lattice has 0.999, 1.000 and 1.004. */
+/* Walls of a box have fluid on one side only, so their points lie behind the faces: the force then
+ * grows monotonically while a particle approaches, and continues to grow behind the face.
+ * "surface": at the distance `outside` and with the volume per area `layer`, a plane of points adds
+ * 0.150 at half a spacing in front of the face, with slope -1.15 per spacing; the lowest layer of
+ * water at rest then has hydrostatic pressure. A particle lattice that touches the faces is at rest
+ * (density ratio 1.00 at walls, edges and corners); for that, grids extend past the edges by
+ * `beyond`. The sum of a plane varies by 3 % over the grid, the sum of the surface kernel by 3 %
+ * over a mesh (test_interface.c). "points": with the published distance such a lattice has density
+ * ratios 0.999, 1.000 and 1.004. */
 static const struct boundary_model boundary_models[] = {
     {.name = "surface",
-     .summary = "a surface acts from where it is",
+     .summary = "surface integral: fluid rests at half a spacing from the surface",
      .grid = 1.0,
      .outside = 1.01,
      .beyond = 0.35,
@@ -21,7 +24,7 @@ static const struct boundary_model boundary_models[] = {
      .mesh_spacing = 0.5,
      .support = 0.99498743710662}, /* q = d */
     {.name = "points",
-     .summary = "boundary particles (Akinci et al. 2012), which hold fluid off by 0.7 spacings",
+     .summary = "boundary particles (Akinci et al. 2012): fluid rests at 0.7 spacings",
      .grid = 1.0,
      .outside = 0.6,
      .beyond = 0.6,

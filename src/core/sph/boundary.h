@@ -1,4 +1,4 @@
-/* How surfaces act on a fluid: where points lie on them, and what these add to its density. */
+/* Boundary models: where points lie on surfaces and what they add to the density of a fluid. */
 #ifndef PDYN_BOUNDARY_H
 #define PDYN_BOUNDARY_H
 
@@ -6,18 +6,18 @@
 
 struct boundary_model {
     const char *name, *summary;
-    /* all lengths in spacings of the fluid's particles */
-    double grid, outside, beyond; /* of points of a box, see face_grid */
-    double layer;                 /* of points of a box: volume per area; 0: 1 / sum W */
-    double mesh_spacing;                 /* between points of a mesh, as sample_triangles says */
-    double support;               /* of the kernel of meshes */
-    bool volumes; /* points of meshes have volumes 1 / sum W (Akinci et al. 2012) and the
-                     kernel of particles; otherwise areas, and the surface kernel (kernel.h) */
+    /* lengths in units of the particle spacing of the fluid */
+    double grid, outside, beyond; /* grid of points on the faces of a box, see struct face_grid */
+    double layer;                 /* volume per area of points on a box; 0: volumes are 1 / sum W */
+    double mesh_spacing;          /* spacing of points on a mesh, see sample_triangles */
+    double support;               /* support of the kernel of points on meshes */
+    bool volumes; /* points on meshes have volumes 1 / sum W (Akinci et al. 2012) and the kernel of
+                   * particles; false: they have areas and the surface kernel (kernel.h) */
 };
 
-/* What the points of a surface count in SPH sums, m^3, from their areas, m^2: area times spacing,
- * or a volume. thickness: m, of a sheet; its two sides lie half of that from the points, up to 0.3
- * spacings. spacing: m, of the particles. */
+/* Computes the volumes, m^3, with which the points of a surface enter SPH sums, from their areas,
+ * m^2: area times spacing, or 1 / sum W. x: count x 3, m. thickness: m, of a sheet; its sides are
+ * half of it away from the points, at most 0.3 spacings are used. spacing: m, of the particles. */
 pdyn_status boundary_volumes(pdyn_context *context, const struct boundary_model *model, int count,
                              const double *x, const double *area, double thickness, double spacing,
                              double *volume);

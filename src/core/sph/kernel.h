@@ -1,5 +1,5 @@
-/* Kernels of the density: the cubic spline (Monaghan 1992), normalised in 3-D, with compact support
- * H, between particles of a fluid; another one between these and surfaces. */
+/* Kernels of the density sums: the cubic spline W (Monaghan 1992, normalised in 3-D, support H)
+ * between fluid particles, and the surface kernel S between particles and surfaces. */
 #ifndef PDYN_KERNEL_H
 #define PDYN_KERNEL_H
 
@@ -18,7 +18,7 @@ static inline struct kernel kernel_make(double support) {
     return (struct kernel){support, 1.0 / support, value, 6.0 * value / (support * support)};
 }
 
-/* W(r), 1/m^3; zero from r = H on. */
+/* W(r), 1/m^3; zero for r >= H. */
 static inline double kernel_value(const struct kernel *k, double r) {
     double q = r * k->inverse, rest = 1.0 - q;
     if (q <= 0.5) return k->value * (1.0 - 6.0 * q * q * rest);
@@ -32,22 +32,23 @@ static inline double kernel_slope(const struct kernel *k, double r) {
     return q < 1.0 ? -k->slope * rest * rest / q : 0.0;
 }
 
-/* What a surface adds to the density of a fluid of particle spacing d: a unit of area at distance r
+/* The surface kernel: what a unit of area at distance r adds to the density of a fluid with
+ * particle spacing d,
  *
- *     S(r) = 2 A / (pi d q) (1 - q/d)^3,   q^2 = r^2 + (d/10)^2,   S = 0 from q = d on,
+ *     S(r) = 2 A / (pi d q) (1 - q/d)^3,   q^2 = r^2 + (d/10)^2,   S = 0 for q >= d.
  *
- * so that a plane at distance z adds lambda(z) = A (1 - q(z)/d)^4. It stands for the half space of
- * fluid that is missing behind the plane. A cubic lattice that begins half a spacing from it needs
- * there a value of 0.150 and, because a surface has no constraint of its own that pushes back,
- * twice the slope of a layer of particles, -1.02/d. In water at rest, which is less regular, A
- * = 2.2 keeps the distance (0.127 and -1.02/d). Near the surface lambda is above one: a particle
- * alone is compressed there, and does not pass. */
+ * A plane at distance z then adds lambda(z) = A (1 - q(z)/d)^4, in place of the half space of fluid
+ * that is missing behind the plane. At z = d/2 a cubic lattice needs lambda = 0.150 and, because a
+ * surface has no density constraint that pushes back, twice the slope of a layer of particles,
+ * -1.02/d. Water at rest is less regular and keeps the distance d/2 with A = 2.2 (lambda = 0.127,
+ * slope -1.02/d). Close to the surface lambda exceeds 1, so that a single particle is compressed
+ * and cannot pass. */
 #define SURFACE_AMPLITUDE 2.2 /* A */
 
 struct surface_kernel {
-    double inverse; /* 1/d */
-    double soft;    /* m^2: (d/10)^2 */
-    double value;   /* 2 A / pi, 1/m^2: for areas given as volumes, area times d */
+    double inverse; /* 1/d, 1/m */
+    double soft;    /* (d/10)^2, m^2 */
+    double value;   /* 2 A / (pi d^2), 1/m^2: for areas given as volumes, area times d */
 };
 
 static inline struct surface_kernel surface_kernel_make(double spacing) {
@@ -56,29 +57,28 @@ static inline struct surface_kernel surface_kernel_make(double spacing) {
                                        (spacing * spacing)};
 }
 
-/* How far the plane is that adds `sum`, m; up to d. */
+/* Distance, m, of the plane that adds `sum`; at most d. */
 static inline double surface_kernel_distance(double sum, double spacing) {
     double q = 1.0 - sqrt(sqrt(sum / SURFACE_AMPLITUDE));
     return q > 0.1 ? spacing * sqrt(q * q - 0.01) : 0.0;
 }
 
-/* By what areas are multiplied so that water rests `by` spacings farther off: the root of what
- * makes the plane add at 0.5 + `by` what it does at 0.5. With all of it, water rests 1.9 times as
- * far off (measured): the slope of a stronger plane is steeper, too, and holds water farther away
- * than its value does. */
+/* Factor of the areas such that water rests `by` spacings farther from the surface. It is the
+ * square root of the factor that gives lambda(0.5 + by) the value of lambda(0.5): with the full
+ * factor water rests 1.9 times as far off (measured), because the slope of lambda grows, too. */
 static inline double surface_kernel_farther(double by) {
     double near = 1.0 - sqrt(0.5 * 0.5 + 0.01), far = 0.5 + by;
     double ratio = near / (1.0 - sqrt(far * far + 0.01));
     return ratio * ratio;
 }
 
-/* S / d, 1/m^3; zero from r = d on. */
+/* S / d, 1/m^3; zero for r >= d. squared: r^2, m^2. */
 static inline double surface_kernel_value(const struct surface_kernel *k, double squared) {
     double q = sqrt(squared + k->soft), rest = 1.0 - q * k->inverse;
     return rest > 0.0 ? k->value * rest * rest / q * rest : 0.0;
 }
 
-/* Its derivative over r, divided by r, 1/m^5. */
+/* (1/r) d(S/d)/dr, 1/m^5. squared: r^2, m^2. */
 static inline double surface_kernel_slope(const struct surface_kernel *k, double squared) {
     double q = sqrt(squared + k->soft), rest = 1.0 - q * k->inverse;
     if (!(rest > 0.0)) return 0.0;

@@ -1,67 +1,72 @@
-/* The neighbour lists' own state: neighbours.c builds the lists, visibility.c takes out of them
- * what a surface hides. */
+/* Private state of the neighbour lists: neighbours.c builds the lists, visibility.c removes from
+ * them the pairs that a surface separates. */
 #ifndef PDYN_NEIGHBOUR_LISTS_H
 #define PDYN_NEIGHBOUR_LISTS_H
 
 #include "geometry/grid.h"
 #include "neighbours.h"
 
-enum { NEIGHBOURS_GRAIN = 128 }; /* particles of a parallel block */
+enum { NEIGHBOURS_GRAIN = 128 }; /* particles per block of a parallel loop */
 
 struct lists {
-    /* particles, as pdyn_neighbours has them */
+    /* particles, as in pdyn_neighbours */
     int *start, *surface_start, *boundary_start, *patch_start, *end;
-    int *index;      /* for each block of slots `room` and one */
-    size_t capacity; /* of index */
+    int *index;      /* `room` + 1 entries for each block of particles */
+    size_t capacity; /* length of index */
 };
 
-/* Who sees whom: empty in a scene without surfaces. */
+/* Visibility of pairs; empty in a scene without surfaces. */
 struct visibility {
-    struct occlusion *sides; /* NULL where there is no surface */
-    double *decided_at;      /* system x 3, m: where the particles were when it was decided */
-    const double *state;     /* system x 3, m: where the step begins, until its first local step */
-    struct lists before;     /* the lists before; of these, start and surface_start and index */
-    bool known, complete;    /* those before, and these, hold every pair that they should */
-    bool decided;            /* decided_at is set */
-    double *granted;         /* particles, see pdyn_neighbours */
+    struct occlusion *occlusion; /* NULL: no surfaces */
+    double *frozen_x;            /* system x 3, m: positions at which visibility was decided */
+    const double *step_x; /* system x 3, m: positions at the start of the step; NULL after its first
+                             local step */
+    struct lists previous; /* the lists built before; of these start, surface_start and index */
+    bool previous_complete,
+        complete;    /* the previous and the current lists contain every pair they should */
+    bool frozen;     /* frozen_x is set */
+    double *granted; /* particles, see pdyn_neighbours */
 };
 
 struct neighbours {
     pdyn_context *context;
     pdyn_neighbours view;
-    double reach, surface_reach;                /* m: support and skin */
-    double skin;                                /* m */
-    bool *centre;                               /* particles */
-    double centre_volume;                       /* m^3 */
-    int system;                                 /* particles of the system, without the samples */
-    int most;                                   /* particles that may take part */
-    int centres, active;                        /* centres that take part; all particles that do: */
-    int *id;                                    /* active: these, centres first */
-    double *volume, *boundary_x;                /* points; boundary points x 3 */
-    double *built_x;                            /* particles x 3: where the lists were built */
-    struct grid fluid, surface, walls, patches; /* centres, samples, boundary points by kind */
-    int wall_points;                            /* boundary points with volumes, */
-    int *boundary_id;                           /* boundary points: these, then those with areas */
-    int carried;                                /* the last boundary points, which may move */
-    double *built_carried;                      /* carried x 3, where the lists were built */
-    double carried_by;                          /* m, the farthest of them since then */
+    double reach, surface_reach; /* m: support plus skin */
+    double skin;                 /* m */
+    bool *centre;                /* particles: is a fluid particle */
+    double centre_volume;        /* m^3 */
+    int system;                  /* particles of the system, surface samples not included */
+    int max_active;              /* largest number of active particles */
+    int centres,
+        active; /* active fluid particles ("centres"); all active particles, samples included */
+    int *id;    /* active: their indices, centres first */
+    double *volume, *boundary_x; /* points; boundary points x 3, m */
+    double *built_x;             /* particles x 3, m: positions at the last build */
+    struct grid fluid, surface, walls,
+        patches; /* centres; samples; boundary points with volumes; boundary points with areas */
+    int wall_points;        /* number of boundary points with volumes */
+    int *boundary_id;       /* boundary points: those with volumes first, then those with areas */
+    int moving;             /* number of boundary points that may move: the last ones */
+    double *built_moving_x; /* moving x 3, m: their positions at the last build */
+    double boundary_shift;  /* m, largest displacement of a moving boundary point since the last
+                               build */
     struct lists lists;
-    int room;    /* neighbours of a block */
-    int *used;   /* a count for each block */
-    bool *moved; /* a flag for each parallel block of `active` */
+    int room;        /* capacity of a block, in neighbours */
+    int *used;       /* blocks: neighbours used */
+    bool *displaced; /* parallel blocks of active particles: one has left its skin */
     bool built;
-    struct visibility sight;
+    struct visibility visibility;
 };
 
-/* Memory; points->sides NULL: none. */
-pdyn_status visibility_create(struct neighbours *neighbours, struct occlusion *sides);
+/* Allocates the state; occlusion NULL: none. */
+pdyn_status visibility_create(struct neighbours *neighbours, struct occlusion *occlusion);
 void visibility_free(struct neighbours *neighbours);
 
-/* Before the lists are built at x: they become those before. */
-void visibility_keep(struct neighbours *neighbours, const double *x);
+/* Before a build at x: the current lists become the previous ones. */
+void visibility_store_lists(struct neighbours *neighbours, const double *x);
 
-/* Takes what surfaces hide out of the new lists. */
-void visibility_hide(struct neighbours *neighbours);
+/* Removes the pairs that surfaces separate from the new lists. */
+void visibility_filter_lists(struct neighbours *neighbours);
 
 void visibility_persist(struct neighbours *neighbours, pdyn_snapshot *snapshot);
 

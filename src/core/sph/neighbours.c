@@ -1,48 +1,48 @@
+/* Neighbour lists by uniform grids: build, validity, moving boundary points. */
 #include "neighbour_lists.h"
 
 #include "kernel.h"
 
 #include <string.h>
 
-enum { MOVES = 8192 };                  /* particles of a parallel block */
-enum { USUAL = 64 * NEIGHBOURS_GRAIN }; /* neighbours of a block, to begin with */
+enum { CHECK_GRAIN = 8192 }; /* particles per block when displacements are checked */
+enum { INITIAL_ROOM = 64 * NEIGHBOURS_GRAIN }; /* neighbours per block at first */
 
 struct call {
     struct neighbours *n;
     const double *x;
 };
 
-static pdyn_status allocate(struct neighbours *n, int particles, int boundary) {
-    pdyn_context *c = n->context;
-    n->centre = NEW_ARRAY(c, particles, bool);
-    n->id = NEW_ARRAY(c, particles, int);
-    n->volume = NEW_ARRAY(c, particles + boundary, double);
-    n->boundary_x = NEW_ARRAY(c, 3 * (size_t)boundary, double);
-    n->built_x = NEW_ARRAY(c, 3 * (size_t)particles, double);
-    n->built_carried = NEW_ARRAY(c, 3 * (size_t)n->carried, double);
-    n->lists.start = NEW_ARRAY(c, particles, int);
-    n->lists.surface_start = NEW_ARRAY(c, particles, int);
-    n->lists.boundary_start = NEW_ARRAY(c, particles, int);
-    n->lists.patch_start = NEW_ARRAY(c, particles, int);
-    n->boundary_id = NEW_ARRAY(c, boundary, int);
-    n->lists.end = NEW_ARRAY(c, particles, int);
-    n->used = NEW_ARRAY(c, pool_blocks(particles, NEIGHBOURS_GRAIN), int);
-    n->moved = NEW_ARRAY(c, pool_blocks(particles, MOVES), bool);
-    bool good = n->centre && n->id && n->volume && (!boundary || n->boundary_x) && n->built_x &&
-                (!n->carried || n->built_carried) && n->lists.start && n->lists.surface_start &&
-                n->lists.boundary_start && n->lists.patch_start && (!boundary || n->boundary_id) &&
-                n->lists.end && n->used && n->moved;
-    return good ? PDYN_OK : PDYN_NO_MEMORY;
+static bool resize_arrays(struct neighbours *n, enum array_action action) {
+    size_t particles = (size_t)n->view.particles, points = (size_t)n->view.points;
+    size_t boundary = points - particles;
+    const struct array_entry table[] = {
+        ARRAY(n->centre, particles),
+        ARRAY(n->id, particles),
+        ARRAY(n->volume, points),
+        ARRAY(n->boundary_x, 3 * boundary),
+        ARRAY(n->boundary_id, boundary),
+        ARRAY(n->built_x, 3 * particles),
+        ARRAY(n->built_moving_x, 3 * (size_t)n->moving),
+        ARRAY(n->lists.start, particles),
+        ARRAY(n->lists.surface_start, particles),
+        ARRAY(n->lists.boundary_start, particles),
+        ARRAY(n->lists.patch_start, particles),
+        ARRAY(n->lists.end, particles),
+        ARRAY(n->used, pool_blocks(n->view.particles, NEIGHBOURS_GRAIN)),
+        ARRAY(n->displaced, pool_blocks(n->view.particles, CHECK_GRAIN)),
+    };
+    return context_arrays(n->context, table, ARRAY_ROWS(table), action);
 }
 
-/* The part of the boundary that may move. */
-static double *carried_x(const struct neighbours *n) {
-    return n->boundary_x + 3 * (size_t)(n->view.points - n->view.particles - n->carried);
+/* Positions of the boundary points that may move. */
+static double *moving_x(const struct neighbours *n) {
+    return n->boundary_x + 3 * (size_t)(n->view.points - n->view.particles - n->moving);
 }
 
 static pdyn_status sort_boundary(struct neighbours *n) {
-    if (n->carried) memcpy(n->built_carried, carried_x(n), 3 * (size_t)n->carried * sizeof(double));
-    n->carried_by = 0.0;
+    if (n->moving) memcpy(n->built_moving_x, moving_x(n), 3 * (size_t)n->moving * sizeof(double));
+    n->boundary_shift = 0.0;
     int walls = n->wall_points, boundary = n->view.points - n->view.particles;
     if (!boundary) return PDYN_OK;
     pdyn_status status = grid_sort(n->context, &n->walls, walls, n->boundary_id, n->boundary_x);
@@ -51,7 +51,7 @@ static pdyn_status sort_boundary(struct neighbours *n) {
                      n->boundary_x);
 }
 
-/* Who takes part: centres first. */
+/* Lists the active particles, centres first. */
 static void list_active(struct neighbours *n) {
     n->active = n->centres = 0;
     for (int i = 0; i < n->view.particles; i++)
@@ -61,7 +61,7 @@ static void list_active(struct neighbours *n) {
         if (n->volume[i] > 0.0 && !n->centre[i]) n->id[n->active++] = i;
 }
 
-/* Boundary points with volumes first. */
+/* Lists the boundary points, those with volumes first. */
 static void list_boundary(struct neighbours *n, const struct neighbours_points *points) {
     int count = 0;
     for (int b = 0; b < points->boundary; b++)
@@ -71,9 +71,9 @@ static void list_boundary(struct neighbours *n, const struct neighbours_points *
         if (!points->is_wall[b]) n->boundary_id[count++] = b;
 }
 
-/* Copies the points, and shows them. */
+/* Copies the points and initialises the public view. */
 static void fill_points(struct neighbours *n, const struct neighbours_points *points,
-                        const struct samples *samples) {
+                        const struct surface_samples *samples) {
     size_t particles = (size_t)points->particles, boundary = (size_t)points->boundary;
     memcpy(n->centre, points->centre, particles * sizeof *n->centre);
     memcpy(n->volume, points->volume, (particles + boundary) * sizeof *n->volume);
@@ -82,7 +82,7 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
         if (n->centre[i]) n->centre_volume = n->volume[i];
     list_boundary(n, points);
     list_active(n);
-    n->most = n->active, n->room = USUAL, n->view.volume_revision = 1;
+    n->max_active = n->active, n->room = INITIAL_ROOM, n->view.volume_revision = 1;
     n->view.volume = n->volume, n->view.boundary_x = n->boundary_x;
     n->view.start = n->lists.start, n->view.surface_start = n->lists.surface_start;
     n->view.boundary_start = n->lists.boundary_start, n->view.patch_start = n->lists.patch_start;
@@ -104,11 +104,11 @@ static pdyn_status create_grids(struct neighbours *n) {
 }
 
 pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
-                              const struct samples *samples, struct neighbours **out) {
+                              const struct surface_samples *samples, struct neighbours **out) {
     struct neighbours *n = *out = NEW_ARRAY(context, 1, struct neighbours);
     if (!n) return PDYN_NO_MEMORY;
     n->context = context;
-    n->carried = points->moving;
+    n->moving = points->moving;
     n->system = points->particles - (samples ? samples->count : 0);
     n->skin = points->skin, n->reach = points->support + n->skin;
     n->surface_reach = points->surface_support + n->skin;
@@ -117,8 +117,8 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_poi
                                 .has_volumes = points->has_volumes,
                                 .particles = points->particles,
                                 .points = points->particles + points->boundary};
-    pdyn_status status = allocate(n, points->particles, points->boundary);
-    if (status == PDYN_OK) status = visibility_create(n, points->sides);
+    pdyn_status status = resize_arrays(n, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) status = visibility_create(n, points->occlusion);
     if (status == PDYN_OK) {
         fill_points(n, points, samples);
         status = create_grids(n);
@@ -133,25 +133,11 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_poi
 void neighbours_free(struct neighbours *n) {
     if (!n) return;
     pdyn_context *c = n->context;
-    int particles = n->view.particles, boundary = n->view.points - particles;
     grid_free(c, &n->fluid);
     grid_free(c, &n->surface);
     grid_free(c, &n->walls);
     grid_free(c, &n->patches);
-    FREE_ARRAY(c, n->centre, particles);
-    FREE_ARRAY(c, n->id, particles);
-    FREE_ARRAY(c, n->volume, particles + boundary);
-    FREE_ARRAY(c, n->boundary_x, 3 * (size_t)boundary);
-    FREE_ARRAY(c, n->built_x, 3 * (size_t)particles);
-    FREE_ARRAY(c, n->built_carried, 3 * (size_t)n->carried);
-    FREE_ARRAY(c, n->lists.start, particles);
-    FREE_ARRAY(c, n->lists.surface_start, particles);
-    FREE_ARRAY(c, n->lists.boundary_start, particles);
-    FREE_ARRAY(c, n->lists.patch_start, particles);
-    FREE_ARRAY(c, n->boundary_id, boundary);
-    FREE_ARRAY(c, n->lists.end, particles);
-    FREE_ARRAY(c, n->used, pool_blocks(particles, NEIGHBOURS_GRAIN));
-    FREE_ARRAY(c, n->moved, pool_blocks(particles, MOVES));
+    resize_arrays(n, ARRAYS_FREE);
     FREE_ARRAY(c, n->lists.index, n->lists.capacity);
     visibility_free(n);
     FREE_ARRAY(c, n, 1);
@@ -159,8 +145,8 @@ void neighbours_free(struct neighbours *n) {
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *n) { return &n->view; }
 
-/* Who takes no part has an empty list. */
-void neighbours_change(struct neighbours *n, const bool *live) {
+/* Inactive particles get an empty list. */
+void neighbours_set_live(struct neighbours *n, const bool *live) {
     for (int i = 0; i < n->view.particles; i++) {
         if (n->centre[i]) n->volume[i] = live[i] ? n->centre_volume : 0.0;
         if (n->volume[i] > 0.0) continue;
@@ -172,26 +158,28 @@ void neighbours_change(struct neighbours *n, const bool *live) {
     n->view.volume_revision++;
 }
 
-void neighbours_stretch(struct neighbours *n, const struct samples *samples) {
+void neighbours_set_sample_volumes(struct neighbours *n, const struct surface_samples *samples) {
     int first = n->view.particles - samples->count;
     memcpy(n->volume + first, samples->volume, (size_t)samples->count * sizeof *n->volume);
     n->view.volume_revision++;
 }
 
-/* ---- do the lists still hold? ---------------------------------------------------------------- */
+/* ---- validity -------------------------------------------------------------------------------- */
 
-void neighbours_move(struct neighbours *n, const double *x) {
-    double *carried = carried_x(n);
-    n->carried_by = 0.0;
-    memcpy(carried, x, 3 * (size_t)n->carried * sizeof *x);
-    for (size_t k = 0; k < 3 * (size_t)n->carried; k += 3)
-        n->carried_by = fmax(n->carried_by, vec3_distance(carried + k, n->built_carried + k));
+void neighbours_move_boundary(struct neighbours *n, const double *x) {
+    double *moving = moving_x(n);
+    n->boundary_shift = 0.0;
+    memcpy(moving, x, 3 * (size_t)n->moving * sizeof *x);
+    for (size_t k = 0; k < 3 * (size_t)n->moving; k += 3)
+        n->boundary_shift =
+            fmax(n->boundary_shift, vec3_distance(moving + k, n->built_moving_x + k));
     n->view.boundary_revision++;
 }
 
-/* How far a particle may have moved: towards another one that has too, or a boundary point. */
+/* How far a particle may have moved, m, such that two particles, or a particle and a moving
+ * boundary point, have not approached by more than the skin. */
 static double slack(const struct neighbours *n) {
-    return fmax(0.0, fmin(0.5 * n->skin, n->skin - n->carried_by));
+    return fmax(0.0, fmin(0.5 * n->skin, n->skin - n->boundary_shift));
 }
 
 static void find_moved(void *arg, int first, int last, int block) {
@@ -201,33 +189,33 @@ static void find_moved(void *arg, int first, int last, int block) {
     for (int k = first; k < last; k++) {
         const double *a = c->x + 3 * c->n->id[k], *b = c->n->built_x + 3 * c->n->id[k];
         double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-        moved |= !(vec3_dot(d, d) < limit); /* also where it is not a number */
+        moved |= !(vec3_dot(d, d) < limit); /* true for NaN, too */
     }
-    c->n->moved[block] = moved;
+    c->n->displaced[block] = moved;
 }
 
-bool neighbours_hold(struct neighbours *n, const double *x) {
+bool neighbours_are_valid(struct neighbours *n, const double *x) {
     if (!n->built) return false;
     struct call call = {n, x};
-    pool_for(n->context->pool, n->active, MOVES, find_moved, &call);
+    pool_for(n->context->pool, n->active, CHECK_GRAIN, find_moved, &call);
     bool moved = false;
-    for (int b = 0; b < pool_blocks(n->active, MOVES); b++) moved |= n->moved[b];
+    for (int b = 0; b < pool_blocks(n->active, CHECK_GRAIN); b++) moved |= n->displaced[b];
     return !moved;
 }
 
-/* ---- building -------------------------------------------------------------------------------- */
+/* ---- build ----------------------------------------------------------------------------------- */
 
-/* The surroundings of the last cell: points are taken in the order of their cells, so that these
- * are looked up once for all points of a cell. */
-struct walk {
+/* State of a search: the last neighbourhood in each grid. Particles are processed in the order of
+ * their cells, so that the neighbourhood is computed once per cell. */
+struct search {
     struct grid_cells fluid, surface, walls, patches;
     int *list; /* the block's part of `index` */
-    int used;  /* of its room */
+    int used;  /* number of entries */
 };
 
-/* Appends the points of a grid that are closer than `reach` to point i, plus `first` each. What
- * does not fit is counted only. */
-static void append(struct neighbours *n, struct walk *w, const struct grid *grid,
+/* Appends the points of a grid closer than `reach`, m, to `at`, except i; `first` is added to their
+ * ids. Entries beyond the room of the block are counted, not written. */
+static void append(struct neighbours *n, struct search *w, const struct grid *grid,
                    struct grid_cells *cells, const double *at, int i, double reach, int first) {
     int room = w->used < n->room ? n->room - w->used : 0;
     int *list = w->list + n->room - room;
@@ -238,19 +226,19 @@ static void append(struct neighbours *n, struct walk *w, const struct grid *grid
     w->used += found;
 }
 
-/* Which point the slot is: in the order of their cells, centres first. */
-static int point_of(const struct neighbours *n, int slot) {
+/* The particle of a slot: slots are particles in the order of their cells, centres first. */
+static int point_in_slot(const struct neighbours *n, int slot) {
     return slot < n->centres ? n->fluid.id[slot] : n->surface.id[slot - n->centres];
 }
 
-/* The lists of a block of slots, one after the other in the block's part of `index`. */
+/* Builds the lists of a block of slots, contiguous in the block's part of `index`. */
 static void fill_lists(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct neighbours *n = c->n;
     int begin = block * (n->room + 1);
-    struct walk w = {.list = n->lists.index + begin};
+    struct search w = {.list = n->lists.index + begin};
     for (int k = first; k < last; k++) {
-        int i = point_of(n, k);
+        int i = point_in_slot(n, k);
         const double *at = c->x + 3 * (size_t)i;
         bool centre = n->centre[i];
         n->lists.start[i] = begin + w.used;
@@ -267,9 +255,10 @@ static void fill_lists(void *arg, int first, int last, int block) {
     n->used[block] = w.used;
 }
 
-/* Makes `index` as long as there is room in every block. */
+/* Allocates `index` with `room` entries in every block. PDYN_DIVERGED: more than 2^31 neighbours.
+ */
 static pdyn_status reserve(struct neighbours *n) {
-    size_t capacity = (size_t)pool_blocks(n->most, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
+    size_t capacity = (size_t)pool_blocks(n->max_active, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
     if (capacity <= n->lists.capacity) return PDYN_OK;
     if (capacity > INT32_MAX)
         return context_fail(n->context, PDYN_DIVERGED,
@@ -280,18 +269,18 @@ static pdyn_status reserve(struct neighbours *n) {
     return n->lists.index ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* Fills all lists, once more where some block had not room enough: then with some more than that,
- * so that a warmed-up step allocates nothing. */
+/* Builds all lists. If a block has too little room, allocates 25 % more than needed and builds them
+ * again; so a step in a warmed-up simulation allocates nothing. */
 static pdyn_status fill(struct neighbours *n, const double *x) {
     struct call call = {n, x};
     pdyn_status status = reserve(n);
     while (status == PDYN_OK) {
-        int most = 0;
+        int max_used = 0;
         pool_for(n->context->pool, n->active, NEIGHBOURS_GRAIN, fill_lists, &call);
         for (int b = 0; b < pool_blocks(n->active, NEIGHBOURS_GRAIN); b++)
-            if (n->used[b] > most) most = n->used[b];
-        if (most <= n->room) break;
-        n->room = most + most / 4;
+            if (n->used[b] > max_used) max_used = n->used[b];
+        if (max_used <= n->room) break;
+        n->room = max_used + max_used / 4;
         status = reserve(n);
     }
     return status;
@@ -299,15 +288,15 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
 
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
-    pdyn_status status = n->carried_by > 0.0 ? sort_boundary(n) : PDYN_OK;
+    pdyn_status status = n->boundary_shift > 0.0 ? sort_boundary(n) : PDYN_OK;
     if (status == PDYN_OK) status = grid_sort(n->context, &n->fluid, n->centres, n->id, x);
     if (status == PDYN_OK)
         status = grid_sort(n->context, &n->surface, n->active - n->centres, n->id + n->centres, x);
     if (status != PDYN_OK) return status;
-    visibility_keep(n, x);
+    visibility_store_lists(n, x);
     status = fill(n, x);
     if (status != PDYN_OK) return status;
-    visibility_hide(n);
+    visibility_filter_lists(n);
     memmove(n->built_x, x, 3 * (size_t)n->view.particles * sizeof *x);
     n->built = true;
     n->view.index = n->lists.index;
@@ -319,18 +308,18 @@ pdyn_status neighbours_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
     bool built = n->built;
     snapshot->bytes(snapshot, &built, sizeof built);
     snapshot->bytes(snapshot, n->built_x, 3 * (size_t)n->view.particles * sizeof *n->built_x);
-    if (n->carried)
-        snapshot->bytes(snapshot, n->built_carried, 3 * (size_t)n->carried * sizeof(double));
+    if (n->moving)
+        snapshot->bytes(snapshot, n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
     visibility_persist(n, snapshot);
     if (!snapshot->reading || !built) return PDYN_OK;
-    if (n->carried) memcpy(carried_x(n), n->built_carried, 3 * (size_t)n->carried * sizeof(double));
+    if (n->moving) memcpy(moving_x(n), n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
     pdyn_status status = sort_boundary(n);
     return status == PDYN_OK ? neighbours_build(n, n->built_x) : status;
 }
 
 /* ---- volumes of surface samples -------------------------------------------------------------- */
 
-/* Makes room for `count` numbers in a scratch list. */
+/* Reallocates a scratch list for at least `count` numbers. */
 static pdyn_status grow(pdyn_context *context, int **list, int *capacity, int count) {
     if (count <= *capacity) return PDYN_OK;
     FREE_ARRAY(context, *list, *capacity);

@@ -1,6 +1,6 @@
-/* Whether a surface lies between two points: fluid on one side of a sheet feels neither fluid nor
- * walls on the other. Two points see each other where the segment between them meets no triangle
- * (the visibility criterion of meshless methods, Belytschko, Lu, Gu 1994). */
+/* Occlusion: does a surface lie between two points? Fluid on one side of a sheet must not interact
+ * with fluid or walls on the other side. Two points see each other if the segment between them
+ * meets no triangle (visibility criterion of meshless methods; Belytschko, Lu, Gu 1994). */
 #ifndef PDYN_OCCLUSION_H
 #define PDYN_OCCLUSION_H
 
@@ -9,34 +9,36 @@
 
 struct occlusion {
     pdyn_context *context;
-    int points;        /* of the system, samples, boundary points */
-    int triangles;     /* of all surfaces */
-    int *corner;       /* triangles x 3: particles of the system */
-    int planted;       /* so many are near to what asks: */
-    int *planted_as;   /* triangles, planted used: these, */
-    struct box *box;   /* the same: around each */
-    struct bvh tree;   /* of these */
-    const double *x;   /* where they are */
-    double reach;      /* m: of pairs */
-    double *clearance; /* points, m: to the next triangle, at most reach / 2 */
+    int points;         /* particles of the system, samples, boundary points */
+    int triangles;      /* of all surfaces */
+    int *corner;        /* triangles x 3: particles of the system */
+    int near_count;     /* number of triangles near the query points */
+    int *near_triangle; /* triangles, near_count in use: these triangles */
+    struct box *box;    /* triangles, near_count in use: their bounding boxes, m */
+    struct bvh tree;    /* hierarchy of these boxes */
+    const double *x;    /* positions of the particles of the system, m; not copied */
+    double reach;       /* m, largest distance of a pair */
+    double *clearance;  /* points, m: distance to the nearest triangle, at most reach / 2 */
 };
 
-/* Pairs up to `reach` (m) apart will be asked for. *out is NULL where there is no surface. */
+/* Creates the state for pairs up to `reach`, m, apart. *out is NULL if no body has a surface. */
 pdyn_status occlusion_create(pdyn_context *context, int bodies, const pdyn_body *body, int points,
                              double reach, struct occlusion **out);
-void occlusion_free(struct occlusion *sides);
+void occlusion_free(struct occlusion *occlusion);
 
-/* The surfaces are at x (of the system) from now on; of a pair, one point will lie in `around`. */
-void occlusion_update(struct occlusion *sides, const double *x, const struct box *around);
+/* Sets the positions of the surfaces: x, of the system, must stay valid. around: a box, m, that
+ * contains at least one point of every pair tested. */
+void occlusion_update(struct occlusion *occlusion, const double *x, const struct box *around);
 
-/* Notes how far point i, there, is from them; needed of both points of a pair. */
-void occlusion_measure(struct occlusion *sides, int i, const double *there);
+/* Computes the clearance of point i at `position`, m. Needed for both points of a pair before
+ * occlusion_blocks. */
+void occlusion_measure(struct occlusion *occlusion, int i, const double *position);
 
-/* Is point i, approached before, near to a surface? */
-bool occlusion_is_near(const struct occlusion *sides, int i);
+/* Whether point i, measured before, is within reach / 2 of a surface. */
+bool occlusion_is_near(const struct occlusion *occlusion, int i);
 
-/* Is a triangle between i and j, which are at a and b? The same for (j, i). */
-bool occlusion_blocks(const struct occlusion *sides, int i, const double *a, int j,
+/* Whether a triangle lies between point i at a and point j at b. Symmetric in (i, j). */
+bool occlusion_blocks(const struct occlusion *occlusion, int i, const double *a, int j,
                       const double *b);
 
 #endif

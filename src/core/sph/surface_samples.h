@@ -1,9 +1,10 @@
-/* Points on surfaces through which these act on a fluid, closer together than its particles (see
- * boundary.h), whatever the mesh. A sample lies in a triangle and moves with its corners
- * (barycentric selector rows): with S the matrix of the weights, a vector x of the particles
- * becomes (x, S x), which SPH sums work on, and forces (f, f_s) on these come back as f + S' f_s.
- * So samples have no mass and are no unknowns, and what they exchange with the fluid conserves
- * momentum. */
+/* Surface samples: points on surfaces through which these act on a fluid, closer together than its
+ * particles (boundary.h), whatever the resolution of the mesh.
+ *
+ * A sample lies in a triangle and moves with its corners by barycentric weights. With S the matrix
+ * of the weights, a vector x of the particles is extended to (x, S x), on which SPH sums work;
+ * forces (f, f_s) on the extended vector are f + S' f_s on the particles. Samples therefore have no
+ * mass and are no unknowns, and their interaction with the fluid conserves momentum. */
 #ifndef PDYN_SURFACE_SAMPLES_H
 #define PDYN_SURFACE_SAMPLES_H
 
@@ -11,54 +12,59 @@
 #include "boundary.h"
 #include "projdyn/module.h"
 
-struct samples {
+struct surface_samples {
     pdyn_context *context;
-    int particles;          /* of the system */
-    int count;              /* samples */
-    int *vertex;            /* count x 3: particles of the system */
-    double *weight;         /* count x 3: barycentric coordinates */
-    double *volume;         /* count, m^3: what it counts in SPH sums (boundary.h), now, */
-    double *rest_volume;    /* count, m^3: and at rest */
-    double *rest_area;      /* count, m^2: of the sample's triangle */
-    int live;               /* so many are near to some particle that sums are for: */
-    int *near;              /* live: these samples, */
-    int touched;            /* which lie on so many particles: */
-    int *corner;            /* touched: these, */
-    int *touch_start;       /* touched + 1: where each begins in */
-    int *touch;             /* 3 live: places in vertex and weight, ascending for each particle */
-    int *place;             /* particles: scratch */
-    double *x;              /* (particles + count) x 3 and one: positions */
-    double *input, *output; /* the same: what goes through an operator */
+    int particles;       /* particles of the system */
+    int count;           /* number of samples */
+    int *vertex;         /* count x 3: corners, particles of the system */
+    double *weight;      /* count x 3: barycentric coordinates */
+    double *volume;      /* count, m^3: current volume in SPH sums (boundary.h) */
+    double *rest_volume; /* count, m^3: volume at rest */
+    double *rest_area;   /* count, m^2: area at rest of the sample's triangle */
+    int active_count;    /* samples that appear in at least one neighbour list */
+    int *active;         /* active_count: their indices */
+    int corner_count;    /* particles that are corners of active samples */
+    int *corner;         /* corner_count: their indices */
+    int *corner_start;   /* corner_count + 1: first entry of each in corner_entry */
+    int *corner_entry; /* 3 active_count: indices into vertex and weight, ascending for each corner
+                        */
+    int *scratch;      /* particles */
+    double *x;         /* extended vector with 3 (particles + count) + 1 numbers: positions, m */
+    double *input, *output; /* extended vectors: input and output of an operator */
     double *blocks;         /* (particles + count) x 6 */
 };
 
-/* Samples all surfaces at rest (particles x 3) as the model says; thickness: m, of sheets, spacing:
- * m, of the fluid's particles. *out is NULL where there is no surface. */
+/* Samples all surfaces. rest: particles x 3, m. thickness: m, of sheets; spacing: m, of the fluid's
+ * particles. *out is NULL if no body has a surface. */
 pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
                            const double *rest, const struct boundary_model *model, double thickness,
-                           double spacing, struct samples **out);
-void samples_free(struct samples *samples);
+                           double spacing, struct surface_samples **out);
+void samples_free(struct surface_samples *samples);
 
-/* out = (x, S x) */
-void samples_extend(const struct samples *samples, const double *x, double *out);
+/* out = (x, S x), for all samples. x: particles x 3; out: (particles + count) x 3. */
+void samples_interpolate(const struct surface_samples *samples, const double *x, double *out);
 
-/* The lists are new: from now on only samples in them matter, but for samples_extend. */
-void samples_reach(struct samples *samples, const pdyn_neighbours *lists);
+/* Call after the lists were built: finds the active samples. All functions below except
+ * samples_update_volumes use active samples only. */
+void samples_update_active(struct surface_samples *samples, const pdyn_neighbours *lists);
 
-/* input = (u, S u); u may be input itself. */
-void samples_follow(const struct samples *samples, const double *u);
+/* samples->input = (u, S u); u may be samples->input itself. */
+void samples_interpolate_active(const struct surface_samples *samples, const double *u);
 
-/* y += f + S' f_s; extended: (f, f_s). The f of y itself, where y is `extended`. */
-void samples_gather(const struct samples *samples, const double *extended, double *y);
+/* y += f + S' f_s, with extended = (f, f_s). If y == extended, f is already in y and is not added.
+ */
+void samples_scatter(const struct surface_samples *samples, const double *extended, double *y);
 
-/* Adds a block diagonal, packed, x 6. Those of the samples are lumped to their corners, which
- * bounds S' D S from above. */
-void samples_gather_blocks(const struct samples *samples, const double *extended, double *blocks);
+/* Adds a block diagonal, packed, 6 numbers per particle. The blocks of a sample are lumped to its
+ * corners by weight, which is an upper bound of S' D S. */
+void samples_scatter_blocks(const struct surface_samples *samples, const double *extended,
+                            double *blocks);
 
-/* A particle that samples lie on may move no farther than these (way: particles, then samples). */
-void samples_limit(const struct samples *samples, double *way);
+/* Limits the displacement of a particle to the limits of the samples on its triangles. max_step:
+ * particles, then samples, m. */
+void samples_limit_motion(const struct surface_samples *samples, double *max_step);
 
-/* Volumes where the particles are at x: as the areas of the triangles. */
-void samples_stretch(struct samples *samples, const double *x);
+/* Scales the volumes with the areas of the triangles at x, particles x 3, m. */
+void samples_update_volumes(struct surface_samples *samples, const double *x);
 
 #endif

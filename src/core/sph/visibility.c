@@ -1,9 +1,11 @@
-/* Who sees whom: fluid on one side of a surface feels neither fluid nor walls on the other.
+/* Visibility of pairs: fluid on one side of a surface interacts neither with fluid nor with walls
+ * on the other side.
  *
- * It is decided where a step begins, for all local steps of it: the minimised function must not
- * change on the way. From step to step, pairs near the border of a surface come into sight and go
- * out of it, at distances at which water would be compressed by 10 % at once. So a particle is
- * granted what came into sight, and loses what is granted in some ten steps. */
+ * Visibility is decided at the start of a step and is the same in all its local steps, because the
+ * minimised function must not change within a step. Between steps, pairs near the border of a
+ * surface become visible or hidden at distances at which they change the density by 10 % at once. A
+ * particle is therefore granted the change: its density may exceed the rest density by that much,
+ * and the grant decays over about ten steps. */
 #include "neighbour_lists.h"
 
 #include "kernel.h"
@@ -14,109 +16,109 @@
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-pdyn_status visibility_create(struct neighbours *n, struct occlusion *sides) {
-    struct visibility *v = &n->sight;
-    pdyn_context *c = n->context;
-    int particles = n->view.particles;
-    if (!sides) return PDYN_OK;
-    v->sides = sides;
-    v->decided_at = NEW_ARRAY(c, 3 * (size_t)n->system, double);
-    v->before.start = NEW_ARRAY(c, particles, int);
-    v->before.surface_start = NEW_ARRAY(c, particles, int);
-    v->granted = NEW_ARRAY(c, particles, double);
+static bool resize_arrays(struct neighbours *n, enum array_action action) {
+    struct visibility *v = &n->visibility;
+    const struct array_entry table[] = {
+        ARRAY(v->frozen_x, 3 * (size_t)n->system),
+        ARRAY(v->previous.start, n->view.particles),
+        ARRAY(v->previous.surface_start, n->view.particles),
+        ARRAY(v->granted, n->view.particles),
+    };
+    return context_arrays(n->context, table, ARRAY_ROWS(table), action);
+}
+
+pdyn_status visibility_create(struct neighbours *n, struct occlusion *occlusion) {
+    struct visibility *v = &n->visibility;
+    if (!occlusion) return PDYN_OK;
+    v->occlusion = occlusion;
+    bool complete = resize_arrays(n, ARRAYS_ALLOCATE);
     n->view.granted = v->granted;
-    return v->decided_at && v->before.start && v->before.surface_start && v->granted
-               ? PDYN_OK
-               : PDYN_NO_MEMORY;
+    return complete ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void visibility_free(struct neighbours *n) {
-    struct visibility *v = &n->sight;
-    pdyn_context *c = n->context;
-    int particles = n->view.particles;
-    FREE_ARRAY(c, v->decided_at, 3 * (size_t)n->system);
-    FREE_ARRAY(c, v->before.start, particles);
-    FREE_ARRAY(c, v->before.surface_start, particles);
-    FREE_ARRAY(c, v->before.index, v->before.capacity);
-    FREE_ARRAY(c, v->granted, particles);
+    struct lists *previous = &n->visibility.previous;
+    resize_arrays(n, ARRAYS_FREE);
+    FREE_ARRAY(n->context, previous->index, previous->capacity);
 }
 
 void visibility_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
-    struct visibility *v = &n->sight;
-    if (!v->sides) return;
-    snapshot->bytes(snapshot, &v->decided, sizeof v->decided);
-    snapshot->bytes(snapshot, v->decided_at, 3 * (size_t)n->system * sizeof *v->decided_at);
+    struct visibility *v = &n->visibility;
+    if (!v->occlusion) return;
+    snapshot->bytes(snapshot, &v->frozen, sizeof v->frozen);
+    snapshot->bytes(snapshot, v->frozen_x, 3 * (size_t)n->system * sizeof *v->frozen_x);
     snapshot->bytes(snapshot, v->granted, (size_t)n->view.particles * sizeof *v->granted);
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 
-void neighbours_begin(struct neighbours *n, const double *x) { n->sight.state = x; }
+void neighbours_begin_step(struct neighbours *n, const double *x) { n->visibility.step_x = x; }
 
-void neighbours_decided(struct neighbours *n) { n->sight.state = NULL; }
+void neighbours_freeze_visibility(struct neighbours *n) { n->visibility.step_x = NULL; }
 
-/* Of what is granted, a step leaves so much. */
-static const double kept_grant = 0.9;
+/* factor of the grants per step */
+static const double grant_decay = 0.9;
 
-void neighbours_settle(struct neighbours *n) {
-    double *granted = n->sight.granted;
-    for (int k = 0; granted && k < n->centres; k++) granted[n->id[k]] *= kept_grant;
+void neighbours_end_step(struct neighbours *n) {
+    double *granted = n->visibility.granted;
+    for (int k = 0; granted && k < n->centres; k++) granted[n->id[k]] *= grant_decay;
 }
 
-void visibility_keep(struct neighbours *n, const double *x) {
-    struct visibility *v = &n->sight;
+void visibility_store_lists(struct neighbours *n, const double *x) {
+    struct visibility *v = &n->visibility;
     size_t particles = (size_t)n->view.particles;
-    if (!v->sides) return;
-    memcpy(v->before.start, n->lists.start, particles * sizeof(int));
-    memcpy(v->before.surface_start, n->lists.surface_start, particles * sizeof(int));
-    int *index = v->before.index;
-    size_t capacity = v->before.capacity;
-    v->before.index = n->lists.index, v->before.capacity = n->lists.capacity;
+    if (!v->occlusion) return;
+    memcpy(v->previous.start, n->lists.start, particles * sizeof(int));
+    memcpy(v->previous.surface_start, n->lists.surface_start, particles * sizeof(int));
+    int *index = v->previous.index;
+    size_t capacity = v->previous.capacity;
+    v->previous.index = n->lists.index, v->previous.capacity = n->lists.capacity;
     n->lists.index = index, n->lists.capacity = capacity;
-    const double *at = v->state ? v->state : v->decided ? NULL : x;
-    if (at) memcpy(v->decided_at, at, 3 * (size_t)n->system * sizeof *at);
-    v->known = v->complete, v->complete = false;
+    const double *at = v->step_x ? v->step_x : v->frozen ? NULL : x;
+    if (at) memcpy(v->frozen_x, at, 3 * (size_t)n->system * sizeof *at);
+    v->previous_complete = v->complete, v->complete = false;
 }
 
-/* ---- what came into sight -------------------------------------------------------------------- */
+/* ---- grants ---------------------------------------------------------------------------------- */
 
-/* Where a fluid particle or a boundary point was when it was decided. */
-static const double *place_of(const struct neighbours *n, int i) {
+/* Position of a fluid particle or a boundary point at which visibility is decided, m. */
+static const double *frozen_position(const struct neighbours *n, int i) {
     int particles = n->view.particles;
-    return i < particles ? n->sight.decided_at + 3 * (size_t)i
+    return i < particles ? n->visibility.frozen_x + 3 * (size_t)i
                          : n->boundary_x + 3 * (size_t)(i - particles);
 }
 
 static bool is_hidden(const struct neighbours *n, int i, int j) {
-    return occlusion_blocks(n->sight.sides, i, place_of(n, i), j, place_of(n, j));
+    return occlusion_blocks(n->visibility.occlusion, i, frozen_position(n, i), j,
+                            frozen_position(n, j));
 }
 
-/* Was fluid particle j in the list of i? */
+/* Whether fluid particle j was in the previous list of i. */
 static bool was_listed(const struct neighbours *n, int i, int j) {
-    const struct lists *before = &n->sight.before;
-    for (int s = before->start[i]; s < before->surface_start[i]; s++)
-        if (before->index[s] == j) return true;
+    const struct lists *previous = &n->visibility.previous;
+    for (int s = previous->start[i]; s < previous->surface_start[i]; s++)
+        if (previous->index[s] == j) return true;
     return false;
 }
 
-/* Were the lists before complete for particle i where it is now? Not after an attempt at a step
- * that was taken back. */
+/* Whether the previous list of particle i was complete at its current position. It is not after an
+ * attempt at a step that was rejected. */
 static bool was_covered(const struct neighbours *n, int i) {
-    return vec3_distance(n->built_x + 3 * (size_t)i, place_of(n, i)) < 0.5 * n->skin;
+    return vec3_distance(n->built_x + 3 * (size_t)i, frozen_position(n, i)) < 0.5 * n->skin;
 }
 
-/* What the density of particle i changes by where j, which is in sight now or not, was not before,
- * or was. */
-static double change_of(const struct neighbours *n, int i, int j, bool now) {
-    double r = vec3_distance(place_of(n, i), place_of(n, j));
+/* Change of the density ratio of particle i due to particle j: positive if the pair became visible,
+ * negative if it became hidden, 0 if nothing changed. */
+static double density_change(const struct neighbours *n, int i, int j, bool now) {
+    double r = vec3_distance(frozen_position(n, i), frozen_position(n, j));
     if (r >= n->view.support || !was_covered(n, j) || now == was_listed(n, i, j)) return 0.0;
     struct kernel kernel = kernel_make(n->view.support);
     return (now ? 1.0 : -1.0) * n->centre_volume * kernel_value(&kernel, r);
 }
 
-/* ---- hiding ---------------------------------------------------------------------------------- */
+/* ---- removal of hidden pairs ----------------------------------------------------------------- */
 
-/* Samples are what a surface is felt by: nothing hides them. */
+/* Surface samples are never hidden: through them the surface acts on the fluid. */
 static bool can_hide(const struct neighbours *n, int i) {
     return i >= n->view.particles || n->centre[i];
 }
@@ -126,26 +128,27 @@ static void find_clearances(void *arg, int first, int last, int block) {
     const struct neighbours *n = arg;
     for (int k = first; k < last; k++) {
         int i = k < n->active ? n->id[k] : n->view.particles + k - n->active;
-        if (can_hide(n, i)) occlusion_measure(n->sight.sides, i, place_of(n, i));
+        if (can_hide(n, i)) occlusion_measure(n->visibility.occlusion, i, frozen_position(n, i));
     }
 }
 
-/* Takes hidden fluid particles out of the list of i; returns where the others end. */
+/* Removes hidden fluid particles from the list of i; returns the end of the remaining ones. */
 static int hide_fluid(struct neighbours *n, int i) {
-    struct visibility *v = &n->sight;
+    struct visibility *v = &n->visibility;
     struct lists *l = &n->lists;
-    bool grants = v->state && v->known && occlusion_is_near(v->sides, i) && was_covered(n, i);
+    bool grants = v->step_x && v->previous_complete && occlusion_is_near(v->occlusion, i) &&
+                  was_covered(n, i);
     int to = l->start[i];
     for (int s = l->start[i]; s < l->surface_start[i]; s++) {
         int j = l->index[s];
         bool now = !is_hidden(n, i, j);
-        if (grants) v->granted[i] += change_of(n, i, j, now);
+        if (grants) v->granted[i] += density_change(n, i, j, now);
         if (now) l->index[to++] = j;
     }
     return to;
 }
 
-/* Moves a part of the list of i to `to`, without hidden boundary points; returns where it ends. */
+/* Moves part of the list of i to `to`, without hidden boundary points; returns its end. */
 static int hide_points(struct neighbours *n, int i, int from, int last, int to) {
     struct lists *l = &n->lists;
     for (int s = from; s < last; s++)
@@ -154,7 +157,7 @@ static int hide_points(struct neighbours *n, int i, int from, int last, int to) 
     return to;
 }
 
-/* In the lists of centres; closes the gaps. */
+/* Removes hidden points from the lists of centres and closes the gaps. */
 static void hide(void *arg, int first, int last, int block) {
     (void)block;
     struct neighbours *n = arg;
@@ -169,14 +172,14 @@ static void hide(void *arg, int first, int last, int block) {
     }
 }
 
-void visibility_hide(struct neighbours *n) {
-    struct visibility *v = &n->sight;
+void visibility_filter_lists(struct neighbours *n) {
+    struct visibility *v = &n->visibility;
     struct box centres = box_empty;
     int boundary = n->view.points - n->view.particles;
-    if (!v->sides) return;
-    for (int k = 0; k < n->centres; k++) box_add(&centres, place_of(n, n->id[k]));
-    occlusion_update(v->sides, v->decided_at, &centres);
+    if (!v->occlusion) return;
+    for (int k = 0; k < n->centres; k++) box_add(&centres, frozen_position(n, n->id[k]));
+    occlusion_update(v->occlusion, v->frozen_x, &centres);
     pool_for(n->context->pool, n->active + boundary, NEIGHBOURS_GRAIN, find_clearances, n);
     pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, hide, n);
-    v->decided = v->complete = true;
+    v->frozen = v->complete = true;
 }

@@ -212,7 +212,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
                              : PDYN_NO_MEMORY;
     if (status == PDYN_OK) {
         status = occlusion_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
-                                  support + skin, &sim->sides);
+                                  support + skin, &sim->occlusion);
     }
     kinematic_carry(sim, 0.0);
     struct neighbours_points points = {.particles = n,
@@ -226,7 +226,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
                                        .surface_support = model->support * 2.0 * fluid->radius,
                                        .has_volumes = model->volumes,
                                        .skin = skin,
-                                       .sides = sim->sides};
+                                       .occlusion = sim->occlusion};
     if (status == PDYN_OK)
         status = neighbours_create(sim->context, &points, sim->samples, &sim->neighbours);
     FREE_ARRAY(sim->context, volume, n + sim->boundary.at.count);
@@ -500,7 +500,7 @@ void pdyn_free(pdyn_sim *sim) {
     live_particles_free(sim);
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
-    occlusion_free(sim->sides);
+    occlusion_free(sim->occlusion);
     boundary_points_free(c, &sim->boundary);
     solid_load_free(sim);
     kinematic_free(c, &sim->motion);

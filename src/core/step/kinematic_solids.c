@@ -53,7 +53,8 @@ void kinematic_carry(struct pdyn_sim *sim, double time) {
         pose_place(m->solid, motion->placed.x + 3 * (size_t)(m->first - resting), m->count, time,
                    sim->boundary.at.x + 3 * (size_t)m->first);
     }
-    if (sim->neighbours) neighbours_move(sim->neighbours, sim->boundary.at.x + 3 * (size_t)resting);
+    if (sim->neighbours)
+        neighbours_move_boundary(sim->neighbours, sim->boundary.at.x + 3 * (size_t)resting);
 }
 
 /* ---- speed ----------------------------------------------------------------------------------- */

@@ -217,7 +217,7 @@ void live_particles_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
 }
 
 void live_particles_tell(struct pdyn_sim *sim) {
-    if (sim->live && sim->neighbours) neighbours_change(sim->neighbours, sim->live->live);
+    if (sim->live && sim->neighbours) neighbours_set_live(sim->neighbours, sim->live->live);
 }
 
 void live_particles_hold(struct pdyn_sim *sim) {

@@ -22,13 +22,13 @@ struct pdyn_sim {
     bool warned; /* of too long a step */
 
     int bodies;
-    pdyn_body *body;                /* what modules see */
-    struct topology *topology;      /* bodies; empty for particles */
-    double *rest;                   /* particles x 3: the bodies' rest positions, m */
-    struct boundary_points boundary;        /* points on the solids */
-    struct kinematic_solids motion; /* of the last of these */
-    struct solid_loads *loads;      /* forces on the solids; NULL in a scene without */
-    pdyn_services services;         /* what operators may call */
+    pdyn_body *body;                 /* what modules see */
+    struct topology *topology;       /* bodies; empty for particles */
+    double *rest;                    /* particles x 3: the bodies' rest positions, m */
+    struct boundary_points boundary; /* points on the solids */
+    struct kinematic_solids motion;  /* of the last of these */
+    struct solid_loads *loads;       /* forces on the solids; NULL in a scene without */
+    pdyn_services services;          /* what operators may call */
 
     int constraints; /* batches that are constraints of the scene; their dampers follow */
     struct objective objective; /* particles' masses, prediction, batches: what is minimised */
@@ -53,9 +53,9 @@ struct pdyn_sim {
 
     struct live_particles *live; /* particles that come and go; NULL where none does */
 
-    struct neighbours *neighbours; /* NULL where no constraint needs them */
-    struct samples *samples;       /* on surfaces, where these meet a fluid; otherwise NULL */
-    struct occlusion *sides;       /* the same surfaces, between fluid and fluid */
+    struct neighbours *neighbours;   /* NULL where no constraint needs them */
+    struct surface_samples *samples; /* on surfaces, where these meet a fluid; otherwise NULL */
+    struct occlusion *occlusion;     /* the same surfaces, between fluid and fluid */
 
     struct solver_view model; /* what the solver sees */
     const pdyn_global_solver *solver;

@@ -31,8 +31,8 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
 static pdyn_status prepare_samples(struct pdyn_sim *sim) {
     const double *all;
     if (!sim->samples) return PDYN_OK;
-    samples_stretch(sim->samples, sim->x);
-    neighbours_stretch(sim->neighbours, sim->samples);
+    samples_update_volumes(sim->samples, sim->x);
+    neighbours_set_sample_volumes(sim->neighbours, sim->samples);
     if (!sim->objective.wet_sides) return PDYN_OK;
     pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &all);
     return status == PDYN_OK ? wet_sides_find(sim->objective.wet_sides, all) : status;
@@ -79,7 +79,7 @@ static void accept(struct pdyn_sim *sim, double h) {
 /* Where a step of length h would end, in x_next; the state is as it was. */
 static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
     *progress = (struct progress){0};
-    if (sim->neighbours) neighbours_begin(sim->neighbours, sim->x);
+    if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
     pdyn_status status = prepare_samples(sim);
     if (status == PDYN_OK && contact) status = contact_begin(contact, sim->time + h);
@@ -156,7 +156,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     measure_fetch(sim);
     sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, harmless);
     accept(sim, end.h);
-    if (sim->neighbours) neighbours_settle(sim->neighbours);
+    if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);
