@@ -24,16 +24,16 @@ static const struct {
     const char *text, *error;
 } bad_scenes[] = {
     /* syntax */
-    {"", "scene.json:1:1: no valid JSON: *"},
-    {"{'duration': 1,\n 'bodies': [}", "scene.json:2:13: no valid JSON: *"},
+    {"", "scene.json:1:1: not valid JSON: *"},
+    {"{'duration': 1,\n 'bodies': [}", "scene.json:2:13: not valid JSON: *"},
     {"{'duration': 1,\n 'duration': 2}",
-     "scene.json:2:11: no valid JSON: duplicate object key near '\"duration\"'"},
-    {"{'duration': 1} x", "scene.json:1:17: no valid JSON: *"},
-    {"{'duration': 1e999}", "scene.json:1:18: no valid JSON: *"},
-    {"{'duration': 99999999999999999999}", "scene.json:1:33: no valid JSON: *"},
-    {"{'duration': NaN}", "scene.json:1:16: no valid JSON: *"},
-    {"{'\xff': 1}", "scene.json:1:2: no valid JSON: *"},
-    {"{'name': 'a\\u0000b'}", "scene.json:1:19: no valid JSON: *"},
+     "scene.json:2:11: not valid JSON: duplicate object key near '\"duration\"'"},
+    {"{'duration': 1} x", "scene.json:1:17: not valid JSON: *"},
+    {"{'duration': 1e999}", "scene.json:1:18: not valid JSON: *"},
+    {"{'duration': 99999999999999999999}", "scene.json:1:33: not valid JSON: *"},
+    {"{'duration': NaN}", "scene.json:1:16: not valid JSON: *"},
+    {"{'\xff': 1}", "scene.json:1:2: not valid JSON: *"},
+    {"{'name': 'a\\u0000b'}", "scene.json:1:19: not valid JSON: *"},
     {"[1, 2]", "scene.json:1:1: expected an object, found an array of 2"},
     /* the scene */
     {"{}", "scene.json:1:1: duration: missing, expected a number from 1e-06 to 1000000 s"},
@@ -145,16 +145,16 @@ static const struct {
      "\"sphere\"?; known: box, sphere, mesh, file, scale, rotate, translate, velocity"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{}]}}"),
      "scene.json:2:42: bodies[0].particles.fill[0]: expected exactly one of \"box\", "
-     "\"sphere\", \"mesh\" and \"file\", found 0"},
+     "\"sphere\", \"mesh\" and \"file\", found none"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': 1, 'file': 2}]}}"),
      "scene.json:2:42: bodies[0].particles.fill[0]: expected exactly one of \"box\", "
-     "\"sphere\", \"mesh\" and \"file\", found 2"},
+     "\"sphere\", \"mesh\" and \"file\", found more"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'sphere': 1}]}}"),
      "scene.json:2:53: bodies[0].particles.fill[0].sphere: expected an object, found 1"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': "
           "0.09}}]}}"),
      "scene.json:2:53: bodies[0].particles.fill[0].sphere: no particle of radius 0.1 m fits "
-     "into it"},
+     "into the shape"},
     {BODY("{'particles': {'radius': 1e-6, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': "
           "1e6}}]}}"),
      "scene.json:2:54: bodies[0].particles.fill[0].sphere: more than 536870911 points: the "
@@ -343,7 +343,7 @@ static const struct {
      "\"sheet\"?; known: sheet"},
     {ATTACHED("'b'"),
      "scene.json:4:38: bodies[1].constraints[0].to: expected another body that has "
-     "a surface, found this one itself"},
+     "a surface, found this body"},
     {ATTACHED("'water'"),
      "scene.json:4:38: bodies[1].constraints[0].to: expected another body that "
      "has a surface, found a body of particles"},
@@ -353,14 +353,14 @@ static const struct {
                     "body, found 3"},
     {CLOTH("{'type': 'attachment', 'stiffness': 1, 'vertices': {'all': true}}"),
      "scene.json:3:18: bodies[0].constraints[0].to: missing, expected the name of another body"},
-    /* chosen vertices and paths */
+    /* selected vertices and paths */
     {CLOTH("{'type': 'pin'}"),
      "scene.json:3:18: bodies[0].constraints[0].vertices: missing, expected an object "
-     "that chooses vertices, or an array of such objects"},
+     "that selects vertices, or an array of such objects"},
     {PIN("'all'"),
      "scene.json:3:46: bodies[0].constraints[0].vertices: expected an object that chooses "
      "vertices, or an array of such objects, found \"all\""},
-    {PIN("[]"), "scene.json:3:46: bodies[0].constraints[0].vertices: selects no vertex of 9"},
+    {PIN("[]"), "scene.json:3:46: bodies[0].constraints[0].vertices: selects none of 9 vertices"},
     {PIN("{}"), "scene.json:3:46: bodies[0].constraints[0].vertices: expected exactly one of "
                 "\"all\", \"vertices\", \"box\", \"sphere\", \"border\", found 0 keys"},
     {PIN("{'all': false}"),
@@ -384,7 +384,7 @@ static const struct {
      "scene.json:3:60: bodies[0].constraints[0].vertices.vertices[0]: expected a whole "
      "number from 0 to 8, found 0.5"},
     {PIN("{'box': {'minimum': [5, 5, 5], 'maximum': [6, 6, 6]}}"),
-     "scene.json:3:46: bodies[0].constraints[0].vertices: selects no vertex of 9"},
+     "scene.json:3:46: bodies[0].constraints[0].vertices: selects none of 9 vertices"},
     {PIN("{'sphere': {'center': [0, 0, 0], 'radius': -1}}"),
      "scene.json:3:89: bodies[0].constraints[0].vertices.sphere.radius: expected a number "
      "from 0 to 1000000 m, found -1"},
@@ -415,7 +415,7 @@ static const struct {
      "scene.json:2:75: solids[0].open: expected an array of sides like \"+y\", found "
      "\"+y\""},
     {TOP("'solids': [{'box': " BOX ", 'open': ['+y', '+y']}]"),
-     "scene.json:2:82: solids[0].open[1]: the side \"+y\" stands here twice"},
+     "scene.json:2:82: solids[0].open[1]: the side \"+y\" is given twice"},
     {TOP("'solids': [{'box': " BOX ", 'open': ['-x', '+x', '-y', '+y', '-z', '+z']}]"),
      "scene.json:2:75: solids[0].open: all six sides are open: no wall is left"},
     {TOP("'solids': [{'box': " BOX ", 'scale': 2}]"),
@@ -471,8 +471,8 @@ static const struct {
      "scene.json:3:26: bodies[0].particles.inlets[0].rectangle: expected at most 134217728 "
      "particles in a layer, found about 2.5e+13"},
     {INLETS("'inlets': [{" DISC "'direction': [0, 2, 0], 'up': [0, -1, 0], 'speed': 1}]"),
-     "scene.json:3:87: bodies[0].particles.inlets[0].up: expected a direction that is not 0 and "
-     "not that of the stream, found an array of 3"},
+     "scene.json:3:87: bodies[0].particles.inlets[0].up: expected a direction that is not 0 "
+     "and not parallel to the flow, found an array of 3"},
     {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1, 'stop': 1}]"),
      "scene.json:3:93: bodies[0].particles.inlets[0]: unknown key \"stop\"*"},
     {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1e6, 'start': 0.5}]"),
@@ -523,7 +523,8 @@ static void test_deep_nesting(void **state) {
     char text[5001];
     memset(text, '[', sizeof text - 1);
     text[sizeof text - 1] = '\0';
-    assert_failure(read_text(text, NULL, 0, &scene), &scene, "scene.json:1:2049: no valid JSON: *");
+    assert_failure(read_text(text, NULL, 0, &scene), &scene,
+                   "scene.json:1:2049: not valid JSON: *");
 }
 
 static void test_bad_meshes(void **state) {
@@ -577,8 +578,8 @@ static const struct {
     {"duration=-1",
      "--set duration=-1: duration: expected a number from 1e-06 to 1000000 s, found -1"},
     {"duration.seconds=1",
-     "--set duration.seconds=1: \"seconds\" leads into a value that is no object and no "
-     "array"},
+     "--set duration.seconds=1: \"seconds\" is a key of a value that is neither an "
+     "object nor an array"},
     {"solver.typ=cg",
      "--set solver.typ=cg: solver: unknown key \"typ\"; did you mean \"type\"?; known: "
      "type, step, acceleration, tolerance, outer_iterations, linear_tolerance, linear_iterations, "

@@ -164,7 +164,7 @@ static void test_open_mesh(void **state) {
     write_torus(false);
     expect_bad(0.5, "{'mesh': 'torus.obj'}",
                "scene.json:2:48: bodies[0].particles.fill[0].mesh: no particle of radius 0.5 m "
-               "fits into it");
+               "fits into the shape");
     expect_bad(0x1p-10, "{'mesh': 'torus.obj'}",
                "scene.json:2:57: bodies[0].particles.fill[0].mesh: more than 536870911 points: "
                "the particle radius is too small for the size of the scene");

@@ -257,7 +257,7 @@ static void test_files(void **state) {
     assert_message("none.json: cannot open the file: No such file or directory");
     test_write_text("folder/scene.json", "{\n  \"duration\": 1,\n  \"bodies\": [\n");
     assert_failure(scene_read(context, "folder/scene.json", NULL, NULL, 0, &scene), &scene,
-                   "folder/scene.json:4:1: no valid JSON: *");
+                   "folder/scene.json:4:1: not valid JSON: *");
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     test_remove_file("folder/scene.json");
     test_remove_file("folder/wall.obj");

@@ -1,17 +1,14 @@
 /* Reading mesh and particle files: words, growing arrays, errors with file and line. */
 #include "mesh_file.h"
 
+#include "base/file_in.h"
 #include "base/text.h"
 
 #include <ctype.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 static const double max_speed = 1e6; /* m/s: the bound of velocities in scenes, too */
 
@@ -162,39 +159,11 @@ pdyn_status mesh_file_end_face(const struct mesh_file *file) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static pdyn_status load_open(struct mesh_file *file, int descriptor) {
-    struct stat info;
-    if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))
-        return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: expected a regular file",
-                            file->path);
-    if (!info.st_size)
-        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file is empty",
-                            file->path);
-    file->data = NEW_ARRAY(file->context, info.st_size + 1, char);
-    if (!file->data) return PDYN_NO_MEMORY;
-    file->size = (size_t)info.st_size;
-    file->at = file->data;
-    for (size_t have = 0; have < file->size;) {
-        ssize_t more = read(descriptor, file->data + have, file->size - have);
-        if (more <= 0)
-            return context_fail(file->context, PDYN_IO_FAILED,
-                                "%.1024s: reading stopped at byte %zu of %zu: %s", file->path, have,
-                                file->size, more ? strerror(errno) : "the file shrank");
-        have += (size_t)more;
-    }
-    return PDYN_OK;
-}
-
 pdyn_status mesh_file_load(struct mesh_file *file) {
-    int descriptor =
-        open(file->path,
-             O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a pipe must not wait */
-    if (descriptor < 0)
-        return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s",
-                            file->path, strerror(errno));
-    pdyn_status status = load_open(file, descriptor);
-    close(descriptor);
-    return status;
+    pdyn_status status = file_load(file->context, file->path, &file->data, &file->size);
+    file->at = file->data;
+    if (status != PDYN_OK || file->size) return status;
+    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: the file is empty", file->path);
 }
 
 static pdyn_status parse(struct mesh_file *file, pdyn_status (*format)(struct mesh_file *)) {

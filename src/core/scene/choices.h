@@ -1,13 +1,13 @@
-/* Tables of what a scene chooses from by name. Each is defined where its entries are implemented;
- * the first entry is the default. Reading a scene needs to know names alone. */
+/* Tables of named alternatives of a scene, e.g. integrators. A table is defined beside its entries;
+ * its first entry is the default. To read a scene, the names suffice. */
 #ifndef PDYN_CHOICES_H
 #define PDYN_CHOICES_H
 
 #include <stddef.h>
 
 struct choices {
-    const void *entry; /* structs that begin with a name and a summary, both const char * */
-    size_t size;       /* bytes of one */
+    const void *entry; /* array of structs that begin with name and summary, both const char * */
+    size_t size;       /* bytes per struct */
     int count;
 };
 

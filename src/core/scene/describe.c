@@ -1,4 +1,4 @@
-/* What is registered, as text for people. */
+/* pdyn_describe: constraints, solvers and boundary models as text for users. */
 #include "base/context.h"
 #include "base/registry.h"
 #include "base/text.h"
@@ -88,11 +88,12 @@ static void describe_constraint(const struct sink *to, const pdyn_constraint_typ
     if (type->flags & PDYN_ON_PARTICLES) line(to, "\nworks on a body of particles\n");
 }
 
-/* What every scene's "solver" object knows; its two words are no numbers, so no table has them. */
+/* Describes a solver with the keys of the scene's "solver" object. "type", "step" and
+ * "acceleration" are names, not numbers, and are in no table. */
 static void describe_solver(const struct sink *to, const pdyn_global_solver *type) {
     heading(to, "solver", type->name, type->summary);
     row(to, "type", "", "\"auto\"", "\"auto\" or the name of a solver",
-        "\"auto\": what suits the scene");
+        "\"auto\": chosen for the scene");
     row(to, "step", "", "\"newton\"", "\"newton\" or \"projective\"",
         "with the constraints' tangents, or classic Projective Dynamics");
     row(to, "acceleration", "", "\"none\"", "\"none\", \"chebyshev\" or \"anderson\"",

@@ -1,29 +1,32 @@
+/* Filling a body with particles: one function per shape of an entry of "fill". */
 #include "fill.h"
 
+#include "file_ref.h"
 #include "geometry/sampling.h"
 #include "params.h"
+#include "reader.h"
 #include "transform.h"
 
 #include <math.h>
 
 pdyn_status fill_count(const struct json_at *at, double count, double *so_far) {
     *so_far += count;
-    if (*so_far <= MOST_PARTICLES) return PDYN_OK;
+    if (*so_far <= MAX_PARTICLES) return PDYN_OK;
     return json_fail(at, "expected at most %d particles in the scene, found %.10g so far",
-                     MOST_PARTICLES, *so_far);
+                     MAX_PARTICLES, *so_far);
 }
 
-/* One entry of "fill" while it is read. */
+/* an entry of "fill" while it is read */
 struct fill {
     const struct json_at *entry;
     struct scene_body *body;
-    double *so_far;    /* particles of the scene */
-    bool has_velocity; /* of its own */
+    double *so_far;    /* number of particles in the scene */
+    bool has_velocity; /* the entry has its own "velocity" */
 };
 
-/* ---- shapes: each adds its particles to the body's start ------------------------------------- */
+/* ---- shapes: each appends particles to the body ---------------------------------------------- */
 
-/* Counts as sample_box_volume does. */
+/* Computes the number of particles as sample_box_volume does, before allocating them. */
 static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     double count = 1.0, radius = fill->body->radius;
     struct scene_box box;
@@ -42,11 +45,11 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     return json_wrap(at, sample_box_volume(at->file->context, &box, radius, &fill->body->start));
 }
 
-/* Counts what a shape has added to the `before` particles of the body. */
+/* Adds the particles of a shape to the count; the body had `before` particles. */
 static pdyn_status count_added(const struct json_at *at, struct fill *fill, int before) {
     int added = fill->body->start.count - before;
     if (added) return fill_count(at, added, fill->so_far);
-    return json_fail(at, "no particle of radius %.10g m fits into it", fill->body->radius);
+    return json_fail(at, "no particle of radius %.10g m fits into the shape", fill->body->radius);
 }
 
 static pdyn_status fill_sphere(const struct json_at *at, struct fill *fill) {
@@ -76,7 +79,7 @@ static pdyn_status fill_mesh(const struct json_at *at, struct fill *fill) {
     struct mesh mesh = {0};
     struct transform transform;
     pdyn_status status = transform_read(fill->entry, -1e6, &transform);
-    if (status == PDYN_OK) status = transform_mesh(at, &mesh);
+    if (status == PDYN_OK) status = file_ref_mesh(at, &mesh);
     if (status != PDYN_OK) return status;
     transform_points(&transform, mesh.vertex, mesh.vertices);
     status = fill_placed_mesh(at, fill, &mesh);
@@ -100,7 +103,7 @@ static pdyn_status fill_file(const struct json_at *at, struct fill *fill) {
     struct particles particles = {0};
     struct transform transform;
     pdyn_status status = transform_read(fill->entry, -1e6, &transform);
-    if (status == PDYN_OK) status = transform_particles(at, &particles);
+    if (status == PDYN_OK) status = file_ref_particles(at, &particles);
     if (status != PDYN_OK) return status;
     transform_points(&transform, particles.x, particles.count);
     if (particles.v) transform_directions(&transform, particles.v, particles.count);
@@ -109,33 +112,21 @@ static pdyn_status fill_file(const struct json_at *at, struct fill *fill) {
     return status;
 }
 
+enum { SHAPES = 4 };
+static const char *const shape_names[SHAPES] = {"box", "sphere", "mesh", "file"};
 static const struct {
-    const char *name;
     pdyn_status (*fill)(const struct json_at *at, struct fill *fill);
-    bool placed; /* by a transform of its own */
-} shapes[] = {{"box", fill_box, false},
-              {"sphere", fill_sphere, false},
-              {"mesh", fill_mesh, true},
-              {"file", fill_file, true}};
-enum { SHAPES = sizeof shapes / sizeof *shapes };
+    bool transformed; /* may have "scale", "rotate" and "translate" */
+} shapes[SHAPES] = {{fill_box, false}, {fill_sphere, false}, {fill_mesh, true}, {fill_file, true}};
 
 /* ---- entries --------------------------------------------------------------------------------- */
 
-static pdyn_status find_shape(const struct json_at *at, int *out) {
-    int found = 0;
-    for (int k = 0; k < SHAPES; k++)
-        if (json_object_get(at->value, shapes[k].name)) *out = k, found++;
-    if (found == 1) return PDYN_OK;
-    return json_fail(
-        at, "expected exactly one of \"box\", \"sphere\", \"mesh\" and \"file\", found %d", found);
-}
-
 pdyn_status fill_check_range(const struct json_at *at, const struct point_list *points, int first) {
     for (size_t i = 3 * (size_t)first; i < 3 * (size_t)points->count; i++)
-        if (!(fabs(points->x[i]) <= FILL_FARTHEST))
+        if (!(fabs(points->x[i]) <= SCENE_MAX_POSITION))
             return json_fail(at,
                              "expected particles at most %g m from the origin, found %c = %.10g m",
-                             FILL_FARTHEST, "xyz"[i % 3], points -> x[i]);
+                             SCENE_MAX_POSITION, "xyz"[i % 3], points -> x[i]);
     return PDYN_OK;
 }
 
@@ -144,20 +135,20 @@ pdyn_status fill_read(const struct json_at *at, struct scene_body *body, double 
                                        "rotate", "translate", "velocity", NULL};
     struct json_at velocity_at = json_member(at, "velocity");
     struct fill fill = {at, body, so_far, velocity_at.value != NULL};
-    double own[3];
+    double velocity[3];
     int shape = 0, first = body->start.count;
     pdyn_status status = params_check_keys(at, NULL, keys);
-    if (status == PDYN_OK) status = find_shape(at, &shape);
-    if (status == PDYN_OK && !shapes[shape].placed)
+    if (status == PDYN_OK) status = reader_one_of(at, shape_names, SHAPES, &shape);
+    if (status == PDYN_OK && !shapes[shape].transformed)
         status = transform_refuse(at, "a \"mesh\" or a \"file\"");
     if (status == PDYN_OK && fill.has_velocity)
-        status = params_reals(&velocity_at, 3, -1e6, 1e6, "m/s", own);
+        status = params_reals(&velocity_at, 3, -1e6, 1e6, "m/s", velocity);
     if (status != PDYN_OK) return status;
-    struct json_at inner = json_member(at, shapes[shape].name);
+    struct json_at inner = json_member(at, shape_names[shape]);
     status = shapes[shape].fill(&inner, &fill);
     if (status == PDYN_OK) status = fill_check_range(&inner, &body->start, first);
     while (status == PDYN_OK && body->start_v.count < body->start.count)
         status = point_list_add(at->file->context, &body->start_v,
-                                fill.has_velocity ? own : body->velocity);
+                                fill.has_velocity ? velocity : body->velocity);
     return status;
 }

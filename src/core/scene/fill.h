@@ -5,18 +5,14 @@
 #include "json_file.h"
 #include "scene.h"
 
-enum { MOST_PARTICLES = 1 << 27 };
-
-#define FILL_FARTHEST 1e6 /* m from the origin, as for all that a scene places */
-
-/* Adds to the particles of the scene so far; fails beyond MOST_PARTICLES. */
+/* Adds `count` to the number of particles in the scene. PDYN_BAD_INPUT: more than MAX_PARTICLES. */
 pdyn_status fill_count(const struct json_at *at, double count, double *so_far);
 
-/* The points from `first` on are finite and none is farther than FILL_FARTHEST. */
+/* Checks that the points from index `first` on are finite and within SCENE_MAX_POSITION. */
 pdyn_status fill_check_range(const struct json_at *at, const struct point_list *points, int first);
 
-/* Adds what one entry of "fill" says to the start of a body, whose radius and velocity are known.
- */
+/* Reads one entry of "fill" and appends its particles to the body, whose radius and velocity must
+ * be set. */
 pdyn_status fill_read(const struct json_at *at, struct scene_body *body, double *so_far);
 
 #endif

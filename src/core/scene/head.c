@@ -1,12 +1,13 @@
+/* The head of a body (see head.h). */
 #include "head.h"
 
 #include "projdyn/vec3.h"
 
 #include <math.h>
 
-struct heights {            /* of points that were added */
-    double up[3], gravity;  /* against gravity, of length 1; m/s^2 */
-    double lowest, highest; /* m; the highest with speed^2 / (2 gravity) */
+struct heights {            /* range of heights of a set of points */
+    double up[3], gravity;  /* unit vector against gravity; |gravity|, m/s^2 */
+    double lowest, highest; /* m; `highest` includes speed^2 / (2 gravity) */
 };
 
 static void add(struct heights *h, const double *x, double radius, double speed) {

@@ -1,8 +1,10 @@
+/* Reading inlets and outlets; the lattice of particles in an inlet. */
 #include "inlet.h"
 
 #include "fill.h"
 #include "geometry/sampling.h"
 #include "params.h"
+#include "reader.h"
 
 #include "projdyn/vec3.h"
 
@@ -20,10 +22,10 @@ const pdyn_param outlet_params[] = {{"outside", PDYN_BOOL, offsetof(struct scene
                                      false, 0, -INFINITY, INFINITY, "", ""},
                                     {0}};
 
-/* An inlet while it is read: its plane has the axes `across` and `up`. */
+/* The opening of an inlet: a lattice in the plane spanned by `across` and `up`. */
 struct opening {
     double center[3], across[3], up[3];
-    double spacing; /* m, of the lattice */
+    double spacing; /* m, particle spacing */
     struct point_list *layer;
 };
 
@@ -37,7 +39,7 @@ static pdyn_status read_direction(const struct json_at *owner, double direction[
     return PDYN_OK;
 }
 
-/* Without an "up" it is y; z for a stream that runs along y. */
+/* Computes the axes of the plane. Default of "up": y, or z for a flow along y. */
 static pdyn_status read_axes(const struct json_at *owner, const double direction[3],
                              struct opening *o) {
     struct json_at at = json_member(owner, "up");
@@ -49,7 +51,7 @@ static pdyn_status read_axes(const struct json_at *owner, const double direction
     vec3_add(up, -vec3_dot(up, direction), direction);
     double length = vec3_length(up);
     if (!(length > 1e-6 * size))
-        return json_expected(&at, "a direction that is not 0 and not that of the stream");
+        return json_expected(&at, "a direction that is not 0 and not parallel to the flow");
     for (int a = 0; a < 3; a++) o->up[a] = up[a] / length;
     vec3_cross(o->across, direction, o->up);
     return PDYN_OK;
@@ -58,12 +60,12 @@ static pdyn_status read_axes(const struct json_at *owner, const double direction
 /* ---- the lattice of a layer ------------------------------------------------------------------ */
 
 static pdyn_status check_size(const struct json_at *at, double points) {
-    if (points <= MOST_PARTICLES) return PDYN_OK;
+    if (points <= MAX_PARTICLES) return PDYN_OK;
     return json_fail(at, "expected at most %d particles in a layer, found about %.10g",
-                     MOST_PARTICLES, points);
+                     MAX_PARTICLES, points);
 }
 
-/* The point i spacings across and j up from the centre. */
+/* Appends the lattice point i spacings across and j spacings up from the centre. */
 static pdyn_status add_point(const struct json_at *at, const struct opening *o, double i,
                              double j) {
     double x[3] = {o->center[0], o->center[1], o->center[2]};
@@ -78,7 +80,7 @@ static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
     double size[2], n[2];
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK)
-        status = params_reals(&center, 3, -FILL_FARTHEST, FILL_FARTHEST, "m", o->center);
+        status = params_reals(&center, 3, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", o->center);
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 0.0, 1e6, "m", size);
     for (int a = 0; a < 2 && status == PDYN_OK; a++) {
         n[a] = sample_cells(size[a], o->spacing);
@@ -96,8 +98,8 @@ static pdyn_status read_rectangle(const struct json_at *at, struct opening *o) {
     return status;
 }
 
-/* A particle for every lattice point inside, one of them in the centre: so many particles are
- * those of the disc's area. */
+/* Appends the lattice points inside a disc; one is at its centre. Their number corresponds to the
+ * area of the disc. */
 static pdyn_status read_disc(const struct json_at *at, struct opening *o) {
     struct scene_sphere disc;
     pdyn_status status = params_sphere(at, &disc);
@@ -112,18 +114,19 @@ static pdyn_status read_disc(const struct json_at *at, struct opening *o) {
 }
 
 static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
-    struct json_at rectangle = json_member(at, "rectangle"), disc = json_member(at, "disc");
-    if (!rectangle.value == !disc.value)
-        return json_fail(at, "expected exactly one of \"rectangle\" and \"disc\", found %s",
-                         disc.value ? "both" : "neither");
-    struct json_at *found = rectangle.value ? &rectangle : &disc;
-    pdyn_status status = rectangle.value ? read_rectangle(found, o) : read_disc(found, o);
-    return status == PDYN_OK ? fill_check_range(found, o->layer, 0) : status;
+    static const char *const shapes[] = {"rectangle", "disc"};
+    int shape;
+    pdyn_status status = reader_one_of(at, shapes, 2, &shape);
+    if (status != PDYN_OK) return status;
+    struct json_at found = json_member(at, shapes[shape]);
+    status = shape ? read_disc(&found, o) : read_rectangle(&found, o);
+    return status == PDYN_OK ? fill_check_range(&found, o->layer, 0) : status;
 }
 
 /* ---- inlets and outlets ---------------------------------------------------------------------- */
 
-/* A layer enters at once, and another one each time the last has travelled one spacing. */
+/* Number of layers until the end: the first enters at `start`, the next ones each time the previous
+ * layer has travelled one spacing. */
 static double count_layers(const struct scene_inlet *inlet, double spacing, double end) {
     double left = end - inlet->start;
     double duration = inlet->duration > 0.0 ? fmin(inlet->duration, left) : left;

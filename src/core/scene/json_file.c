@@ -1,21 +1,18 @@
+/* JSON texts with overrides: parsing, positions of values, error messages. */
 #include "json_file.h"
 
-#include "base/registry.h"
+#include "base/file_in.h"
 #include "base/text.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { PLACE = 1400, VALUE = 64, KEYS = 32 };
 
-/* ---- finding a value in the text ------------------------------------------------------------- */
+/* ---- position of a value in the text --------------------------------------------------------- */
 
-/* The text is known to be valid JSON here: jansson has read it. */
+/* These functions assume valid JSON: jansson has parsed the text. */
 
 static const char *skip_space(const char *p) { return p + strspn(p, " \t\r\n"); }
 
@@ -38,22 +35,22 @@ static const char *skip_value(const char *p) {
     return p;
 }
 
-/* Keys may be written with escapes. */
-static bool same_key(const char *p, const char *key) {
+/* Compares a key in the text, which may contain escapes, with `key`. */
+static bool key_equals(const char *p, const char *key) {
     json_t *read = json_loadb(p, (size_t)(skip_string(p) - p), JSON_DECODE_ANY, NULL);
     bool same = read && !strcmp(json_string_value(read), key);
     json_decref(read);
     return same;
 }
 
-/* Where the value (or its key) stands; that of its parent for a missing one. */
-static const char *find(const struct json_at *at, bool at_key) {
+/* Position of the value or of its key; of the parent if the value is missing. */
+static const char *find_position(const struct json_at *at, bool at_key) {
     if (!at->parent) return skip_space(at->file->text);
-    const char *around = find(at->parent, false), *p = skip_space(around + 1);
+    const char *around = find_position(at->parent, false), *p = skip_space(around + 1);
     if (*around != (at->key ? '{' : '[')) return around;
     for (size_t i = 0; *p != '}' && *p != ']'; i++) {
         const char *start = p;
-        bool here = at->key ? same_key(p, at->key) : i == at->index;
+        bool here = at->key ? key_equals(p, at->key) : i == at->index;
         if (at->key) p = skip_space(skip_space(skip_string(p)) + 1);
         if (here) return at_key ? start : p;
         p = skip_space(skip_value(p));
@@ -64,7 +61,7 @@ static const char *find(const struct json_at *at, bool at_key) {
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
-/* The override that the value, or something around it, came from; -1: none. */
+/* Index of the override from which the value or one of its parents comes; -1: none. */
 static int override_of(const struct json_at *at) {
     for (; at->parent; at = at->parent)
         for (int i = at->file->overrides - 1; i >= 0; i--) {
@@ -87,11 +84,11 @@ static void append_place(const struct json_at *at, bool at_key, char *text, size
         append_override(at->file, from, text, size);
         return;
     }
-    const char *end = find(at, at_key);
+    const char *end = find_position(at, at_key);
     int line = 1, column = 1;
     for (const char *p = at->file->text; p < end; p++)
         if (*p == '\n') line++, column = 1;
-        else column += ((unsigned char)*p & 0xC0) != 0x80; /* characters, not bytes */
+        else column += ((unsigned char)*p & 0xC0) != 0x80; /* counts characters, not bytes */
     text_append(text, size, "%.1024s:%d:%d: ", at->file->name, line, column);
 }
 
@@ -108,7 +105,7 @@ static void append_path(const struct json_at *at, char *text, size_t size) {
 static pdyn_status fail(const struct json_at *at, bool at_key, const char *format, va_list args) {
     char place[PLACE] = "", path[256] = "", message[1024];
     append_place(at, at_key, place, sizeof place);
-    /* the path of an unknown key is that of its object: the message names the key */
+    /* for an unknown key, the path ends at the object: the message has the key */
     append_path(at_key ? at->parent : at, path, sizeof path);
     vsnprintf(message, sizeof message, format, args);
     return context_fail(at->file->context, PDYN_BAD_INPUT, "%s%s%s%s", place, path,
@@ -152,7 +149,7 @@ pdyn_status json_wrap(const struct json_at *at, pdyn_status status) {
     return status;
 }
 
-/* ---- places ---------------------------------------------------------------------------------- */
+/* ---- locations ------------------------------------------------------------------------------- */
 
 struct json_at json_root(const struct json_file *file) {
     return (struct json_at){.file = file, .value = file->root};
@@ -180,7 +177,7 @@ static pdyn_status fail_override(const struct json_file *file, int i, const char
     return context_fail(file->context, PDYN_BAD_INPUT, "%s%s", place, message);
 }
 
-/* What an element of an array may be called; NULL: only by its index. */
+/* Name by which an override can refer to an array element; NULL: only by its index. */
 static const char *element_name(const json_t *element) {
     const char *name = json_string_value(json_object_get(element, "name"));
     return name ? name : json_string_value(json_object_get(element, "type"));
@@ -215,17 +212,18 @@ static pdyn_status fail_element(const struct json_file *file, int i, const json_
     if (!nearest)
         return fail_override(file, i, "no element \"%s\"%s", clipped,
                              *hint ? hint : "; the array is empty");
-    char near[VALUE + 1]; /* the longest word that is worth a hint */
+    char near[VALUE + 1]; /* longer names get no suggestion */
     text_clip(near, sizeof near, nearest);
     return fail_override(file, i, "no element \"%s\"; did you mean \"%s\"?%s", clipped, near, hint);
 }
 
-/* Puts a value into an object or array, and notes where, unless something around it was noted. */
-static pdyn_status put(struct json_file *file, json_t *container, const char *key, size_t index,
-                       json_t *value) {
+/* Sets a value of an object or array; records the outermost place that the override changes. */
+static pdyn_status set_value(struct json_file *file, json_t *container, const char *key,
+                             size_t index, json_t *value) {
     struct json_override *o = &file->override[file->overrides - 1];
     if (!o->container) {
-        o->container = json_incref(container); /* so that no other value takes its address */
+        o->container =
+            json_incref(container); /* keeps the address from being used by another value */
         o->key = json_is_object(container) ? key : NULL, o->index = index;
     }
     int failed = json_is_object(container) ? json_object_set_new(container, key, value)
@@ -233,7 +231,7 @@ static pdyn_status put(struct json_file *file, json_t *container, const char *ke
     return failed ? context_no_memory(file->context) : PDYN_OK;
 }
 
-/* One step along a path: *at becomes what `key` names in it; a last step puts `value` there. */
+/* One key of a path: *at becomes the value at `key`; the last key gets `value`. */
 static pdyn_status override_step(struct json_file *file, json_t **at, const char *key,
                                  json_t *value) {
     json_t *container = *at;
@@ -250,15 +248,16 @@ static pdyn_status override_step(struct json_file *file, json_t **at, const char
         char clipped[VALUE];
         text_clip(clipped, sizeof clipped, key);
         return fail_override(file, file->overrides - 1,
-                             "\"%s\" leads into a value that is no object and no array", clipped);
+                             "\"%s\" is a key of a value that is neither an object nor an array",
+                             clipped);
     }
-    if (value) return put(file, container, key, index, json_incref(value));
+    if (value) return set_value(file, container, key, index, json_incref(value));
     if (*at) return PDYN_OK;
     *at = json_object();
-    return put(file, container, key, index, *at);
+    return set_value(file, container, key, index, *at);
 }
 
-static pdyn_status override_walk(struct json_file *file, char *path, json_t *value) {
+static pdyn_status override_path(struct json_file *file, char *path, json_t *value) {
     json_t *at = file->root;
     pdyn_status status = PDYN_OK;
     char *next = path;
@@ -276,7 +275,7 @@ static pdyn_status override_walk(struct json_file *file, char *path, json_t *val
 
 static pdyn_status override_apply(struct json_file *file, const char *text) {
     struct json_override *o = &file->override[file->overrides++];
-    json_t *whole = json_string(text); /* NULL where it is no UTF-8 */
+    json_t *whole = json_string(text); /* NULL: not UTF-8 */
     json_decref(whole);
     const char *equals = strchr(text, '=');
     if (!whole || !equals)
@@ -291,39 +290,16 @@ static pdyn_status override_apply(struct json_file *file, const char *text) {
         json_loadb(words, strlen(words), JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
     if (!value) value = json_string(words);
     if (!value) return context_no_memory(file->context);
-    pdyn_status status = override_walk(file, o->path, value);
+    pdyn_status status = override_path(file, o->path, value);
     json_decref(value);
     return status;
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static pdyn_status load_open(struct json_file *file, int descriptor) {
-    struct stat info;
-    if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))
-        return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: expected a regular file",
-                            file->name);
-    file->size = (size_t)info.st_size;
-    file->text = file->loaded = NEW_ARRAY(file->context, file->size + 1, char);
-    if (!file->loaded) return PDYN_NO_MEMORY;
-    for (size_t have = 0; have < file->size;) {
-        ssize_t more = read(descriptor, file->loaded + have, file->size - have);
-        if (more <= 0)
-            return context_fail(file->context, PDYN_IO_FAILED,
-                                "%.1024s: reading stopped at byte %zu of %zu: %s", file->name, have,
-                                file->size, more ? strerror(errno) : "the file shrank");
-        have += (size_t)more;
-    }
-    return PDYN_OK;
-}
-
 static pdyn_status load(struct json_file *file) {
-    int descriptor = open(file->name, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* no wait for a pipe */
-    if (descriptor < 0)
-        return context_fail(file->context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s",
-                            file->name, strerror(errno));
-    pdyn_status status = load_open(file, descriptor);
-    close(descriptor);
+    pdyn_status status = file_load(file->context, file->name, &file->loaded, &file->size);
+    file->text = file->loaded;
     return status;
 }
 
@@ -335,7 +311,7 @@ static pdyn_status parse(struct json_file *file) {
     if (!*error.text || json_error_code(&error) == json_error_out_of_memory)
         return context_no_memory(file->context);
     text_clip(text, sizeof text, error.text);
-    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: no valid JSON: %s",
+    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s",
                         file->name, error.line < 1 ? 1 : error.line,
                         error.column < 1 ? 1 : error.column, text);
 }

@@ -1,3 +1,4 @@
+/* Reading JSON objects by tables of parameters. */
 #include "params.h"
 
 #include "base/text.h"
@@ -8,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { WHAT = 128, KEYS = 64, FARTHEST = 1000000 /* m from the origin */ };
+enum { WHAT = 128, KEYS = 64 };
 
 /* ---- keys ------------------------------------------------------------------------------------ */
 
@@ -108,13 +109,11 @@ pdyn_status params_reals(const struct json_at *at, int count, double min, double
 
 pdyn_status params_box(const struct json_at *at, struct scene_box *box) {
     static const pdyn_param table[] = {{"minimum", PDYN_VECTOR, offsetof(struct scene_box, min),
-                                        true, 0, -FARTHEST, FARTHEST, "m", ""},
+                                        true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
                                        {"maximum", PDYN_VECTOR, offsetof(struct scene_box, max),
-                                        true, 0, -FARTHEST, FARTHEST, "m", ""},
+                                        true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
                                        {0}};
-    static const char *const none[] = {NULL};
-    pdyn_status status = params_check_keys(at, table, none);
-    if (status == PDYN_OK) status = params_read(at, table, NULL, box);
+    pdyn_status status = params_read_object(at, table, box);
     for (int a = 0; a < 3 && status == PDYN_OK; a++) {
         struct json_at maximum = json_member(at, "maximum"),
                        entry = json_element(&maximum, (size_t)a);
@@ -127,115 +126,115 @@ pdyn_status params_box(const struct json_at *at, struct scene_box *box) {
 }
 
 pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere) {
-    static const pdyn_param table[] = {
-        {"center", PDYN_VECTOR, offsetof(struct scene_sphere, center), true, 0, -FARTHEST, FARTHEST,
-         "m", ""},
-        {"radius", PDYN_REAL, offsetof(struct scene_sphere, radius), true, 0, 0, FARTHEST, "m", ""},
-        {0}};
-    static const char *const none[] = {NULL};
-    pdyn_status status = params_check_keys(at, table, none);
-    return status == PDYN_OK ? params_read(at, table, NULL, sphere) : status;
+    static const pdyn_param table[] = {{"center", PDYN_VECTOR,
+                                        offsetof(struct scene_sphere, center), true, 0,
+                                        -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
+                                       {"radius", PDYN_REAL, offsetof(struct scene_sphere, radius),
+                                        true, 0, 0, SCENE_MAX_POSITION, "m", ""},
+                                       {0}};
+    return params_read_object(at, table, sphere);
 }
 
-/* ---- chosen vertices ------------------------------------------------------------------------- */
+/* ---- selections of vertices
+ * ------------------------------------------------------------------------- */
 
-/* A set of vertices while it is chosen. */
-struct choice {
+/* a selection of vertices */
+struct selection {
     pdyn_context *context;
     const struct mesh *surface;
-    bool *chosen; /* a flag per vertex */
+    bool *selected; /* vertices */
 };
 
 static pdyn_status expect_true(const struct json_at *at) {
     return json_is_true(at->value) ? PDYN_OK : json_expected(at, "true");
 }
 
-static pdyn_status choose_all(const struct json_at *at, struct choice *c) {
-    memset(c->chosen, true, (size_t)c->surface->vertices * sizeof *c->chosen);
+static pdyn_status select_all(const struct json_at *at, struct selection *c) {
+    memset(c->selected, true, (size_t)c->surface->vertices * sizeof *c->selected);
     return expect_true(at);
 }
 
-static pdyn_status choose_border(const struct json_at *at, struct choice *c) {
+static pdyn_status select_border(const struct json_at *at, struct selection *c) {
     struct topology topology;
     pdyn_status status = expect_true(at);
     if (status == PDYN_OK) status = topology_build(c->context, c->surface, &topology);
     if (status != PDYN_OK) return status;
-    for (int v = 0; v < c->surface->vertices; v++) c->chosen[v] |= topology.on_border[v];
+    for (int v = 0; v < c->surface->vertices; v++) c->selected[v] |= topology.on_border[v];
     topology_free(c->context, &topology);
     return PDYN_OK;
 }
 
-static pdyn_status choose_listed(const struct json_at *at, struct choice *c) {
+static pdyn_status select_listed(const struct json_at *at, struct selection *c) {
     if (!json_is_array(at->value)) return json_expected(at, "an array of vertex numbers");
     for (size_t k = 0; k < json_array_size(at->value); k++) {
         struct json_at element = json_element(at, k);
         int v;
         pdyn_status status = params_int(&element, 0, c->surface->vertices - 1, &v);
         if (status != PDYN_OK) return status;
-        c->chosen[v] = true;
+        c->selected[v] = true;
     }
     return PDYN_OK;
 }
 
-static pdyn_status choose_box(const struct json_at *at, struct choice *c) {
+static pdyn_status select_box(const struct json_at *at, struct selection *c) {
     struct scene_box box;
     pdyn_status status = params_box(at, &box);
     for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++) {
         const double *x = c->surface->vertex + 3 * v;
         bool inside = true;
         for (int a = 0; a < 3; a++) inside &= x[a] >= box.min[a] && x[a] <= box.max[a];
-        c->chosen[v] |= inside;
+        c->selected[v] |= inside;
     }
     return status;
 }
 
-static pdyn_status choose_sphere(const struct json_at *at, struct choice *c) {
+static pdyn_status select_sphere(const struct json_at *at, struct selection *c) {
     struct scene_sphere sphere;
     pdyn_status status = params_sphere(at, &sphere);
     for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++)
-        c->chosen[v] |= vec3_distance(c->surface->vertex + 3 * v, sphere.center) <= sphere.radius;
+        c->selected[v] |= vec3_distance(c->surface->vertex + 3 * v, sphere.center) <= sphere.radius;
     return status;
 }
 
-static const char *const chooser_names[] = {"all", "vertices", "box", "sphere", "border", NULL};
-static pdyn_status (*const choosers[])(const struct json_at *at, struct choice *c) = {
-    choose_all, choose_listed, choose_box, choose_sphere, choose_border};
+static const char *const selector_names[] = {"all", "vertices", "box", "sphere", "border", NULL};
+static pdyn_status (*const selectors[])(const struct json_at *at, struct selection *c) = {
+    select_all, select_listed, select_box, select_sphere, select_border};
 
-static pdyn_status choose(const struct json_at *at, struct choice *c) {
-    pdyn_status status = params_check_keys(at, NULL, chooser_names);
+static pdyn_status select_vertices(const struct json_at *at, struct selection *c) {
+    pdyn_status status = params_check_keys(at, NULL, selector_names);
     if (status == PDYN_OK && json_object_size(at->value) != 1)
         status = json_fail(
             at,
             "expected exactly one of \"all\", \"vertices\", \"box\", \"sphere\", \"border\""
             ", found %zu keys",
             json_object_size(at->value));
-    for (int k = 0; chooser_names[k] && status == PDYN_OK; k++) {
-        struct json_at chosen = json_member(at, chooser_names[k]);
-        if (chosen.value) status = choosers[k](&chosen, c);
+    for (int k = 0; selector_names[k] && status == PDYN_OK; k++) {
+        struct json_at selected = json_member(at, selector_names[k]);
+        if (selected.value) status = selectors[k](&selected, c);
     }
     return status;
 }
 
-static pdyn_status choose_each(const struct json_at *at, struct choice *c) {
-    if (!json_is_array(at->value)) return choose(at, c);
+static pdyn_status select_each(const struct json_at *at, struct selection *c) {
+    if (!json_is_array(at->value)) return select_vertices(at, c);
     pdyn_status status = PDYN_OK;
     for (size_t k = 0; k < json_array_size(at->value) && status == PDYN_OK; k++) {
         struct json_at element = json_element(at, k);
-        status = choose(&element, c);
+        status = select_vertices(&element, c);
     }
     return status;
 }
 
-static pdyn_status list_chosen(const struct json_at *at, const struct choice *c,
+static pdyn_status list_chosen(const struct json_at *at, const struct selection *c,
                                pdyn_vertices *out) {
     int count = 0;
-    for (int v = 0; v < c->surface->vertices; v++) count += c->chosen[v];
-    if (!count) return json_fail(at, "selects no vertex of %d", c->surface->vertices);
+    for (int v = 0; v < c->surface->vertices; v++) count += c->selected[v];
+    if (!count) return json_fail(at, "selects none of %d vertices", c->surface->vertices);
     int *index = NEW_ARRAY(c->context, count, int);
     if (!index) return PDYN_NO_MEMORY;
     *out = (pdyn_vertices){count, index};
     for (int v = 0; v < c->surface->vertices; v++)
-        if (c->chosen[v]) *index++ = v;
+        if (c->selected[v]) *index++ = v;
     return PDYN_OK;
 }
 
@@ -245,14 +244,14 @@ static pdyn_status read_vertices(const struct json_at *at, const pdyn_param *par
                                  const struct mesh *surface, void *field) {
     (void)param;
     if (!json_is_object(at->value) && !json_is_array(at->value))
-        return json_expected(at, "an object that chooses vertices, or an array of such objects");
-    if (!surface) return json_fail(at, "vertices can be chosen on a surface only");
-    struct choice c = {at->file->context, surface,
-                       NEW_ARRAY(at->file->context, surface->vertices, bool)};
-    if (!c.chosen) return PDYN_NO_MEMORY;
-    pdyn_status status = choose_each(at, &c);
+        return json_expected(at, "an object that selects vertices, or an array of such objects");
+    if (!surface) return json_fail(at, "vertices can be selected on a surface only");
+    struct selection c = {at->file->context, surface,
+                          NEW_ARRAY(at->file->context, surface->vertices, bool)};
+    if (!c.selected) return PDYN_NO_MEMORY;
+    pdyn_status status = select_each(at, &c);
     if (status == PDYN_OK) status = list_chosen(at, &c, field);
-    FREE_ARRAY(c.context, c.chosen, surface->vertices);
+    FREE_ARRAY(c.context, c.selected, surface->vertices);
     return status;
 }
 
@@ -270,7 +269,8 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
     *path = (pdyn_path){(int)count, key};
     for (size_t k = 0; k < count; k++, key += 4) {
         struct json_at element = json_element(at, k);
-        pdyn_status status = params_reals(&element, 4, -FARTHEST, FARTHEST, unit, key);
+        pdyn_status status =
+            params_reals(&element, 4, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, unit, key);
         if (status != PDYN_OK) return status;
         if (k && !(key[0] > key[-4]))
             return json_fail(&element, "expected a time after %.10g s, found %.10g s", key[-4],
@@ -279,7 +279,7 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
     return PDYN_OK;
 }
 
-/* Whether there is such a body is known when all are read (scene.c). */
+/* Existence of the body is checked after all bodies were read (scene.c). */
 static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
                               const struct mesh *surface, void *field) {
     (void)param, (void)surface;
@@ -363,6 +363,13 @@ pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
             status = kinds[p->kind].read(&at, p, surface, (char *)params + p->offset);
     }
     return status;
+}
+
+pdyn_status params_read_object(const struct json_at *object, const pdyn_param *table,
+                               void *params) {
+    static const char *const none[] = {NULL};
+    pdyn_status status = params_check_keys(object, table, none);
+    return status == PDYN_OK ? params_read(object, table, NULL, params) : status;
 }
 
 void params_free(pdyn_context *context, const pdyn_param *table, void *params) {

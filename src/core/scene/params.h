@@ -1,5 +1,5 @@
-/* Filling a struct from a JSON object by a table of parameters, and the values that are read alike
- * everywhere. Errors say where and what was expected. */
+/* Reading a struct from a JSON object by a table of parameters (pdyn_param), and values that occur
+ * in many places. Errors are PDYN_BAD_INPUT with position, path, and what was expected. */
 #ifndef PDYN_PARAMS_H
 #define PDYN_PARAMS_H
 
@@ -7,34 +7,37 @@
 #include "json_file.h"
 #include "scene.h"
 
-/* Checks that `object` is an object whose keys are all in the table (NULL: none) or in `others`,
+/* Checks that `object` is an object and each key is in `table` (NULL: no table) or in `others`,
  * which ends with NULL. */
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
                               const char *const *others);
 
-/* Checks that `object` has at most one of the keys in `names`, which ends with NULL; NULL: none. */
+/* Checks that `object` has at most one of the keys in `names`, which ends with NULL (names NULL: no
+ * check). */
 pdyn_status params_check_alternatives(const struct json_at *object, const char *const *names);
 
-/* Fills `params` by the table. A missing object gives all defaults. Chosen vertices, paths and
- * names are allocated: params_free gives them back, after a failure too. surface: the rest shape in
- * which vertices are chosen, NULL for a body of particles. */
+/* Fills `params` by the table; a missing object gives all defaults. Vertex selections, paths and
+ * names are allocated: params_free frees them, after a failure, too. surface: the mesh whose
+ * vertices are selected; NULL: a body of particles. */
 pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
                         const struct mesh *surface, void *params);
+/* Checks that `object` is an object with keys of the table only, and reads it. */
+pdyn_status params_read_object(const struct json_at *object, const pdyn_param *table, void *params);
 void params_free(pdyn_context *context, const pdyn_param *table, void *params);
 
-/* "a number from 1 to 2 m" */
+/* Appends e.g. "WHAT from 1 to 2 m". */
 void params_describe_bounds(char *text, size_t size, const char *what, double min, double max,
                             const char *unit);
 
 pdyn_status params_real(const struct json_at *at, double min, double max, const char *unit,
                         double *out);
 pdyn_status params_int(const struct json_at *at, double min, double max, int *out);
-/* An array of exactly `count` numbers. */
+/* Reads an array of exactly `count` numbers. */
 pdyn_status params_reals(const struct json_at *at, int count, double min, double max,
                          const char *unit, double *out);
-/* {"minimum": [..], "maximum": [..]} with an extent in every direction */
+/* Reads {"minimum": [..], "maximum": [..]}, m, with minimum < maximum along every axis. */
 pdyn_status params_box(const struct json_at *at, struct scene_box *box);
-/* {"center": [..], "radius": r} */
+/* Reads {"center": [..], "radius": r}, m. */
 pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere);
 
 #endif

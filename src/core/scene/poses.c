@@ -1,3 +1,4 @@
+/* Poses of moving solids: interpolation of keys, positions, angular velocity. */
 #include "poses.h"
 
 #include "projdyn/vec3.h"
@@ -27,8 +28,8 @@ int pose_key_before(const struct scene_solid *solid, double time) {
     return k;
 }
 
-/* Columns of the rotation: where the axes go. */
-static void turned_axes(const struct transform *t, double axes[9]) {
+/* Columns of the rotation matrix. */
+static void rotated_axes(const struct transform *t, double axes[9]) {
     memset(axes, 0, 9 * sizeof *axes);
     axes[0] = axes[4] = axes[8] = 1.0;
     transform_directions(t, axes, 3);
@@ -38,7 +39,7 @@ void pose_place(const struct scene_solid *solid, const double *placed, int count
                 double *x) {
     struct pose pose = pose_between(solid, pose_key_before(solid, time), time);
     double axes[9];
-    turned_axes(&pose.at, axes);
+    rotated_axes(&pose.at, axes);
     for (int i = 0; i < count; i++, x += 3, placed += 3) {
         memcpy(x, pose.at.translate, sizeof pose.at.translate);
         for (int a = 0; a < 3; a++) vec3_add(x, placed[a], axes + 3 * a);

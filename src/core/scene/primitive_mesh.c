@@ -1,3 +1,4 @@
+/* Triangle meshes of spheres, capsules, planes and boxes. */
 #include "primitive_mesh.h"
 
 #include "params.h"
@@ -6,15 +7,16 @@
 
 #include <string.h>
 
-/* Two directions of length 1 across another one, all at right angles and right-handed. */
+/* Computes two unit vectors u and v perpendicular to axis; (axis, u, v) is right-handed. Normalises
+ * axis. */
 static void across(double axis[3], double u[3], double v[3]) {
-    int least = 0;
+    int smallest = 0;
     double length = vec3_length(axis), other[3] = {0};
     for (int a = 0; a < 3; a++) {
         axis[a] /= length;
-        if (fabs(axis[a]) < fabs(axis[least])) least = a;
+        if (fabs(axis[a]) < fabs(axis[smallest])) smallest = a;
     }
-    other[least] = 1.0;
+    other[smallest] = 1.0;
     vec3_cross(u, axis, other);
     length = vec3_length(u);
     for (int a = 0; a < 3; a++) u[a] /= length;
@@ -25,7 +27,7 @@ static void across(double axis[3], double u[3], double v[3]) {
 
 enum { AROUND = 64, QUARTER = AROUND / 4 };
 
-/* Ring r of n points around the centre, at an angle from the pole. */
+/* Places n points of a ring around the centre, at an angle from the pole. */
 static void place_ring(const double center[3], double radius, const double axes[9], double angle,
                        int points, double *x) {
     double step = 2.0 * acos(-1.0) / AROUND;
@@ -96,7 +98,7 @@ pdyn_status primitive_plane(pdyn_context *context, const double center[3], const
     return PDYN_OK;
 }
 
-/* Corner k has the maximum of axis a where bit a of k is set. */
+/* Corner k is at the maximum of axis a if bit a of k is set. */
 pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, unsigned open,
                           struct mesh *out) {
     int faces = 0, *triangle;
@@ -117,9 +119,9 @@ pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, un
     return PDYN_OK;
 }
 
-/* ---- as a scene says them -------------------------------------------------------------------- */
+/* ---- JSON objects ---------------------------------------------------------------------------- */
 
-struct shape { /* what a scene may say of one */
+struct shape { /* keys of all primitives */
     double center[3], from[3], to[3], normal[3], radius, size;
 };
 
@@ -128,16 +130,10 @@ struct shape { /* what a scene may say of one */
 #define LENGTH(name)                                                                               \
     { #name, PDYN_REAL, offsetof(struct shape, name), true, 0, 1e-6, 1e6, "m", "" }
 
-static pdyn_status read(const struct json_at *at, const pdyn_param *table, struct shape *shape) {
-    static const char *const none[] = {NULL};
-    pdyn_status status = params_check_keys(at, table, none);
-    return status == PDYN_OK ? params_read(at, table, NULL, shape) : status;
-}
-
 pdyn_status primitive_read_sphere(const struct json_at *at, struct mesh *mesh, double middle[3]) {
     static const pdyn_param table[] = {VECTOR(center, 1e6), LENGTH(radius), {0}};
     struct shape shape;
-    pdyn_status status = read(at, table, &shape);
+    pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
     memcpy(middle, shape.center, sizeof shape.center);
     return primitive_capsule(at->file->context, shape.center, shape.center, shape.radius, mesh);
@@ -146,7 +142,7 @@ pdyn_status primitive_read_sphere(const struct json_at *at, struct mesh *mesh, d
 pdyn_status primitive_read_capsule(const struct json_at *at, struct mesh *mesh, double middle[3]) {
     static const pdyn_param table[] = {VECTOR(from, 1e6), VECTOR(to, 1e6), LENGTH(radius), {0}};
     struct shape shape;
-    pdyn_status status = read(at, table, &shape);
+    pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
     for (int a = 0; a < 3; a++) middle[a] = 0.5 * (shape.from[a] + shape.to[a]);
     return primitive_capsule(at->file->context, shape.from, shape.to, shape.radius, mesh);
@@ -156,7 +152,7 @@ pdyn_status primitive_read_plane(const struct json_at *at, struct mesh *mesh, do
     static const pdyn_param table[] = {VECTOR(center, 1e6), VECTOR(normal, 1e6), LENGTH(size), {0}};
     struct json_at normal = json_member(at, "normal");
     struct shape shape;
-    pdyn_status status = read(at, table, &shape);
+    pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
     if (!(vec3_length(shape.normal) > 1e-12))
         return json_expected(&normal, "a direction that is not 0");

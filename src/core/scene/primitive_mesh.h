@@ -1,25 +1,25 @@
-/* Solids given by a few numbers, as triangle meshes, and how a scene says them. */
+/* Spheres, capsules, planes and boxes as triangle meshes, and their JSON objects. */
 #ifndef PDYN_PRIMITIVE_MESH_H
 #define PDYN_PRIMITIVE_MESH_H
 
 #include "json_file.h"
 #include "scene.h"
 
-/* All points closer than a radius to the segment between two points; a sphere where these are one.
- * Its vertices lie on the surface, up to 0.24 % of the radius outside its triangles. */
+/* All points within `radius`, m, of the segment between two points; a sphere if the points are
+ * equal. The vertices lie on the surface, up to 0.24 % of the radius outside the triangles. */
 pdyn_status primitive_capsule(pdyn_context *context, const double from[3], const double to[3],
                               double radius, struct mesh *out);
 
-/* A square of a size, m, across a normal of any length. */
+/* A square of edge `size`, m, perpendicular to a normal of any length. */
 pdyn_status primitive_plane(pdyn_context *context, const double center[3], const double normal[3],
                             double size, struct mesh *out);
 
-/* The faces of a box that are not open (bits as in scene_solid), two triangles each. */
+/* The closed faces of a box (`open`: bits as in scene_solid), two triangles each. */
 pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, unsigned open,
                           struct mesh *out);
 
-/* {"center": [..], "radius": r}, {"from": [..], "to": [..], "radius": r}, and
- * {"center": [..], "normal": [..], "size": s}, into the mesh; and the middle. */
+/* Read {"center": [..], "radius": r}, {"from": [..], "to": [..], "radius": r} and
+ * {"center": [..], "normal": [..], "size": s}. middle: the centre, m. */
 pdyn_status primitive_read_sphere(const struct json_at *at, struct mesh *mesh, double middle[3]);
 pdyn_status primitive_read_capsule(const struct json_at *at, struct mesh *mesh, double middle[3]);
 pdyn_status primitive_read_plane(const struct json_at *at, struct mesh *mesh, double middle[3]);

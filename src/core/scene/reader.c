@@ -1,7 +1,7 @@
+/* Names and arrays of a scene. */
 #include "reader.h"
 
 #include "base/text.h"
-#include "fill.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -95,8 +95,20 @@ pdyn_status reader_each(struct reader *r, const struct json_at *array, read_fn *
 pdyn_status reader_count(const struct json_at *array, const char *what, int *out) {
     *out = 0;
     if (array->value && !json_is_array(array->value)) return json_expected(array, what);
-    if (json_array_size(array->value) > MOST_PARTICLES)
-        return json_fail(array, "more than %d elements", MOST_PARTICLES);
+    if (json_array_size(array->value) > MAX_PARTICLES)
+        return json_fail(array, "more than %d elements", MAX_PARTICLES);
     *out = (int)json_array_size(array->value);
     return PDYN_OK;
+}
+
+pdyn_status reader_array(struct reader *r, const struct json_at *array, const char *what,
+                         read_fn *read, size_t size, void *items, int *count) {
+    int length;
+    pdyn_status status = reader_count(array, what, &length);
+    if (status != PDYN_OK || !length) return status;
+    void *elements = context_array(r->context, (size_t)length, size);
+    if (!elements) return PDYN_NO_MEMORY;
+    memcpy(items, &elements, sizeof elements); /* whatever the type of the pointer */
+    *count = length;
+    return reader_each(r, array, read);
 }

@@ -1,50 +1,55 @@
-/* What the readers of a scene's parts share. scene.c reads the scene, settings.c how it is solved,
- * scene_body.c a body with its constraints, scene_solid.c a solid. */
+/* Shared by the readers of a scene: scene.c (whole scene), settings.c ("solver", "time_step"),
+ * scene_body.c (bodies with constraints) and scene_solid.c (solids). */
 #ifndef PDYN_READER_H
 #define PDYN_READER_H
 
 #include "json_file.h"
 #include "scene.h"
 
-enum { READER_NAMES = 64 }; /* of one kind, at most; and characters of a name */
+enum { READER_NAMES = 64 }; /* largest number of names in a list, and of characters in a name */
 
-/* What is known while a scene is read. */
+/* state while a scene is read */
 struct reader {
     pdyn_context *context;
     struct scene *scene;
-    double particles;          /* so far, in all bodies */
+    double particles;          /* number in all bodies so far */
     struct scene_body *listed; /* the body whose constraints are operators on neighbour lists, or
                                   NULL: lists are made of one body of particles */
-    struct scene_body *body;   /* being read */
-    struct scene_solid *solid; /* being read */
+    struct scene_body *body;   /* the current one */
+    struct scene_solid *solid; /* the current one */
 };
 
 typedef pdyn_status read_fn(struct reader *r, const struct json_at *at, int index);
 
-/* ---- the parts: of a whole scene, and elements of its arrays --------------------------------- */
+/* ---- parts of a scene, and elements of its arrays -------------------------------------------- */
 
 pdyn_status settings_read(struct reader *r, const struct json_at *root);
 read_fn scene_read_body, scene_read_solid;
 
-/* ---- words and arrays ------------------------------------------------------------------------ */
+/* ---- names and arrays ------------------------------------------------------------------------ */
 
 pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out);
 
-/* Fails with what is known instead of the word at `at`. */
+/* Fails with "unknown WHAT "word"", a suggestion and the known names. */
 pdyn_status reader_fail_word(const struct json_at *at, const char *what, const char *const *names,
                              int count);
-/* The index of the word among `names`; a missing word is the first. */
+/* Index of the name at `at` in `names`; 0 if it is missing. */
 pdyn_status reader_choice(const struct json_at *at, const char *what, const char *const *names,
                           int count, int *out);
-/* Exactly one of these keys: its index. */
+/* Index of the key in `names` that the object has. PDYN_BAD_INPUT: it has none or several. */
 pdyn_status reader_one_of(const struct json_at *at, const char *const *names, int count, int *out);
-/* The name of a body or solid; without one, its kind and index. */
+/* The name of a body or a solid, allocated; default: kind and index, e.g. "body0". */
 pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,
                         char **out);
 
-/* The length of an array that may be missing. */
+/* Length of an array; 0 if it is missing. PDYN_BAD_INPUT: not an array; `what` was expected. */
 pdyn_status reader_count(const struct json_at *array, const char *what, int *out);
-/* Calls `read` for every element of an array; a missing array has none. */
+/* Calls `read` for every element of an array; does nothing if it is missing. */
 pdyn_status reader_each(struct reader *r, const struct json_at *array, read_fn *read);
+/* Allocates *items, an array of elements of `size` bytes, one per element of a JSON array that may
+ * be missing, sets *count and calls `read` for every element. items: address of the pointer to the
+ * array. The caller frees it, after a failure, too. */
+pdyn_status reader_array(struct reader *r, const struct json_at *array, const char *what,
+                         read_fn *read, size_t size, void *items, int *count);
 
 #endif

@@ -1,36 +1,36 @@
 #include "base/registry.h"
 #include "base/snapshot_file.h"
 #include "base/text.h"
+#include "file_ref.h"
 #include "head.h"
 #include "inlet.h"
 #include "params.h"
 #include "reader.h"
-#include "transform.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- bodies that constraints name ------------------------------------------------------------ */
+/* ---- references to other bodies -------------------------------------------------------------- */
 
-/* Of the names of the other bodies that have a surface. */
-static pdyn_status check_other(const struct reader *r, const struct json_at *at, int own,
+/* Checks that `name` is another body with a surface. */
+static pdyn_status check_other(const struct reader *r, const struct json_at *at, int self,
                                const char *name) {
     const char *names[READER_NAMES];
     int count = 0;
     for (int b = 0; b < r->scene->bodies; b++) {
         const struct scene_body *body = &r->scene->body[b];
-        bool fits = b != own && body->is_surface;
+        bool fits = b != self && body->is_surface;
         if (fits && !strcmp(body->name, name)) return PDYN_OK;
         if (!strcmp(body->name, name))
             return json_fail(at, "expected another body that has a surface, found %s",
-                             b == own ? "this one itself" : "a body of particles");
+                             b == self ? "this body" : "a body of particles");
         if (fits && count < READER_NAMES) names[count++] = body->name;
     }
     return reader_fail_word(at, "body", names, count);
 }
 
-static pdyn_status check_others(struct reader *r, const struct json_at *at, int own) {
-    const struct scene_body *body = &r->scene->body[own];
+static pdyn_status check_others(struct reader *r, const struct json_at *at, int self) {
+    const struct scene_body *body = &r->scene->body[self];
     struct json_at array = json_member(at, "constraints");
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
@@ -38,15 +38,16 @@ static pdyn_status check_others(struct reader *r, const struct json_at *at, int 
         for (const pdyn_param *p = c->type->params; p->name; p++) {
             struct json_at name = json_member(&constraint, p->name);
             if (p->kind != PDYN_OTHER || !name.value) continue;
-            pdyn_status status = check_other(r, &name, own, json_string_value(name.value));
+            pdyn_status status = check_other(r, &name, self, json_string_value(name.value));
             if (status != PDYN_OK) return status;
         }
     }
     return PDYN_OK;
 }
 
-/* ---- parameters that follow from the scene --------------------------------------------------- */
+/* ---- derived parameters ---------------------------------------------------------------------- */
 
+/* Lets a constraint compute parameters from the scene, e.g. a stiffness from the head. */
 static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                            const struct scene_body *body, const struct scene_constraint *c) {
     pdyn_scene_info info = {.radius = body->radius,
@@ -71,28 +72,20 @@ static pdyn_status resolve_all(struct reader *r, const struct json_at *at, int i
     return status;
 }
 
-/* ---- the parts of a scene -------------------------------------------------------------------- */
+/* ---- parts of a scene ------------------------------------------------------------------------ */
 
 static pdyn_status read_bodies(struct reader *r, const struct json_at *array) {
-    int count;
-    pdyn_status status = reader_count(array, "an array of bodies", &count);
-    if (status == PDYN_OK && !count) status = json_expected(array, "at least one body");
-    if (status != PDYN_OK) return status;
-    r->scene->body = NEW_ARRAY(r->context, count, struct scene_body);
-    if (!r->scene->body) return PDYN_NO_MEMORY;
-    r->scene->bodies = count;
-    status = reader_each(r, array, scene_read_body);
+    struct scene *scene = r->scene;
+    pdyn_status status = reader_array(r, array, "an array of bodies", scene_read_body,
+                                      sizeof *scene->body, &scene->body, &scene->bodies);
+    if (status == PDYN_OK && !scene->bodies) status = json_expected(array, "at least one body");
     return status == PDYN_OK ? reader_each(r, array, check_others) : status;
 }
 
 static pdyn_status read_solids(struct reader *r, const struct json_at *array) {
-    int count;
-    pdyn_status status = reader_count(array, "an array of solids", &count);
-    if (status != PDYN_OK || !count) return status;
-    r->scene->solid = NEW_ARRAY(r->context, count, struct scene_solid);
-    if (!r->scene->solid) return PDYN_NO_MEMORY;
-    r->scene->solids = count;
-    return reader_each(r, array, scene_read_solid);
+    struct scene *scene = r->scene;
+    return reader_array(r, array, "an array of solids", scene_read_solid, sizeof *scene->solid,
+                        &scene->solid, &scene->solids);
 }
 
 static pdyn_status read_outlet(struct reader *r, const struct json_at *at, int index) {
@@ -100,13 +93,9 @@ static pdyn_status read_outlet(struct reader *r, const struct json_at *at, int i
 }
 
 static pdyn_status read_outlets(struct reader *r, const struct json_at *array) {
-    int count;
-    pdyn_status status = reader_count(array, "an array of outlets", &count);
-    if (status != PDYN_OK || !count) return status;
-    r->scene->outlet = NEW_ARRAY(r->context, count, struct scene_outlet);
-    if (!r->scene->outlet) return PDYN_NO_MEMORY;
-    r->scene->outlets = count;
-    return reader_each(r, array, read_outlet);
+    struct scene *scene = r->scene;
+    return reader_array(r, array, "an array of outlets", read_outlet, sizeof *scene->outlet,
+                        &scene->outlet, &scene->outlets);
 }
 
 const pdyn_param scene_contact_params[] = {
@@ -119,24 +108,20 @@ const pdyn_param scene_contact_params[] = {
     {0}};
 
 static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
-    static const char *const none[] = {NULL};
     bool surface = false;
     if (!at->value) return PDYN_OK;
     for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].is_surface;
     if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
     r->scene->has_contact = true;
-    pdyn_status status = params_check_keys(at, scene_contact_params, none);
-    return status == PDYN_OK ? params_read(at, scene_contact_params, NULL, &r->scene->contact)
-                             : status;
+    return params_read_object(at, scene_contact_params, &r->scene->contact);
 }
 
 static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {
     char *path = NULL;
     size_t size = 0;
     (void)index;
-    pdyn_status status = transform_path(at, "the name of a plug-in's shared object", &path, &size);
-    if (status != PDYN_OK) return status;
-    status = json_wrap(at, pdyn_load_plugin(r->context, path));
+    pdyn_status status = file_ref_path(at, "the name of a plug-in's shared object", &path, &size);
+    if (status == PDYN_OK) status = json_wrap(at, pdyn_load_plugin(r->context, path));
     FREE_ARRAY(r->context, path, size);
     return status;
 }
@@ -147,7 +132,7 @@ static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
     return status == PDYN_OK ? reader_each(r, array, read_plugin) : status;
 }
 
-static pdyn_status read_all(struct reader *r, const struct json_at *root) {
+static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     static const char *const others[] = {"$schema", "name",    "gravity",  "time_step",
                                          "solver",  "bodies",  "solids",   "outlets",
                                          "contact", "plugins", "boundary", NULL};
@@ -164,11 +149,12 @@ static pdyn_status read_all(struct reader *r, const struct json_at *root) {
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
 
-static pdyn_status take_fingerprint(struct reader *r, const json_t *root) {
-    static const char *const free_keys[] = {"$schema", "name", "duration"};
+/* Hash of all values that change the simulation up to a given time (see scene.fingerprint). */
+static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
+    static const char *const ignored_keys[] = {"$schema", "name", "duration"};
     json_t *values = json_copy((json_t *)root);
-    for (size_t k = 0; values && k < sizeof free_keys / sizeof *free_keys; k++)
-        json_object_del(values, free_keys[k]);
+    for (size_t k = 0; values && k < sizeof ignored_keys / sizeof *ignored_keys; k++)
+        json_object_del(values, ignored_keys[k]);
     char *dump = values ? json_dumps(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     json_decref(values);
     if (!dump) return context_no_memory(r->context);
@@ -182,8 +168,8 @@ static pdyn_status read_file(struct reader *r, const char *text, const char *con
     pdyn_status status = json_file_open(r->context, r->scene->file, text, set, sets, &file);
     if (status != PDYN_OK) return status;
     struct json_at root = json_root(&file);
-    status = read_all(r, &root);
-    if (status == PDYN_OK) status = take_fingerprint(r, root.value);
+    status = read_parts(r, &root);
+    if (status == PDYN_OK) status = compute_fingerprint(r, root.value);
     json_file_close(&file);
     return status;
 }

@@ -1,6 +1,5 @@
-/* A scene as read from its JSON file, checked and with all defaults filled in: plain data, nothing
- * simulated yet. scene_read is the only place that sees text; build.c turns a scene into a
- * pdyn_sim. */
+/* A scene as read from its JSON file: plain data, checked, with all defaults filled in. scene_read
+ * is the only place that parses text; src/core/step/build.c turns a scene into a simulation. */
 #ifndef PDYN_SCENE_H
 #define PDYN_SCENE_H
 
@@ -11,76 +10,81 @@
 #include "geometry/tets.h"
 #include "projdyn/module.h"
 
-struct scene_inlet {         /* lets one layer of particles in after the other, a spacing apart */
-    double direction[3];     /* of length 1 */
+enum { MAX_PARTICLES = 1 << 27 }; /* of a scene */
+#define SCENE_MAX_POSITION 1e6    /* m, largest coordinate of an object that a scene places */
+
+struct scene_inlet {         /* an inlet of particles: it emits layers one particle spacing apart */
+    double direction[3];     /* unit vector of the flow */
     double speed;            /* m/s */
     double start, duration;  /* s; duration 0: until the end of the scene */
-    double layers;           /* in all, whole */
-    struct point_list layer; /* where its particles enter */
+    double layers;           /* number of layers in all, an integer */
+    struct point_list layer; /* positions of the particles of one layer, m */
 };
 
-struct scene_outlet { /* removes particles */
+struct scene_outlet { /* an outlet: a region in which particles are removed */
     struct scene_box box;
-    bool outside; /* those outside the box, not those inside */
+    bool outside; /* removes particles outside of the box, not inside */
 };
 
 struct scene_constraint {
     const pdyn_constraint_type *type;
-    void *params; /* type->params_size bytes, filled from type->params */
+    void *params; /* type->params_size bytes, filled by the table type->params */
 };
 
 struct scene_body {
-    char *name; /* unique in the scene; letters, digits, '_', '-' (it names files) */
-    /* exactly one of the two: */
+    char *name; /* unique in the scene; letters, digits, '_', '-', because it names files */
+    /* a body has either particles or a mesh: */
     bool is_surface;
-    struct mesh mesh; /* surface: rest positions in the world, after scale, rotation, translation */
-    struct tets tets; /* of a surface that is the outside of a volume */
-    struct point_list start, start_v; /* particles: where they begin, and how fast, m/s */
+    struct mesh mesh; /* rest positions in world space, m: after scale, rotation and translation */
+    struct tets tets; /* of a volume, whose surface is `mesh` */
+    struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     double radius;                    /* m */
     double rest_density;              /* kg/m^3 */
-    double area_density;              /* kg/m^2 */
-    double fluid_friction;            /* Pa s/m, of a surface or a volume */
+    double area_density;              /* kg/m^2, of a surface */
+    double fluid_friction;            /* Pa s/m, friction of a surface or a volume with the fluid */
     double density;                   /* kg/m^3, of a volume */
-    int inlets;                       /* of particles */
+    int inlets;                       /* inlets of a body of particles */
     struct scene_inlet *inlet;
-    int budget;         /* particles that the inlets may add to those at the start */
-    double velocity[3]; /* m/s, at the start; of particles, what a fill says goes first */
+    int budget;         /* number of particles that the inlets may add to the initial ones */
+    double velocity[3]; /* m/s, initial velocity; an entry of "fill" may override it */
     int constraints;
-    struct scene_constraint *constraint; /* a type at most once per body */
+    struct scene_constraint *constraint; /* each type at most once, unless it has PDYN_SEVERAL */
 };
 
-struct scene_key {       /* where a solid is at a time, from where it was put */
+struct scene_key {       /* a key of the motion of a solid, relative to its initial placement */
     double time;         /* s */
     double translate[3]; /* m */
     double rotate[3];    /* degrees about x, then y, then z, through the pivot */
 };
 
-extern const pdyn_param scene_key_params[]; /* ends with a name of NULL */
+extern const pdyn_param scene_key_params[]; /* ends with a NULL name */
 
 struct scene_solid {
     char *name;
     bool is_box;
     struct scene_box box;
-    unsigned open;    /* bit 2 a: no face at the minimum of axis a; bit 2 a + 1: at the maximum */
-    struct mesh mesh; /* in the world; of any shape */
-    int keys;         /* 0: it rests */
-    struct scene_key *key; /* times ascending; in between linear in all numbers, outside held */
-    double pivot[3];       /* m, in the world */
+    unsigned
+        open; /* bit 2 a: the face at the minimum of axis a is open; bit 2 a + 1: at the maximum */
+    struct mesh mesh; /* world space, m; for solids of every shape */
+    int keys;         /* 0: the solid is at rest */
+    struct scene_key
+        *key;        /* times ascending; linear interpolation between keys, constant outside */
+    double pivot[3]; /* m, world space */
 };
 
 struct scene_contact {
-    double thickness; /* m: surfaces keep about this distance */
-    double friction;  /* coefficient */
-    double stiffness; /* N/m, of a pair at its thickness */
-    bool self;        /* surfaces touch themselves */
+    double thickness; /* m, distance that surfaces keep */
+    double friction;  /* Coulomb friction coefficient */
+    double stiffness; /* N/m, of a pair at a distance of the thickness */
+    bool self;        /* contact of a surface with itself */
 };
 
-extern const pdyn_param scene_contact_params[]; /* ends with a name of NULL */
+extern const pdyn_param scene_contact_params[]; /* ends with a NULL name */
 
 struct acceleration_type;
 struct integrator;
 
-struct scene_settings {    /* the scene's own "solver" and "time_step" and general values */
+struct scene_settings {    /* "time_step", "solver" and general values of a scene */
     double gravity[3];     /* m/s^2 */
     double duration;       /* s */
     double frame_interval; /* s */
@@ -89,20 +93,21 @@ struct scene_settings {    /* the scene's own "solver" and "time_step" and gener
     double cfl;            /* particle radii that a particle may travel in a step */
     const struct integrator *integrator;
     const struct boundary_model *boundary;
-    int retries;                                  /* of a step that cannot be taken */
-    double tolerance;                             /* step residual at which a step is solved */
-    int outer_iterations;                         /* cap */
-    double linear_tolerance;                      /* |r| / |r_0| of the linear solve */
-    int linear_iterations;                        /* cap */
-    bool newton;                                  /* step: "newton", otherwise "projective" */
+    int retries;             /* attempts with shorter steps after one that diverged */
+    double tolerance;        /* step residual, |grad E| / |M g|, at which a step is solved */
+    int outer_iterations;    /* largest number per step */
+    double linear_tolerance; /* relative residual |r| / |r_0| at which a linear solve ends */
+    int linear_iterations;   /* largest number per linear solve */
+    bool newton;             /* true: "step": "newton"; false: "projective" */
     const struct acceleration_type *acceleration; /* of the projective step */
-    char solver_type[32];                         /* "auto" or a registered solver */
+    char solver_type[32];                         /* "auto" or the name of a registered solver */
 };
 
 struct scene {
-    char *file;           /* as named by the user, for messages and the report */
-    char *name;           /* "name" of the scene; may be empty */
-    uint64_t fingerprint; /* of all values in the file but its name and duration */
+    char *file; /* as given by the user, for messages and the report */
+    char *name; /* "name" of the scene; may be empty */
+    uint64_t
+        fingerprint; /* hash of all values in the file except "$schema", "name" and "duration" */
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;
@@ -112,9 +117,10 @@ struct scene {
     struct scene_outlet *outlet;
 };
 
-/* Reads and checks a scene. Meshes are found relative to the scene file's folder. `text` NULL: read
- * the file `path`; otherwise `path` only names the text in messages. On failure *out is empty and
- * the error says: FILE:LINE:COLUMN: JSON path: what was found, what was expected. */
+/* Reads and checks a scene. text NULL: reads the file `path`; otherwise `path` only names the text
+ * in messages. set: `sets` overrides PATH=VALUE. Names of files are relative to the folder of the
+ * scene file. On failure *out is empty and the error text is FILE:LINE:COLUMN: JSON path: what was
+ * expected, what was found. */
 pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
                        const char *const *set, int sets, struct scene *out);
 void scene_free(pdyn_context *context, struct scene *scene);

@@ -1,4 +1,5 @@
 #include "base/registry.h"
+#include "file_ref.h"
 #include "fill.h"
 #include "inlet.h"
 #include "params.h"
@@ -14,7 +15,7 @@ static const pdyn_param particles_params[] = {
     {"radius", PDYN_REAL, offsetof(struct scene_body, radius), true, 0, 1e-6, 1e3, "m", ""},
     {"rest_density", PDYN_REAL, offsetof(struct scene_body, rest_density), false, 1000, 1e-3, 1e6,
      "kg/m^3", ""},
-    {"budget", PDYN_INT, offsetof(struct scene_body, budget), false, 0, 1, MOST_PARTICLES, "", ""},
+    {"budget", PDYN_INT, offsetof(struct scene_body, budget), false, 0, 1, MAX_PARTICLES, "", ""},
     {0}};
 
 static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
@@ -26,8 +27,8 @@ static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int in
     return inlet_read(at, r->body->radius, r->scene->settings.duration, &r->body->inlet[index]);
 }
 
-/* Without a budget there is room for all that the inlets emit; for one particle at least, as the
- * scene may end before. */
+/* Reads the number of particles that inlets may add. Default: all that they emit, and at least 1,
+ * because the scene may end before an inlet starts. */
 static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
                                const struct json_at *inlets) {
     struct scene_body *body = r->body;
@@ -45,14 +46,8 @@ static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
 static pdyn_status read_inlets(struct reader *r, const struct json_at *owner) {
     struct scene_body *body = r->body;
     struct json_at array = json_member(owner, "inlets");
-    int count;
-    pdyn_status status = reader_count(&array, "an array of inlets", &count);
-    if (status == PDYN_OK && count) {
-        body->inlet = NEW_ARRAY(r->context, count, struct scene_inlet);
-        if (!body->inlet) return PDYN_NO_MEMORY;
-        body->inlets = count;
-        status = reader_each(r, &array, read_inlet);
-    }
+    pdyn_status status = reader_array(r, &array, "an array of inlets", read_inlet,
+                                      sizeof *body->inlet, &body->inlet, &body->inlets);
     return status == PDYN_OK ? read_budget(r, owner, &array) : status;
 }
 
@@ -84,7 +79,7 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
         status = json_expected(&vertices_at, "an array of 2 whole numbers");
     for (size_t k = 0; k < 2 && status == PDYN_OK; k++) {
         struct json_at element = json_element(&vertices_at, k);
-        status = params_int(&element, 2, MOST_PARTICLES, &vertices[k]);
+        status = params_int(&element, 2, MAX_PARTICLES, &vertices[k]);
     }
     if (status == PDYN_OK)
         status = fill_count(&vertices_at, (double)vertices[0] * vertices[1], &r->particles);
@@ -114,7 +109,7 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
     if (grid.value) status = read_grid(r, &grid, &body->mesh);
-    else status = transform_mesh(&mesh, &body->mesh);
+    else status = file_ref_mesh(&mesh, &body->mesh);
     if (status == PDYN_OK && mesh.value)
         status = fill_count(&mesh, body->mesh.vertices, &r->particles);
     if (status != PDYN_OK) return status;
@@ -141,24 +136,18 @@ static pdyn_status read_tet_grid(struct reader *r, const struct json_at *at) {
         status = json_expected(&cells_at, "an array of 3 whole numbers");
     for (size_t k = 0; k < 3 && status == PDYN_OK; k++) {
         struct json_at element = json_element(&cells_at, k);
-        status = params_int(&element, 1, MOST_PARTICLES, &cells[k]);
+        status = params_int(&element, 1, MAX_PARTICLES, &cells[k]);
         vertices *= 1.0 + cells[k];
     }
     if (status == PDYN_OK) status = fill_count(&cells_at, vertices, &r->particles);
-    if (status == PDYN_OK && vertices > MOST_PARTICLES / 16)
-        status = json_fail(&cells_at, "more than %d vertices", MOST_PARTICLES / 16);
+    if (status == PDYN_OK && vertices > MAX_PARTICLES / 16)
+        status = json_fail(&cells_at, "more than %d vertices", MAX_PARTICLES / 16);
     if (status != PDYN_OK) return status;
     return json_wrap(at, tets_grid(r->context, size, cells, &r->body->mesh, &r->body->tets));
 }
 
 static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
-    char *path = NULL;
-    size_t size = 0;
-    pdyn_status status =
-        transform_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
-    if (status != PDYN_OK) return status;
-    status = json_wrap(at, tets_read(r->context, path, &r->body->mesh, &r->body->tets));
-    FREE_ARRAY(r->context, path, size);
+    pdyn_status status = file_ref_tets(at, &r->body->mesh, &r->body->tets);
     return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
 }
 
@@ -193,7 +182,7 @@ static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_typ
     return *out ? PDYN_OK : reader_fail_word(at, "constraint", names, count);
 }
 
-/* Whether this body may have a constraint of this type. */
+/* Checks that a constraint of this type is allowed on the body. */
 static pdyn_status check_type(const struct reader *r, const struct json_at *at,
                               const struct scene_body *body, int index) {
     const pdyn_constraint_type *type = body->constraint[index].type;
@@ -237,13 +226,8 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
 
 static pdyn_status read_constraints(struct reader *r, const struct json_at *array) {
     struct scene_body *body = r->body;
-    int count;
-    pdyn_status status = reader_count(array, "an array of constraints", &count);
-    if (status != PDYN_OK || !count) return status;
-    body->constraint = NEW_ARRAY(r->context, count, struct scene_constraint);
-    if (!body->constraint) return PDYN_NO_MEMORY;
-    body->constraints = count;
-    return reader_each(r, array, read_constraint);
+    return reader_array(r, array, "an array of constraints", read_constraint,
+                        sizeof *body->constraint, &body->constraint, &body->constraints);
 }
 
 /* ---- a body ---------------------------------------------------------------------------------- */

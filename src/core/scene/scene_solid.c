@@ -1,3 +1,5 @@
+/* Reading a solid: its shape, placement and motion. */
+#include "file_ref.h"
 #include "params.h"
 #include "primitive_mesh.h"
 #include "reader.h"
@@ -17,7 +19,7 @@ static pdyn_status read_open_side(struct reader *r, const struct json_at *at, in
     (void)index;
     pdyn_status status = reader_choice(at, "side", sides, 6, &side);
     if (status == PDYN_OK && solid->open >> side & 1u)
-        status = json_fail(at, "the side \"%s\" stands here twice", sides[side]);
+        status = json_fail(at, "the side \"%s\" is given twice", sides[side]);
     if (status == PDYN_OK) solid->open |= 1u << side;
     return status;
 }
@@ -42,7 +44,7 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
                                const struct json_at *mesh) {
     struct transform transform;
     pdyn_status status = transform_read(owner, -1e6, &transform);
-    if (status == PDYN_OK) status = transform_mesh(mesh, &r->solid->mesh);
+    if (status == PDYN_OK) status = file_ref_mesh(mesh, &r->solid->mesh);
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
     memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
@@ -92,11 +94,9 @@ const pdyn_param scene_key_params[] = {
     {0}};
 
 static pdyn_status read_key(struct reader *r, const struct json_at *at, int index) {
-    static const char *const none[] = {NULL};
     struct scene_key *key = &r->solid->key[index];
     struct json_at time = json_member(at, "time");
-    pdyn_status status = params_check_keys(at, scene_key_params, none);
-    if (status == PDYN_OK) status = params_read(at, scene_key_params, NULL, key);
+    pdyn_status status = params_read_object(at, scene_key_params, key);
     if (status != PDYN_OK || !index || key->time > key[-1].time) return status;
     return json_fail(&time, "expected a time after %.10g s, found %.10g s", key[-1].time,
                      key->time);

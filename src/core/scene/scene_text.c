@@ -1,4 +1,4 @@
-/* A scene's text with its overrides done. */
+/* pdyn_scene_text: the text of a scene with its overrides applied. */
 #include "base/text.h"
 #include "json_file.h"
 

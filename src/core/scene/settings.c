@@ -1,5 +1,5 @@
-/* How a scene is solved: its parameters and their reading. A default outside the bounds means:
- * absent. */
+/* Settings of a scene: tables of parameters and their reading. A default outside of the bounds
+ * means that the parameter is absent unless given. */
 #include "base/registry.h"
 #include "choices.h"
 #include "params.h"
@@ -10,7 +10,7 @@
 
 #define SETTING(field) offsetof(struct scene_settings, field)
 
-/* gravity is not here: its default differs from entry to entry. */
+/* "gravity" is not in the table, because its default differs between components. */
 const pdyn_param settings_general_params[] = {
     {"duration", PDYN_REAL, SETTING(duration), true, 0, 1e-6, 1e6, "s", "simulated time"},
     {"frame_interval", PDYN_REAL, SETTING(frame_interval), false, 1.0 / 30.0, 1e-6, 1e3, "s",
@@ -57,7 +57,7 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     return status;
 }
 
-/* The entry that `key` of an object names; the default where the key is not there. */
+/* Reads the alternative named at `key` of an object; default: the first one. */
 static pdyn_status read_named(const struct json_at *object, const char *key,
                               const struct choices *choices, const void **chosen) {
     struct json_at at = json_member(object, key);

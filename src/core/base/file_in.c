@@ -1,0 +1,37 @@
+/* Reading a whole file into memory. */
+#include "file_in.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static pdyn_status load_open(pdyn_context *context, const char *path, int descriptor, char **data,
+                             size_t *size) {
+    struct stat info;
+    if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))
+        return context_fail(context, PDYN_IO_FAILED, "%.1024s: expected a regular file", path);
+    *size = (size_t)info.st_size;
+    *data = NEW_ARRAY(context, *size + 1, char);
+    if (!*data) return PDYN_NO_MEMORY;
+    for (size_t have = 0; have < *size;) {
+        ssize_t more = read(descriptor, *data + have, *size - have);
+        if (more <= 0)
+            return context_fail(context, PDYN_IO_FAILED,
+                                "%.1024s: reading stopped at byte %zu of %zu: %s", path, have,
+                                *size, more ? strerror(errno) : "the file shrank");
+        have += (size_t)more;
+    }
+    return PDYN_OK;
+}
+
+pdyn_status file_load(pdyn_context *context, const char *path, char **data, size_t *size) {
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* never wait for a pipe */
+    if (descriptor < 0)
+        return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s", path,
+                            strerror(errno));
+    pdyn_status status = load_open(context, path, descriptor, data, size);
+    close(descriptor);
+    return status;
+}

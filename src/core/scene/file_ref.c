@@ -1,0 +1,52 @@
+/* Files that a scene names: paths relative to the scene, meshes and particles. */
+#include "file_ref.h"
+
+#include <string.h>
+
+pdyn_status file_ref_path(const struct json_at *at, const char *what, char **path, size_t *size) {
+    const struct json_file *scene = at->file;
+    const char *name = json_string_value(at->value);
+    if (!name) return json_expected(at, what);
+    const char *slash = scene->loaded ? strrchr(scene->name, '/') : NULL;
+    size_t folder = slash && *name != '/' ? (size_t)(slash - scene->name) + 1 : 0;
+    *size = folder + strlen(name) + 1;
+    *path = NEW_ARRAY(scene->context, *size, char);
+    if (!*path) return PDYN_NO_MEMORY;
+    memcpy(*path, scene->name, folder);
+    strcpy(*path + folder, name);
+    return PDYN_OK;
+}
+
+static void free_path(const struct json_at *at, char *path, size_t size) {
+    FREE_ARRAY(at->file->context, path, size);
+}
+
+pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh) {
+    char *path = NULL;
+    size_t size = 0;
+    pdyn_status status = file_ref_path(at, "the name of a mesh file, .obj or .ply", &path, &size);
+    if (status == PDYN_OK) status = json_wrap(at, mesh_read(at->file->context, path, mesh));
+    free_path(at, path, size);
+    return status;
+}
+
+pdyn_status file_ref_tets(const struct json_at *at, struct mesh *mesh, struct tets *tets) {
+    char *path = NULL;
+    size_t size = 0;
+    pdyn_status status =
+        file_ref_path(at, "the name of a mesh of tetrahedra, .node, .ele or .msh", &path, &size);
+    if (status == PDYN_OK) status = json_wrap(at, tets_read(at->file->context, path, mesh, tets));
+    free_path(at, path, size);
+    return status;
+}
+
+pdyn_status file_ref_particles(const struct json_at *at, struct particles *particles) {
+    char *path = NULL;
+    size_t size = 0;
+    pdyn_status status =
+        file_ref_path(at, "the name of a file of particles, .ply or .vtk", &path, &size);
+    if (status == PDYN_OK)
+        status = json_wrap(at, particles_read(at->file->context, path, particles));
+    free_path(at, path, size);
+    return status;
+}

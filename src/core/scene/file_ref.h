@@ -1,0 +1,20 @@
+/* Files that a scene names: meshes, particles, plug-ins. */
+#ifndef PDYN_FILE_REF_H
+#define PDYN_FILE_REF_H
+
+#include "json_file.h"
+#include "scene.h"
+
+/* Reads the file whose name is the value at `at`. Errors: as mesh_read, tets_read and
+ * particles_read, with the place in the scene. */
+pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh);
+pdyn_status file_ref_tets(const struct json_at *at, struct mesh *mesh, struct tets *tets);
+pdyn_status file_ref_particles(const struct json_at *at, struct particles *particles);
+
+/* Computes the path of the file whose name is the value at `at`: a relative name is resolved from
+ * the folder of the scene file, or from the current directory for a scene given as text. *path: an
+ * array of *size chars that the caller frees. PDYN_BAD_INPUT: the value is no string; `what` was
+ * expected. */
+pdyn_status file_ref_path(const struct json_at *at, const char *what, char **path, size_t *size);
+
+#endif
