@@ -358,7 +358,7 @@ static const struct {
      "scene.json:3:18: bodies[0].constraints[0].vertices: missing, expected an object "
      "that selects vertices, or an array of such objects"},
     {PIN("'all'"),
-     "scene.json:3:46: bodies[0].constraints[0].vertices: expected an object that chooses "
+     "scene.json:3:46: bodies[0].constraints[0].vertices: expected an object that selects "
      "vertices, or an array of such objects, found \"all\""},
     {PIN("[]"), "scene.json:3:46: bodies[0].constraints[0].vertices: selects none of 9 vertices"},
     {PIN("{}"), "scene.json:3:46: bodies[0].constraints[0].vertices: expected exactly one of "

@@ -252,7 +252,7 @@ static void test_carried_density(void **state) {
     sim->objective.h = 0.01;
     for (int k = 0; k <= 10; k++) {
         double energy;
-        kinematic_carry(sim, 0.1 * k);
+        kinematic_move(sim, 0.1 * k);
         assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
         fluid->type->matrix_free->density(fluid->op, sim->density);
         for (int i = 0; i < sim->objective.particles; i++)

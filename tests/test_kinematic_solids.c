@@ -22,7 +22,7 @@ static void assert_carried(pdyn_sim *sim, double time, const double turned[3],
                            const double moved[3]) {
     static const double pivot[3] = {1.0, 2.0, 3.0};
     const pdyn_state s = pdyn_get_state(sim);
-    kinematic_carry(sim, time);
+    kinematic_move(sim, time);
     for (int a = 0; a < 3; a++)
         assert_true(fabs(s.boundary_x[3 * (s.boundary - 1) + a] - pivot[a] - turned[a] - moved[a]) <
                     1e-12);
@@ -49,9 +49,9 @@ static void test_carry(void **state) {
 static double measured_speed(pdyn_sim *sim, double *before, double time) {
     const pdyn_state s = pdyn_get_state(sim);
     double speed = 0.0, dt = 1e-6;
-    kinematic_carry(sim, time - dt);
+    kinematic_move(sim, time - dt);
     memcpy(before, s.boundary_x, 3 * (size_t)s.boundary * sizeof *before);
-    kinematic_carry(sim, time + dt);
+    kinematic_move(sim, time + dt);
     for (int i = 0; i < s.boundary; i++)
         speed = fmax(speed, vec3_distance(before + 3 * i, s.boundary_x + 3 * i) / (2.0 * dt));
     return speed;

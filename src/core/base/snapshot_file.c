@@ -39,7 +39,7 @@ void snapshot_file_bytes(struct snapshot_file *a, void *data, size_t size) {
 
 void snapshot_file_expect(struct snapshot_file *a, uint64_t value, const char *what) {
     uint64_t found = value;
-    ARCHIVE(a, found);
+    SNAPSHOT(a, found);
     if (a->status == PDYN_OK && found != value)
         a->status = context_fail(a->context, PDYN_BAD_INPUT,
                                  "%.1024s: the state was saved with other %s", a->path, what);

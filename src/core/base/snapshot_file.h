@@ -31,7 +31,7 @@ pdyn_status snapshot_file_close(struct snapshot_file *snapshot);
 
 /* Writes or reads `size` bytes. */
 void snapshot_file_bytes(struct snapshot_file *snapshot, void *data, size_t size);
-#define ARCHIVE(snapshot, value) snapshot_file_bytes(snapshot, &(value), sizeof(value))
+#define SNAPSHOT(snapshot, value) snapshot_file_bytes(snapshot, &(value), sizeof(value))
 
 /* Writes a number, or reads one that must equal `value`. PDYN_BAD_INPUT: "PATH: the state was saved
  * with other WHAT". */

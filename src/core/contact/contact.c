@@ -126,7 +126,7 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
     snapshot_file_bytes(a, c->reach, n * sizeof *c->reach);
     snapshot_file_bytes(a, c->built, 3 * n * sizeof *c->built);
     snapshot_file_bytes(a, c->at, 3 * n * sizeof *c->at);
-    ARCHIVE(a, c->behind);
+    SNAPSHOT(a, c->behind);
     pdyn_status status = a->status;
     if (status == PDYN_OK && a->view.reading) status = contact_list(c);
     if (status == PDYN_OK && a->view.reading) status = contact_local(c, x);

@@ -1,17 +1,18 @@
-/* What a run leaves behind: files of one body each, and the report. */
+/* Output of a run: files of bodies and boundary points (VTK, PLY), metrics and report. */
 #ifndef PDYN_OUTPUT_H
 #define PDYN_OUTPUT_H
 
 #include "step/sim.h"
 
-/* The current state of a body in a file of its own, float: positions, velocity, and the triangles
- * of a surface or the density and pressure of particles. PDYN_IO_FAILED: the file is not there. */
+/* Writes the current state of a body to a file, numbers as 32-bit floats: positions, velocities,
+ * and the triangles of a surface or density and pressure of particles. PDYN_IO_FAILED: no file is
+ * left. */
 pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
-/* The points on the solids that rest, or on those that move. */
+/* Writes the boundary points on solids at rest, or on those that move. */
 pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path);
 
-/* The numbers of a step, as columns of metrics.csv and members of pdyn_step_info. */
+/* The numbers of a step: X(column of metrics.csv, member of pdyn_step_info). */
 #define STEP_NUMBERS(X)                                                                            \
     X(time_s, time)                                                                                \
     X(h_s, h)                                                                                      \
@@ -43,23 +44,26 @@ enum {
 #undef STEP_INDEX
         STEP_COLUMNS
 };
+/* Converts the numbers of a step to an array in the order of the columns. */
 void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]);
 
-/* A run so far. */
-struct report_tally {
+/* statistics of a run */
+struct report_stats {
     double sum, min, max;
 };
 struct report {
-    double opened_ms, output_ms; /* wall clock: when the run began, and what its files took */
-    long steps, unsolved;        /* unsolved: with a residual above the tolerance */
+    double opened_ms, output_ms; /* wall clock, ms: start of the run; time spent on output */
+    long steps, unsolved;        /* unsolved: number of steps with a residual above the tolerance */
     pdyn_step_info start, end;
-    struct report_tally tally[STEP_COLUMNS]; /* over all steps */
-    struct report_tally *residual;           /* bodies */
+    struct report_stats stats[STEP_COLUMNS]; /* over all steps */
+    struct report_stats *residual;           /* bodies: step residuals */
 };
+/* Begins and ends a report; report_step adds a step. */
 pdyn_status report_open(struct report *report, pdyn_sim *sim);
 void report_close(struct report *report, const pdyn_sim *sim);
 void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_info *info);
-/* interrupted, failed: see pdyn_writer_report. What is not finite becomes null. */
+/* Writes report.json. interrupted, failed: see pdyn_writer_report. Numbers that are not finite are
+ * written as null. */
 pdyn_status report_write(const struct report *report, const pdyn_sim *sim, const char *path,
                          bool interrupted, const char *failed);
 

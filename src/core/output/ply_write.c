@@ -1,5 +1,5 @@
-/* PLY, binary little endian: vertices with velocity (vx, vy, vz) and, of particles, density and
- * pressure; faces. */
+/* PLY files, binary little endian: positions, velocities (vx, vy, vz), density and pressure of
+ * particles, faces of surfaces. */
 #include "base/file_out.h"
 #include "output.h"
 #include "step/live_particles.h"
@@ -29,7 +29,7 @@ pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path) {
     pdyn_body_info info = pdyn_get_body(sim, body);
     write_header(&file, &info, pdyn_time(sim));
     for (int i = info.first; i < info.first + info.count; i++) {
-        if (!live_particles_has(sim, i)) continue;
+        if (!particle_is_live(sim, i)) continue;
         file_out_reals(&file, order, state.x + 3 * i, 3);
         file_out_reals(&file, order, state.v + 3 * i, 3);
         if (info.triangles) continue;

@@ -1,4 +1,4 @@
-/* The report of a run: report.json. */
+/* The report of a run, report.json: statistics over steps, composed with jansson. */
 #include "base/clock.h"
 #include "base/file_out.h"
 #include "output.h"
@@ -11,23 +11,24 @@
 #include <string.h>
 #include <sys/resource.h>
 
-/* ---- a run so far ---------------------------------------------------------------------------- */
+/* ---- statistics ------------------------------------------------------------------------------ */
 
-static const struct report_tally nothing = {.min = INFINITY, .max = -INFINITY};
+static const struct report_stats empty_stats = {.min = INFINITY, .max = -INFINITY};
 
-static void count(struct report_tally *tally, double number) {
-    tally->sum += number;
-    tally->min = fmin(tally->min, number);
-    tally->max = fmax(tally->max, number);
+static void add_sample(struct report_stats *stats, double number) {
+    stats->sum += number;
+    stats->min = fmin(stats->min, number);
+    stats->max = fmax(stats->max, number);
 }
 
-/* Without a step taken there is no constraint energy and no pin reaction. */
+/* Begins with the energies of the initial state. Before the first step there is no constraint
+ * energy and no pin reaction. */
 pdyn_status report_open(struct report *report, pdyn_sim *sim) {
     *report = (struct report){.opened_ms = clock_ms()};
-    report->residual = NEW_ARRAY(sim->context, sim->bodies, struct report_tally);
+    report->residual = NEW_ARRAY(sim->context, sim->bodies, struct report_stats);
     if (!report->residual) return PDYN_NO_MEMORY;
-    for (int k = 0; k < STEP_COLUMNS; k++) report->tally[k] = nothing;
-    for (int b = 0; b < sim->bodies; b++) report->residual[b] = nothing;
+    for (int k = 0; k < STEP_COLUMNS; k++) report->stats[k] = empty_stats;
+    for (int b = 0; b < sim->bodies; b++) report->residual[b] = empty_stats;
     report->start.time = pdyn_time(sim);
     measure_step(sim, &report->start);
     report->end = report->start;
@@ -48,9 +49,9 @@ void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]) {
 void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_info *info) {
     double number[STEP_COLUMNS];
     step_numbers(info, number);
-    for (int k = 0; k < STEP_COLUMNS; k++) count(&report->tally[k], number[k]);
+    for (int k = 0; k < STEP_COLUMNS; k++) add_sample(&report->stats[k], number[k]);
     for (int b = 0; b < sim->bodies; b++)
-        count(&report->residual[b], sim->objective.body[b].residual);
+        add_sample(&report->residual[b], sim->objective.body[b].residual);
     report->unsolved += info->step_residual > sim->scene.settings.tolerance;
     report->end = *info;
     report->steps++;
@@ -58,14 +59,14 @@ void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_inf
 
 /* ---- values ---------------------------------------------------------------------------------- */
 
-/* What is not finite, like the mean of no steps, is null. */
+/* A number, or null if it is not finite, e.g. a mean over no steps. */
 static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 static json_t *vector(const double v[3]) {
     return json_pack("[o, o, o]", real(v[0]), real(v[1]), real(v[2]));
 }
 
-/* What is not UTF-8, as names of files may be, is shown with '?'. */
+/* A string; bytes that are not UTF-8, e.g. in names of files, become '?'. */
 static json_t *text(pdyn_context *context, const char *from) {
     json_t *value = from ? json_string(from) : json_null();
     if (value) return value;
@@ -79,21 +80,21 @@ static json_t *text(pdyn_context *context, const char *from) {
 }
 
 static json_t *mean(const struct report *report, int column) {
-    return real(report->tally[column].sum / (double)report->steps);
+    return real(report->stats[column].sum / (double)report->steps);
 }
 
-static json_t *mean_max_of(const struct report *report, const struct report_tally *tally) {
-    return json_pack("{s:o, s:o}", "mean", real(tally->sum / (double)report->steps), "max",
-                     real(tally->max));
+static json_t *mean_max_of(const struct report *report, const struct report_stats *stats) {
+    return json_pack("{s:o, s:o}", "mean", real(stats->sum / (double)report->steps), "max",
+                     real(stats->max));
 }
 
 static json_t *mean_max(const struct report *report, int column) {
-    return mean_max_of(report, &report->tally[column]);
+    return mean_max_of(report, &report->stats[column]);
 }
 
 /* ---- the scene ------------------------------------------------------------------------------- */
 
-/* fluid: that there is room for; start, peak and end: that were live. */
+/* Numbers of particles. fluid: capacity of the bodies; start, peak, end: live ones. */
 static json_t *particles(const struct report *report, const pdyn_sim *sim) {
     const struct live_particles *e = sim->live;
     pdyn_state state = pdyn_get_state(sim);
@@ -103,7 +104,7 @@ static json_t *particles(const struct report *report, const pdyn_sim *sim) {
         *(body.triangles ? &cloth : &fluid) += body.count;
     }
     int start = report->start.particles;
-    int peak = (int)fmax(start, report->tally[STEP_particles].max);
+    int peak = (int)fmax(start, report->stats[STEP_particles].max);
     return json_pack("{s:i, s:i, s:i, s:i, s:i, s:i, s:I, s:I}", "fluid", fluid, "cloth", cloth,
                      "boundary", state.boundary, "start", start, "peak", peak, "end",
                      report->end.particles, "emitted", (json_int_t)(e ? e->emitted : 0), "removed",
@@ -130,7 +131,7 @@ static json_t *bodies(const struct report *report, const pdyn_sim *sim) {
     return list;
 }
 
-/* Elements of each type, in all bodies. */
+/* Number of elements per constraint type, over all bodies. */
 static json_t *constraints(const pdyn_sim *sim) {
     json_t *object = json_object();
     int count = pdyn_get_state(sim).constraints;
@@ -152,7 +153,7 @@ static json_t *parameters_of(const pdyn_sim *sim, int constraint) {
     return json_pack("{s:s, s:s, s:o}", "type", info.type, "body", info.body, "numbers", numbers);
 }
 
-/* The numbers that each constraint works with, computed ones too. */
+/* The numeric parameters of every constraint, computed ones included. */
 static json_t *parameters(const pdyn_sim *sim) {
     json_t *list = json_array();
     int count = pdyn_get_state(sim).constraints;
@@ -172,15 +173,15 @@ static json_t *milliseconds(const struct report *report) {
 
 static json_t *density_error(const struct report *report) {
     return json_pack("{s:o, s:o, s:o, s:o}", "mean", mean(report, STEP_density_error_mean),
-                     "worst_mean", real(report->tally[STEP_density_error_mean].max), "mean_max",
+                     "worst_mean", real(report->stats[STEP_density_error_mean].max), "mean_max",
                      mean(report, STEP_density_error_max), "max",
-                     real(report->tally[STEP_density_error_max].max));
+                     real(report->stats[STEP_density_error_max].max));
 }
 
 static json_t *time_step(const struct report *report, const pdyn_sim *sim) {
     return json_pack("{s:s, s:o, s:o, s:o}", "integrator", pdyn_integrator(sim), "min",
-                     real(report->tally[STEP_h_s].min), "mean", mean(report, STEP_h_s), "max",
-                     real(report->tally[STEP_h_s].max));
+                     real(report->stats[STEP_h_s].min), "mean", mean(report, STEP_h_s), "max",
+                     real(report->stats[STEP_h_s].max));
 }
 
 static json_t *energy(const pdyn_step_info *info) {
@@ -192,7 +193,7 @@ static json_t *energy(const pdyn_step_info *info) {
 
 static double peak_rss_bytes(void) {
     struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage); /* cannot fail for this process */
+    getrusage(RUSAGE_SELF, &usage); /* cannot fail for the current process */
     return 1024.0 * (double)usage.ru_maxrss;
 }
 
@@ -223,7 +224,7 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
                      "impacts", mean_max(report, STEP_impacts), "retries",
-                     real(report->tally[STEP_retries].sum), "outer_iterations",
+                     real(report->stats[STEP_retries].sum), "outer_iterations",
                      mean_max(report, STEP_outer_iterations), "linear_iterations",
                      mean_max(report, STEP_linear_iterations), "density_error",
                      density_error(report), "step_residual", mean_max(report, STEP_step_residual),
@@ -233,7 +234,7 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
                      "pin_reaction", vector(pin), "state_hash", hash);
 }
 
-/* Null where the load is not known: no step was taken, or the last one failed. */
+/* The load on a solid; null if it is unknown: no step was made, or the last one failed. */
 static json_t *solid(const char *name, const struct solid_load *load) {
     static const struct solid_load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
     if (!load) load = &unknown;
@@ -241,10 +242,10 @@ static json_t *solid(const char *name, const struct solid_load *load) {
                      vector(load->moment));
 }
 
-/* The loads on the solids at the end. */
+/* Loads on all solids at the end of the run. */
 static json_t *solids(const pdyn_sim *sim) {
     const struct solid_load *loads;
-    if (solid_load_sum(sim, &loads) != PDYN_OK) return NULL;
+    if (solid_load_compute(sim, &loads) != PDYN_OK) return NULL;
     json_t *list = json_array();
     for (int k = 0; list && k < sim->scene.solids; k++)
         if (json_array_append_new(list, solid(pdyn_solid_name(sim, k), loads ? loads + k : NULL)))
@@ -252,7 +253,7 @@ static json_t *solids(const pdyn_sim *sim) {
     return list;
 }
 
-/* Everything in one object, or NULL without memory. */
+/* Composes the report as JSON text. NULL: no memory. */
 static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
                      const char *failed) {
     json_t *root = describe_scene(report, sim), *run = describe_run(report, sim);

@@ -1,4 +1,4 @@
-/* What a simulation is between two steps: everything that its next step depends on. */
+/* Saved states: everything on which the next step of a simulation depends. */
 #include "snapshot.h"
 
 #include "step/live_particles.h"
@@ -6,14 +6,14 @@
 #include <string.h>
 
 static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
-    ARCHIVE(a, sim->time);
-    ARCHIVE(a, sim->frame);
-    ARCHIVE(a, sim->steps);
-    ARCHIVE(a, sim->last_h);
-    ARCHIVE(a, sim->history);
-    ARCHIVE(a, sim->damping);
-    ARCHIVE(a, sim->unfinished);
-    ARCHIVE(a, sim->warned);
+    SNAPSHOT(a, sim->time);
+    SNAPSHOT(a, sim->frame);
+    SNAPSHOT(a, sim->steps);
+    SNAPSHOT(a, sim->last_h);
+    SNAPSHOT(a, sim->history);
+    SNAPSHOT(a, sim->damping);
+    SNAPSHOT(a, sim->unfinished);
+    SNAPSHOT(a, sim->warned);
 }
 
 static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
@@ -27,14 +27,14 @@ static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
         snapshot_file_bytes(a, numbers[k], n * sizeof(double));
 }
 
-/* Lists are built again where they were built, for the order of what they hold decides how sums
- * are rounded; then solids go to where they are. */
+/* Neighbour lists are built again at the positions of their last build, because the order of their
+ * entries determines rounding errors of sums; then solids are moved to the current time. */
 static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *a) {
     if (!sim->neighbours) return;
-    if (a->view.reading) live_particles_tell(sim);
+    if (a->view.reading) live_particles_update_lists(sim);
     pdyn_status status = neighbours_persist(sim->neighbours, &a->view);
     if (status == PDYN_OK && a->view.reading) status = objective_share_lists(&sim->objective);
-    if (a->view.reading) kinematic_carry(sim, sim->time);
+    if (a->view.reading) kinematic_move(sim, sim->time);
     if (a->status == PDYN_OK) a->status = status;
 }
 
@@ -51,7 +51,7 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
     if (a->status == PDYN_OK) a->status = status;
 }
 
-pdyn_status persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+pdyn_status snapshot_simulation(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
                          "versions of projdyn");
     snapshot_file_expect(a, sim->scene.fingerprint, "values in its scene");
@@ -77,7 +77,7 @@ pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
     if (!sim || !path) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_create(sim->context, path, &a);
     if (status != PDYN_OK) return status;
-    persist(sim, &a);
+    snapshot_simulation(sim, &a);
     return snapshot_file_close(&a);
 }
 
@@ -86,7 +86,7 @@ pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
     if (!sim || !path) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_open(sim->context, path, &a);
     if (status != PDYN_OK) return status;
-    solid_load_begin(sim);
-    persist(sim, &a);
+    solid_load_begin_step(sim);
+    snapshot_simulation(sim, &a);
     return snapshot_file_close(&a);
 }

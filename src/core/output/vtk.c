@@ -1,4 +1,4 @@
-/* Legacy VTK, version 4.2, binary (big endian): an unstructured grid of points and cells. */
+/* Legacy VTK files, version 4.2, binary (big endian): unstructured grids of points and cells. */
 #include "base/file_out.h"
 #include "output.h"
 #include "step/live_particles.h"
@@ -7,7 +7,7 @@ enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
 
 static const enum byte_order order = BIG_ENDIAN_BYTES;
 
-/* The format allows 256 bytes of title. */
+/* Writes the header. The format limits the title to 256 bytes. */
 static void write_head(struct file_out *file, const char *title, double time, int points) {
     file_out_print(file,
                    "# vtk DataFile Version 4.2\nprojdyn %.200s t=%.9g s\nBINARY\n"
@@ -15,7 +15,7 @@ static void write_head(struct file_out *file, const char *title, double time, in
                    title, time, points);
 }
 
-/* The values of a body's live particles out of the system's, `width` numbers each. */
+/* Writes a body's part of a vector of the system, `width` numbers per live particle. */
 static void write_values(struct file_out *file, const pdyn_sim *sim, const pdyn_body_info *info,
                          const double *value, int width) {
     if (info->live == info->count)
@@ -23,7 +23,7 @@ static void write_values(struct file_out *file, const pdyn_sim *sim, const pdyn_
                        (size_t)width * (size_t)info->count);
     else
         for (int i = info->first; i < info->first + info->count; i++)
-            if (live_particles_has(sim, i))
+            if (particle_is_live(sim, i))
                 file_out_reals(file, order, value + width * i, (size_t)width);
 }
 

@@ -1,4 +1,4 @@
-/* The output directory: frames and their series, the metrics of every step, the report. */
+/* The output directory of a run: frames and their series, metrics.csv, report.json, state.pdyn. */
 #include "base/clock.h"
 #include "base/file_out.h"
 #include "output.h"
@@ -11,26 +11,29 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { ROW = 1024, ROW_BODY = 80 }; /* bytes, enough for the numbers of a step, and of a body */
+enum {
+    ROW = 1024,
+    ROW_BODY = 80
+}; /* bytes of a row of metrics.csv: for the numbers of a step, and for each body */
 
 struct pdyn_writer {
     pdyn_sim *sim;
-    pdyn_context *context; /* the sim's */
-    char *path;            /* path_size bytes: the directory, and for a moment a file in it */
+    pdyn_context *context; /* context of the simulation */
+    char *path; /* path_size bytes: the directory, followed by the file of the last path_of */
     size_t path_size, directory;
     bool ply;
-    FILE *metrics; /* unbuffered: a row reaches the file at once */
+    FILE *metrics; /* unbuffered, so that a row reaches the file at once */
     long metrics_size;
-    char *row; /* row_size: of metrics.csv */
+    char *row; /* row_size: the current row of metrics.csv */
     size_t row_size;
     int frames, capacity;
-    double *time; /* capacity: of the frames, s */
+    double *time; /* capacity: times of the frames, s */
     struct report report;
 };
 
 /* ---- paths ----------------------------------------------------------------------------------- */
 
-/* DIR/FILE; good until the next call. */
+/* DIR/FILE; valid until the next call. */
 static const char *path_of(pdyn_writer *writer, const char *format, ...) PDYN_PRINTF(2, 3);
 static const char *path_of(pdyn_writer *writer, const char *format, ...) {
     va_list args;
@@ -41,7 +44,7 @@ static const char *path_of(pdyn_writer *writer, const char *format, ...) {
     return writer->path;
 }
 
-/* What has a file in every frame: the bodies, then the boundary points that move. */
+/* Number of parts of a frame, one file each: the bodies, then the moving boundary points. */
 static int parts(const pdyn_writer *writer) {
     return writer->sim->bodies + (writer->sim->motion.points > 0);
 }
@@ -50,7 +53,7 @@ static const char *part_name(const pdyn_writer *writer, int part) {
     return part < writer->sim->bodies ? pdyn_get_body(writer->sim, part).name : "boundary";
 }
 
-static pdyn_status keep_directory(pdyn_writer *writer, const char *directory) {
+static pdyn_status store_directory(pdyn_writer *writer, const char *directory) {
     size_t longest = strlen("boundary.vtk");
     for (int b = 0; b < writer->sim->bodies; b++) {
         size_t length = strlen(part_name(writer, b));
@@ -69,7 +72,7 @@ static bool is_directory(const char *path) {
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/* With its parents. Every part of the path is looked at by itself, cut off for a moment. */
+/* Creates the directory and its parents. The path is cut at each slash in turn. */
 static pdyn_status make_directory(pdyn_writer *writer) {
     char *path = writer->path;
     for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
@@ -87,7 +90,7 @@ static pdyn_status make_directory(pdyn_writer *writer) {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* Lists the first `frames` frames of a part. */
+/* Writes the file NAME.vtk.series, which lists the first `frames` frames of a part. */
 static pdyn_status write_series(pdyn_writer *writer, int part, int frames) {
     const char *name = part_name(writer, part);
     struct file_out file;
@@ -123,15 +126,16 @@ static pdyn_status reserve_times(pdyn_writer *writer, int frames) {
     return PDYN_OK;
 }
 
-static pdyn_status keep_time(pdyn_writer *writer) {
+static pdyn_status append_time(pdyn_writer *writer) {
     pdyn_status status = reserve_times(writer, writer->frames + 1);
     if (status == PDYN_OK) writer->time[writer->frames] = pdyn_time(writer->sim);
     return status;
 }
 
-/* First the files, then the series that list them: these never name what is not there. */
+/* Writes the files of a frame before the series that list them: a series never names a missing
+ * file. */
 static pdyn_status write_frame(pdyn_writer *writer) {
-    pdyn_status status = keep_time(writer);
+    pdyn_status status = append_time(writer);
     for (int p = 0; p < parts(writer) && status == PDYN_OK; p++) status = write_part(writer, p);
     for (int p = 0; p < parts(writer) && status == PDYN_OK; p++)
         status = write_series(writer, p, writer->frames + 1);
@@ -147,9 +151,10 @@ pdyn_status pdyn_writer_frame(pdyn_writer *writer) {
     return status;
 }
 
-/* ---- frames of a former run ------------------------------------------------------------------ */
+/* ---- frames of a previous run ---------------------------------------------------------------- */
 
-/* NAME_dddddd.vtk, with at least six digits: nothing else in a series is ours. */
+/* NAME_dddddd.vtk with at least six digits: other names in a series are not files of this program.
+ */
 static bool is_frame(const char *file, const char *name) {
     size_t length = strlen(name);
     if (strncmp(file, name, length) || file[length] != '_') return false;
@@ -160,7 +165,7 @@ static bool is_frame(const char *file, const char *name) {
 static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
     if (!unlink(path) || errno == ENOENT) return PDYN_OK;
     return context_fail(writer->context, PDYN_IO_FAILED,
-                        "%.1024s: cannot remove the file of a former run: %s", path,
+                        "%.1024s: cannot remove the file of a previous run: %s", path,
                         strerror(errno));
 }
 
@@ -173,7 +178,7 @@ static pdyn_status remove_frame(pdyn_writer *writer, const char *file) {
     return status;
 }
 
-/* A series that cannot be read is not ours and lists nothing. */
+/* Removes the frames that a series lists. A series that cannot be read lists nothing. */
 static pdyn_status remove_frames(pdyn_writer *writer, const char *name) {
     const char *path = path_of(writer, "%s.vtk.series", name);
     struct stat info;
@@ -190,7 +195,7 @@ static pdyn_status remove_frames(pdyn_writer *writer, const char *name) {
 
 /* ---- metrics --------------------------------------------------------------------------------- */
 
-/* A row is there as a whole or not at all, also on a full disk. */
+/* Appends a row, completely or not at all, even on a full disk. */
 static pdyn_status write_row(pdyn_writer *writer) {
     size_t length = strlen(writer->row);
     if (fwrite(writer->row, 1, length, writer->metrics) == length) {
@@ -198,7 +203,8 @@ static pdyn_status write_row(pdyn_writer *writer) {
         return PDYN_OK;
     }
     int error = errno;
-    if (ftruncate(fileno(writer->metrics), writer->metrics_size)) errno = error; /* no file */
+    if (ftruncate(fileno(writer->metrics), writer->metrics_size))
+        errno = error; /* no truncation: metrics is not a regular file */
     clearerr(writer->metrics);
     return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s",
                         path_of(writer, "metrics.csv"), strerror(error));
@@ -222,21 +228,21 @@ static pdyn_status open_metrics(pdyn_writer *writer) {
     return write_row(writer);
 }
 
-/* A number that is not finite leaves its column empty. */
-static void add_number(pdyn_writer *writer, double number) {
+/* Appends a column; it is empty for a number that is not finite. */
+static void append_number(pdyn_writer *writer, double number) {
     text_append(writer->row, writer->row_size, *writer->row ? "," : "");
     if (isfinite(number)) text_append(writer->row, writer->row_size, "%.9g", number);
 }
 
-static pdyn_status add_row(pdyn_writer *writer, const pdyn_step_info *info) {
+static pdyn_status append_step(pdyn_writer *writer, const pdyn_step_info *info) {
     double number[STEP_COLUMNS];
     struct text_locale locale;
     if (!text_begin(&locale)) return context_no_memory(writer->context);
     step_numbers(info, number);
     *writer->row = '\0';
-    for (int k = 0; k < STEP_COLUMNS; k++) add_number(writer, number[k]);
+    for (int k = 0; k < STEP_COLUMNS; k++) append_number(writer, number[k]);
     for (int b = 0; b < writer->sim->bodies; b++)
-        add_number(writer, writer->sim->objective.body[b].residual);
+        append_number(writer, writer->sim->objective.body[b].residual);
     text_append(writer->row, writer->row_size, "\n");
     text_end(&locale);
     return write_row(writer);
@@ -245,7 +251,7 @@ static pdyn_status add_row(pdyn_writer *writer, const pdyn_step_info *info) {
 pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
     if (!writer || !info) return PDYN_BAD_CALL;
     double start = clock_ms();
-    pdyn_status status = add_row(writer, info);
+    pdyn_status status = append_step(writer, info);
     report_step(&writer->report, writer->sim, info);
     writer->report.output_ms += clock_ms() - start;
     return status;
@@ -253,25 +259,25 @@ pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
 
 /* ---- saving and resuming --------------------------------------------------------------------- */
 
-/* What the writer has written so far; of a run that goes on, what it had. */
+/* Saves or reads the state of the writer. */
 static void persist_writer(pdyn_writer *writer, struct snapshot_file *a) {
     struct report *report = &writer->report;
     double run_ms = clock_ms() - report->opened_ms;
     snapshot_file_expect(a, sizeof *report, "numbers in its report");
-    ARCHIVE(a, writer->ply);
-    ARCHIVE(a, writer->metrics_size);
-    ARCHIVE(a, run_ms);
-    struct report_tally *residual = report->residual;
-    report->residual = NULL; /* no address goes into a file */
-    ARCHIVE(a, *report);
+    SNAPSHOT(a, writer->ply);
+    SNAPSHOT(a, writer->metrics_size);
+    SNAPSHOT(a, run_ms);
+    struct report_stats *residual = report->residual;
+    report->residual = NULL; /* saves zeros in place of the address */
+    SNAPSHOT(a, *report);
     report->residual = residual;
     snapshot_file_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
-    ARCHIVE(a, writer->frames);
+    SNAPSHOT(a, writer->frames);
     report->opened_ms = clock_ms() - run_ms;
 }
 
 static pdyn_status persist_all(pdyn_writer *writer, struct snapshot_file *a) {
-    pdyn_status status = persist(writer->sim, a);
+    pdyn_status status = snapshot_simulation(writer->sim, a);
     if (status != PDYN_OK) return status;
     persist_writer(writer, a);
     if (a->view.reading && a->status == PDYN_OK) a->status = reserve_times(writer, writer->frames);
@@ -300,7 +306,7 @@ static pdyn_status load_state(pdyn_writer *writer) {
     return snapshot_file_close(&a);
 }
 
-/* What was written after the state was saved will be written again. */
+/* Opens metrics.csv and removes the rows after the saved state: these steps will be repeated. */
 static pdyn_status reopen_metrics(pdyn_writer *writer) {
     const char *path = path_of(writer, "metrics.csv");
     writer->metrics = fopen(path, "r+be");
@@ -318,8 +324,8 @@ static pdyn_status reopen_metrics(pdyn_writer *writer) {
     return PDYN_OK;
 }
 
-static pdyn_status take_up(pdyn_writer *writer, const char *directory) {
-    pdyn_status status = keep_directory(writer, directory);
+static pdyn_status resume(pdyn_writer *writer, const char *directory) {
+    pdyn_status status = store_directory(writer, directory);
     if (status == PDYN_OK) status = load_state(writer);
     if (status == PDYN_OK) status = reopen_metrics(writer);
     for (int p = 0; p < parts(writer) && status == PDYN_OK; p++)
@@ -327,9 +333,11 @@ static pdyn_status take_up(pdyn_writer *writer, const char *directory) {
     return status;
 }
 
-/* ---- the whole ------------------------------------------------------------------------------- */
+/* ---- opening and closing
+ * ------------------------------------------------------------------------------- */
 
-/* Points that rest are written once. What a former run left of others would be shown with ours. */
+/* Writes the points on solids at rest, once. Removes files of a previous run that would be shown
+ * together with the new ones. */
 static pdyn_status begin_boundary(pdyn_writer *writer) {
     pdyn_state state = pdyn_get_state(writer->sim);
     const char *path = path_of(writer, "boundary.vtk");
@@ -342,7 +350,7 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
 }
 
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
-    pdyn_status status = keep_directory(writer, directory);
+    pdyn_status status = store_directory(writer, directory);
     if (status == PDYN_OK) status = make_directory(writer);
     if (status == PDYN_OK) status = remove_file(writer, path_of(writer, "state.pdyn"));
     if (status == PDYN_OK) status = begin_boundary(writer);
@@ -379,7 +387,7 @@ pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply, pdy
 }
 
 pdyn_status pdyn_writer_resume(pdyn_sim *sim, const char *directory, pdyn_writer **out) {
-    return open_writer(sim, directory, false, take_up, out);
+    return open_writer(sim, directory, false, resume, out);
 }
 
 pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,

@@ -1,3 +1,4 @@
+/* Accelerations of classic Projective Dynamics: Chebyshev and Anderson. */
 #include "accelerate.h"
 
 #include "scene/choices.h"
@@ -7,19 +8,19 @@
 
 /* ---- Chebyshev ------------------------------------------------------------------------------- */
 
-/* Of the iteration. Too small is safe and slow; what is seen of it in a few iterations, by how much
- * directions shrink, is far too small. */
+/* Spectral radius of the iteration. A value that is too small is safe but slow. Estimates from the
+ * ratio of the directions in the first iterations are far too small. */
 static const double spectral_radius = 0.99;
 
-enum { DELAY = 2 }; /* iterations without */
+enum { START_ITERATIONS = 2 }; /* iterations before the first proposal */
 enum { BEFORE, CHEBYSHEV_VECTORS };
 
-/* x_k+1 = omega (x^ - x_k-1) + x_k-1 with x^ from the global step at x_k (Wang 2015, equation 9).
+/* x_(k+1) = omega (x^ - x_(k-1)) + x_(k-1) with x^ from the global step at x_k (Wang 2015, eq. 9).
  */
 static bool propose_chebyshev(struct acceleration *a, const double *x, double *direction) {
     double square = spectral_radius * spectral_radius, *before = a->vector[BEFORE];
-    bool ready = a->seen >= DELAY;
-    a->omega = a->seen > DELAY ? 4.0 / (4.0 - square * a->omega) : 2.0 / (2.0 - square);
+    bool ready = a->seen >= START_ITERATIONS;
+    a->omega = a->seen > START_ITERATIONS ? 4.0 / (4.0 - square * a->omega) : 2.0 / (2.0 - square);
     for (int k = 0; ready && k < 3 * a->objective->particles; k++)
         direction[k] = a->omega * direction[k] + (a->omega - 1.0) * (x[k] - before[k]);
     memcpy(before, x, objective_bytes(a->objective));
@@ -28,7 +29,7 @@ static bool propose_chebyshev(struct acceleration *a, const double *x, double *d
 
 /* ---- Anderson -------------------------------------------------------------------------------- */
 
-/* The last d and G = x + d, and how they changed in the last iterations. */
+/* Stored vectors: the last d and G = x + d, and their changes in the last iterations. */
 enum {
     LAST_D,
     LAST_G,
@@ -37,7 +38,8 @@ enum {
     ANDERSON_VECTORS = CHANGE_G + ANDERSON_WINDOW
 };
 
-/* Solves A y = b by L L' in place, n x n; a little is added to the diagonal. */
+/* Solves A y = b, n x n, in place by a Cholesky factorisation. The diagonal is scaled by 1 + 1e-10.
+ */
 static bool solve_small(int n, double A[ANDERSON_WINDOW][ANDERSON_WINDOW], double *b) {
     for (int i = 0; i < n; i++) {
         A[i][i] *= 1.0 + 1e-10;
@@ -56,8 +58,8 @@ static bool solve_small(int n, double A[ANDERSON_WINDOW][ANDERSON_WINDOW], doubl
     return true;
 }
 
-/* Keeps how d and G = x + d have changed since the last iteration. */
-static void remember(struct acceleration *a, const double *x, const double *d) {
+/* Stores the changes of d and G = x + d since the last iteration. */
+static void store_change(struct acceleration *a, const double *x, const double *d) {
     int slot = (a->seen + ANDERSON_WINDOW - 1) % ANDERSON_WINDOW,
         size = 3 * a->objective->particles;
     double *last_d = a->vector[LAST_D], *last_g = a->vector[LAST_G];
@@ -69,14 +71,14 @@ static void remember(struct acceleration *a, const double *x, const double *d) {
     }
 }
 
-/* x_k+1 = G_k - sum theta_j (change of G)_j, with the theta for which d_k - sum theta_j (change of
- * d)_j is least (Peng, Deng, Zhang, Geng, Qin, Liu 2018, equations 6 and 7). */
+/* x_(k+1) = G_k - sum theta_j (change of G)_j, where theta minimises |d_k - sum theta_j (change of
+ * d)_j| (Peng, Deng, Zhang, Geng, Qin, Liu 2018, eqs. 6 and 7). */
 static bool propose_anderson(struct acceleration *a, const double *x, double *direction) {
     struct objective *sys = a->objective;
     double A[ANDERSON_WINDOW][ANDERSON_WINDOW], theta[ANDERSON_WINDOW];
     double *const *change_d = a->vector + CHANGE_D, *const *change_g = a->vector + CHANGE_G;
     int n = a->seen < ANDERSON_WINDOW ? a->seen : ANDERSON_WINDOW;
-    remember(a, x, direction);
+    store_change(a, x, direction);
     for (int i = 0; i < n; i++) {
         theta[i] = objective_dot(sys, change_d[i], direction);
         for (int j = 0; j <= i; j++) A[i][j] = objective_dot(sys, change_d[i], change_d[j]);
@@ -86,7 +88,7 @@ static bool propose_anderson(struct acceleration *a, const double *x, double *di
     return true;
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- types ----------------------------------------------------------------------------------- */
 
 static const struct acceleration_type accelerations[] = {
     {"none", "the plain step", 0, NULL},

@@ -1,6 +1,7 @@
-/* Accelerations of classic Projective Dynamics: from the last iterates they extrapolate where the
- * next ones would go. What they propose is taken where it lowers E; elsewhere the global step is,
- * and they start anew. References for who compares methods: the newton step needs none. */
+/* Accelerations of classic Projective Dynamics: they extrapolate the next iterate from the last
+ * ones. A proposal is accepted if it lowers E; otherwise the plain global step is used and the
+ * acceleration restarts. They serve comparisons between methods: the step type "newton" needs none.
+ */
 #ifndef PDYN_ACCELERATE_H
 #define PDYN_ACCELERATE_H
 
@@ -10,9 +11,9 @@ struct acceleration;
 
 struct acceleration_type {
     const char *name, *summary;
-    /* Vectors (particles x 3) to keep; 0: nothing is accelerated. */
+    /* number of vectors (particles x 3) that the type stores; 0: no acceleration */
     int vectors;
-    /* Changes the direction of the global step from x; false: it cannot say anything yet. */
+    /* Changes `direction`, the global step from x; false: no proposal yet. */
     bool (*propose)(struct acceleration *a, const double *x, double *direction);
 };
 
@@ -21,18 +22,18 @@ enum { ANDERSON_WINDOW = 5 };
 struct acceleration {
     const struct acceleration_type *type;
     struct objective *objective;
-    double **vector; /* type->vectors: the type's own */
-    double *plain;   /* particles x 3: the direction of the global step */
-    int seen;        /* iterations since the start */
-    double omega;    /* of chebyshev */
+    double **vector; /* type->vectors: storage of the type */
+    double *plain;   /* particles x 3: direction of the plain global step */
+    int seen;        /* iterations since the restart */
+    double omega;    /* omega of "chebyshev" */
 };
 
 pdyn_status acceleration_create(struct acceleration *a, const struct acceleration_type *type,
                                 struct objective *objective);
 void acceleration_free(struct acceleration *a); /* zeroed or created */
-/* A new step, or a proposal that was not taken: forgets what it has seen. */
+/* Restarts: at the start of a step, or after a proposal that was not accepted. */
 void acceleration_start(struct acceleration *a);
-/* Keeps `direction` in a->plain and changes it; false: there is nothing to propose. */
+/* Stores `direction` in a->plain and changes it; false: no proposal, `direction` is unchanged. */
 bool acceleration_propose(struct acceleration *a, const double *x, double *direction);
 
 #endif

@@ -197,7 +197,7 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, in
         volume[i] = spacing * spacing * spacing, centre[i] = true;
     for (int k = 0; sim->samples && k < sim->samples->count; k++)
         volume[sim->objective.particles + k] = sim->samples->rest_volume[k];
-    return solid_points_fill(sim, spacing, volume + particles, is_wall);
+    return solid_points_compute_volumes(sim, spacing, volume + particles, is_wall);
 }
 
 static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
@@ -214,7 +214,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
         status = occlusion_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
                                   support + skin, &sim->occlusion);
     }
-    kinematic_carry(sim, 0.0);
+    kinematic_move(sim, 0.0);
     struct neighbours_points points = {.particles = n,
                                        .centre = centre,
                                        .boundary = sim->boundary.at.count,
@@ -282,7 +282,7 @@ static pdyn_status find_neighbours(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = create_neighbours(sim, fluid);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
-    live_particles_tell(sim);
+    live_particles_update_lists(sim);
     sim->objective.neighbours = sim->neighbours, sim->objective.samples = sim->samples;
     status = objective_build_lists(&sim->objective, sim->x);
     if (status == PDYN_OK) warn_coincident(sim, fluid);

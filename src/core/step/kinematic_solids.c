@@ -1,3 +1,4 @@
+/* Solids with prescribed motion: boundary points, motion and speed. */
 #include "kinematic_solids.h"
 
 #include "scene/poses.h"
@@ -9,10 +10,10 @@
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
-static pdyn_status make_room(struct pdyn_sim *sim) {
+static pdyn_status allocate_solids(struct pdyn_sim *sim) {
     struct kinematic_solids *motion = &sim->motion;
     if (motion->solid) return PDYN_OK;
-    motion->solid = NEW_ARRAY(sim->context, sim->scene.solids, struct moving);
+    motion->solid = NEW_ARRAY(sim->context, sim->scene.solids, struct moving_solid);
     if (!motion->solid) return PDYN_NO_MEMORY;
     motion->capacity = sim->scene.solids;
     return PDYN_OK;
@@ -20,8 +21,8 @@ static pdyn_status make_room(struct pdyn_sim *sim) {
 
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first) {
     struct kinematic_solids *motion = &sim->motion;
-    struct moving m = {solid, first, sim->boundary.at.count - first, {0}, {0}};
-    pdyn_status status = make_room(sim);
+    struct moving_solid m = {solid, first, sim->boundary.at.count - first, {0}, {0}};
+    pdyn_status status = allocate_solids(sim);
     for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++) {
         double *x = sim->boundary.at.x + 3 * (size_t)i, from_pivot[3];
         for (int a = 0; a < 3; a++) {
@@ -42,14 +43,14 @@ void kinematic_free(pdyn_context *context, struct kinematic_solids *motion) {
     point_list_free(context, &motion->placed);
 }
 
-/* ---- carrying -------------------------------------------------------------------------------- */
+/* ---- motion ---------------------------------------------------------------------------------- */
 
-void kinematic_carry(struct pdyn_sim *sim, double time) {
+void kinematic_move(struct pdyn_sim *sim, double time) {
     const struct kinematic_solids *motion = &sim->motion;
     int resting = sim->boundary.at.count - motion->points;
     if (!motion->points) return;
     for (int k = 0; k < motion->solids; k++) {
-        const struct moving *m = &motion->solid[k];
+        const struct moving_solid *m = &motion->solid[k];
         pose_place(m->solid, motion->placed.x + 3 * (size_t)(m->first - resting), m->count, time,
                    sim->boundary.at.x + 3 * (size_t)m->first);
     }
@@ -59,8 +60,8 @@ void kinematic_carry(struct pdyn_sim *sim, double time) {
 
 /* ---- speed ----------------------------------------------------------------------------------- */
 
-/* Of the corners of the solid's box, which the speed of no point exceeds. */
-static double fastest_corner(const struct moving *m, const struct pose *pose) {
+/* Largest speed of the corners of the solid's bounding box; no point is faster. */
+static double max_corner_speed(const struct moving_solid *m, const struct pose *pose) {
     double axis[3], speed = 0.0;
     pose_turning_axis(pose, axis);
     for (int corner = 0; corner < 8; corner++) {
@@ -76,8 +77,8 @@ static double fastest_corner(const struct moving *m, const struct pose *pose) {
     return speed;
 }
 
-/* At both ends of each part of the way between two keys. */
-static double fastest(const struct moving *m, double from, double to) {
+/* Largest speed between two times: evaluated at both ends of every interval between keys. */
+static double max_solid_speed(const struct moving_solid *m, double from, double to) {
     const struct scene_solid *solid = m->solid;
     double speed = 0.0;
     for (int k = pose_key_before(solid, from); k < solid->keys; k++) {
@@ -85,7 +86,7 @@ static double fastest(const struct moving *m, double from, double to) {
         double end = k + 1 < solid->keys ? fmin(to, solid->key[k + 1].time) : to;
         if (begin >= to) break;
         struct pose first = pose_between(solid, k, begin), last = pose_between(solid, k, end);
-        speed = fmax(speed, fmax(fastest_corner(m, &first), fastest_corner(m, &last)));
+        speed = fmax(speed, fmax(max_corner_speed(m, &first), max_corner_speed(m, &last)));
     }
     return speed;
 }
@@ -93,6 +94,6 @@ static double fastest(const struct moving *m, double from, double to) {
 double kinematic_speed(const struct kinematic_solids *motion, double from, double to) {
     double speed = 0.0;
     for (int k = 0; k < motion->solids; k++)
-        speed = fmax(speed, fastest(&motion->solid[k], from, to));
+        speed = fmax(speed, max_solid_speed(&motion->solid[k], from, to));
     return speed;
 }

@@ -1,5 +1,5 @@
-/* Solids that move as their scene says: their boundary points are kept as placed, seen from the
- * pivot, and carried to where they are at a time. */
+/* Solids with prescribed motion: their boundary points are stored relative to the pivot, in the
+ * initial placement, and moved to the pose at a given time. */
 #ifndef PDYN_KINEMATIC_SOLIDS_H
 #define PDYN_KINEMATIC_SOLIDS_H
 
@@ -8,28 +8,28 @@
 
 struct pdyn_sim;
 
-struct moving { /* one solid */
+struct moving_solid { /* one solid with prescribed motion */
     const struct scene_solid *solid;
     int first, count;      /* its boundary points */
-    double min[3], max[3]; /* m, their box, from the pivot */
+    double min[3], max[3]; /* m, bounding box of the points relative to the pivot */
 };
 
-struct kinematic_solids { /* empty in a scene whose solids rest */
+struct kinematic_solids { /* empty if no solid moves */
     int solids, capacity;
-    struct moving *solid;     /* capacity */
-    int points;               /* of all of them: the last ones of the boundary */
-    struct point_list placed; /* these as placed, from their pivots */
+    struct moving_solid *solid; /* capacity */
+    int points;               /* number of points of all moving solids: the last boundary points */
+    struct point_list placed; /* positions relative to the pivots in the initial placement, m */
 };
 
-/* Takes the boundary points from `first` on, of a solid that moves. */
+/* Registers the boundary points from index `first` on as those of a moving solid. */
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first);
 void kinematic_free(pdyn_context *context, struct kinematic_solids *motion);
 
-/* Carries the boundary points to where they are at a time, s. */
-void kinematic_carry(struct pdyn_sim *sim, double time);
+/* Moves the boundary points to their positions at `time`, s, and informs the neighbour lists. */
+void kinematic_move(struct pdyn_sim *sim, double time);
 
-/* The largest speed of a point on the way from one time to another, s: m/s, up to some more than
- * that, as corners of a box stand for the points. */
+/* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of
+ * the bounding boxes, which is slightly too large. */
 double kinematic_speed(const struct kinematic_solids *motion, double from, double to);
 
 #endif

@@ -1,3 +1,4 @@
+/* Accuracy and physical quantities of a step. */
 #include "measure.h"
 
 #include "live_particles.h"
@@ -12,20 +13,20 @@ void measure_weights(struct pdyn_sim *sim) {
         struct objective_body *body = &sim->objective.body[b];
         double sum = 0.0;
         for (int i = body->first; i < body->first + body->count; i++)
-            if (live_particles_has(sim, i)) sum += sim->objective.mass[i] * sim->objective.mass[i];
-        /* 1 before the first particle */
+            if (particle_is_live(sim, i)) sum += sim->objective.mass[i] * sim->objective.mass[i];
+        /* 1 while the body has no live particle */
         body->weight = sum > 0.0 ? (g > 0.0 ? g : 9.81) * sqrt(sum) : 1.0;
     }
 }
 
-/* What an operator knows about its particles at the end of a step. */
-static void fetch(struct pdyn_sim *sim, const struct batch *b) {
+/* Copies density and pressure of the particles from an operator. */
+static void update_fluid(struct pdyn_sim *sim, const struct batch *b) {
     const pdyn_operator *op = b->op ? b->type->matrix_free : NULL;
     if (op && op->density) op->density(b->op, sim->density);
     if (op && op->pressure) op->pressure(b->op, sim->pressure);
 }
 
-pdyn_status measure_finite(struct pdyn_sim *sim) {
+pdyn_status measure_check_finite(struct pdyn_sim *sim) {
     const struct objective *sys = &sim->objective;
     for (int k = 0; k < 3 * sys->particles; k++)
         if (!isfinite(sim->x_next[k]))
@@ -34,19 +35,19 @@ pdyn_status measure_finite(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-void measure_fetch(struct pdyn_sim *sim) {
+void measure_update_fluid(struct pdyn_sim *sim) {
     memcpy(sim->pressure_before, sim->pressure,
            (size_t)sim->objective.particles * sizeof *sim->pressure);
-    for (int b = 0; b < sim->objective.batches; b++) fetch(sim, sim->objective.batch[b]);
+    for (int b = 0; b < sim->objective.batches; b++) update_fluid(sim, sim->objective.batch[b]);
 }
 
-static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
+static void compute_density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
     double sum = 0.0, count = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->rest_density == 0.0) continue;
         for (int i = body->first; i < body->first + body->count; i++) {
-            if (!live_particles_has(sim, i)) continue;
+            if (!particle_is_live(sim, i)) continue;
             double error = fmax(0.0, sim->density[i] / body->rest_density - 1.0);
             sum += error, count++;
             info->density_error_max = fmax(info->density_error_max, error);
@@ -56,7 +57,7 @@ static void density_errors(const struct pdyn_sim *sim, pdyn_step_info *info) {
     info->particles = (int)count;
 }
 
-static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
+static void add_energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
     const struct objective *sys = &sim->objective;
     for (int i = 0; i < sys->particles; i++) {
         const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
@@ -70,10 +71,10 @@ static void energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
     if (sys->contact) info->constraint_energy += sys->contact->current.batch->energy;
 }
 
-/* What a pin must carry is the gradient of everything else at its point: the whole gradient less
- * the pin's own part. At a solved step that is the force in the pin; before, it shows what is
- * missing. */
-static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
+/* Adds the reactions of pins. The force in a pin is the gradient of all other terms at its point:
+ * the full gradient minus the part of the pin. At a solved step it balances the pin; otherwise the
+ * difference is part of the residual. */
+static void add_pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
     const struct objective *sys = &sim->objective;
     for (int b = 0; b < sys->batches; b++) {
         const struct batch *pin = sys->batch[b];
@@ -90,7 +91,7 @@ static void pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
 }
 
 void measure_step(struct pdyn_sim *sim, pdyn_step_info *info) {
-    density_errors(sim, info);
-    energies(sim, info);
-    pin_reaction(sim, info);
+    compute_density_errors(sim, info);
+    add_energies(sim, info);
+    add_pin_reaction(sim, info);
 }

@@ -1,20 +1,20 @@
-/* The accuracy and physics of a step, measured rather than assumed. */
+/* Accuracy and physical quantities of a step: density errors, energies, momentum, reactions. */
 #ifndef PDYN_MEASURE_H
 #define PDYN_MEASURE_H
 
 #include "sim.h"
 
-/* The weights of bodies, |M g| in N over their live particles, with 9.81 m/s^2 where the scene has
- * no gravity: what step residuals are relative to. */
+/* Computes the weights of the bodies, |M g| over their live particles, N; 9.81 m/s^2 in a scene
+ * without gravity. Step residuals are relative to these. */
 void measure_weights(struct pdyn_sim *sim);
 
-/* PDYN_DIVERGED where x_next cannot be a state. */
-pdyn_status measure_finite(struct pdyn_sim *sim);
+/* PDYN_DIVERGED: x_next is not finite. */
+pdyn_status measure_check_finite(struct pdyn_sim *sim);
 
-/* Density and pressure of the coming state x_next, which was that of the last local step. */
-void measure_fetch(struct pdyn_sim *sim);
+/* Updates density and pressure from the operators; the last local step must have been at x_next. */
+void measure_update_fluid(struct pdyn_sim *sim);
 
-/* Fills density errors, energies, momentum and pin reaction of the state just accepted. */
+/* Computes density errors, energies, momentum and pin reaction of the accepted state. */
 void measure_step(struct pdyn_sim *sim, pdyn_step_info *info);
 
 #endif

@@ -1,4 +1,5 @@
-/* The simulation: a scene turned into particles, batches of constraints and a solver. */
+/* The simulation (pdyn_sim): particles, batches of constraints, state and solver built from a
+ * scene. */
 #ifndef PDYN_SIM_H
 #define PDYN_SIM_H
 
@@ -18,60 +19,63 @@
 struct pdyn_sim {
     pdyn_context *context;
     struct scene scene;
-    bool failed; /* diverged: no further step */
-    bool warned; /* of too long a step */
+    bool failed; /* diverged: pdyn_step fails */
+    bool warned; /* the warning about a step that is too long was given */
 
     int bodies;
-    pdyn_body *body;                 /* what modules see */
-    struct topology *topology;       /* bodies; empty for particles */
-    double *rest;                    /* particles x 3: the bodies' rest positions, m */
-    struct boundary_points boundary; /* points on the solids */
-    struct kinematic_solids motion;  /* of the last of these */
-    struct solid_loads *loads;       /* forces on the solids; NULL in a scene without */
-    pdyn_services services;          /* what operators may call */
+    pdyn_body *body;                 /* bodies as modules see them */
+    struct topology *topology;       /* bodies; empty for bodies of particles */
+    double *rest;                    /* particles x 3, m: rest positions */
+    struct boundary_points boundary; /* boundary points on solids */
+    struct kinematic_solids motion;  /* motion of the last boundary points */
+    struct solid_loads *loads;       /* forces on solids; NULL in a scene without solids */
+    pdyn_services services;          /* functions that operators may call */
 
-    int constraints; /* batches that are constraints of the scene; their dampers follow */
-    struct objective objective; /* particles' masses, prediction, batches: what is minimised */
-    double *x, *v;              /* particles x 3: the state, m, m/s */
+    int constraints; /* number of batches that are constraints of the scene; their dampers follow */
+    struct objective objective; /* what is minimised: masses, prediction, batches */
+    double *x, *v;              /* particles x 3: the state, m and m/s */
     double *density;            /* particles, kg/m^3 */
-    double *pressure;           /* particles, Pa, */
-    double *pressure_before;    /* and a step before */
-    double *x_next;             /* particles x 3: the iterate */
-    double *way;      /* particles, samples, m: how far each may go at once; NULL: no limit */
-    double *gradient; /* particles x 3: of E at the iterate, N */
-    double *trial, *trial_gradient, *direction, *negative; /* particles x 3 */
-    double *x_before, *v_before; /* particles x 3: the state a step earlier, m, m/s; NULL where the
+    double *pressure;           /* particles, Pa */
+    double *pressure_before;    /* particles, Pa: one step earlier */
+    double *x_next;             /* particles x 3: the iterate, m */
+    double *way;      /* particles, then samples, m: largest displacement at once; NULL: no limit */
+    double *gradient; /* particles x 3: gradient of E at the iterate, N */
+    double *trial, *trial_gradient, *direction,
+        *negative;               /* particles x 3: scratch of the minimisation */
+    double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
                                     integrator needs none */
-    double *x_base, *v_base; /* particles x 3: from where the inertia of this step moves, m, m/s */
-    double *constraint_acceleration; /* particles x 3: by the constraints in the last step, m/s^2 */
-    bool unfinished;                 /* the last step was cut short: that is not one to repeat */
-    double last_h;                   /* s, length of the last step; 0 before the first */
-    int impacts;                     /* constraints in the last step */
-    double history; /* s, between x_before and x; 0: nothing is to be built upon that */
-    double damping; /* eps, kept from step to step */
-    bool anchored;  /* some constraint can take momentum from the system */
+    double *x_base, *v_base;     /* particles x 3: base of the step (integrator.h), m and m/s */
+    double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
+                                        last step */
+    bool unfinished; /* the last step was not solved: its constraint acceleration must not be reused
+                      */
+    double last_h;   /* s, length of the last step; 0 before the first */
+    int impacts;     /* number of constraints with an impact in the last step */
+    double history;  /* s, time from x_before to x; 0: the history must not be used */
+    double damping;  /* eps, continued from step to step */
+    bool anchored;   /* a constraint can change the momentum of the system */
 
-    struct live_particles *live; /* particles that come and go; NULL where none does */
+    struct live_particles *live; /* NULL: all particles are live */
 
-    struct neighbours *neighbours;   /* NULL where no constraint needs them */
-    struct surface_samples *samples; /* on surfaces, where these meet a fluid; otherwise NULL */
-    struct occlusion *occlusion;     /* the same surfaces, between fluid and fluid */
+    struct neighbours *neighbours;   /* NULL: no constraint needs them */
+    struct surface_samples *samples; /* samples on surfaces that act on a fluid; NULL: none */
+    struct occlusion *occlusion; /* the same surfaces, which hide fluid particles from each other */
 
-    struct solver_view model; /* what the solver sees */
+    struct solver_view model; /* the solver's view of the objective */
     const pdyn_global_solver *solver;
     void *solver_state;
     const char *solver_reason;
     struct acceleration acceleration;
 
     double time; /* s */
-    long frame;  /* the last frame reached */
+    long frame;  /* index of the last frame reached */
     long steps;
 
     void (*observer)(void *user, const pdyn_iteration *iteration);
     void *observer_user;
 };
 
-/* What core offers to operators. */
+/* The functions that core offers to operators. */
 pdyn_services sim_services(pdyn_context *context);
 
 #endif

@@ -1,3 +1,4 @@
+/* Loads on solids: sums of the forces of operators and contact pairs. */
 #include "solid_load.h"
 
 #include "sim.h"
@@ -15,14 +16,14 @@ static void add_force(struct solid_load *load, const double *x, const double *fo
 
 /* ---- fluid ----------------------------------------------------------------------------------- */
 
-static void add_points(const struct pdyn_sim *sim, const double *force) {
-    const struct boundary_points *all = &sim->boundary;
-    for (int k = 0; k < all->at.count; k++)
-        add_force(&sim->loads->solid[all->point[k].solid], all->at.x + 3 * (size_t)k,
+static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
+    const struct boundary_points *points = &sim->boundary;
+    for (int k = 0; k < points->at.count; k++)
+        add_force(&sim->loads->solid[points->point[k].solid], points->at.x + 3 * (size_t)k,
                   force + 3 * (size_t)k);
 }
 
-static pdyn_status add_operators(const struct pdyn_sim *sim) {
+static pdyn_status add_fluid(const struct pdyn_sim *sim) {
     size_t count = 3 * (size_t)sim->boundary.at.count;
     if (!count) return PDYN_OK;
     double *force = NEW_ARRAY(sim->context, count, double);
@@ -32,15 +33,15 @@ static pdyn_status add_operators(const struct pdyn_sim *sim) {
         if (batch->op && batch->type->matrix_free->boundary_force)
             batch->type->matrix_free->boundary_force(batch->op, force);
     }
-    add_points(sim, force);
+    add_point_forces(sim, force);
     FREE_ARRAY(sim->context, force, count);
     return PDYN_OK;
 }
 
 /* ---- contact --------------------------------------------------------------------------------- */
 
-/* The energy of a contact is a function of u, the sum of c_k x_k over its points, and has the
- * gradient w (u - p). Not flux: impacts leave their own in it. */
+/* Adds the force of a contact. Its energy is a function of u = sum c_k x_k over the points of the
+ * contact, with gradient w (u - p). The stored flux cannot be used, because impacts modify it. */
 static void add_element(const struct pdyn_sim *sim, const struct contact_list *list, int e) {
     const struct contact *c = sim->objective.contact;
     const struct stencil *stencil = &list->stencil[e];
@@ -64,7 +65,7 @@ static void add_contact(const struct pdyn_sim *sim) {
             add_element(sim, list[k], e);
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- public functions ------------------------------------------------------------------------ */
 
 pdyn_status solid_load_create(struct pdyn_sim *sim) {
     int solids = sim->scene.solids;
@@ -81,20 +82,20 @@ void solid_load_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->loads, 1);
 }
 
-void solid_load_begin(struct pdyn_sim *sim) {
+void solid_load_begin_step(struct pdyn_sim *sim) {
     if (sim->loads) sim->loads->known = sim->loads->summed = false;
 }
 
-void solid_load_end(struct pdyn_sim *sim) {
+void solid_load_end_step(struct pdyn_sim *sim) {
     if (sim->loads) sim->loads->known = true;
 }
 
-pdyn_status solid_load_sum(const struct pdyn_sim *sim, const struct solid_load **loads) {
+pdyn_status solid_load_compute(const struct pdyn_sim *sim, const struct solid_load **loads) {
     struct solid_loads *l = sim->loads;
     *loads = l && l->known ? l->solid : NULL;
     if (!*loads || l->summed) return PDYN_OK;
     memset(l->solid, 0, (size_t)sim->scene.solids * sizeof *l->solid);
-    pdyn_status status = add_operators(sim);
+    pdyn_status status = add_fluid(sim);
     if (status != PDYN_OK) return status;
     add_contact(sim);
     l->summed = true;
@@ -109,7 +110,7 @@ pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], dou
     static const struct solid_load none;
     const struct solid_load *loads;
     if (!sim || !force || !moment || !pdyn_solid_name(sim, solid)) return PDYN_BAD_CALL;
-    pdyn_status status = solid_load_sum(sim, &loads);
+    pdyn_status status = solid_load_compute(sim, &loads);
     if (status != PDYN_OK) return status;
     const struct solid_load *load = loads ? loads + solid : &none;
     memcpy(force, load->force, sizeof load->force);

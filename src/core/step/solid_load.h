@@ -1,5 +1,5 @@
-/* Loads on solids: what fluid, contact and friction put on each of them at the end of a step. They
- * are summed up when somebody asks; a step only tells that the last sums are out of date. */
+/* Loads on solids: force and moment by fluid, contact and friction at the end of a step. They are
+ * computed on demand; a step only marks the last ones as outdated. */
 #ifndef PDYN_SOLID_LOAD_H
 #define PDYN_SOLID_LOAD_H
 
@@ -13,8 +13,8 @@ struct solid_load {
 };
 
 struct solid_loads {
-    bool known;               /* the last local step is that of the last step */
-    bool summed;              /* `solid` is of that one */
+    bool known;               /* the last local step belongs to the accepted state */
+    bool summed;              /* `solid` is up to date */
     struct solid_load *solid; /* scene.solids */
 };
 
@@ -22,11 +22,11 @@ struct solid_loads {
 pdyn_status solid_load_create(struct pdyn_sim *sim);
 void solid_load_free(struct pdyn_sim *sim);
 
-/* Loads are not known from here on, until a step has ended. */
-void solid_load_begin(struct pdyn_sim *sim);
-void solid_load_end(struct pdyn_sim *sim);
+/* begin_step: loads are unknown until end_step. */
+void solid_load_begin_step(struct pdyn_sim *sim);
+void solid_load_end_step(struct pdyn_sim *sim);
 
-/* *loads: one for each solid of the scene, of the last step; NULL where they are not known. */
-pdyn_status solid_load_sum(const struct pdyn_sim *sim, const struct solid_load **loads);
+/* Computes the loads after the last step: *loads, one per solid of the scene; NULL: unknown. */
+pdyn_status solid_load_compute(const struct pdyn_sim *sim, const struct solid_load **loads);
 
 #endif

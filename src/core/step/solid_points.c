@@ -1,3 +1,4 @@
+/* Sampling of solids with boundary points, and the volumes of these. */
 #include "solid_points.h"
 
 #include "kinematic_solids.h"
@@ -15,12 +16,12 @@ static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *
     return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
 }
 
-/* Solid number k of the scene. */
+/* Samples solid k of the scene. */
 static pdyn_status sample_solid(struct pdyn_sim *sim, int k, double spacing) {
-    struct boundary_points *all = &sim->boundary;
-    int first = all->at.count;
+    struct boundary_points *points = &sim->boundary;
+    int first = points->at.count;
     pdyn_status status = sample_shape(sim, &sim->scene.solid[k], spacing);
-    for (int i = first; status == PDYN_OK && i < all->at.count; i++) all->point[i].solid = k;
+    for (int i = first; status == PDYN_OK && i < points->at.count; i++) points->point[i].solid = k;
     return status;
 }
 
@@ -45,9 +46,9 @@ static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count,
                                       support, volume + first);
 }
 
-/* Volumes 1 / sum W: of all that rests together, and of each solid that moves by itself, for these
- * stay the same. */
-static pdyn_status fill_published(struct pdyn_sim *sim, double spacing, double *volume) {
+/* Computes the volumes 1 / sum W: of all solids at rest together, and of each moving solid alone,
+ * so that they do not change with the motion. */
+static pdyn_status compute_published_volumes(struct pdyn_sim *sim, double spacing, double *volume) {
     const struct kinematic_solids *motion = &sim->motion;
     int resting = sim->boundary.at.count - motion->points;
     pdyn_status status = published_volumes(sim, 0, resting, spacing, volume);
@@ -57,13 +58,14 @@ static pdyn_status fill_published(struct pdyn_sim *sim, double spacing, double *
     return status;
 }
 
-pdyn_status solid_points_fill(struct pdyn_sim *sim, double spacing, double *volume, bool *is_wall) {
+pdyn_status solid_points_compute_volumes(struct pdyn_sim *sim, double spacing, double *volume,
+                                         bool *is_wall) {
     const struct boundary_model *model = sim->scene.settings.boundary;
-    const struct boundary_points *all = &sim->boundary;
-    for (int k = 0; k < all->at.count; k++) {
-        const struct boundary_point *point = &all->point[k];
+    const struct boundary_points *points = &sim->boundary;
+    for (int k = 0; k < points->at.count; k++) {
+        const struct boundary_point *point = &points->point[k];
         is_wall[k] = model->volumes || point->of_box;
         volume[k] = (point->of_box ? model->layer : 1.0) * point->area * spacing;
     }
-    return model->volumes ? fill_published(sim, spacing, volume) : PDYN_OK;
+    return model->volumes ? compute_published_volumes(sim, spacing, volume) : PDYN_OK;
 }

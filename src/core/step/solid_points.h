@@ -1,4 +1,4 @@
-/* Points on the surfaces of a scene's solids, through which these act on the fluid. */
+/* Boundary points on the solids of a scene, through which these act on the fluid. */
 #ifndef PDYN_SOLID_POINTS_H
 #define PDYN_SOLID_POINTS_H
 
@@ -8,10 +8,13 @@
 
 struct pdyn_sim;
 
-/* Points on the scene's solids: first of those that rest, then of those that move. */
+/* Samples all solids: first those at rest, then those that move. spacing: m, of the fluid's
+ * particles. */
 pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing);
 
-/* The volumes of these points, and which have the kernel of particles. */
-pdyn_status solid_points_fill(struct pdyn_sim *sim, double spacing, double *volume, bool *is_wall);
+/* Computes the volumes, m^3, of the boundary points, and which points have the kernel of particles.
+ */
+pdyn_status solid_points_compute_volumes(struct pdyn_sim *sim, double spacing, double *volume,
+                                         bool *is_wall);
 
 #endif

@@ -1,4 +1,4 @@
-/* Reading a simulation's state through the public API. */
+/* Public functions that read the state of a simulation. */
 #include "base/snapshot_file.h"
 #include "live_particles.h"
 
@@ -52,7 +52,7 @@ pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
 
-/* A number outside of its bounds stands for none (params.h). */
+/* A value outside of its bounds means: none (params_has_default). */
 static bool has_value(const pdyn_param *p, const double *value) {
     return p->kind == PDYN_REAL && *value >= p->min && *value <= p->max;
 }
@@ -68,7 +68,7 @@ pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int 
     return (pdyn_parameter_info){0};
 }
 
-/* A vector's bits, of all live particles. */
+/* Hashes a vector over the live particles. */
 static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
     size_t one = 3 * sizeof *vector;
     if (!sim->live) return hash_bytes(hash, vector, (size_t)sim->objective.particles * one);

@@ -1,4 +1,5 @@
-/* One time step: predict (integrator.h), minimise E (minimise.c), then the new velocity. */
+/* One time step: prediction (integrator.h), minimisation of E (minimise.c), new velocities
+ * (velocities.h); shorter attempts after one that diverged. */
 #include "base/clock.h"
 #include "live_particles.h"
 #include "measure.h"
@@ -12,71 +13,71 @@
 #include <stdio.h>
 #include <string.h>
 
-/* s = x^ + H v^ + H^2 g, and the iterate starts there. */
+/* Computes the prediction s = x^ + H v^ + H^2 g, which is the first iterate. */
 static pdyn_status predict(struct pdyn_sim *sim, double h) {
     const double *g = sim->scene.settings.gravity;
     double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, h);
     sim->objective.time = sim->time + h;
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         sim->objective.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
-    live_particles_hold(sim);
+    live_particles_fix_inactive(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
     pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
     if (status == PDYN_OK) objective_begin(&sim->objective, sim->x_base, sim->v_base);
     return status;
 }
 
-/* Surfaces act on the fluid with the volumes that they have where the step begins, and with the
- * friction between what is close to each other there. */
+/* Updates volumes and friction of the surface samples to the start of the step; they are constant
+ * within the step. */
 static pdyn_status prepare_samples(struct pdyn_sim *sim) {
-    const double *all;
+    const double *extended;
     if (!sim->samples) return PDYN_OK;
     samples_update_volumes(sim->samples, sim->x);
     neighbours_set_sample_volumes(sim->neighbours, sim->samples);
     if (!sim->objective.wet_sides) return PDYN_OK;
-    pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &all);
-    return status == PDYN_OK ? wet_sides_find(sim->objective.wet_sides, all) : status;
+    pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &extended);
+    return status == PDYN_OK ? wet_sides_find(sim->objective.wet_sides, extended) : status;
 }
 
-/* Where nothing can take momentum away, the step must not either, however far it was solved: the
- * mean of x - s over the mass is the momentum that an unfinished solve made up. */
-static pdyn_status keep_momentum(struct pdyn_sim *sim) {
+/* Removes the momentum error of a solve that ended early: the mass-weighted mean of x - s. Without
+ * anchoring constraints the step must conserve momentum exactly. */
+static pdyn_status restore_momentum(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     double moved[3] = {0}, mass = 0.0, energy;
     if (sim->anchored) return PDYN_OK;
     for (int i = 0; i < sys->particles; i++) {
-        if (!live_particles_has(sim, i)) continue;
+        if (!particle_is_live(sim, i)) continue;
         mass += sys->mass[i];
         for (int a = 0; a < 3; a++)
             moved[a] += sys->mass[i] * (sim->x_next[3 * i + a] - sys->s[3 * i + a]);
     }
     for (int k = 0; k < 3 * sys->particles; k++)
-        if (live_particles_has(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
+        if (particle_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
     return objective_local(sys, sim->x_next, &energy, sim->gradient);
 }
 
-static void remember_state(struct pdyn_sim *sim, double h) {
+static void store_previous_state(struct pdyn_sim *sim, double h) {
     sim->history = h;
     if (!sim->x_before) return;
     memcpy(sim->x_before, sim->x, objective_bytes(&sim->objective));
     memcpy(sim->v_before, sim->v, objective_bytes(&sim->objective));
 }
 
-/* The iterate becomes the state. */
+/* Accepts the iterate as the new state. */
 static void accept(struct pdyn_sim *sim, double h) {
     struct objective *sys = &sim->objective;
-    remember_state(sim, h);
-    velocities_take(sim, h);
+    store_previous_state(sim, h);
+    velocities_update(sim, h);
     for (int k = 0; k < 3 * sys->particles; k++)
         sim->constraint_acceleration[k] = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
     memcpy(sim->x, sim->x_next, objective_bytes(sys));
-    velocities_change(sim, h);
+    velocities_apply_operators(sim, h);
     for (int b = 0; b < sys->batches; b++) batch_accept(sys->batch[b]);
     sim->last_h = h;
     sim->steps++;
 }
 
-/* Where a step of length h would end, in x_next; the state is as it was. */
+/* Attempts a step of length h; the result is in x_next, the state is unchanged. */
 static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
     *progress = (struct progress){0};
     if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
@@ -85,23 +86,23 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     if (status == PDYN_OK && contact) status = contact_begin(contact, sim->time + h);
     if (status == PDYN_OK) status = predict(sim, h);
     if (status != PDYN_OK) return status;
-    kinematic_carry(sim, sim->objective.time);
+    kinematic_move(sim, sim->objective.time);
     status = minimise(sim, progress);
-    if (status == PDYN_OK) status = keep_momentum(sim);
-    return status == PDYN_OK ? measure_finite(sim) : status;
+    if (status == PDYN_OK) status = restore_momentum(sim);
+    return status == PDYN_OK ? measure_check_finite(sim) : status;
 }
 
-/* After an attempt that failed: solids go back, and nothing that led there is built upon. */
-static pdyn_status take_back(struct pdyn_sim *sim) {
-    kinematic_carry(sim, sim->time);
+/* After a failed attempt: moves solids back and discards the history and the solver's state. */
+static pdyn_status reject_attempt(struct pdyn_sim *sim) {
+    kinematic_move(sim, sim->time);
     sim->history = 0.0;
     if (sim->solver->forget) sim->solver->forget(sim->solver_state);
     if (sim->scene.settings.newton) sim->damping = 1.0;
     return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
 
-/* Adds where and when to what is known. */
-static pdyn_status say_diverged(struct pdyn_sim *sim, double h) {
+/* Prepends step number, length and time to the error text. */
+static pdyn_status fail_diverged(struct pdyn_sim *sim, double h) {
     char what[256];
     snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));
     return context_fail(sim->context, PDYN_DIVERGED,
@@ -109,9 +110,9 @@ static pdyn_status say_diverged(struct pdyn_sim *sim, double h) {
                         sim->steps + 1, h, sim->time, what);
 }
 
-/* A particle that was to go `cfl` radii at most and went twice as far was thrown by a step that was
- * not solved: where water is squeezed into a corner, it would leave through the wall. */
-static bool has_leapt(const struct pdyn_sim *sim, double h) {
+/* Whether a particle moved more than twice the distance that the CFL condition allows. Such a step
+ * was not solved: water squeezed into a corner would leave through the wall. */
+static bool moved_too_far(const struct pdyn_sim *sim, double h) {
     const struct scene_settings *set = &sim->scene.settings;
     if (set->h_fixed > 0.0 || h <= set->h_min) return false;
     for (int b = 0; b < sim->bodies; b++) {
@@ -123,45 +124,45 @@ static bool has_leapt(const struct pdyn_sim *sim, double h) {
     return false;
 }
 
-/* Attempts shorter and shorter steps until one can be taken, as often as the scene allows. */
-static pdyn_status attempt_all(struct pdyn_sim *sim, struct moment *end, struct progress *progress,
-                               int *retries) {
+/* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
+static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
+                                        struct progress *progress, int *retries) {
     *end = timestep_choose(sim, INFINITY);
     pdyn_status status = attempt(sim, end->h, progress);
     while (*retries < sim->scene.settings.retries &&
-           (status == PDYN_DIVERGED || (status == PDYN_OK && has_leapt(sim, end->h)))) {
-        if ((status = take_back(sim)) != PDYN_OK) return status;
+           (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
+        if ((status = reject_attempt(sim)) != PDYN_OK) return status;
         *end = timestep_choose(sim, 0.25 * end->h);
         status = attempt(sim, end->h, progress);
         ++*retries;
     }
     if (status == PDYN_OK) status = objective_end(&sim->objective);
-    if (status != PDYN_OK) kinematic_carry(sim, sim->time);
-    return status == PDYN_DIVERGED ? say_diverged(sim, end->h) : status;
+    if (status != PDYN_OK) kinematic_move(sim, sim->time);
+    return status == PDYN_DIVERGED ? fail_diverged(sim, end->h) : status;
 }
 
-/* Up to this residual, half of what the weight is for every particle, a step that did not reach its
- * tolerance is still one to build upon. */
-static const double harmless = 0.5;
+/* Step residual up to which an unsolved step may serve as history: half of the weight of every
+ * particle. */
+static const double history_residual = 0.5;
 
 static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     struct progress progress;
-    struct moment end;
+    struct step_end end;
     int retries = 0;
     double start = clock_ms(), cpu = clock_cpu_ms();
-    solid_load_begin(sim);
+    solid_load_begin_step(sim);
     sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
-    pdyn_status status = attempt_all(sim, &end, &progress, &retries);
+    pdyn_status status = attempt_with_retries(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
-    measure_fetch(sim);
-    sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, harmless);
+    measure_update_fluid(sim);
+    sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, history_residual);
     accept(sim, end.h);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end.h, progress.residual);
 
     timestep_advance(sim, &end);
     live_particles_step(sim);
-    solid_load_end(sim);
+    solid_load_end_step(sim);
     *info = (pdyn_step_info){.time = sim->time,
                              .h = end.h,
                              .frame = end.frame,

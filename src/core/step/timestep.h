@@ -1,21 +1,22 @@
-/* How long the next step is: fixed, or by the CFL condition; frames fall at exact multiples. */
+/* Choice of the step length: fixed, or by the CFL condition; frames are at exact multiples of the
+ * frame interval. */
 #ifndef PDYN_TIMESTEP_H
 #define PDYN_TIMESTEP_H
 
 #include "sim.h"
 
-struct moment { /* the end of the coming step */
+struct step_end { /* end of the coming step */
     double h;
-    bool frame; /* it is the next frame */
+    bool frame; /* the step ends at the next frame */
 };
 
-/* longest: s; INFINITY for what the scene asks for. */
-struct moment timestep_choose(const struct pdyn_sim *sim, double longest);
+/* Chooses the next step, at most `longest`, s; INFINITY: the scene decides. */
+struct step_end timestep_choose(const struct pdyn_sim *sim, double longest);
 
-/* Warns, once, of a fixed step that was cut short and is too long for that. */
+/* Warns, once per simulation, about a step that is too long for pressure or speed. */
 void timestep_check(struct pdyn_sim *sim, double h, double residual);
 
-/* The step was done: moves the simulation's time. */
-void timestep_advance(struct pdyn_sim *sim, const struct moment *end);
+/* Advances the time of the simulation. */
+void timestep_advance(struct pdyn_sim *sim, const struct step_end *end);
 
 #endif

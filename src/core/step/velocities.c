@@ -1,3 +1,4 @@
+/* Velocities at the end of a step. */
 #include "velocities.h"
 
 #include "live_particles.h"
@@ -6,13 +7,13 @@
 
 #include <string.h>
 
-/* v = (x_next - from) / h. Positions can meet a momentum up to their rounding; velocities take the
- * rest, so that it does not add up over many steps. */
-static void divide(struct pdyn_sim *sim, const double *from, double h) {
+/* v = (x_next - from) / h. Positions conserve momentum up to rounding; the remainder is subtracted
+ * from the velocities, so that it does not accumulate over many steps. */
+static void compute_velocities(struct pdyn_sim *sim, const double *from, double h) {
     const double *g = sim->scene.settings.gravity, H = sim->objective.h;
     double excess[3] = {0}, mass = 0.0;
     for (int i = 0; i < sim->objective.particles; i++) {
-        double m = live_particles_has(sim, i) ? sim->objective.mass[i] : 0.0;
+        double m = particle_is_live(sim, i) ? sim->objective.mass[i] : 0.0;
         mass += m;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double v = (sim->x_next[k] - from[k]) / h;
@@ -22,27 +23,28 @@ static void divide(struct pdyn_sim *sim, const double *from, double h) {
     }
     if (sim->anchored) return;
     for (int k = 0; k < 3 * sim->objective.particles; k++)
-        if (live_particles_has(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
+        if (particle_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
 }
 
-/* ---- steps that were not solved -------------------------------------------------------------- */
+/* ---- unsolved steps -------------------------------------------------------------------------- */
 
-/* The mean velocity of what moves freely; 0 where something can take momentum away. */
+/* Mean velocity of the system; 0 if a constraint can change the momentum. */
 static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
     double mass = 0.0;
     mean[0] = mean[1] = mean[2] = 0.0;
     for (int i = 0; i < sim->objective.particles && !sim->anchored; i++) {
-        if (!live_particles_has(sim, i)) continue;
+        if (!particle_is_live(sim, i)) continue;
         mass += sim->objective.mass[i];
         vec3_add(mean, sim->objective.mass[i], sim->v + 3 * i);
     }
     for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
 }
 
-/* What particle i may have gained in a step of length h from velocity v_n to v = (x_next - x_n) /
- * h, J. Convex constraints do not give more energy on that way than the work of their forces at its
- * end; r is what those forces and inertia leave open (docs/theory/step.md). */
-static double gain_of(const struct pdyn_sim *sim, int i, double h) {
+/* Bound of the energy, J, that particle i may gain in a step of length h from v_n to
+ * v = (x_next - x_n) / h. Along this path convex constraints release at most the work of their
+ * forces at its end; r is the part of these forces that inertia does not balance
+ * (docs/theory/step.md). */
+static double energy_gain(const struct pdyn_sim *sim, int i, double h) {
     const struct objective *sys = &sim->objective;
     const double *v = sim->v + 3 * i, m = sys->mass[i];
     const double *v_n = (sim->v_before ? sim->v_before : sim->v_base) + 3 * i;
@@ -57,48 +59,49 @@ static double gain_of(const struct pdyn_sim *sim, int i, double h) {
     return vec3_dot(r, v) - 0.5 * m * vec3_dot(change, change);
 }
 
-/* The motion relative to the mean pays for what was gained. */
-static void pay_for_work(struct pdyn_sim *sim, double h) {
+/* Removes the energy gain from the motion relative to the mean velocity. */
+static void remove_energy_gain(struct pdyn_sim *sim, double h) {
     const struct objective *sys = &sim->objective;
     double gained = 0.0, kinetic = 0.0, mean[3];
     mean_velocity(sim, mean);
     for (int i = 0; i < sys->particles; i++) {
-        double own = vec3_distance(sim->v + 3 * i, mean);
-        if (!live_particles_has(sim, i)) continue;
-        gained += gain_of(sim, i, h);
-        kinetic += 0.5 * sys->mass[i] * own * own;
+        double speed = vec3_distance(sim->v + 3 * i, mean);
+        if (!particle_is_live(sim, i)) continue;
+        gained += energy_gain(sim, i, h);
+        kinetic += 0.5 * sys->mass[i] * speed * speed;
     }
     if (!(gained > 0.0)) return;
     double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
     for (int k = 0; k < 3 * sys->particles; k++)
-        if (live_particles_has(sim, k / 3))
+        if (particle_is_live(sim, k / 3))
             sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
 }
 
-/* Velocities by the displacement, as Euler has them: an x^ that was not reached, because something
- * was in the way, says nothing about them. */
-static void take_unsolved(struct pdyn_sim *sim, double h) {
-    divide(sim, sim->x, h);
-    pay_for_work(sim, h);
+/* After an unsolved step, computes Euler velocities from the displacement: x^ of a two-step formula
+ * was not reached and says nothing about the velocity. */
+static void update_unsolved(struct pdyn_sim *sim, double h) {
+    compute_velocities(sim, sim->x, h);
+    remove_energy_gain(sim, h);
     sim->history = 0.0;
     sim->impacts = 0;
 }
 
 /* ---- all steps ------------------------------------------------------------------------------- */
 
-/* Multipliers meet the inertia exactly, however early a solve ends, and the classic step is stiffer
- * than E: both may be cut short. */
-void velocities_take(struct pdyn_sim *sim, double h) {
+/* Exceptions: solvers with multipliers meet inertia exactly however early they end, and the classic
+ * projective step is stiffer than E. Both may end early. */
+void velocities_update(struct pdyn_sim *sim, double h) {
     if (sim->unfinished && sim->scene.settings.newton && !sim->solver->dual) {
-        take_unsolved(sim, h);
+        update_unsolved(sim, h);
         return;
     }
-    divide(sim, sim->x_base, sim->objective.h);
+    compute_velocities(sim, sim->x_base, sim->objective.h);
     sim->impacts = integrator_impacts(sim, h);
 }
 
-/* The next steps see a change of v as an acceleration of change / H, where change / h is meant. */
-void velocities_change(struct pdyn_sim *sim, double h) {
+/* The following steps see a change of v as an acceleration change / H instead of change / h; the
+ * factor H / h corrects this. */
+void velocities_apply_operators(struct pdyn_sim *sim, double h) {
     struct objective *sys = &sim->objective;
     double part = sys->h / h, *before = sim->trial;
     memcpy(before, sim->v, objective_bytes(sys));
