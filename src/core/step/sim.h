@@ -40,15 +40,14 @@ struct pdyn_sim {
     double *x_next;             /* particles x 3: the iterate, m */
     double *way;      /* particles, then samples, m: largest displacement at once; NULL: no limit */
     double *gradient; /* particles x 3: gradient of E at the iterate, N */
-    double *trial, *trial_gradient, *direction,
-        *negative;               /* particles x 3: scratch of the minimisation */
+    /* particles x 3: scratch of the minimisation */
+    double *trial, *trial_gradient, *direction, *negative;
     double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
                                     integrator needs none */
     double *x_base, *v_base;     /* particles x 3: base of the step (integrator.h), m and m/s */
     double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
                                         last step */
-    bool unfinished; /* the last step was not solved: its constraint acceleration must not be reused
-                      */
+    bool unfinished; /* the last step was not solved: its end is no guess for the next one */
     double last_h;   /* s, length of the last step; 0 before the first */
     int impacts;     /* number of constraints with an impact in the last step */
     double history;  /* s, time from x_before to x; 0: the history must not be used */
