@@ -62,15 +62,15 @@ static uint32_t spread(uint32_t v) {
 
 /* Computes the Morton codes of the centres of the boxes. */
 static void compute_keys(struct bvh *tree, const struct box *box, int count) {
-    struct box all = box_empty;
+    struct box bounds = box_empty;
     double middle[3], scale = 0.0;
-    for (int i = 0; i < count; i++) box_add(&all, box[i].min), box_add(&all, box[i].max);
-    for (int a = 0; a < 3; a++) scale = fmax(scale, all.max[a] - all.min[a]);
+    for (int i = 0; i < count; i++) box_add(&bounds, box[i].min), box_add(&bounds, box[i].max);
+    for (int a = 0; a < 3; a++) scale = fmax(scale, bounds.max[a] - bounds.min[a]);
     scale = scale > 0.0 ? 1023.0 / scale : 0.0;
     for (int i = 0; i < count; i++) {
         tree->order[i] = i, tree->key[i] = 0;
         for (int a = 0; a < 3; a++) {
-            middle[a] = 0.5 * (box[i].min[a] + box[i].max[a]) - all.min[a];
+            middle[a] = 0.5 * (box[i].min[a] + box[i].max[a]) - bounds.min[a];
             tree->key[i] |= spread((uint32_t)(scale * middle[a])) << a;
         }
     }

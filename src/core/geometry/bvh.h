@@ -21,9 +21,8 @@ struct box_group { /* four boxes side by side; unused lanes hold the empty box *
 struct bvh {
     int count, capacity;
     int *order; /* capacity: indices of the boxes in Morton order */
-    int levels,
-        first[BVH_LEVELS +
-              1]; /* first group of each level; the groups of level 0 hold the boxes themselves */
+    int levels;
+    int first[BVH_LEVELS + 1]; /* first group of each level; level 0 holds the boxes themselves */
     struct box_group *group;
     uint32_t *key; /* capacity: Morton codes, 30 bits */
     int *swapped;  /* capacity: scratch of the sort */

@@ -104,8 +104,7 @@ static double distance_to_edge(const double *x, const double *p, const double *q
     return vec3_length(from);
 }
 
-/* Distance, m. normal: normal of the triangle, any length; 0: uses only the distance to the edges.
- */
+/* Distance, m. normal: of any length; 0: only the distance to the edges is used. */
 static double distance_to_triangle(const double *x, const double *const corner[3],
                                    const double *normal) {
     double nearest = HUGE_VAL, length = vec3_length(normal), height = 0.0;

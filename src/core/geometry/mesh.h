@@ -39,8 +39,7 @@ pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const cha
  * because their surface is only sampled. */
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name);
 
-/* The checks of mesh_check_cloth that concern edges: at most two triangles, no duplicate triangles.
- */
+/* The checks of mesh_check_cloth for edges: at most two triangles, no duplicate triangles. */
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name);
 
 /* Counts the vertices that have the same position as another vertex with a smaller index. */

@@ -26,8 +26,8 @@ struct mesh_file {
     int velocities;
     struct mesh_array vertex, triangle, velocity;
     struct mesh_array last_face; /* vertices: the last face that used each vertex, counted from 1 */
-    int corners, first,
-        previous; /* of the current face: number of corners, first and previous corner */
+    int corners;                 /* of the current face: number of corners, */
+    int first, previous;         /* first and previous corner */
 };
 
 /* Parsers of the formats; each reads the whole file. */

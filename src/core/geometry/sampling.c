@@ -130,7 +130,8 @@ void surface_point_position(const struct surface_point *point, const double *ver
                point->weight[2] * (c[2][a] - c[0][a]);
 }
 
-/* Number of parts of a quarter spacing, at most, into which the sides of a triangle are divided. */
+/* Number of parts into which each side of a triangle is divided; a part is at most a quarter
+ * spacing long. */
 static double cuts_of(const double *const c[3], double spacing) {
     double longest =
         fmax(vec3_distance(c[0], c[1]), fmax(vec3_distance(c[1], c[2]), vec3_distance(c[2], c[0])));
@@ -194,12 +195,12 @@ enum { NEAR = 256 }; /* largest number of points near a place of the surface; ab
 static int nearest_point(const struct grid *grid, struct grid_cells *cells, const double *x,
                          const double *at) {
     int list[NEAR + 1], best = -1;
-    double least = INFINITY;
+    double smallest = INFINITY;
     grid_update_cells(grid, at, cells);
     int found = grid_query(grid, cells, at, grid->cell, -1, NULL, list, NEAR);
     for (int k = 0; k < found && k < NEAR; k++) {
         double distance = vec3_distance(at, x + 3 * (size_t)list[k]);
-        if (distance < least) least = distance, best = list[k];
+        if (distance < smallest) smallest = distance, best = list[k];
     }
     return best;
 }

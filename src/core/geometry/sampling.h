@@ -8,8 +8,7 @@
 
 #include <math.h>
 
-/* Number of whole lattice cells along an edge; the tolerance keeps a cell that rounding would lose.
- */
+/* Number of whole lattice cells along an edge, with a tolerance against rounding. */
 static inline double sample_cells(double edge, double spacing) {
     return floor(edge / spacing * (1.0 + 1e-12) + 1e-9);
 }

@@ -36,8 +36,7 @@ static void skip(struct mesh_file *file) {
         mesh_file_next_line(file), mesh_file_skip_blank(file);
 }
 
-/* Reads a count of elements of at least `min_bytes` each; the rest of the file must be long enough.
- */
+/* Reads a count of elements of at least `min_bytes` each; the file must be long enough. */
 static pdyn_status read_count(struct mesh_file *file, const char *what, size_t min_bytes,
                               long *out) {
     size_t left = (size_t)(file->data + file->size - file->at);

@@ -153,8 +153,7 @@ pdyn_status pdyn_writer_frame(pdyn_writer *writer) {
 
 /* ---- frames of a previous run ---------------------------------------------------------------- */
 
-/* NAME_dddddd.vtk with at least six digits: other names in a series are not files of this program.
- */
+/* NAME_dddddd.vtk with at least six digits: only such files are frames of this program. */
 static bool is_frame(const char *file, const char *name) {
     size_t length = strlen(name);
     if (strncmp(file, name, length) || file[length] != '_') return false;

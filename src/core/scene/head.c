@@ -35,12 +35,13 @@ static void add_body(struct heights *h, const struct scene_body *body) {
 
 double scene_head(const struct scene *scene, const struct scene_body *body) {
     const double *g = scene->settings.gravity;
-    struct heights own = {.gravity = vec3_length(g), .lowest = INFINITY, .highest = -INFINITY};
-    if (own.gravity == 0.0) return 0.0;
-    vec3_add(own.up, -1.0 / own.gravity, g);
-    struct heights all = own;
-    add_body(&own, body);
-    for (int b = 0; b < scene->bodies; b++) add_body(&all, &scene->body[b]);
-    for (int s = 0; s < scene->solids; s++) add_mesh(&all, &scene->solid[s].mesh, 0.0);
-    return own.highest - all.lowest;
+    struct heights body_range = {
+        .gravity = vec3_length(g), .lowest = INFINITY, .highest = -INFINITY};
+    if (body_range.gravity == 0.0) return 0.0;
+    vec3_add(body_range.up, -1.0 / body_range.gravity, g);
+    struct heights scene_range = body_range;
+    add_body(&body_range, body);
+    for (int b = 0; b < scene->bodies; b++) add_body(&scene_range, &scene->body[b]);
+    for (int s = 0; s < scene->solids; s++) add_mesh(&scene_range, &scene->solid[s].mesh, 0.0);
+    return body_range.highest - scene_range.lowest;
 }

@@ -6,8 +6,7 @@
 #include "transform.h"
 
 struct pose {
-    struct transform
-        at; /* rotation and translation of coordinates relative to the pivot; scale 1 */
+    struct transform at;            /* of coordinates relative to the pivot; scale 1 */
     double velocity[3], turning[3]; /* m/s; rad/s: rates of the angles about x, y and z */
 };
 

@@ -1,3 +1,4 @@
+/* Reading a scene: its parts, references between bodies, derived parameters; freeing it. */
 #include "base/registry.h"
 #include "base/snapshot_file.h"
 #include "base/text.h"

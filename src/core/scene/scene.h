@@ -63,13 +63,11 @@ struct scene_solid {
     char *name;
     bool is_box;
     struct scene_box box;
-    unsigned
-        open; /* bit 2 a: the face at the minimum of axis a is open; bit 2 a + 1: at the maximum */
-    struct mesh mesh; /* world space, m; for solids of every shape */
-    int keys;         /* 0: the solid is at rest */
-    struct scene_key
-        *key;        /* times ascending; linear interpolation between keys, constant outside */
-    double pivot[3]; /* m, world space */
+    unsigned open; /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
+    struct mesh mesh;      /* world space, m; for solids of every shape */
+    int keys;              /* 0: the solid is at rest */
+    struct scene_key *key; /* times ascending; linear between keys, constant outside */
+    double pivot[3];       /* m, world space */
 };
 
 struct scene_contact {

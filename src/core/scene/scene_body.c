@@ -1,3 +1,4 @@
+/* Reading a body: particles, surface or volume, with its constraints. */
 #include "base/registry.h"
 #include "file_ref.h"
 #include "fill.h"

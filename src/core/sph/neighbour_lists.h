@@ -21,11 +21,11 @@ struct visibility {
     double *frozen_x;            /* system x 3, m: positions at which visibility was decided */
     const double *step_x; /* system x 3, m: positions at the start of the step; NULL after its first
                              local step */
-    struct lists previous; /* the lists built before; of these start, surface_start and index */
-    bool previous_complete,
-        complete;    /* the previous and the current lists contain every pair they should */
-    bool frozen;     /* frozen_x is set */
-    double *granted; /* particles, see pdyn_neighbours */
+    struct lists previous;  /* the lists built before; of these start, surface_start and index */
+    bool previous_complete; /* the previous lists contain every pair they should */
+    bool complete;          /* the current lists do */
+    bool frozen;            /* frozen_x is set */
+    double *granted;        /* particles, see pdyn_neighbours */
 };
 
 struct neighbours {
@@ -37,14 +37,14 @@ struct neighbours {
     double centre_volume;        /* m^3 */
     int system;                  /* particles of the system, surface samples not included */
     int max_active;              /* largest number of active particles */
-    int centres,
-        active; /* active fluid particles ("centres"); all active particles, samples included */
-    int *id;    /* active: their indices, centres first */
+    int centres;                 /* number of active fluid particles */
+    int active;                  /* number of active particles, samples included */
+    int *id;                     /* active: their indices, centres first */
     double *volume, *boundary_x; /* points; boundary points x 3, m */
     double *built_x;             /* particles x 3, m: positions at the last build */
-    struct grid fluid, surface, walls,
-        patches; /* centres; samples; boundary points with volumes; boundary points with areas */
-    int wall_points;        /* number of boundary points with volumes */
+    struct grid fluid, surface;  /* centres; surface samples */
+    struct grid walls, patches;  /* boundary points with volumes; with areas */
+    int wall_points;             /* number of boundary points with volumes */
     int *boundary_id;       /* boundary points: those with volumes first, then those with areas */
     int moving;             /* number of boundary points that may move: the last ones */
     double *built_moving_x; /* moving x 3, m: their positions at the last build */

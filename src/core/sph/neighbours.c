@@ -255,8 +255,7 @@ static void fill_lists(void *arg, int first, int last, int block) {
     n->used[block] = w.used;
 }
 
-/* Allocates `index` with `room` entries in every block. PDYN_DIVERGED: more than 2^31 neighbours.
- */
+/* Allocates `index` with `room` entries per block. PDYN_DIVERGED: more than 2^31 neighbours. */
 static pdyn_status reserve(struct neighbours *n) {
     size_t capacity = (size_t)pool_blocks(n->max_active, NEIGHBOURS_GRAIN) * ((size_t)n->room + 1);
     if (capacity <= n->lists.capacity) return PDYN_OK;

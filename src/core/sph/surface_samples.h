@@ -26,10 +26,9 @@ struct surface_samples {
     int corner_count;    /* particles that are corners of active samples */
     int *corner;         /* corner_count: their indices */
     int *corner_start;   /* corner_count + 1: first entry of each in corner_entry */
-    int *corner_entry; /* 3 active_count: indices into vertex and weight, ascending for each corner
-                        */
-    int *scratch;      /* particles */
-    double *x;         /* extended vector with 3 (particles + count) + 1 numbers: positions, m */
+    int *corner_entry;   /* 3 active_count: indices into vertex and weight, ascending per corner */
+    int *scratch;        /* particles */
+    double *x;           /* extended vector with 3 (particles + count) + 1 numbers: positions, m */
     double *input, *output; /* extended vectors: input and output of an operator */
     double *blocks;         /* (particles + count) x 6 */
 };
@@ -51,8 +50,7 @@ void samples_update_active(struct surface_samples *samples, const pdyn_neighbour
 /* samples->input = (u, S u); u may be samples->input itself. */
 void samples_interpolate_active(const struct surface_samples *samples, const double *u);
 
-/* y += f + S' f_s, with extended = (f, f_s). If y == extended, f is already in y and is not added.
- */
+/* y += f + S' f_s, with extended = (f, f_s). If y == extended, y already contains f. */
 void samples_scatter(const struct surface_samples *samples, const double *extended, double *y);
 
 /* Adds a block diagonal, packed, 6 numbers per particle. The blocks of a sample are lumped to its

@@ -109,11 +109,11 @@ static bool was_covered(const struct neighbours *n, int i) {
 
 /* Change of the density ratio of particle i due to particle j: positive if the pair became visible,
  * negative if it became hidden, 0 if nothing changed. */
-static double density_change(const struct neighbours *n, int i, int j, bool now) {
+static double density_change(const struct neighbours *n, int i, int j, bool visible) {
     double r = vec3_distance(frozen_position(n, i), frozen_position(n, j));
-    if (r >= n->view.support || !was_covered(n, j) || now == was_listed(n, i, j)) return 0.0;
+    if (r >= n->view.support || !was_covered(n, j) || visible == was_listed(n, i, j)) return 0.0;
     struct kernel kernel = kernel_make(n->view.support);
-    return (now ? 1.0 : -1.0) * n->centre_volume * kernel_value(&kernel, r);
+    return (visible ? 1.0 : -1.0) * n->centre_volume * kernel_value(&kernel, r);
 }
 
 /* ---- removal of hidden pairs ----------------------------------------------------------------- */
@@ -141,9 +141,9 @@ static int hide_fluid(struct neighbours *n, int i) {
     int to = l->start[i];
     for (int s = l->start[i]; s < l->surface_start[i]; s++) {
         int j = l->index[s];
-        bool now = !is_hidden(n, i, j);
-        if (grants) v->granted[i] += density_change(n, i, j, now);
-        if (now) l->index[to++] = j;
+        bool visible = !is_hidden(n, i, j);
+        if (grants) v->granted[i] += density_change(n, i, j, visible);
+        if (visible) l->index[to++] = j;
     }
     return to;
 }

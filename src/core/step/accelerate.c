@@ -15,8 +15,7 @@ static const double spectral_radius = 0.99;
 enum { START_ITERATIONS = 2 }; /* iterations before the first proposal */
 enum { BEFORE, CHEBYSHEV_VECTORS };
 
-/* x_(k+1) = omega (x^ - x_(k-1)) + x_(k-1) with x^ from the global step at x_k (Wang 2015, eq. 9).
- */
+/* x_(k+1) = omega (x^ - x_(k-1)) + x_(k-1), x^: global step at x_k (Wang 2015, equation 9). */
 static bool propose_chebyshev(struct acceleration *a, const double *x, double *direction) {
     double square = spectral_radius * spectral_radius, *before = a->vector[BEFORE];
     bool ready = a->seen >= START_ITERATIONS;
@@ -38,8 +37,7 @@ enum {
     ANDERSON_VECTORS = CHANGE_G + ANDERSON_WINDOW
 };
 
-/* Solves A y = b, n x n, in place by a Cholesky factorisation. The diagonal is scaled by 1 + 1e-10.
- */
+/* Solves A y = b, n x n, by a Cholesky factorisation in place; scales the diagonal by 1 + 1e-10. */
 static bool solve_small(int n, double A[ANDERSON_WINDOW][ANDERSON_WINDOW], double *b) {
     for (int i = 0; i < n; i++) {
         A[i][i] *= 1.0 + 1e-10;

@@ -1,7 +1,6 @@
 /* Accelerations of classic Projective Dynamics: they extrapolate the next iterate from the last
  * ones. A proposal is accepted if it lowers E; otherwise the plain global step is used and the
- * acceleration restarts. They serve comparisons between methods: the step type "newton" needs none.
- */
+ * acceleration restarts. They serve comparisons of methods; the step type "newton" needs none. */
 #ifndef PDYN_ACCELERATE_H
 #define PDYN_ACCELERATE_H
 

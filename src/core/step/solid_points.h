@@ -12,8 +12,7 @@ struct pdyn_sim;
  * particles. */
 pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing);
 
-/* Computes the volumes, m^3, of the boundary points, and which points have the kernel of particles.
- */
+/* Computes the volumes, m^3, of the boundary points, and which have the kernel of particles. */
 pdyn_status solid_points_compute_volumes(struct pdyn_sim *sim, double spacing, double *volume,
                                          bool *is_wall);
 
