@@ -1,15 +1,14 @@
 /* The file of a saved state. One function per struct lists what is saved; it writes or reads,
  * depending on the direction of the file. The file appears complete or not at all, and its checksum
- * is verified before anything is read from it.
- *
- * Format 1: the 8 bytes "PDYNSTA1", the number 0x0102030405060708 in the machine's byte order, the
- * content, and the 64-bit FNV-1a hash of the content. */
+ * is verified before anything is read from it. */
 #ifndef PDYN_SNAPSHOT_FILE_H
 #define PDYN_SNAPSHOT_FILE_H
 
 #include "file_out.h"
 #include "projdyn/module.h"
 
+/* Format 1: the 8 bytes "PDYNSTA1", the number 0x0102030405060708 in the machine's byte order, the
+ * content, and the 64-bit FNV-1a hash of the content. */
 struct snapshot_file {
     pdyn_snapshot view; /* the part that modules (module.h) use */
     pdyn_context *context;

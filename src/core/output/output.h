@@ -47,7 +47,7 @@ enum {
 /* Converts the numbers of a step to an array in the order of the columns. */
 void step_numbers(const pdyn_step_info *info, double number[STEP_COLUMNS]);
 
-/* statistics of a run */
+/* statistics of one number over the steps of a run */
 struct report_stats {
     double sum, min, max;
 };

@@ -135,8 +135,7 @@ pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere)
     return params_read_object(at, table, sphere);
 }
 
-/* ---- selections of vertices
- * ------------------------------------------------------------------------- */
+/* ---- selections of vertices ------------------------------------------------------------------ */
 
 /* a selection of vertices */
 struct selection {

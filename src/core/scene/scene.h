@@ -102,10 +102,9 @@ struct scene_settings {    /* "time_step", "solver" and general values of a scen
 };
 
 struct scene {
-    char *file; /* as given by the user, for messages and the report */
-    char *name; /* "name" of the scene; may be empty */
-    uint64_t
-        fingerprint; /* hash of all values in the file except "$schema", "name" and "duration" */
+    char *file;           /* as given by the user, for messages and the report */
+    char *name;           /* "name" of the scene; may be empty */
+    uint64_t fingerprint; /* hash of the file's values, without "$schema", "name", "duration" */
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;

@@ -65,7 +65,7 @@ static inline double surface_kernel_distance(double sum, double spacing) {
 
 /* Factor of the areas such that water rests `by` spacings farther from the surface. It is the
  * square root of the factor that gives lambda(0.5 + by) the value of lambda(0.5): with the full
- * factor water rests 1.9 times as far off (measured), because the slope of lambda grows, too. */
+ * factor water moves 1.9 times as far (measured), because the slope of lambda grows, too. */
 static inline double surface_kernel_farther(double by) {
     double near = 1.0 - sqrt(0.5 * 0.5 + 0.01), far = 0.5 + by;
     double ratio = near / (1.0 - sqrt(far * far + 0.01));

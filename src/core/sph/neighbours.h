@@ -1,10 +1,4 @@
-/* Neighbour lists for SPH sums: Verlet lists with a skin.
- *
- * A list holds every pair closer than its support plus the skin. It stays complete until a particle
- * has moved by half the skin, or less if boundary points move, too. Pairs are a centre (a fluid
- * particle) with another centre, with a surface sample (both ways), and with a boundary point. Two
- * centres, or a centre and a boundary point, that had a surface between them when the lists were
- * built are no pair: nothing passes through a surface, so it stays between them. */
+/* Neighbour lists for SPH sums: Verlet lists with a skin. */
 #ifndef PDYN_NEIGHBOURS_H
 #define PDYN_NEIGHBOURS_H
 
@@ -13,6 +7,11 @@
 #include "projdyn/module.h"
 #include "surface_samples.h"
 
+/* A list holds every pair closer than its support plus the skin. It stays complete until a particle
+ * has moved by half the skin, or less if boundary points move, too. Pairs are a centre (a fluid
+ * particle) with another centre, with a surface sample (both ways), and with a boundary point. Two
+ * centres, or a centre and a boundary point, that had a surface between them when the lists were
+ * built are no pair: nothing passes through a surface, so it stays between them. */
 struct neighbours;
 
 struct neighbours_points { /* input of neighbours_create; all arrays are copied */

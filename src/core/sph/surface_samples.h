@@ -1,10 +1,5 @@
 /* Surface samples: points on surfaces through which these act on a fluid, closer together than its
- * particles (boundary.h), whatever the resolution of the mesh.
- *
- * A sample lies in a triangle and moves with its corners by barycentric weights. With S the matrix
- * of the weights, a vector x of the particles is extended to (x, S x), on which SPH sums work;
- * forces (f, f_s) on the extended vector are f + S' f_s on the particles. Samples therefore have no
- * mass and are no unknowns, and their interaction with the fluid conserves momentum. */
+ * particles (boundary.h), whatever the resolution of the mesh. */
 #ifndef PDYN_SURFACE_SAMPLES_H
 #define PDYN_SURFACE_SAMPLES_H
 
@@ -12,6 +7,10 @@
 #include "boundary.h"
 #include "projdyn/module.h"
 
+/* A sample lies in a triangle and moves with its corners by barycentric weights. With S the matrix
+ * of the weights, a vector x of the particles is extended to (x, S x), on which SPH sums work;
+ * forces (f, f_s) on the extended vector are f + S' f_s on the particles. Samples therefore have no
+ * mass and are no unknowns, and their interaction with the fluid conserves momentum. */
 struct surface_samples {
     pdyn_context *context;
     int particles;       /* particles of the system */

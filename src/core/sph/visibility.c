@@ -1,11 +1,5 @@
 /* Visibility of pairs: fluid on one side of a surface interacts neither with fluid nor with walls
- * on the other side.
- *
- * Visibility is decided at the start of a step and is the same in all its local steps, because the
- * minimised function must not change within a step. Between steps, pairs near the border of a
- * surface become visible or hidden at distances at which they change the density by 10 % at once. A
- * particle is therefore granted the change: its density may exceed the rest density by that much,
- * and the grant decays over about ten steps. */
+ * on the other side. */
 #include "neighbour_lists.h"
 
 #include "kernel.h"
@@ -13,6 +7,12 @@
 #include "projdyn/vec3.h"
 
 #include <string.h>
+
+/* Visibility is decided at the start of a step and is the same in all its local steps, because the
+ * minimised function must not change within a step. Between steps, pairs near the border of a
+ * surface become visible or hidden at distances at which they change the density by 10 % at once. A
+ * particle is therefore granted the change: its density may exceed the rest density by that much,
+ * and the grant decays over about ten steps. */
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 

@@ -1,0 +1,121 @@
+/* Frames of a run: VTK and PLY files, the series that list them, and removal of the frames of a
+ * previous run. */
+#include "base/clock.h"
+#include "base/file_out.h"
+#include "writer.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int frames_parts(const pdyn_writer *writer) {
+    return writer->sim->bodies + (writer->sim->motion.points > 0);
+}
+
+const char *frames_part_name(const pdyn_writer *writer, int part) {
+    return part < writer->sim->bodies ? pdyn_get_body(writer->sim, part).name : "boundary";
+}
+
+pdyn_status frames_write_series(pdyn_writer *writer, int part, int frames) {
+    const char *name = frames_part_name(writer, part);
+    struct file_out file;
+    pdyn_status status =
+        file_out_open(writer->context, writer_path(writer, "%s.vtk.series", name), &file);
+    if (status != PDYN_OK) return status;
+    file_out_print(&file, "{\"file-series-version\": \"1.0\", \"files\": [");
+    for (int f = 0; f < frames; f++)
+        file_out_print(&file, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}", f ? "," : "",
+                       name, f, writer->time[f]);
+    file_out_print(&file, "]}\n");
+    return file_out_close(&file);
+}
+
+static pdyn_status write_part(pdyn_writer *writer, int part) {
+    const char *name = frames_part_name(writer, part);
+    const char *path = writer_path(writer, "%s_%06d.vtk", name, writer->frames);
+    if (part == writer->sim->bodies) return vtk_write_boundary(writer->sim, true, path);
+    pdyn_status status = vtk_write_body(writer->sim, part, path);
+    if (status != PDYN_OK || !writer->ply) return status;
+    return ply_write_body(writer->sim, part,
+                          writer_path(writer, "%s_%06d.ply", name, writer->frames));
+}
+
+pdyn_status frames_reserve_times(pdyn_writer *writer, int frames) {
+    size_t size = (size_t)writer->capacity * sizeof(double);
+    size_t grown = (2 * (size_t)frames + 64) * sizeof(double);
+    if (frames <= writer->capacity) return PDYN_OK;
+    double *moved =
+        frames < INT32_MAX / 4 ? context_resize(writer->context, writer->time, size, grown) : NULL;
+    if (!moved) return context_no_memory(writer->context);
+    writer->time = moved;
+    writer->capacity = (int)(grown / sizeof(double));
+    return PDYN_OK;
+}
+
+static pdyn_status append_time(pdyn_writer *writer) {
+    pdyn_status status = frames_reserve_times(writer, writer->frames + 1);
+    if (status == PDYN_OK) writer->time[writer->frames] = pdyn_time(writer->sim);
+    return status;
+}
+
+/* Writes the files of a frame before the series that list them: a series never names a missing
+ * file. */
+static pdyn_status write_frame(pdyn_writer *writer) {
+    pdyn_status status = append_time(writer);
+    for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
+        status = write_part(writer, p);
+    for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
+        status = frames_write_series(writer, p, writer->frames + 1);
+    if (status == PDYN_OK) writer->frames++;
+    return status;
+}
+
+pdyn_status pdyn_writer_frame(pdyn_writer *writer) {
+    if (!writer) return PDYN_BAD_CALL;
+    double start = clock_ms();
+    pdyn_status status = write_frame(writer);
+    writer->report.output_ms += clock_ms() - start;
+    return status;
+}
+
+/* ---- frames of a previous run ---------------------------------------------------------------- */
+
+/* NAME_dddddd.vtk with at least six digits: only such files are frames of this program. */
+static bool is_frame(const char *file, const char *name) {
+    size_t length = strlen(name);
+    if (strncmp(file, name, length) || file[length] != '_') return false;
+    size_t digits = strspn(file + length + 1, "0123456789");
+    return digits >= 6 && digits <= 10 && !strcmp(file + length + 1 + digits, ".vtk");
+}
+
+pdyn_status frames_remove_file(pdyn_writer *writer, const char *path) {
+    if (!unlink(path) || errno == ENOENT) return PDYN_OK;
+    return context_fail(writer->context, PDYN_IO_FAILED,
+                        "%.1024s: cannot remove the file of a previous run: %s", path,
+                        strerror(errno));
+}
+
+static pdyn_status remove_frame(pdyn_writer *writer, const char *file) {
+    static const char *const endings[] = {"vtk", "ply"};
+    int stem = (int)(strlen(file) - strlen("vtk"));
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < 2 && status == PDYN_OK; k++)
+        status = frames_remove_file(writer, writer_path(writer, "%.*s%s", stem, file, endings[k]));
+    return status;
+}
+
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *name) {
+    const char *path = writer_path(writer, "%s.vtk.series", name);
+    struct stat info;
+    if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
+    json_t *series = json_load_file(path, 0, NULL), *files = json_object_get(series, "files");
+    pdyn_status status = PDYN_OK;
+    for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
+        const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
+        if (file && is_frame(file, name)) status = remove_frame(writer, file);
+    }
+    json_decref(series);
+    return status;
+}

@@ -1,0 +1,51 @@
+/* The output directory of a run, private: writer.c opens, saves and resumes it, frames.c writes
+ * frames and their series, metrics.c writes metrics.csv. */
+#ifndef PDYN_WRITER_H
+#define PDYN_WRITER_H
+
+#include "output.h"
+
+#include <stdio.h>
+
+struct pdyn_writer {
+    pdyn_sim *sim;
+    pdyn_context *context; /* context of the simulation */
+    char *path; /* path_size bytes: the directory, followed by the file of the last writer_path */
+    size_t path_size, directory;
+    bool ply;
+    FILE *metrics; /* unbuffered, so that a row reaches the file at once */
+    long metrics_size;
+    char *row; /* row_size: the current row of metrics.csv */
+    size_t row_size;
+    int frames, capacity;
+    double *time; /* capacity: times of the frames, s */
+    struct report report;
+};
+
+/* DIR/FILE; valid until the next call. */
+const char *writer_path(pdyn_writer *writer, const char *format, ...) PDYN_PRINTF(2, 3);
+
+/* Number of parts of a frame, one file each: the bodies, then the moving boundary points. */
+int frames_parts(const pdyn_writer *writer);
+const char *frames_part_name(const pdyn_writer *writer, int part);
+
+/* Writes the file NAME.vtk.series, which lists the first `frames` frames of a part. */
+pdyn_status frames_write_series(pdyn_writer *writer, int part, int frames);
+/* Makes room for the times of so many frames. */
+pdyn_status frames_reserve_times(pdyn_writer *writer, int frames);
+
+/* Removes the frames of a previous run that the series NAME.vtk.series lists. A series that cannot
+ * be read lists nothing. */
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *name);
+/* Removes a file, if it exists. */
+pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
+
+/* Bytes of a row of metrics.csv: for the numbers of a step, and for each body. */
+enum { METRICS_ROW = 1024, METRICS_ROW_BODY = 80 };
+
+/* Creates metrics.csv with its header. */
+pdyn_status metrics_open(pdyn_writer *writer);
+/* Opens metrics.csv and removes the rows after the saved state: these steps will be repeated. */
+pdyn_status metrics_reopen(pdyn_writer *writer);
+
+#endif
