@@ -45,7 +45,7 @@ static bool in_range(const struct grid *grid, const double *x) {
     return fabs(x[0]) < bound && fabs(x[1]) < bound && fabs(x[2]) < bound;
 }
 
-/* bound of the number of cells in the bounding box, so that keys fit 64 bits */
+/* Bound of the number of cells in the bounding box, so that keys fit 64 bits */
 static const double max_keys = 0x1p62;
 
 /* Not defined far outside of the bounding box: such cells have no key. */

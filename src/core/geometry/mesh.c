@@ -26,10 +26,10 @@ pdyn_status mesh_grid(pdyn_context *context, const double size[2], const int ver
                       double sag, struct mesh *out) {
     *out = (struct mesh){0};
     for (int k = 0; k < 2; k++) {
-        if (!(size[k] > 0.0 && size[k] <= mesh_max_coordinate))
+        if (!(size[k] > 0.0 && size[k] <= MESH_MAX_COORDINATE))
             return context_fail(context, PDYN_BAD_INPUT,
                                 "grid: expected sizes above 0 and of at most %g m, found %g",
-                                mesh_max_coordinate, size[k]);
+                                MESH_MAX_COORDINATE, size[k]);
         if (vertices[k] < 2)
             return context_fail(context, PDYN_BAD_INPUT,
                                 "grid: expected at least 2 vertices along each side, found %d",
@@ -51,11 +51,11 @@ pdyn_status mesh_check(pdyn_context *context, const struct mesh *mesh, const cha
     if (mesh->triangles < 1)
         return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh has no triangles", name);
     for (int i = 0; i < 3 * mesh->vertices; i++)
-        if (!(fabs(mesh->vertex[i]) <= mesh_max_coordinate))
+        if (!(fabs(mesh->vertex[i]) <= MESH_MAX_COORDINATE))
             return context_fail(
                 context, PDYN_BAD_INPUT,
                 "%.1024s: vertex %d: expected a finite %c of at most %g m, found %g", name, i / 3,
-                "xyz"[i % 3], mesh_max_coordinate, mesh -> vertex[i]);
+                "xyz"[i % 3], MESH_MAX_COORDINATE, mesh -> vertex[i]);
     for (int t = 0; t < mesh->triangles; t++) {
         const int *c = mesh->triangle + 3 * t;
         for (int k = 0; k < 3; k++) {

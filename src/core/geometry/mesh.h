@@ -6,8 +6,8 @@
 #include "base/context.h"
 #include "projdyn/module.h"
 
-enum { MESH_MAX = INT32_MAX / 8 };              /* vertices or triangles: 6 x MESH_MAX fits int */
-static const double mesh_max_coordinate = 1e12; /* m: squares and products stay finite */
+enum { MESH_MAX = INT32_MAX / 8 }; /* vertices or triangles: 6 x MESH_MAX fits int */
+#define MESH_MAX_COORDINATE 1e12   /* m: squares and products stay finite */
 
 struct mesh {
     int vertices;
@@ -41,6 +41,10 @@ pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, con
 
 /* The checks of mesh_check_cloth for edges: at most two triangles, no duplicate triangles. */
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name);
+
+/* Checks that each of `vertices` vertices is among `count` indices; `what` is what they form. */
+pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
+                            int count, const char *what);
 
 /* Counts the vertices that have the same position as another vertex with a smaller index. */
 pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh, int *count);

@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double max_speed = 1e6; /* m/s: the bound of velocities in scenes, too */
-
 /* ---- words and errors ------------------------------------------------------------------------ */
 
 bool mesh_file_at_end(const struct mesh_file *file) { return file->at == file->data + file->size; }
@@ -97,33 +95,33 @@ bool mesh_file_reserve(const struct mesh_file *file, struct mesh_array *array, s
     return true;
 }
 
-pdyn_status mesh_file_vertex(struct mesh_file *file, const double x[3]) {
+struct vector_kind {
+    const char *name, *names, *unit;
+    double max; /* largest coordinate */
+};
+
+static pdyn_status append_vector(struct mesh_file *file, const struct vector_kind *kind,
+                                 struct mesh_array *array, int *count, const double x[3]) {
+    size_t bytes = 3 * sizeof *x;
     for (int k = 0; k < 3; k++)
-        if (!(fabs(x[k]) <= mesh_max_coordinate))
-            return mesh_file_fail(file, "vertex %d: expected a finite %c of at most %g m, found %g",
-                                  file->vertices + file->first_index, "xyz"[k], mesh_max_coordinate,
-                                  x[k]);
-    if (file->vertices == MESH_MAX) return mesh_file_fail(file, "more than %d vertices", MESH_MAX);
-    size_t bytes = 3 * sizeof(double);
-    if (!mesh_file_reserve(file, &file->vertex, ((size_t)file->vertices + 1) * bytes))
-        return PDYN_NO_MEMORY;
-    memcpy((double *)file->vertex.data + 3 * file->vertices++, x, bytes);
+        if (!(fabs(x[k]) <= kind->max))
+            return mesh_file_fail(file, "%s %d: expected a finite %c of at most %g %s, found %g",
+                                  kind->name, *count + file->first_index, "xyz"[k], kind -> max,
+                                  kind -> unit, x[k]);
+    if (*count == MESH_MAX) return mesh_file_fail(file, "more than %d %s", MESH_MAX, kind->names);
+    if (!mesh_file_reserve(file, array, ((size_t)*count + 1) * bytes)) return PDYN_NO_MEMORY;
+    memcpy((double *)array->data + 3 * (*count)++, x, bytes);
     return PDYN_OK;
 }
 
+pdyn_status mesh_file_vertex(struct mesh_file *file, const double x[3]) {
+    static const struct vector_kind kind = {"vertex", "vertices", "m", MESH_MAX_COORDINATE};
+    return append_vector(file, &kind, &file->vertex, &file->vertices, x);
+}
+
 pdyn_status mesh_file_velocity(struct mesh_file *file, const double v[3]) {
-    for (int k = 0; k < 3; k++)
-        if (!(fabs(v[k]) <= max_speed))
-            return mesh_file_fail(file,
-                                  "velocity %d: expected a finite %c of at most %g m/s, found %g",
-                                  file->velocities + file->first_index, "xyz"[k], max_speed, v[k]);
-    if (file->velocities == MESH_MAX)
-        return mesh_file_fail(file, "more than %d velocities", MESH_MAX);
-    size_t bytes = 3 * sizeof(double);
-    if (!mesh_file_reserve(file, &file->velocity, ((size_t)file->velocities + 1) * bytes))
-        return PDYN_NO_MEMORY;
-    memcpy((double *)file->velocity.data + 3 * file->velocities++, v, bytes);
-    return PDYN_OK;
+    static const struct vector_kind kind = {"velocity", "velocities", "m/s", 1e6};
+    return append_vector(file, &kind, &file->velocity, &file->velocities, v);
 }
 
 void mesh_file_begin_face(struct mesh_file *file) { file->faces++, file->corners = 0; }

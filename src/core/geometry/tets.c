@@ -69,19 +69,6 @@ static pdyn_status compute_volumes(pdyn_context *context, const char *name, cons
     return PDYN_OK;
 }
 
-static pdyn_status check_used(pdyn_context *context, const char *name, const struct mesh *mesh,
-                              const struct tets *tets) {
-    int v = 0;
-    bool *used = NEW_ARRAY(context, mesh->vertices, bool);
-    if (!used) return PDYN_NO_MEMORY;
-    for (int k = 0; k < 4 * tets->count; k++) used[tets->corner[k]] = true;
-    while (v < mesh->vertices && used[v]) v++;
-    FREE_ARRAY(context, used, mesh->vertices);
-    if (v == mesh->vertices) return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no tetrahedron",
-                        name, v);
-}
-
 /* ---- the surface ----------------------------------------------------------------------------- */
 
 struct face {
@@ -143,7 +130,8 @@ static pdyn_status find_surface(pdyn_context *context, const char *name, struct 
 
 pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *mesh,
                         struct tets *tets) {
-    pdyn_status status = check_used(context, name, mesh, tets);
+    pdyn_status status = mesh_check_used(context, name, mesh->vertices, tets->corner,
+                                         4 * tets->count, "tetrahedron");
     if (status == PDYN_OK) status = compute_volumes(context, name, mesh, tets);
     return status == PDYN_OK ? find_surface(context, name, mesh, tets) : status;
 }

@@ -58,16 +58,17 @@ static double area_of(const struct mesh *mesh, int t) {
 
 /* ---- checks for cloth and closed volumes ----------------------------------------------------- */
 
-static pdyn_status check_used(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    bool *used = NEW_ARRAY(context, mesh->vertices, bool);
+pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
+                            int count, const char *what) {
+    bool *used = NEW_ARRAY(context, vertices, bool);
     if (!used) return PDYN_NO_MEMORY;
-    for (int i = 0; i < 3 * mesh->triangles; i++) used[mesh->triangle[i]] = true;
+    for (int i = 0; i < count; i++) used[index[i]] = true;
     int v = 0;
-    while (v < mesh->vertices && used[v]) v++;
-    FREE_ARRAY(context, used, mesh->vertices);
-    if (v == mesh->vertices) return PDYN_OK;
-    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no triangle", name,
-                        v);
+    while (v < vertices && used[v]) v++;
+    FREE_ARRAY(context, used, vertices);
+    if (v == vertices) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: vertex %d is used by no %s", name, v,
+                        what);
 }
 
 static pdyn_status check_areas(pdyn_context *context, const struct mesh *mesh, const char *name) {
@@ -131,7 +132,8 @@ pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, con
 }
 
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    pdyn_status status = check_used(context, mesh, name);
+    pdyn_status status = mesh_check_used(context, name, mesh->vertices, mesh->triangle,
+                                         3 * mesh->triangles, "triangle");
     if (status == PDYN_OK) status = check_areas(context, mesh, name);
     return status == PDYN_OK ? mesh_check_edges(context, mesh, name) : status;
 }

@@ -318,37 +318,36 @@ pdyn_status neighbours_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
 
 /* ---- volumes of surface samples -------------------------------------------------------------- */
 
-/* Reallocates a scratch list for at least `count` numbers. */
-static pdyn_status grow(pdyn_context *context, int **list, int *capacity, int count) {
-    if (count <= *capacity) return PDYN_OK;
-    FREE_ARRAY(context, *list, *capacity);
-    *capacity = 2 * count;
-    *list = NEW_ARRAY(context, *capacity, int);
-    return *list ? PDYN_OK : PDYN_NO_MEMORY;
+/* Lists the points within the support of point i, itself included. *list grows as needed. */
+static pdyn_status list_near(pdyn_context *context, const struct grid *grid,
+                             struct grid_cells *cells, const double *x, int i, int **list,
+                             size_t *capacity, int *found) {
+    const double *at = x + 3 * (size_t)i;
+    grid_update_cells(grid, at, cells);
+    *found = grid_query(grid, cells, at, grid->cell, -1, NULL, *list, (int)*capacity - 1);
+    if ((size_t)*found < *capacity) return PDYN_OK;
+    int *grown = context_grow(context, *list, capacity, (size_t)*found + 1, sizeof *grown);
+    if (!grown) return PDYN_NO_MEMORY;
+    *list = grown;
+    grid_query(grid, cells, at, grid->cell, -1, NULL, *list, (int)*capacity - 1);
+    return PDYN_OK;
 }
 
 pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
                                        double support, double *volume) {
     struct grid grid;
+    struct grid_cells cells = {0};
     struct kernel kernel = kernel_make(support);
     pdyn_status status = grid_create(context, points, support, &grid);
     if (status != PDYN_OK) return status;
-    int capacity = 0, *list = NULL;
-    struct grid_cells cells = {0};
-    status = grow(context, &list, &capacity, 64);
-    if (status == PDYN_OK) status = grid_sort(context, &grid, points, NULL, x);
+    size_t capacity = 0;
+    int found = 0, *list = context_grow(context, NULL, &capacity, 1, sizeof *list);
+    status = list ? grid_sort(context, &grid, points, NULL, x) : PDYN_NO_MEMORY;
     for (int i = 0; status == PDYN_OK && i < points; i++) {
-        const double *at = x + 3 * (size_t)i;
-        grid_update_cells(&grid, at, &cells);
-        int found = grid_query(&grid, &cells, at, support, -1, NULL, list, capacity - 1);
-        if (found >= capacity) {
-            status = grow(context, &list, &capacity, found + 1);
-            if (status != PDYN_OK) break;
-            grid_query(&grid, &cells, at, support, -1, NULL, list, capacity - 1);
-        }
+        status = list_near(context, &grid, &cells, x, i, &list, &capacity, &found);
         double sum = 0.0;
-        for (int k = 0; k < found; k++)
-            sum += kernel_value(&kernel, vec3_distance(at, x + 3 * (size_t)list[k]));
+        for (int k = 0; status == PDYN_OK && k < found; k++)
+            sum += kernel_value(&kernel, vec3_distance(x + 3 * (size_t)i, x + 3 * (size_t)list[k]));
         volume[i] = 1.0 / sum;
     }
     FREE_ARRAY(context, list, capacity);

@@ -101,7 +101,7 @@ static pdyn_status reject_attempt(struct pdyn_sim *sim) {
     return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
 
-/* Prepends step number, length and time to the error text. */
+/* Adds step number, length and time to the error text. */
 static pdyn_status fail_diverged(struct pdyn_sim *sim, double h) {
     char what[256];
     snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-/* Upper bound of the speed of fluid particles after a time h, m/s: current speed plus gravity. */
+/* Upper bound of the speed of fluid particles after a time h, m/s: current speed plus
+ * gravity. *radius: m, of these particles; 0: there are none. */
 static double max_particle_speed(const struct pdyn_sim *sim, double h, double *radius) {
     double speed = 0.0;
     *radius = 0.0;

@@ -88,8 +88,9 @@ static void update_unsolved(struct pdyn_sim *sim, double h) {
 
 /* ---- all steps ------------------------------------------------------------------------------- */
 
-/* Exceptions: solvers with multipliers meet inertia exactly however early they end, and the classic
- * projective step is stiffer than E. Both may end early. */
+/* A Newton step that was not solved gets Euler velocities. Solvers with multipliers and the classic
+ * projective step do not need this if they end early: the former meet inertia exactly, the latter
+ * is stiffer than E. */
 void velocities_update(struct pdyn_sim *sim, double h) {
     if (sim->unfinished && sim->scene.settings.newton && !sim->solver->dual) {
         update_unsolved(sim, h);
