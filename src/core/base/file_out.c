@@ -10,12 +10,12 @@
 enum { CHUNK = 1024 }; /* numbers encoded per fwrite */
 
 static const char *target_of(const struct file_out *out) {
-    return out->aside ? out->aside : out->path;
+    return out->temporary ? out->temporary : out->path;
 }
 
 static void release(struct file_out *out) {
     text_end(&out->locale);
-    FREE_ARRAY(out->context, out->aside, out->aside_size);
+    FREE_ARRAY(out->context, out->temporary, out->temporary_size);
 }
 
 /* Uses lstat: a link like /dev/stdout must be written through, not replaced by a file. */
@@ -28,10 +28,10 @@ pdyn_status file_out_open(pdyn_context *context, const char *path, struct file_o
     *out = (struct file_out){.context = context, .path = path};
     if (!text_begin(&out->locale)) return context_no_memory(context);
     if (!is_special(path)) {
-        out->aside_size = strlen(path) + sizeof ".tmp";
-        out->aside = NEW_ARRAY(context, out->aside_size, char);
-        if (!out->aside) return text_end(&out->locale), PDYN_NO_MEMORY;
-        snprintf(out->aside, out->aside_size, "%s.tmp", path);
+        out->temporary_size = strlen(path) + sizeof ".tmp";
+        out->temporary = NEW_ARRAY(context, out->temporary_size, char);
+        if (!out->temporary) return text_end(&out->locale), PDYN_NO_MEMORY;
+        snprintf(out->temporary, out->temporary_size, "%s.tmp", path);
     }
     out->stream = fopen(target_of(out), "wbe");
     if (out->stream) return PDYN_OK;
@@ -65,7 +65,7 @@ static uint32_t float_bits(struct file_out *out, double value) {
     uint32_t bits;
     bool fits = fabs(value) <= FLT_MAX; /* false for NaN */
     float narrow = fits ? (float)value : 0.0f;
-    if (!fits) out->unfit = true;
+    if (!fits) out->not_finite = true;
     memcpy(&bits, &narrow, sizeof bits);
     return bits;
 }
@@ -93,7 +93,7 @@ static pdyn_status outcome(const struct file_out *out) {
     if (out->error)
         return context_fail(out->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s", out->path,
                             strerror(out->error));
-    if (out->unfit)
+    if (out->not_finite)
         return context_fail(out->context, PDYN_IO_FAILED,
                             "%.1024s: a number does not fit the 32-bit floats of the file",
                             out->path);
@@ -103,10 +103,10 @@ static pdyn_status outcome(const struct file_out *out) {
 pdyn_status file_out_close(struct file_out *out) {
     errno = 0;
     if (fclose(out->stream)) note_error(out);
-    bool good = !out->error && !out->unfit;
-    if (good && out->aside && rename(out->aside, out->path)) note_error(out);
+    bool good = !out->error && !out->not_finite;
+    if (good && out->temporary && rename(out->temporary, out->path)) note_error(out);
     pdyn_status status = outcome(out);
-    if (status != PDYN_OK && out->aside) remove(out->aside);
+    if (status != PDYN_OK && out->temporary) remove(out->temporary);
     release(out);
     return status;
 }

@@ -12,12 +12,12 @@
 struct file_out {
     pdyn_context *context;
     const char *path; /* not copied: must stay valid until file_out_close */
-    char *aside;      /* the name PATH.tmp, aside_size bytes; NULL: `path` itself is written */
-    size_t aside_size;
+    char *temporary;  /* the name PATH.tmp, temporary_size bytes; NULL: `path` itself is written */
+    size_t temporary_size;
     FILE *stream;
     struct text_locale locale; /* makes printf write a decimal point in every locale */
     int error;                 /* errno of the first failure; 0: none */
-    bool unfit;                /* a value was not finite as a 32-bit float */
+    bool not_finite;           /* a value was not finite as a 32-bit float */
 };
 
 enum byte_order { LITTLE_ENDIAN_BYTES, BIG_ENDIAN_BYTES };

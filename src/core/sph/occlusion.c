@@ -97,7 +97,7 @@ static void update_nearest(void *user, int id) {
     q->box = inflate(q->from, q->from, sqrt(squared));
 }
 
-void occlusion_measure(struct occlusion *s, int i, const double *at) {
+void occlusion_compute_clearance(struct occlusion *s, int i, const double *at) {
     double far = 0.5 * s->reach;
     struct query q = {
         .occlusion = s, .from = at, .box = inflate(at, at, far), .nearest = far * far};

@@ -32,7 +32,7 @@ void occlusion_update(struct occlusion *occlusion, const double *x, const struct
 
 /* Computes the clearance of point i at `position`, m. Needed for both points of a pair before
  * occlusion_blocks. */
-void occlusion_measure(struct occlusion *occlusion, int i, const double *position);
+void occlusion_compute_clearance(struct occlusion *occlusion, int i, const double *position);
 
 /* Whether point i, measured before, is within reach / 2 of a surface. */
 bool occlusion_is_near(const struct occlusion *occlusion, int i);

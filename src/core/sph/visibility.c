@@ -128,7 +128,8 @@ static void find_clearances(void *arg, int first, int last, int block) {
     const struct neighbours *n = arg;
     for (int k = first; k < last; k++) {
         int i = k < n->active ? n->id[k] : n->view.particles + k - n->active;
-        if (can_hide(n, i)) occlusion_measure(n->visibility.occlusion, i, frozen_position(n, i));
+        if (can_hide(n, i))
+            occlusion_compute_clearance(n->visibility.occlusion, i, frozen_position(n, i));
     }
 }
 

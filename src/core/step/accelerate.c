@@ -18,8 +18,9 @@ enum { BEFORE, CHEBYSHEV_VECTORS };
 /* x_(k+1) = omega (x^ - x_(k-1)) + x_(k-1), x^: global step at x_k (Wang 2015, equation 9). */
 static bool propose_chebyshev(struct acceleration *a, const double *x, double *direction) {
     double square = spectral_radius * spectral_radius, *before = a->vector[BEFORE];
-    bool ready = a->seen >= START_ITERATIONS;
-    a->omega = a->seen > START_ITERATIONS ? 4.0 / (4.0 - square * a->omega) : 2.0 / (2.0 - square);
+    bool ready = a->iterations >= START_ITERATIONS;
+    a->omega =
+        a->iterations > START_ITERATIONS ? 4.0 / (4.0 - square * a->omega) : 2.0 / (2.0 - square);
     for (int k = 0; ready && k < 3 * a->objective->particles; k++)
         direction[k] = a->omega * direction[k] + (a->omega - 1.0) * (x[k] - before[k]);
     memcpy(before, x, objective_bytes(a->objective));
@@ -58,7 +59,7 @@ static bool solve_small(int n, double A[ANDERSON_WINDOW][ANDERSON_WINDOW], doubl
 
 /* Stores the changes of d and G = x + d since the last iteration. */
 static void store_change(struct acceleration *a, const double *x, const double *d) {
-    int slot = (a->seen + ANDERSON_WINDOW - 1) % ANDERSON_WINDOW,
+    int slot = (a->iterations + ANDERSON_WINDOW - 1) % ANDERSON_WINDOW,
         size = 3 * a->objective->particles;
     double *last_d = a->vector[LAST_D], *last_g = a->vector[LAST_G];
     double *change_d = a->vector[CHANGE_D + slot], *change_g = a->vector[CHANGE_G + slot];
@@ -75,7 +76,7 @@ static bool propose_anderson(struct acceleration *a, const double *x, double *di
     struct objective *sys = a->objective;
     double A[ANDERSON_WINDOW][ANDERSON_WINDOW], theta[ANDERSON_WINDOW];
     double *const *change_d = a->vector + CHANGE_D, *const *change_g = a->vector + CHANGE_G;
-    int n = a->seen < ANDERSON_WINDOW ? a->seen : ANDERSON_WINDOW;
+    int n = a->iterations < ANDERSON_WINDOW ? a->iterations : ANDERSON_WINDOW;
     store_change(a, x, direction);
     for (int i = 0; i < n; i++) {
         theta[i] = objective_dot(sys, change_d[i], direction);
@@ -116,12 +117,12 @@ void acceleration_free(struct acceleration *a) {
     FREE_VECTOR(a->objective->context, a->plain, a->objective->particles);
 }
 
-void acceleration_start(struct acceleration *a) { a->seen = 0; }
+void acceleration_start(struct acceleration *a) { a->iterations = 0; }
 
 bool acceleration_propose(struct acceleration *a, const double *x, double *direction) {
     if (!a->type->vectors) return false;
     memcpy(a->plain, direction, objective_bytes(a->objective));
     bool proposes = a->type->propose(a, x, direction);
-    a->seen++;
+    a->iterations++;
     return proposes;
 }

@@ -23,7 +23,7 @@ struct acceleration {
     struct objective *objective;
     double **vector; /* type->vectors: storage of the type */
     double *plain;   /* particles x 3: direction of the plain global step */
-    int seen;        /* iterations since the restart */
+    int iterations;  /* iterations since the restart */
     double omega;    /* omega of "chebyshev" */
 };
 
