@@ -123,10 +123,10 @@ static const struct {
      "known: name, particles, surface, volume, constraints, velocity"},
     {BODY("{'particles': {'raduis': 0.1}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"raduis\"; did you mean "
-     "\"radius\"?; known: fill, inlets, radius, rest_density, budget"},
+     "\"radius\"?; known: fill, inlets, overlap, radius, rest_density, budget"},
     {BODY("{'particles': {'density': 1000}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"density\"; did you mean "
-     "\"rest_density\"?; known: fill, inlets, radius, rest_density, budget"},
+     "\"rest_density\"?; known: fill, inlets, overlap, radius, rest_density, budget"},
     {BODY("{'particles': {'fill': []}}"),
      "scene.json:2:17: bodies[0].particles.radius: missing, expected a number from 1e-06 "
      "to 1000 m"},

@@ -94,6 +94,7 @@ static pdyn_status fill_placed_file(const struct json_at *at, struct fill *fill,
     pdyn_status status = fill_count(at, particles->count, fill->so_far);
     if (status == PDYN_OK)
         status = point_list_append(context, &body->start, particles->x, particles->count);
+    body->keep_overlap = true; /* a fluid in motion comes closer to walls than a lattice */
     if (status == PDYN_OK && particles->v && !fill->has_velocity)
         status = point_list_append(context, &body->start_v, particles->v, particles->count);
     return status;

@@ -5,6 +5,7 @@
 #include "file_ref.h"
 #include "head.h"
 #include "inlet.h"
+#include "overlap.h"
 #include "params.h"
 #include "reader.h"
 
@@ -71,6 +72,11 @@ static pdyn_status resolve_all(struct reader *r, const struct json_at *at, int i
             status = resolve(r, &constraint, body, &body->constraint[k]);
     }
     return status;
+}
+
+static pdyn_status resolve_overlap(struct reader *r, const struct json_at *at, int index) {
+    struct json_at particles = json_member(at, "particles");
+    return overlap_resolve(&particles, r->scene, &r->scene->body[index]);
 }
 
 /* ---- parts of a scene ------------------------------------------------------------------------ */
@@ -147,6 +153,7 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_solids(r, &solids);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
     if (status == PDYN_OK) status = read_contact(r, &contact);
+    if (status == PDYN_OK) status = reader_each(r, &bodies, resolve_overlap);
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
 

@@ -38,6 +38,7 @@ struct scene_body {
     struct mesh mesh; /* rest positions in world space, m: after scale, rotation and translation */
     struct tets tets; /* of a volume, whose surface is `mesh` */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
+    bool keep_overlap;                /* particles that overlap obstacles stay */
     double radius;                    /* m */
     double rest_density;              /* kg/m^3 */
     double area_density;              /* kg/m^2, of a surface */

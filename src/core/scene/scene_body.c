@@ -52,8 +52,18 @@ static pdyn_status read_inlets(struct reader *r, const struct json_at *owner) {
     return status == PDYN_OK ? read_budget(r, owner, &array) : status;
 }
 
+static pdyn_status read_overlap(struct reader *r, const struct json_at *owner) {
+    static const char *const names[] = {"remove", "keep"};
+    struct json_at at = json_member(owner, "overlap");
+    int keep = 0;
+    if (!at.value) return PDYN_OK;
+    pdyn_status status = reader_choice(&at, "overlap", names, 2, &keep);
+    r->body->keep_overlap |= keep;
+    return status;
+}
+
 static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"fill", "inlets", NULL};
+    static const char *const others[] = {"fill", "inlets", "overlap", NULL};
     struct scene_body *body = r->body;
     struct json_at fill = json_member(at, "fill"), inlets = json_member(at, "inlets");
     int fills = 0;
@@ -63,6 +73,7 @@ static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK && !fills && !json_array_size(inlets.value))
         status = json_expected(&fill, "at least one volume to fill, or \"inlets\"");
     if (status == PDYN_OK) status = reader_each(r, &fill, read_fill);
+    if (status == PDYN_OK) status = read_overlap(r, at);
     return status == PDYN_OK ? read_inlets(r, at) : status;
 }
 

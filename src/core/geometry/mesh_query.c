@@ -1,0 +1,91 @@
+#include "mesh_query.h"
+
+#include "distance.h"
+
+struct search {
+    const struct mesh_query *query;
+    const double *x;
+    double square; /* m^2: distance that is close */
+    bool found;    /* a triangle is closer; or: the number of crossings is odd */
+};
+
+static void corners_of(const struct mesh *mesh, int t, const double *corner[3]) {
+    for (int c = 0; c < 3; c++)
+        corner[c] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * (size_t)t + (size_t)c];
+}
+
+pdyn_status mesh_query_create(pdyn_context *context, const struct mesh *mesh,
+                              struct mesh_query *out) {
+    *out = (struct mesh_query){.mesh = mesh, .bounds = box_empty};
+    out->box = NEW_ARRAY(context, mesh->triangles, struct box);
+    if (mesh->triangles && !out->box) return PDYN_NO_MEMORY;
+    pdyn_status status = bvh_create(context, mesh->triangles, &out->tree);
+    if (status != PDYN_OK) {
+        FREE_ARRAY(context, out->box, mesh->triangles);
+        return status;
+    }
+    for (int t = 0; t < mesh->triangles; t++) {
+        const double *corner[3];
+        corners_of(mesh, t, corner);
+        out->box[t] = box_empty;
+        for (int c = 0; c < 3; c++) {
+            box_add(&out->box[t], corner[c]);
+            box_add(&out->bounds, corner[c]);
+        }
+    }
+    bvh_build(&out->tree, out->box, mesh->triangles);
+    return PDYN_OK;
+}
+
+void mesh_query_free(pdyn_context *context, struct mesh_query *query) {
+    if (!query->mesh) return;
+    FREE_ARRAY(context, query->box, query->mesh->triangles);
+    bvh_free(context, &query->tree);
+}
+
+static void visit_close(void *user, int t) {
+    struct search *s = user;
+    const double *corner[3];
+    double c[4];
+    corners_of(s->query->mesh, t, corner);
+    const double *const points[4] = {s->x, corner[0], corner[1], corner[2]};
+    s->found |= closest_vertex_face(points, c) < s->square;
+}
+
+bool mesh_query_is_close(const struct mesh_query *query, const double x[3], double distance) {
+    struct search s = {query, x, distance * distance, false};
+    struct box box;
+    for (int a = 0; a < 3; a++) box.min[a] = x[a] - distance, box.max[a] = x[a] + distance;
+    if (box_overlaps(&box, &query->bounds)) bvh_visit(&query->tree, &box, 0, visit_close, &s);
+    return s.found;
+}
+
+/* Intersects an edge with the plane z = x[2] of the ray. */
+static void cut_edge(const double *p, const double *q, double z, double at[2]) {
+    const double *low = p[2] < q[2] ? p : q, *high = p[2] < q[2] ? q : p;
+    double t = (z - low[2]) / (high[2] - low[2]);
+    for (int a = 0; a < 2; a++) at[a] = low[a] + t * (high[a] - low[a]);
+}
+
+static void visit_crossing(void *user, int t) {
+    struct search *s = user;
+    const double *corner[3];
+    double end[3][2];
+    int ends = 0;
+    corners_of(s->query->mesh, t, corner);
+    for (int c = 0; c < 3; c++) {
+        const double *p = corner[c], *q = corner[(c + 1) % 3];
+        if ((p[2] <= s->x[2]) != (q[2] <= s->x[2])) cut_edge(p, q, s->x[2], end[ends++]);
+    }
+    if (ends < 2 || (end[0][1] <= s->x[1]) == (end[1][1] <= s->x[1])) return;
+    double along = (s->x[1] - end[0][1]) / (end[1][1] - end[0][1]);
+    s->found ^= end[0][0] + along * (end[1][0] - end[0][0]) > s->x[0];
+}
+
+bool mesh_query_contains(const struct mesh_query *query, const double x[3]) {
+    struct search s = {query, x, 0.0, false};
+    struct box ray = {{x[0], x[1], x[2]}, {query->bounds.max[0], x[1], x[2]}};
+    if (ray.min[0] <= ray.max[0] && box_overlaps(&ray, &query->bounds))
+        bvh_visit(&query->tree, &ray, 0, visit_crossing, &s);
+    return s.found;
+}

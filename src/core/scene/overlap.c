@@ -1,0 +1,153 @@
+#include "overlap.h"
+
+#include "geometry/mesh_query.h"
+#include "poses.h"
+
+#include <string.h>
+
+enum { GRAIN = 1024 }; /* particles per parallel block */
+
+static const double max_overlap = 0.01; /* share of a body's particles that may overlap when kept */
+
+struct obstacle { /* a solid or a body with triangles */
+    const char *kind, *name;
+    struct mesh mesh; /* at the start of the scene; vertices may be a copy */
+    bool closed;
+    bool sheet; /* water may be meant to stretch it */
+};
+
+/* Flags of a particle. */
+enum { CLOSE = 1, INSIDE = 2 };
+
+struct search {
+    const struct mesh_query *query;
+    const double *x;
+    double distance;
+    bool closed;
+    unsigned char *flag;
+};
+
+static void flag_particles(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct search *s = arg;
+    for (int i = first; i < last; i++) {
+        const double *x = s->x + 3 * (size_t)i;
+        s->flag[i] = mesh_query_is_close(s->query, x, s->distance) ? CLOSE : 0;
+        if (s->closed && mesh_query_contains(s->query, x)) s->flag[i] |= INSIDE;
+    }
+}
+
+/* Drops the flag INSIDE where most particles have it: the obstacle is a vessel. */
+static void exempt_vessel(unsigned char *flag, int count) {
+    int inside = 0;
+    for (int i = 0; i < count; i++) inside += (flag[i] & INSIDE) != 0;
+    for (int i = 0; 2 * inside > count && i < count; i++) flag[i] &= (unsigned char)~INSIDE;
+}
+
+/* Removes flagged particles. Returns how many. */
+static int remove_flagged(struct scene_body *body, const unsigned char *flag) {
+    int kept = 0, count = body->start.count;
+    for (int i = 0; i < count; i++) {
+        if (flag[i]) continue;
+        for (int a = 0; a < 3; a++) {
+            body->start.x[3 * kept + a] = body->start.x[3 * i + a];
+            body->start_v.x[3 * kept + a] = body->start_v.x[3 * i + a];
+        }
+        kept++;
+    }
+    body->start.count = body->start_v.count = kept;
+    return count - kept;
+}
+
+static pdyn_status check_kept(const struct json_at *at, const struct scene_body *body,
+                              const struct obstacle *o, const unsigned char *flag) {
+    int count = 0, first = -1;
+    for (int i = 0; i < body->start.count; i++) {
+        if (flag[i] && first < 0) first = i;
+        count += flag[i] != 0;
+    }
+    if (o->sheet || count <= max_overlap * body->start.count) return PDYN_OK;
+    const double *x = body->start.x + 3 * (size_t)first;
+    return json_fail(at,
+                     "%d of %d particles overlap %s \"%s\", the first at (%.6g, %.6g, %.6g) m; "
+                     "expected at most %g %%; without \"overlap\": \"keep\" they are left out",
+                     count, body->start.count, o->kind, o->name, x[0], x[1], x[2],
+                     1e2 * max_overlap);
+}
+
+static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *body,
+                                   const struct obstacle *o, const unsigned char *flag) {
+    if (body->keep_overlap) return check_kept(at, body, o, flag);
+    int count = body->start.count, removed = remove_flagged(body, flag);
+    if (removed)
+        context_log(at->file->context, PDYN_LOG_INFO,
+                    "body \"%s\": %d of %d particles overlap %s \"%s\" and are left out",
+                    body->name, removed, count, o->kind, o->name);
+    if (body->start.count || body->inlets) return PDYN_OK;
+    return json_fail(at, "all %d particles overlap %s \"%s\", none is left", count, o->kind,
+                     o->name);
+}
+
+static pdyn_status resolve_obstacle(const struct json_at *at, struct scene_body *body,
+                                    const struct obstacle *o) {
+    pdyn_context *context = at->file->context;
+    struct mesh_query query;
+    int count = body->start.count;
+    unsigned char *flag = NEW_ARRAY(context, count, unsigned char);
+    if (!flag) return PDYN_NO_MEMORY;
+    pdyn_status status = mesh_query_create(context, &o->mesh, &query);
+    if (status == PDYN_OK) {
+        /* lattices that touch a surface have rounding errors */
+        double distance = body->keep_overlap ? 0.5 * body->radius : (1.0 - 1e-3) * body->radius;
+        struct search search = {&query, body->start.x, distance, o->closed, flag};
+        pool_for(context->pool, count, GRAIN, flag_particles, &search);
+        exempt_vessel(flag, count);
+        status = resolve_flagged(at, body, o, flag);
+        mesh_query_free(context, &query);
+    }
+    FREE_ARRAY(context, flag, count);
+    return status;
+}
+
+/* Finds out whether an obstacle has an inside. false: no memory. */
+static bool check_closed(pdyn_context *context, struct obstacle *o) {
+    pdyn_status status = mesh_check_closed(context, &o->mesh, o->name);
+    o->closed = status == PDYN_OK;
+    return status != PDYN_NO_MEMORY;
+}
+
+/* The solid as it stands at time 0. */
+static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *body,
+                                 const struct scene_solid *solid) {
+    pdyn_context *context = at->file->context;
+    struct obstacle o = {"solid", solid->name, solid->mesh, false, false};
+    size_t size = 3 * (size_t)solid->mesh.vertices;
+    if (!solid->is_box && !check_closed(context, &o)) return PDYN_NO_MEMORY;
+    if (!solid->keys) return resolve_obstacle(at, body, &o);
+    double *placed = NEW_ARRAY(context, size, double);
+    o.mesh.vertex = NEW_ARRAY(context, size, double);
+    pdyn_status status = placed && o.mesh.vertex ? PDYN_OK : PDYN_NO_MEMORY;
+    if (status == PDYN_OK) {
+        for (size_t k = 0; k < size; k++) placed[k] = solid->mesh.vertex[k] - solid->pivot[k % 3];
+        pose_place(solid, placed, solid->mesh.vertices, 0.0, o.mesh.vertex);
+        status = resolve_obstacle(at, body, &o);
+    }
+    FREE_ARRAY(context, placed, size);
+    FREE_ARRAY(context, o.mesh.vertex, size);
+    return status;
+}
+
+pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
+                            struct scene_body *body) {
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < scene->solids && status == PDYN_OK && body->start.count; k++)
+        status = resolve_solid(at, body, &scene->solid[k]);
+    for (int k = 0; k < scene->bodies && status == PDYN_OK && body->start.count; k++) {
+        const struct scene_body *other = &scene->body[k];
+        if (!other->is_surface) continue;
+        struct obstacle o = {"body", other->name, other->mesh, false, !other->tets.count};
+        status =
+            check_closed(at->file->context, &o) ? resolve_obstacle(at, body, &o) : PDYN_NO_MEMORY;
+    }
+    return status;
+}
