@@ -1,4 +1,4 @@
-/* The few 3-vector operations that modules and core share. */
+/* Operations on 3-vectors, 3 x 3 matrices and the projection to a given length. */
 #ifndef PROJDYN_VEC3_H
 #define PROJDYN_VEC3_H
 
@@ -8,16 +8,15 @@ static inline double vec3_dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 static inline double vec3_length(const double *a) { return sqrt(vec3_dot(a, a)); }
-static inline double vec3_distance(const double *a, const double *b) {
-    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return vec3_length(d);
-}
 
-/* y = a x b, another vector than both */
-static inline void vec3_cross(double *y, const double *a, const double *b) {
-    y[0] = a[1] * b[2] - a[2] * b[1];
-    y[1] = a[2] * b[0] - a[0] * b[2];
-    y[2] = a[0] * b[1] - a[1] * b[0];
+/* y = a - b */
+static inline void vec3_subtract(double *y, const double *a, const double *b) {
+    for (int k = 0; k < 3; k++) y[k] = a[k] - b[k];
+}
+static inline double vec3_distance(const double *a, const double *b) {
+    double d[3];
+    vec3_subtract(d, a, b);
+    return vec3_length(d);
 }
 
 /* y += s a */
@@ -25,39 +24,79 @@ static inline void vec3_add(double *y, double s, const double *a) {
     for (int k = 0; k < 3; k++) y[k] += s * a[k];
 }
 
-/* y = A a, A 3 x 3 by rows */
+/* Divides a by its length, which is returned; the zero vector stays zero. */
+static inline double vec3_normalise(double *a) {
+    double length = vec3_length(a);
+    for (int k = 0; k < 3; k++) a[k] = length > 0.0 ? a[k] / length : 0.0;
+    return length;
+}
+
+/* y = a x b; y must not be a or b. */
+static inline void vec3_cross(double *y, const double *a, const double *b) {
+    y[0] = a[1] * b[2] - a[2] * b[1];
+    y[1] = a[2] * b[0] - a[0] * b[2];
+    y[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* n = (b - a) x (c - a): the normal of triangle a, b, c; its length is twice the triangle's area.
+ */
+static inline void vec3_normal(double *n, const double *a, const double *b, const double *c) {
+    double ab[3], ac[3];
+    vec3_subtract(ab, b, a), vec3_subtract(ac, c, a);
+    vec3_cross(n, ab, ac);
+}
+
+/* y = A a; A: 3 x 3, row by row; y must not be a. */
 static inline void vec3_multiply(double *y, const double *A, const double *a) {
     for (int k = 0; k < 3; k++) y[k] = vec3_dot(A + 3 * k, a);
 }
 
-/* Normal of a triangle, as long as twice its area. */
-static inline void vec3_normal(double *n, const double *a, const double *b, const double *c) {
-    double u[3], v[3];
-    for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], v[k] = c[k] - a[k];
-    vec3_cross(n, u, v);
+/* R = R_z R_y R_x, row by row: turns a vector by three angles in degrees, first about the x axis,
+ * then about y, then about z. */
+static inline void vec3_rotation(double *R, const double *degrees) {
+    double c[3], s[3];
+    for (int a = 0; a < 3; a++) {
+        double radians = degrees[a] * acos(-1.0) / 180.0;
+        c[a] = cos(radians), s[a] = sin(radians);
+    }
+    R[0] = c[1] * c[2], R[1] = s[0] * s[1] * c[2] - c[0] * s[2];
+    R[2] = c[0] * s[1] * c[2] + s[0] * s[2];
+    R[3] = c[1] * s[2], R[4] = s[0] * s[1] * s[2] + c[0] * c[2];
+    R[5] = c[0] * s[1] * s[2] - s[0] * c[2];
+    R[6] = -s[1], R[7] = s[0] * c[1], R[8] = c[0] * c[1];
 }
 
-/* The projection of a 3-vector onto the sphere of radius `length`, and its tangent, clamped to a
- * contraction: J = min(1, length/|u|) (I - n n') = s I - a a', a = t u. A zero vector stays where
- * it is. */
+/* ---- projection of a vector to a length -------------------------------------------------------
+ */
+
+/* p = length u / |u|: the closest point to u on the sphere of this radius; p = 0 for u = 0. */
 static inline void vec3_project_length(double *p, const double *u, double length) {
     double l = vec3_length(u), s = l > 0.0 ? length / l : 0.0;
     for (int k = 0; k < 3; k++) p[k] = s * u[k];
 }
+
+/* Tangent of vec3_project_length, clamped to eigenvalues in [0, 1]:
+ *
+ *     J = s (I - n n') = s I - (t u)(t u)',   s = min(1, length / |u|),  t = sqrt(s) / |u|
+ *
+ * with n = u / |u|. s = t = 0 for u = 0. */
 static inline void vec3_contraction(double *s, double *t, const double *u, double length) {
-    double ll = vec3_dot(u, u), r = ll > 0.0 ? 1.0 / sqrt(ll) : 0.0, ratio = length * r;
-    *s = ratio < 1.0 ? ratio : 1.0, *t = sqrt(*s) * r;
+    double squared = vec3_dot(u, u), inverse = squared > 0.0 ? 1.0 / sqrt(squared) : 0.0;
+    double ratio = length * inverse;
+    *s = ratio < 1.0 ? ratio : 1.0, *t = sqrt(*s) * inverse;
 }
+/* The same J as pdyn_constraint_type.tangent_rank1 wants it: axis = t u, then s. */
 static inline void vec3_axis_length(double *axis, const double *u, double length) {
     double t;
     vec3_contraction(axis + 3, &t, u, length);
     for (int k = 0; k < 3; k++) axis[k] = t * u[k];
 }
-/* J = s I - a a' from a and s */
+/* J = s I - a a', 3 x 3, from axis = a, then s. */
 static inline void vec3_axis_tangent(double *J, const double *axis) {
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) J[3 * a + b] = (a == b ? axis[3] : 0.0) - axis[a] * axis[b];
 }
+/* The same J, 3 x 3. */
 static inline void vec3_tangent_length(double *J, const double *u, double length) {
     double axis[4];
     vec3_axis_length(axis, u, length);

@@ -1,5 +1,9 @@
-/* Points that are held where they rest, or follow a given path: p is the target, J = 0. */
-#include "projdyn/module.h"
+/* Holds points at their rest position or moves them along a given path: u = x_i,
+ *
+ *     p = pivot + R(t) (rest - pivot) + d(t),     J = 0,     E = w/2 |u - p|^2
+ *
+ * d: "path", R: rotation by the three angles of "turn", w: "stiffness". */
+#include "projdyn/path.h"
 #include "projdyn/vec3.h"
 
 struct params {
@@ -29,54 +33,23 @@ static int elements(const void *par, const pdyn_body *body) {
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
-    for (int e = first; e < last; e++) {
-        b->column[e] = b->body->first + q->vertices.index[e];
-        b->coefficient[e] = 1.0;
-    }
+    for (int e = first; e < last; e++)
+        b->column[e] = b->body->first + q->vertices.index[e], b->coefficient[e] = 1.0;
 }
 
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
 }
 
-/* The three numbers of a path at a time; 0 without a path. */
-static void along(const pdyn_path *path, double time, double d[3]) {
-    const double *key = path->key;
-    int k = 0;
-    while (k < path->count && key[4 * k] <= time) k++;
-    for (int a = 0; a < 3 && path->count; a++) {
-        const double *left = key + 4 * (k ? k - 1 : 0),
-                     *right = key + 4 * (k < path->count ? k : k - 1);
-        double t = right[0] > left[0] ? (time - left[0]) / (right[0] - left[0]) : 0.0;
-        d[a] = left[1 + a] + t * (right[1 + a] - left[1 + a]);
-    }
-}
-
-/* Where the axes go by turns about x, then y, then z: rows of the matrix. */
-static void matrix_of(const double degrees[3], double R[9]) {
-    double c[3], s[3];
-    for (int a = 0; a < 3; a++) {
-        c[a] = cos(degrees[a] * acos(-1.0) / 180.0), s[a] = sin(degrees[a] * acos(-1.0) / 180.0);
-    }
-    R[0] = c[1] * c[2], R[1] = s[0] * s[1] * c[2] - c[0] * s[2];
-    R[2] = c[0] * s[1] * c[2] + s[0] * s[2];
-    R[3] = c[1] * s[2], R[4] = s[0] * s[1] * s[2] + c[0] * c[2];
-    R[5] = c[0] * s[1] * s[2] - s[0] * c[2];
-    R[6] = -s[1], R[7] = s[0] * c[1], R[8] = c[0] * c[1];
-}
-
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
-    double d[3] = {0}, degrees[3] = {0}, R[9];
-    along(&q->path, b->time, d);
-    along(&q->turn, b->time, degrees);
-    matrix_of(degrees, R);
+    double displacement[3], degrees[3], R[9], arm[3], turned[3];
+    path_at(&q->path, b->time, displacement), path_at(&q->turn, b->time, degrees);
+    vec3_rotation(R, degrees);
     for (int e = first; e < last; e++) {
-        const double *rest = b->body->rest + 3 * (size_t)q->vertices.index[e];
-        double arm[3], turned[3];
-        for (int a = 0; a < 3; a++) arm[a] = rest[a] - q->pivot[a];
+        vec3_subtract(arm, b->body->rest + 3 * (size_t)q->vertices.index[e], q->pivot);
         vec3_multiply(turned, R, arm);
-        for (int a = 0; a < 3; a++) b->p[3 * e + a] = q->pivot[a] + turned[a] + d[a];
+        for (int a = 0; a < 3; a++) b->p[3 * e + a] = q->pivot[a] + turned[a] + displacement[a];
     }
 }
 

@@ -1,14 +1,16 @@
-/* Springs along the edges of a mesh (Liu, Bargteil, O'Brien, Kavan 2013): u is the edge vector, its
- * projection has the rest length. The stiffness of an edge follows from the stretching stiffness Y
- * of the sheet: each triangle at it adds 3 Y A / (l_1^2 + l_2^2 + l_3^2). So springs store what a
- * sheet of Young's modulus times thickness Y and Poisson's ratio 1/3 does, as a mean over the
- * directions of a strain, on every triangle; on equilateral triangles and on square cells in every
- * direction. (Van Gelder 1998 takes Y A / l^2, which makes square cells 1.2 Y stiff along the axes
- * and 0.75 Y along diagonals.) */
+/* Springs along the edges of a sheet's mesh (Liu, Bargteil, O'Brien, Kavan 2013): u = x_j - x_i,
+ *
+ *     p = l u / |u|,     E = w/2 (|u| - l)^2,     l: rest length of the edge      (rest_length.h)
+ *     w = sum over the one or two triangles of the edge of 3 Y A / (l_1^2 + l_2^2 + l_3^2)
+ *
+ * with Y the stretching stiffness, A a triangle's area and l_k its sides. Averaged over the
+ * directions of a uniaxial strain, each triangle then stores the energy of a sheet of Young's
+ * modulus times thickness Y and Poisson's ratio 1/3; equilateral triangles and square cells store
+ * it in every direction. (The weight Y A / l^2 of Van Gelder 1998 makes square cells 1.2 Y stiff
+ * along the axes and 0.75 Y along the diagonals.) */
 #include "base/simd.h"
 
-#include "projdyn/module.h"
-#include "projdyn/vec3.h"
+#include "projdyn/rest_length.h"
 
 struct params {
     double stretching_stiffness, damping;
@@ -30,12 +32,10 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         const int *edge = b->body->edge + 2 * e;
-        for (int k = 0; k < 2; k++) {
-            b->column[2 * e + k] = b->body->first + edge[k];
-            b->coefficient[2 * e + k] = k ? 1.0 : -1.0;
-        }
-        ((double *)b->data)[e] =
-            vec3_distance(b->body->rest + 3 * edge[0], b->body->rest + 3 * edge[1]);
+        const double *rest = b->body->rest;
+        for (int k = 0; k < 2; k++) b->column[2 * e + k] = b->body->first + edge[k];
+        b->coefficient[2 * e] = -1.0, b->coefficient[2 * e + 1] = 1.0;
+        ((double *)b->data)[e] = vec3_distance(rest + 3 * edge[0], rest + 3 * edge[1]);
     }
 }
 
@@ -46,34 +46,15 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
 }
 
 WIDE static void project_springs(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    const double *length = b->data;
-    for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
+    rest_length_project(par, b, first, last);
 }
 
-enum { PIECE = 64 }; /* springs whose roots are taken side by side */
-
-WIDE static void axial_springs(const void *par, const pdyn_batch *b, int first, int last,
-                               double *axis) {
-    (void)par;
-    for (int e = first; e < last; e += PIECE) {
-        double s[PIECE], t[PIECE];
-        const double *length = (const double *)b->data + e, *u = b->u + 3 * e;
-        int count = last - e < PIECE ? last - e : PIECE;
-        for (int k = 0; k < count; k++) vec3_contraction(&s[k], &t[k], u + 3 * k, length[k]);
-        for (int k = 0; k < count; k++, u += 3, axis += 4) {
-            for (int a = 0; a < 3; a++) axis[a] = t[k] * u[a];
-            axis[3] = s[k];
-        }
-    }
+WIDE static void tangent_springs(const void *par, const pdyn_batch *b, int first, int last,
+                                 double *axis) {
+    rest_length_tangent(par, b, first, last, axis);
 }
 
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
-
-static void hold(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
-}
 
 const pdyn_constraint_type pdyn_constraint_spring = {
     .name = "spring",
@@ -88,7 +69,7 @@ const pdyn_constraint_type pdyn_constraint_spring = {
     .select = select,
     .weight = weight,
     .project = project_springs,
-    .tangent_rank1 = axial_springs,
+    .tangent_rank1 = tangent_springs,
     .damping = damping,
-    .damping_rest = hold,
+    .damping_rest = rest_length_hold,
 };
