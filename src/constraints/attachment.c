@@ -1,8 +1,12 @@
-/* Springs from chosen points of a body to another one: seams, strings, what hangs from what. Each
- * goes to the point of the other's surface that is closest at the start, u = x - sum w_k y_k with
- * the corners y of the triangle there, and keeps a length. */
+/* Springs from chosen vertices of a body to the surface of another body: seams, strings, loads.
+ * A spring ends at the surface point closest to its vertex at rest, with barycentric coordinates
+ * w_k in a triangle of corners y_k:
+ *
+ *     u = x - sum_k w_k y_k,     p = l u / |u|,     E = stiffness/2 (|u| - l)^2   (rest_length.h)
+ *
+ * The rest length l is "length" times the distance at rest. */
 #include "projdyn/closest3.h"
-#include "projdyn/module.h"
+#include "projdyn/rest_length.h"
 
 struct params {
     pdyn_other to;
@@ -23,14 +27,15 @@ static const pdyn_param params[] = {
      "force grows with change of length + damping x rate of change"},
     {0}};
 
-enum { ENDS = 4 }; /* the point, the corners of the other's triangle */
+enum { WIDTH = 4 }; /* entries of a row: the vertex, the three corners of the triangle */
 
 static int elements(const void *par, const pdyn_body *body) {
     (void)body;
     return ((const struct params *)par)->vertices.count;
 }
 
-/* The triangle closest to x, weights of its corners and the distance. */
+/* Returns the triangle of `body` closest to x at rest, the barycentric coordinates w of the closest
+ * point and its distance in m. */
 static int closest_triangle(const pdyn_body *body, const double *x, double w[3], double *distance) {
     double best = INFINITY, trial[3];
     int closest = 0;
@@ -51,8 +56,8 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
     const pdyn_body *other = q->to.body;
     for (int e = first; e < last; e++) {
-        int own = q->vertices.index[e], *column = b->column + ENDS * e;
-        double w[3] = {1.0}, distance, *coefficient = b->coefficient + ENDS * e;
+        int own = q->vertices.index[e], *column = b->column + WIDTH * e;
+        double w[3] = {1.0}, distance, *coefficient = b->coefficient + WIDTH * e;
         int t = closest_triangle(other, b->body->rest + 3 * own, w, &distance);
         column[0] = b->body->first + own, coefficient[0] = 1.0;
         for (int k = 0; k < 3; k++) {
@@ -67,24 +72,7 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
 }
 
-static void project(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    const double *length = b->data;
-    for (int e = first; e < last; e++) vec3_project_length(b->p + 3 * e, b->u + 3 * e, length[e]);
-}
-
-static void tangent_rank1(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
-    (void)par;
-    const double *length = b->data;
-    for (int e = first; e < last; e++, axis += 4) vec3_axis_length(axis, b->u + 3 * e, length[e]);
-}
-
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
-
-static void hold(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
-}
 
 const pdyn_constraint_type pdyn_constraint_attachment = {
     .name = "attachment",
@@ -95,11 +83,11 @@ const pdyn_constraint_type pdyn_constraint_attachment = {
     .data_size = sizeof(double),
     .elements = elements,
     .rows = 1,
-    .width = ENDS,
+    .width = WIDTH,
     .select = select,
     .weight = weight,
-    .project = project,
-    .tangent_rank1 = tangent_rank1,
+    .project = rest_length_project,
+    .tangent_rank1 = rest_length_tangent,
     .damping = damping,
-    .damping_rest = hold,
+    .damping_rest = rest_length_hold,
 };

@@ -1,15 +1,20 @@
-/* Isometric bending. The rows are the second derivatives of the sheet on its triangles, integrated
- * (plate.h): u = A x_11 and so on, in m. A sheet that bends without stretching has x_ij = b_ij n, b
- * its second fundamental form; so with the weight B / A the energy is that of a plate of rigidity B
- * without Poisson's effect, B/2 integral |b - b_rest|^2. An element is one of the three rows of a
- * triangle. Where the rest shape is curved, the first one's length at rest is kept, whatever its
- * direction; all others are to vanish. A flat rest shape has p = 0 and a constant, quadratic
- * energy. */
+/* Isometric bending of a thin plate. The three rows of a triangle are its second derivatives times
+ * its area A in m (plate.h): u = A x_11, A sqrt(2) x_12, A x_22. Each row is one element:
+ *
+ *     p = l u / |u|,     w = B / A,     B: bending rigidity                       (rest_length.h)
+ *
+ * A sheet that bends without stretching has x_ij = b_ij n with its second fundamental form b and
+ * its normal n. So the energy is that of a plate without Poisson's effect,
+ *
+ *     E = B/2 integral |b - b_rest|^2.
+ *
+ * l = A |b_rest| for the first row, which plate.h turns along the curvature of the rest shape, and
+ * 0 for the other two. A sheet that is flat at rest has l = 0: its energy is quadratic. */
 #include "base/simd.h"
 
 #include "plate.h"
 
-#include "projdyn/vec3.h"
+#include "projdyn/rest_length.h"
 
 struct params {
     double bending_rigidity, damping;
@@ -53,19 +58,15 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
 }
 
 WIDE static void project_bends(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++)
-        vec3_project_length(b->p + 3 * e, b->u + 3 * e, ((const double *)b->data)[e]);
+    rest_length_project(par, b, first, last);
 }
 
-WIDE static void axial_bends(const void *par, const pdyn_batch *b, int first, int last,
-                             double *axis) {
-    (void)par;
-    for (int e = first; e < last; e++, axis += 4)
-        vec3_axis_length(axis, b->u + 3 * e, ((const double *)b->data)[e]);
+WIDE static void tangent_bends(const void *par, const pdyn_batch *b, int first, int last,
+                               double *axis) {
+    rest_length_tangent(par, b, first, last, axis);
 }
 
-/* Flat at rest. */
+/* True for a sheet that is flat at rest: p = 0 and J = 0. */
 static bool linear(const void *par, const pdyn_batch *b) {
     (void)par;
     for (int e = 0; e < b->elements; e++)
@@ -74,11 +75,6 @@ static bool linear(const void *par, const pdyn_batch *b) {
 }
 
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
-
-static void hold(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
-}
 
 const pdyn_constraint_type pdyn_constraint_bending = {
     .name = "bending",
@@ -92,8 +88,8 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .select = select,
     .weight = weight,
     .project = project_bends,
-    .tangent_rank1 = axial_bends,
+    .tangent_rank1 = tangent_bends,
     .linear = linear,
     .damping = damping,
-    .damping_rest = hold,
+    .damping_rest = rest_length_hold,
 };

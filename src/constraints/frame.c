@@ -4,14 +4,13 @@
 
 struct frame frame_of(const pdyn_body *body, int t) {
     struct frame f;
-    double at[3][2] = {{0}}, edge[3], other[3];
+    double at[3][2] = {{0}}, other[3]; /* corners in the plane; second side */
     const double *p[3];
     for (int k = 0; k < 3; k++) p[k] = body->rest + 3 * (size_t)body->triangle[3 * t + k];
-    for (int a = 0; a < 3; a++) edge[a] = p[1][a] - p[0][a], other[a] = p[2][a] - p[0][a];
-    double length = vec3_length(edge);
-    vec3_cross(f.axis[2], edge, other);
-    f.area = 0.5 * vec3_length(f.axis[2]);
-    for (int a = 0; a < 3; a++) f.axis[0][a] = edge[a] / length, f.axis[2][a] /= 2.0 * f.area;
+    vec3_subtract(f.axis[0], p[1], p[0]), vec3_subtract(other, p[2], p[0]);
+    vec3_cross(f.axis[2], f.axis[0], other);
+    f.area = 0.5 * vec3_normalise(f.axis[2]);
+    double length = vec3_normalise(f.axis[0]);
     vec3_cross(f.axis[1], f.axis[2], f.axis[0]);
     at[1][0] = length;
     for (int a = 0; a < 2; a++) at[2][a] = vec3_dot(f.axis[a], other);

@@ -1,4 +1,6 @@
-/* A triangle of the rest shape, in its own plane. */
+/* Geometry of a triangle of the rest shape in a coordinate system of its plane:
+ *
+ *     x: along the side from corner 0 to corner 1,   z: normal,   y = z x x */
 #ifndef PDYN_FRAME_H
 #define PDYN_FRAME_H
 
@@ -6,10 +8,13 @@
 
 struct frame {
     double area;           /* m^2 */
-    double axis[3][3];     /* x along the first side, y, normal; of length 1, in space */
-    double gradient[3][2]; /* 1/m: of the linear functions that are 1 at one corner */
-    double outward[3][2];  /* m: normal of the side opposite to a corner, as long as the side */
+    double axis[3][3];     /* unit vectors x, y, z in space */
+    double gradient[3][2]; /* of the barycentric coordinate of each corner, 1/m */
+    double outward[3][2];  /* outward normal of the side opposite to each corner, as long as the
+                              side, m */
 };
+
+/* Triangle t of a surface. */
 
 struct frame frame_of(const pdyn_body *body, int t);
 

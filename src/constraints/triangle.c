@@ -1,11 +1,14 @@
-/* In-plane strain of a sheet (Bouaziz et al. 2014, section 5.1). u is the deformation gradient of a
- * triangle by columns, times the root of its area; its projection has the same directions and its
- * singular values, the principal stretches, clamped to a range. With the weight Y the energy is
- * Y/2 A sum (s_i - clamped s_i)^2: a sheet of Young's modulus times thickness Y without Poisson's
- * effect, whatever the mesh. */
+/* In-plane strain of a sheet (Bouaziz et al. 2014, section 5.1). u = sqrt(A) F: the 3 x 2
+ * deformation gradient F of a triangle of area A, column by column. With the singular values of F,
+ * the principal stretches s_i, and w = Y,
+ *
+ *     u = sqrt(A) sum_i s_i l_i r_i',     p = sqrt(A) sum_i clamp(s_i, shortest, longest) l_i r_i'
+ *     E = Y/2 A sum_i (s_i - clamp(s_i))^2
+ *
+ * That is a sheet of Young's modulus times thickness Y without Poisson's effect, on any mesh. */
 #include "frame.h"
 
-#include "projdyn/vec3.h"
+#include "projdyn/svd3.h"
 
 #include <string.h>
 
@@ -24,7 +27,7 @@ static const pdyn_param params[] = {
      "stress grows with strain + damping x rate of strain"},
     {0}};
 
-struct range { /* of the two principal stretches; times the root of the area, m */
+struct range { /* bounds of the two principal stretches times sqrt(A), m */
     double low[2], high[2];
 };
 
@@ -53,24 +56,13 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
         b->weight[t] = ((const struct params *)par)->stretching_stiffness;
 }
 
-/* u = sum of stretch_i left_i right_i', the larger stretch first; left_2 is normal to both others.
- * Where a stretch is nothing, its direction is any. */
+/* u = sum_i stretch_i left_i right_i', the larger stretch first; left[2] is the normal of the
+ * deformed triangle. The left vector of a stretch of 0 is any unit vector normal to the others. */
 struct principal {
     double stretch[2], right[2][2], left[3][3];
 };
 
-static void any_across(const double *a, double *out) {
-    int least = fabs(a[0]) < fabs(a[1]) ? 0 : 1;
-    if (fabs(a[2]) < fabs(a[least])) least = 2;
-    vec3_cross(out, a, (double[3]){least == 0, least == 1, least == 2});
-}
-
-static bool make_unit(double *a) {
-    double length = vec3_length(a);
-    for (int k = 0; k < 3; k++) a[k] = length > 0.0 ? a[k] / length : 0.0;
-    return length > 0.0;
-}
-
+/* From the eigenvectors of the 2 x 2 matrix u' u. */
 static struct principal principal_of(const double *u) {
     struct principal s;
     double xx = vec3_dot(u, u), xy = vec3_dot(u, u + 3), yy = vec3_dot(u + 3, u + 3);
@@ -81,14 +73,13 @@ static struct principal principal_of(const double *u) {
         for (int k = 0; k < 3; k++) s.left[i][k] = s.right[i][0] * u[k] + s.right[i][1] * u[3 + k];
         s.stretch[i] = vec3_length(s.left[i]);
     }
-    if (!make_unit(s.left[0])) s.left[0][0] = 1.0;
-    vec3_add(s.left[1], -vec3_dot(s.left[0], s.left[1]), s.left[0]);
-    if (!make_unit(s.left[1])) any_across(s.left[0], s.left[1]), make_unit(s.left[1]);
+    if (vec3_normalise(s.left[0]) == 0.0) s.left[0][0] = 1.0;
+    svd3_make_normal(s.left[1], s.left[0], 0.0);
     vec3_cross(s.left[2], s.left[0], s.left[1]);
     return s;
 }
 
-/* Stretch i, brought into its range. */
+/* Stretch i clamped to its range. */
 static double clamp(const struct range *range, int i, double stretch) {
     return fmin(fmax(stretch, range->low[i]), range->high[i]);
 }
@@ -106,8 +97,8 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
     }
 }
 
-/* J += factor m m', m = a x' + sign b y' brought to length 1; a, b are in space, x, y in the plane
- */
+/* J += factor m m' with the unit 6-vector m of a x' + sign b y'; a, b: unit vectors in space, x, y:
+ * in the plane of the rest shape, sign: 0 for a x' alone. The factor is clamped to [0, 1]. */
 static void add_mode(double *J, double factor, const double *a, const double *x, double sign,
                      const double *b, const double *y) {
     double m[6];
@@ -117,8 +108,13 @@ static void add_mode(double *J, double factor, const double *a, const double *x,
         for (int j = 0; j < 6; j++) J[6 * i + j] += factor * m[i] * m[j];
 }
 
-/* How the projection follows u: along each principal direction, as the principal directions turn in
- * the plane and in space, and as the plane turns; each clamped to a contraction. */
+/* J = dp/du by its eigenvectors, with a, b: left[0], left[1], n: left[2], x, y: right[0], right[1]
+ * and p_i = clamp(s_i) (the differential of a singular value decomposition):
+ *
+ *     a x', b y'           one stretch changes:     1 inside its range, 0 outside
+ *     a y' - b x'          rotation in the plane:   (p_0 + p_1) / (s_0 + s_1)
+ *     a y' + b x'          shear:                   (p_0 - p_1) / (s_0 - s_1)
+ *     n x', n y'           the plane tilts:         p_i / s_i */
 static void tangent_of(const struct principal *s, const struct range *range, double *J) {
     double p[2], sum = s->stretch[0] + s->stretch[1], gap = s->stretch[0] - s->stretch[1];
     for (int i = 0; i < 2; i++) p[i] = clamp(range, i, s->stretch[i]);

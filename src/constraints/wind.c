@@ -1,11 +1,14 @@
-/* Wind on a sheet, and its drag in air at rest: on each triangle the pressure
+/* Pressure of moving air on a sheet, and drag of a sheet in air at rest. On each triangle
  *
- *     1/2 rho drag |w_n| w_n,   w_n = n . (wind - v),
+ *     pressure = 1/2 rho drag |w_n| w_n along the normal n,     w_n = n . (wind - v)
  *
- * along its normal n. n and |w_n| are those of the beginning of the step, v is that of its end: so
- * drag is stable on the lightest sheet. u are the corners; the projection moves each along n to
- * where it would be if it went with the wind. The weight is what pushes a corner, per speed and
- * step. */
+ * n and |w_n| are taken at the beginning of the step, v at its end: the drag is implicit and stable
+ * for a sheet of any mass. u: the three corners x_c of a triangle of area A,
+ *
+ *     p_c = u_c + n (n . (x_c + h wind) - n . u_c),     w = 1/2 rho drag |w_n| A / (3 h)
+ *
+ * with x_c at the beginning of the step: p_c is where the corner would be along n if it moved with
+ * the air. J = I - n n' for each corner. */
 #include "projdyn/module.h"
 #include "projdyn/vec3.h"
 
@@ -22,10 +25,11 @@ static const pdyn_param params[] = {
      "pressure on the sheet over 1/2 air_density w^2, w the speed of the air across it"},
     {0}};
 
-struct air {
-    double normal[3]; /* of length 1; 0 before the first step */
-    double with[3];   /* m: where each corner would be along the normal, if it went with the wind */
-    double push;      /* N s/m: force on a corner over its speed across the air */
+struct triangle_wind { /* data of an element, set at the beginning of a step */
+    double normal[3];  /* unit normal n; 0 before the first step and for a triangle without area */
+    double target[3];  /* n . (x_c + h wind) for each corner c, m */
+    double resistance; /* 1/2 rho drag |w_n| A / 3: force on a corner over its speed along n
+                          relative to the air, N s/m */
 };
 
 static int elements(const void *par, const pdyn_body *body) {
@@ -41,42 +45,40 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
 
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int t = first; t < last; t++) b->weight[t] = ((const struct air *)b->data)[t].push / b->h;
+    for (int t = first; t < last; t++)
+        b->weight[t] = ((const struct triangle_wind *)b->data)[t].resistance / b->h;
 }
 
-/* p are the velocities of the corners. */
+/* u: positions, p: velocities of the corners at the beginning of the step. */
 static void begin(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
     for (int t = first; t < last; t++) {
         const double *x = b->u + 9 * t, *v = b->p + 9 * t;
-        struct air *air = (struct air *)b->data + t;
-        double side[3], other[3], speed = 0.0;
-        for (int k = 0; k < 3; k++) side[k] = x[3 + k] - x[k], other[k] = x[6 + k] - x[k];
-        vec3_cross(air->normal, side, other);
-        double twice = vec3_length(air->normal), wind = 0.0;
-        for (int k = 0; k < 3; k++) air->normal[k] = twice > 0.0 ? air->normal[k] / twice : 0.0;
-        wind = vec3_dot(air->normal, q->velocity);
+        struct triangle_wind *d = (struct triangle_wind *)b->data + t;
+        vec3_normal(d->normal, x, x + 3, x + 6);
+        double area = 0.5 * vec3_normalise(d->normal), wind = vec3_dot(d->normal, q->velocity);
+        double speed = 0.0; /* w_n at the centroid, m/s */
         for (int c = 0; c < 3; c++) {
-            speed += (wind - vec3_dot(air->normal, v + 3 * c)) / 3.0;
-            air->with[c] = vec3_dot(air->normal, x + 3 * c) + b->h * wind;
+            speed += (wind - vec3_dot(d->normal, v + 3 * c)) / 3.0;
+            d->target[c] = vec3_dot(d->normal, x + 3 * c) + b->h * wind;
         }
-        air->push = 0.5 * q->air_density * q->drag * (0.5 * twice) * fabs(speed) / 3.0;
+        d->resistance = 0.5 * q->air_density * q->drag * area * fabs(speed) / 3.0;
     }
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int r = 3 * first; r < 3 * last; r++) {
-        const struct air *air = (const struct air *)b->data + r / 3;
-        double behind = air->with[r % 3] - vec3_dot(air->normal, b->u + 3 * r);
-        for (int k = 0; k < 3; k++) b->p[3 * r + k] = b->u[3 * r + k] + behind * air->normal[k];
+        const struct triangle_wind *d = (const struct triangle_wind *)b->data + r / 3;
+        double behind = d->target[r % 3] - vec3_dot(d->normal, b->u + 3 * r);
+        for (int k = 0; k < 3; k++) b->p[3 * r + k] = b->u[3 * r + k] + behind * d->normal[k];
     }
 }
 
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
     (void)par;
     for (int t = first; t < last; t++, J += 81) {
-        const double *n = ((const struct air *)b->data)[t].normal;
+        const double *n = ((const struct triangle_wind *)b->data)[t].normal;
         for (int c = 0; c < 9; c += 3)
             for (int i = 0; i < 3; i++)
                 for (int j = 0; j < 3; j++) J[9 * (c + i) + c + j] = (i == j) - n[i] * n[j];
@@ -89,7 +91,7 @@ const pdyn_constraint_type pdyn_constraint_wind = {
     .flags = PDYN_ON_SURFACE | PDYN_ANCHORED | PDYN_LOSSY,
     .params_size = sizeof(struct params),
     .params = params,
-    .data_size = sizeof(struct air),
+    .data_size = sizeof(struct triangle_wind),
     .elements = elements,
     .rows = 3,
     .width = 1,
