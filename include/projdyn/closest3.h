@@ -1,10 +1,10 @@
-/* The point of a triangle that is closest to another point. */
+/* The point of a triangle closest to a given point, in barycentric coordinates. */
 #ifndef PROJDYN_CLOSEST3_H
 #define PROJDYN_CLOSEST3_H
 
 #include "vec3.h"
 
-/* |x - sum w_k corner_k|^2 */
+/* |x - sum_k w_k corner_k|^2 */
 static inline double closest3_squared(const double *x, const double *const corner[3],
                                       const double w[3]) {
     double u[3] = {x[0], x[1], x[2]};
@@ -12,17 +12,17 @@ static inline double closest3_squared(const double *x, const double *const corne
     return vec3_dot(u, u);
 }
 
-/* a / b, from 0 to 1 */
+/* a / b clamped to [0, 1]; 0 for b <= 0 */
 static inline double closest3_clamped(double a, double b) {
     return a <= 0.0 || b <= 0.0 ? 0.0 : a < b ? a / b : 1.0;
 }
 
-/* The closest point of the side from corner i to corner j, where it is closer than what w says. */
+/* Finds the point closest to x on the side from corner i to corner j. If its squared distance is
+ * below *best, sets *best to that and w to the barycentric coordinates of the point. */
 static inline void closest3_try_side(const double *x, const double *const corner[3], int i, int j,
                                      double *best, double w[3]) {
-    double ab[3] = {0}, ap[3] = {0}, on[3] = {0};
-    vec3_add(ab, 1.0, corner[j]), vec3_add(ab, -1.0, corner[i]);
-    vec3_add(ap, 1.0, x), vec3_add(ap, -1.0, corner[i]);
+    double ab[3], ap[3], on[3] = {0};
+    vec3_subtract(ab, corner[j], corner[i]), vec3_subtract(ap, x, corner[i]);
     on[j] = closest3_clamped(vec3_dot(ap, ab), vec3_dot(ab, ab));
     on[i] = 1.0 - on[j];
     double d = closest3_squared(x, corner, on);
@@ -31,14 +31,14 @@ static inline void closest3_try_side(const double *x, const double *const corner
     for (int k = 0; k < 3; k++) w[k] = on[k];
 }
 
-/* Weights of the corners, which sum to 1, of the point closest to x; returns the squared distance.
- * Inside by the signs of three areas; else on one of the sides, as in a triangle of no area. */
+/* Sets w to the barycentric coordinates of the point of the triangle closest to x and returns the
+ * squared distance. The signs of three areas tell whether the closest point is inside; otherwise,
+ * and for a triangle without area, it is the closest point of the three sides. */
 static inline double closest3_triangle(const double *x, const double *const corner[3],
                                        double w[3]) {
-    double ab[3] = {0}, ac[3] = {0}, ap[3] = {0}, best = INFINITY;
-    vec3_add(ab, 1.0, corner[1]), vec3_add(ab, -1.0, corner[0]);
-    vec3_add(ac, 1.0, corner[2]), vec3_add(ac, -1.0, corner[0]);
-    vec3_add(ap, 1.0, x), vec3_add(ap, -1.0, corner[0]);
+    double ab[3], ac[3], ap[3], best = INFINITY;
+    vec3_subtract(ab, corner[1], corner[0]), vec3_subtract(ac, corner[2], corner[0]);
+    vec3_subtract(ap, x, corner[0]);
     double bb = vec3_dot(ab, ab), bc = vec3_dot(ab, ac), cc = vec3_dot(ac, ac);
     double pb = vec3_dot(ap, ab), pc = vec3_dot(ap, ac);
     double area = bb * cc - bc * bc, b = cc * pb - bc * pc, c = bb * pc - bc * pb;

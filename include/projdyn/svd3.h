@@ -1,17 +1,19 @@
-/* Singular values of 3 x 3 matrices, for constraints on deformation gradients. */
+/* Singular value decomposition of 3 x 3 matrices, for constraints on deformation gradients. */
 #ifndef PROJDYN_SVD3_H
 #define PROJDYN_SVD3_H
 
 #include "vec3.h"
 
-/* F = sum of s_i left_i right_i', both triples right-handed: s[2] has the sign of det F, and
- * s[0] >= s[1] >= |s[2]|. Where a value is nothing, its directions are any. */
+/* F = sum_i s_i left_i right_i' with s[0] >= s[1] >= |s[2]|. Both triples of unit vectors are
+ * right-handed, so s[2] has the sign of det F. The left vector of s_i = 0 is any unit vector normal
+ * to the others. */
 typedef struct svd3 {
     double s[3], left[3][3], right[3][3];
 } svd3;
 
-/* Rotates axes i and j of the symmetric A such that A_ij = 0, and the directions with it: Jacobi's
- * rotation by the smaller of two angles, tan = t (Golub and Van Loan, Matrix Computations, 8.5). */
+/* A Jacobi rotation of axes i and j: makes A_ij of the symmetric A zero and rotates the rows i and
+ * j of `right`. Of the two angles the smaller, tan = t (Golub and Van Loan, Matrix
+ * Computations, 8.5). */
 static inline void svd3_rotate(double A[3][3], int i, int j, double right[3][3]) {
     if (A[i][j] == 0.0) return;
     double ratio = (A[j][j] - A[i][i]) / (2.0 * A[i][j]);
@@ -28,8 +30,8 @@ static inline void svd3_rotate(double A[3][3], int i, int j, double right[3][3])
     }
 }
 
-/* a -= (a . b) b for a unit b; then a is brought to length 1, along any other way if it is nothing.
- */
+/* Makes a the unit vector along a - (a . b) b, b a unit vector. If the length of that is at most
+ * `least`, a becomes some unit vector normal to b. */
 static inline void svd3_make_normal(double *a, const double *b, double least) {
     vec3_add(a, -vec3_dot(a, b), b);
     double length = vec3_length(a);
@@ -42,7 +44,8 @@ static inline void svd3_make_normal(double *a, const double *b, double least) {
     for (int k = 0; k < 3; k++) a[k] /= length;
 }
 
-/* F by columns: F[3 * c + k] is entry (k, c). */
+/* Decomposes F, column by column: F[3 * c + k] is entry (k, c). The right vectors are the
+ * eigenvectors of F' F, by Jacobi rotations: at most eight sweeps, to rounding errors. */
 static inline svd3 svd3_of(const double *F) {
     static const double unit[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     svd3 d;
@@ -57,7 +60,7 @@ static inline svd3 svd3_of(const double *F) {
         if (fabs(A[0][1]) + fabs(A[0][2]) + fabs(A[1][2]) <= rounding) break;
         for (int k = 0; k < 3; k++) svd3_rotate(A, k < 2 ? 0 : 1, k < 1 ? 1 : 2, right);
     }
-    for (int k = 0; k < 3; k++) { /* the largest first: 3 exchanges sort 3 numbers */
+    for (int k = 0; k < 3; k++) { /* descending: 3 exchanges sort 3 numbers */
         int i = k == 1 ? 1 : 0, high = order[i + 1];
         if (A[order[i]][order[i]] < A[high][high]) order[i + 1] = order[i], order[i] = high;
     }
@@ -77,7 +80,7 @@ static inline svd3 svd3_of(const double *F) {
     return d;
 }
 
-/* F by columns from its parts, with other singular values. */
+/* F = sum_i s_i left_i right_i', column by column, with the vectors of d and the values s. */
 static inline void svd3_compose(const svd3 *d, const double s[3], double *F) {
     for (int c = 0; c < 3; c++)
         for (int k = 0; k < 3; k++) {

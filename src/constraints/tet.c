@@ -1,14 +1,15 @@
-/* Strain and volume of a soft solid (Bouaziz et al. 2014, sections 5.1 and 5.2). u is the
- * deformation gradient F of a tetrahedron by columns, times the root of its volume V; its
- * projection has the same directions and other singular values s:
+/* Strain and volume of a soft solid (Bouaziz et al. 2014, sections 5.1 and 5.2). u = sqrt(V) F: the
+ * deformation gradient F of a tetrahedron of volume V, column by column. The projection changes the
+ * singular values s of F, the principal stretches, and leaves the singular vectors:
  *
- *     strain: each s_i clamped to a range           energy  E/2 V sum (s_i - clamped s_i)^2
- *     volume: the closest s with s_1 s_2 s_3 = det F clamped to a range       with weight K
+ *     strain:  s_i -> clamp(s_i, shortest, longest)                w = E
+ *     volume:  s -> the closest p with                             w = K
+ *              p_1 p_2 p_3 = clamp(det F, smallest, largest)
  *
- * so a rod of Young's modulus E gives way as it should where K is 0 (without Poisson's effect), and
- * for small strains the volume adds K/6 V (tr strain)^2. A tetrahedron that is turned inside out
- * has a negative s_3, and both projections lead back. Elements: the strain of all tetrahedra, then
- * their volumes, if these have a stiffness. */
+ * so the strain energy is E/2 V sum_i (s_i - clamp(s_i))^2: a rod has Young's modulus E where K is
+ * 0 (without Poisson's effect). For small strains the volume adds the energy K/6 V (tr strain)^2.
+ * s_3 < 0 for an inverted tetrahedron, which both projections turn back. Elements: the strain of
+ * every tetrahedron, then the volume of every tetrahedron if K > 0. */
 #include "projdyn/module.h"
 #include "projdyn/svd3.h"
 
@@ -35,12 +36,12 @@ static const pdyn_param params[] = {
      "stress grows with strain + damping x rate of strain"},
     {0}};
 
-struct target {             /* what the singular values of u are brought to */
-    double low[3], high[3]; /* strain */
-    double least, most;     /* volume: of their product */
+struct target {             /* bounds of the singular values of u */
+    double low[3], high[3]; /* strain: of each value, m^(3/2) */
+    double least, most;     /* volume: of the product, m^(9/2) */
 };
 
-/* Element e is about this tetrahedron; those from `tets` on are about volumes. */
+/* Elements 0 to tets - 1 are the strains, elements from tets on the volumes of the tetrahedra. */
 static int tet_of(const pdyn_batch *b, int e) { return e % b->body->tets; }
 static bool is_volume(const pdyn_batch *b, int e) { return e >= b->body->tets; }
 
@@ -48,13 +49,12 @@ static int elements(const void *par, const pdyn_body *body) {
     return (((const struct params *)par)->volume_stiffness > 0.0 ? 2 : 1) * body->tets;
 }
 
-/* The gradients of the corners' barycentric coordinates at rest, 1/m. */
+/* Gradients of the four barycentric coordinates in the rest shape, 1/m. */
 static void gradients_of(const pdyn_body *body, int t, double g[4][3]) {
     const int *c = body->tet + 4 * (size_t)t;
     double side[3][3];
-    for (int k = 0; k < 9; k++)
-        side[k / 3][k % 3] =
-            body->rest[3 * (size_t)c[1 + k / 3] + k % 3] - body->rest[3 * (size_t)c[0] + k % 3];
+    for (int k = 0; k < 3; k++)
+        vec3_subtract(side[k], body->rest + 3 * (size_t)c[1 + k], body->rest + 3 * (size_t)c[0]);
     for (int k = 0; k < 3; k++) {
         vec3_cross(g[1 + k], side[(k + 1) % 3], side[(k + 2) % 3]);
         for (int a = 0; a < 3; a++) g[1 + k][a] /= 6.0 * body->tet_volume[t];
@@ -89,18 +89,20 @@ static double clamp(double value, double low, double high) { return fmin(fmax(va
 
 static double product(const double s[3]) { return s[0] * s[1] * s[2]; }
 
-/* Derivatives of the product. */
+/* Gradient of product(s). */
 static void product_gradient(const double s[3], double g[3]) {
     for (int i = 0; i < 3; i++) g[i] = s[(i + 1) % 3] * s[(i + 2) % 3];
 }
 
-/* The closest p to s whose product is c: p = s - l g(p), by steps to the tangent plane. */
+/* The point p closest to s with product(p) = c: p = s + l g(p), g the gradient of the product
+ * (Bouaziz et al. 2014, appendix). Each iteration projects s to the tangent plane of
+ * product = c at p; it ends at a relative change of 1e-14. */
 static void onto_product(const double s[3], double c, double p[3]) {
     memcpy(p, s, 3 * sizeof *p);
     for (int k = 0; k < 100; k++) {
-        double g[3], d[3], before[3];
+        double g[3], d[3], before[3] = {p[0], p[1], p[2]};
         product_gradient(p, g);
-        for (int i = 0; i < 3; i++) d[i] = p[i] - s[i], before[i] = p[i];
+        vec3_subtract(d, p, s);
         double squares = vec3_dot(g, g);
         if (!(squares > 0.0)) return;
         double l = (vec3_dot(g, d) + c - product(p)) / squares;
@@ -109,13 +111,13 @@ static void onto_product(const double s[3], double c, double p[3]) {
     }
 }
 
-/* The singular values of p from those of u. */
+/* Singular values p of the projection of element e from the singular values s of u. */
 static void project_values(const pdyn_batch *b, int e, const double s[3], double p[3]) {
     const struct target *target = (const struct target *)b->data + e;
-    double now = product(s), c = clamp(now, target->least, target->most);
+    double volume = product(s), c = clamp(volume, target->least, target->most);
     if (!is_volume(b, e))
         for (int i = 0; i < 3; i++) p[i] = clamp(s[i], target->low[i], target->high[i]);
-    else if (c == now) memcpy(p, s, 3 * sizeof *p);
+    else if (c == volume) memcpy(p, s, 3 * sizeof *p);
     else onto_product(s, c, p);
 }
 
@@ -131,22 +133,30 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
 
 /* ---- tangent --------------------------------------------------------------------------------- */
 
-/* J += factor m m', m = left_a right_c' + sign left_c right_a' brought to length 1; as numbers of
- * u, by columns */
+/* J += factor m m'; m: 9 numbers, as u column by column */
+static void add_outer_product(double *J, double factor, const double m[9]) {
+    for (int i = 0; i < 9; i++)
+        for (int j = 0; j < 9; j++) J[9 * i + j] += factor * m[i] * m[j];
+}
+
+/* J += factor m m' with the unit vector m of left_a right_c' + sign left_c right_a'. The factor is
+ * clamped to [0, 1]. */
 static void add_mode(double *J, const svd3 *d, double factor, int a, int c, double sign) {
     double m[9];
     factor = clamp(factor, 0.0, 1.0) / (a == c ? 1.0 : 2.0);
     for (int k = 0; k < 9; k++)
         m[k] = d->left[a][k % 3] * d->right[c][k / 3] +
                (a == c ? 0.0 : sign * d->left[c][k % 3] * d->right[a][k / 3]);
-    for (int i = 0; i < 9; i++)
-        for (int j = 0; j < 9; j++) J[9 * i + j] += factor * m[i] * m[j];
+    add_outer_product(J, factor, m);
 }
 
-/* How p follows s on the surface product = c, s - p = l g(p), H the second derivatives: in the
- * tangent plane, ds = (I + l H) dp. The two principal directions, and what they take of ds. */
-static void follow_product(const double s[3], const double p[3], double way[2][3], double part[2]) {
-    double g[3], d[3] = {s[0] - p[0], s[1] - p[1], s[2] - p[2]}, bend[2][2];
+/* dp/ds on the surface product = c with s = p + l g(p): in the tangent plane ds = (I + l B) dp, B
+ * the second derivatives of the product. way: the two unit eigenvectors of dp/ds there, part: their
+ * eigenvalues. Along the normal g, dp/ds is 0. */
+static void product_tangent(const double s[3], const double p[3], double way[2][3],
+                            double part[2]) {
+    double g[3], d[3], bend[2][2]; /* bend: l B in the basis way */
+    vec3_subtract(d, s, p);
     product_gradient(p, g);
     double length = vec3_length(g), l = length > 0.0 ? vec3_dot(d, g) / (length * length) : 0.0;
     for (int i = 0; i < 3; i++) g[i] = length > 0.0 ? g[i] / length : i == 0;
@@ -170,24 +180,27 @@ static void follow_product(const double s[3], const double p[3], double way[2][3
     part[0] = 1.0 / (1.0 + middle + apart), part[1] = 1.0 / (1.0 + middle - apart);
 }
 
-/* J += sum of part_k m_k m_k', m_k = sum of way_i left_i right_i' */
+/* J += sum_k part_k m_k m_k', m_k = sum_i way_k,i left_i right_i'; factors are clamped to [0, 1].
+ */
 static void add_ways(double *J, const svd3 *d, double way[2][3], const double part[2]) {
     for (int w = 0; w < 2; w++) {
         double m[9], factor = part[w] > 0.0 ? fmin(part[w], 1.0) : 1.0;
         svd3_compose(d, way[w], m);
-        for (int i = 0; i < 9; i++)
-            for (int j = 0; j < 9; j++) J[9 * i + j] += factor * m[i] * m[j];
+        add_outer_product(J, factor, m);
     }
 }
 
-/* As the principal stretches change, and as their directions turn, each clamped to a contraction.
- */
+/* J = dp/du by its eigenvectors, each eigenvalue clamped to [0, 1]: changes of the singular values
+ * (dp/ds), then, for each pair of singular directions i and j,
+ *
+ *     left_i right_j' - left_j right_i'    rotation:   (p_i + p_j) / (s_i + s_j)
+ *     left_i right_j' + left_j right_i'    shear:      (p_i - p_j) / (s_i - s_j) */
 static void tangent_of(const pdyn_batch *b, int e, const svd3 *d, double *J) {
     double p[3], way[2][3], part[2];
     const double *s = d->s;
     project_values(b, e, s, p);
     if (is_volume(b, e) && memcmp(p, s, sizeof p)) {
-        follow_product(s, p, way, part);
+        product_tangent(s, p, way, part);
         add_ways(J, d, way, part);
     } else
         for (int i = 0; i < 3; i++) add_mode(J, d, p[i] == s[i], i, i, 0.0);
