@@ -1,19 +1,18 @@
-/* The fluid: a density constraint for every fluid particle i over itself and its neighbours j
- * (Weiler, Koschier, Bender 2016, eq. 6-9),
+/* Incompressible fluid: one density constraint per particle i over the particle and its neighbours
+ * j (Weiler, Koschier, Bender 2016, eq. 6-9), with rest volumes V,
  *
- *     C_i(x) = max(0, sum_j V_j W(x_i - x_j) - 1),      V: rest volumes, of boundary samples too
+ *     C_i(x) = sum_j V_j W(x_i - x_j) - 1 <= 0,      E = k_i/2 max(0, C_i)^2
+ *     p = u - (k_i / w) C_i grad C_i,                k_i = w / |grad C_i|^2, bounded (fluid.h)
+ *     J = I - (k_i / w) grad C_i grad C_i'           where C_i > 0; elsewhere p = u and J = I
  *
- * with the energy k_i / 2 C_i^2. With u all particles of the constraint, the projection is the
- * first step of the paper's Newton iteration, p = u - (k_i / w) C grad C, and k_i = w / |grad C|^2
- * within bounds (fluid.h): w / 2 |u - p|^2 is that energy to first order, and w (u - p) its exact
- * gradient while k_i is constant. The operator, which the simulation uses (fluid_operator.c),
- * therefore takes k_i from the end of the step before. The rows here take it from u; they serve
- * assembly, and to check the operator against.
+ * u: positions of i and of all moving neighbours. p is the first Newton step of that paper. To
+ * first order w/2 |u - p|^2 = E; its gradient w (u - p) is exact while k_i is constant. eps = 1
+ * gives the paper's diagonal D = I.
  *
- * The tangent J = I - (k / w) grad C grad C' couples the fluid along the normals of the
- * constraints; eps = 1 is the paper's D = I, a diagonal. Samples of cloth have a volume and
- * neighbours, but no constraint of their own; static boundary samples enter the density alone
- * (Akinci et al. 2012). */
+ * Simulations use the matrix-free operator (fluid_operator.c), with k_i of the previous step. The
+ * rows of this file take k_i from u. They serve solvers that assemble H, and check the operator.
+ * Samples of surfaces have volumes and neighbours but no constraint; static boundary points only
+ * add density (Akinci et al. 2012). */
 #include "fluid.h"
 
 #include "projdyn/vec3.h"
@@ -21,11 +20,11 @@
 
 #include <string.h>
 
-enum { MOST_ROWS = 2048 }; /* of one constraint */
+enum { MAX_ROWS = 2048 }; /* of one constraint; with more, C counts as 0 */
 
 static const pdyn_param params[] = {
     {"stiffness", PDYN_REAL, offsetof(struct fluid_params, stiffness), false, 1e6, 0,
-     FLUID_STIFFEST, "N/m",
+     FLUID_MAX_STIFFNESS, "N/m",
      "weight of the density constraint: force per distance from the uncompressed state"},
     {"compression", PDYN_REAL, offsetof(struct fluid_params, compression), false, 0, 1e-9, 0.5, "1",
      "relative density error at the bottom of the fluid at rest; instead of stiffness"},
@@ -44,7 +43,7 @@ static int elements(const void *par, const pdyn_body *body) {
 
 static int first_sample(const pdyn_neighbours *l) { return l->particles - l->samples; }
 
-/* A row is a particle, or a sample and thus the three corners of its triangle. */
+/* A row is one particle, or one sample: then its entries are the three corners of the triangle. */
 static void row_sizes(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     (void)par;
     const pdyn_neighbours *l = b->neighbours;
@@ -78,8 +77,8 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct fluid_params *)par)->stiffness;
 }
 
-/* C of element e with its copies at p (rows x 3, its own first), and grad C into g, rows x 3. Pairs
- * are rounded as the operator keeps them. */
+/* Returns C of element e at the positions p (rows x 3, particle e first); g: its gradient, rows x
+ * 3, 1/m. Gradients of pairs are rounded to float, as the operator stores them. */
 static double row_density(const pdyn_batch *b, int e, const double *p, double *g) {
     const pdyn_neighbours *l = b->neighbours;
     struct kernel kernel = fluid_kernel(b->body);
@@ -102,11 +101,11 @@ static double row_density(const pdyn_batch *b, int e, const double *p, double *g
             particle ? kernel_slope(&kernel, r) : surface_kernel_slope(&surface, squared);
         c += volume * value, slope *= volume;
         for (int a = 0; a < 3; a++) {
-            /* gcc 12 leaves out a conversion to float and back where it works on two numbers */
+            /* volatile: gcc 12 drops the conversion to float and back in vectorised code */
             volatile float narrow = (float)(slope * d[a]);
-            double kept = (double)narrow;
-            g[a] += kept;
-            if (k < moving) g[3 * (1 + k) + a] = -kept;
+            double rounded = (double)narrow;
+            g[a] += rounded;
+            if (k < moving) g[3 * (1 + k) + a] = -rounded;
         }
     }
     return c;
@@ -118,18 +117,18 @@ static double squares_of(const double *g, int n) {
     return sum;
 }
 
-/* C of element e at u, its gradient into g (rows x 3). Returns k, or 0 where it is not active. */
+/* *c, g: C of element e at u and its gradient (rows x 3). Returns k, N m; 0 for C <= 0. */
 static double linearise(const struct fluid_params *par, const pdyn_batch *b, int e, double *c,
                         double *g) {
     int row = b->element_row[e], n = 3 * (b->element_row[e + 1] - row);
-    *c = n > 3 * MOST_ROWS ? 0.0 : row_density(b, e, b->u + 3 * row, g);
+    *c = n > 3 * MAX_ROWS ? 0.0 : row_density(b, e, b->u + 3 * row, g);
     return *c > 0.0
                ? fluid_energy_stiffness(par->stiffness, squares_of(g, n), 2.0 * b->body->radius)
                : 0.0;
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
-    double w = ((const struct fluid_params *)par)->stiffness, g[3 * MOST_ROWS], c;
+    double w = ((const struct fluid_params *)par)->stiffness, g[3 * MAX_ROWS], c;
     for (int e = first; e < last; e++) {
         int row = b->element_row[e], n = 3 * (b->element_row[e + 1] - row);
         double k = linearise(par, b, e, &c, g);
@@ -139,7 +138,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
 }
 
 static double energy(const void *par, const pdyn_batch *b, int first, int last) {
-    double g[3 * MOST_ROWS], c, sum = 0.0;
+    double g[3 * MAX_ROWS], c, sum = 0.0;
     for (int e = first; e < last; e++) {
         double k = linearise(par, b, e, &c, g);
         sum += 0.5 * k * c * c;
@@ -147,9 +146,9 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     return sum;
 }
 
-/* J = I - (k / w) grad C grad C' where the constraint is active, otherwise I; clamped */
+/* J = I - min(k / w, 1 / |grad C|^2) grad C grad C': no eigenvalue is below 0. */
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
-    double w = ((const struct fluid_params *)par)->stiffness, g[3 * MOST_ROWS], c;
+    double w = ((const struct fluid_params *)par)->stiffness, g[3 * MAX_ROWS], c;
     for (int e = first; e < last; e++) {
         int n = 3 * (b->element_row[e + 1] - b->element_row[e]);
         double k = linearise(par, b, e, &c, g), squares = k > 0.0 ? squares_of(g, n) : 0.0;

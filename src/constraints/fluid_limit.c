@@ -1,13 +1,14 @@
-/* How far particles and samples of surfaces may go without passing each other: a part of the
- * distance between the two. What surfaces add to the density tells that distance where it is below
- * a spacing, whatever points and triangles a surface has. Beyond, it is above a spacing, and above
- * the distance to a box around all of the others: a sheet that flies towards water is not held. */
+/* Step limit that keeps fluid particles and surfaces from passing through each other: a fraction of
+ * their distance. Within one particle spacing, the density that a surface adds at a particle gives
+ * the distance, whatever points and triangles the surface has. Beyond, the distance is at least the
+ * spacing, and at least the distance to a bounding box of the other party, so a sheet that flies
+ * towards water is not slowed down. */
 #include "fluid_pairs.h"
 
 #include "geometry/bvh.h"
 #include "projdyn/vec3.h"
 
-/* What the points of a part of a list add at `at`. */
+/* Density over the rest density that the listed surface points first to last - 1 add at `at`. */
 INLINE double add_areas(const struct fluid *f, const double *x, const double *at, int first,
                         int last) {
     const pdyn_neighbours *l = f->lists;
@@ -22,12 +23,12 @@ INLINE double add_areas(const struct fluid *f, const double *x, const double *at
     return sum;
 }
 
-/* Less than half: a sheet may come towards the particle. */
-static const double part_of_way = 0.45;
-/* Never less than this part of a spacing, or nothing would move where a surface is touched. */
-static const double least_way = 0.02;
+/* Fraction of the distance: below one half, as particle and surface may both approach. */
+static const double distance_fraction = 0.45;
+/* Lower bound of the limit in particle spacings: a particle that touches a surface can move. */
+static const double min_limit = 0.02;
 
-/* The box around what takes part of `count` particles from `first` on. */
+/* Bounding box of those of `count` particles from `first` on that have a volume. */
 static struct box box_around(const struct fluid *f, const double *x, int first, int count) {
     struct box box = box_empty;
     for (int i = first; i < first + count; i++)
@@ -35,11 +36,11 @@ static struct box box_around(const struct fluid *f, const double *x, int first, 
     return box;
 }
 
-/* How far a point may go that is not near to any of those in a box. */
+/* Limit for a point without listed neighbours among the points in a box, m. */
 static double way_outside(const struct box *box, const double *at, double spacing) {
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = fmax(0.0, fmax(box->min[a] - at[a], at[a] - box->max[a]));
-    return part_of_way * fmax(spacing, vec3_length(d));
+    return distance_fraction * fmax(spacing, vec3_length(d));
 }
 
 struct limit_call {
@@ -47,7 +48,7 @@ struct limit_call {
     const double *x;
     double *way;
     double spacing;
-    struct box fluid, samples; /* around these; empty without samples */
+    struct box fluid, samples; /* bounding boxes; empty without samples */
 };
 
 WIDE static void limit_block(void *arg, int first, int last, int block) {
@@ -62,13 +63,13 @@ WIDE static void limit_block(void *arg, int first, int last, int block) {
         if (samples < l->boundary_start[i] || l->patch_start[i] < l->end[i]) {
             double sum = add_areas(f, c->x, at, samples, l->boundary_start[i]) +
                          add_areas(f, c->x, at, l->patch_start[i], l->end[i]);
-            way = fmin(way, part_of_way * surface_kernel_distance(sum, c->spacing));
+            way = fmin(way, distance_fraction * surface_kernel_distance(sum, c->spacing));
         }
-        c->way[i] = fmin(c->way[i], fmax(way, least_way * c->spacing));
+        c->way[i] = fmin(c->way[i], fmax(way, min_limit * c->spacing));
     }
 }
 
-/* A sample moves no farther than the particles that it is near to: these may come towards it. */
+/* A sample gets the smallest limit of the fluid particles within the surface support. */
 static void limit_samples(void *arg, int first, int last, int block) {
     (void)block;
     const struct limit_call *c = arg;

@@ -1,32 +1,35 @@
-/* The local step of the fluid: from positions to constraints, their gradients and energies. */
+/* Local step of the fluid operator: at positions x it computes, for each fluid particle, C_i, grad
+ * C_i and the energy (fluid.c), and stores the kernel's gradient and value of each pair. Neighbours
+ * are processed in chunks, in arrays of four lanes. Also the forces on boundary points. */
 #include "fluid_pairs.h"
 
 #include "projdyn/vec3.h"
 
-enum { CHUNK = 64 }; /* neighbours looked at side by side */
+enum { CHUNK = 64 }; /* neighbours per chunk */
 
-struct near { /* neighbours inside the support, side by side */
+struct chunk { /* the neighbours of one chunk that lie within the support */
     int index[CHUNK + 4];
-    double squared[CHUNK + 4];
-    double x[CHUNK], y[CHUNK], z[CHUNK]; /* distance vector, then the pair's gradient */
-    double volume[CHUNK];                /* of the one that is no fluid, relative to a particle's */
-    double value[CHUNK], slope[CHUNK];
+    double squared[CHUNK + 4];           /* squared distance, m^2 */
+    double x[CHUNK], y[CHUNK], z[CHUNK]; /* x_i - x_j, m; round_gradients: V grad W, 1/m */
+    double volume[CHUNK];                /* minus the relative volume V, see project_sample */
+    double value[CHUNK], slope[CHUNK];   /* W times the volume of a particle; (dW/dr) / r */
 };
 
-struct sum {            /* over the neighbours of one particle i */
-    double c;           /* C_i, not clipped */
-    double gradient[3]; /* of C_i with respect to x_i, 1/m */
-    double squares;     /* |grad C_i|^2 over the moving neighbours, 1/m^2 */
-    int members;        /* fluid particles among these */
+struct sum {            /* sums over the neighbours of one particle i */
+    double c;           /* C_i, of either sign */
+    double gradient[3]; /* grad C_i with respect to x_i, 1/m */
+    double squares;     /* |grad C_i|^2 over the moving particles, 1/m^2 */
+    int members;        /* fluid particles among them */
 };
 
+/* out = at - (point `index` of x) */
 INLINE void difference(const double *x, const v4 *at, int index, v4 *out) {
     v4 row;
     memcpy(&row, x + 4 * (size_t)index, sizeof row);
     *out = *at - row;
 }
 
-/* Four points' differences from `at`, by lanes: x, y, z, volume. */
+/* Four differences, transposed: out[0] has the x of the four, then y, z and at[3] - volume. */
 INLINE void differences(const double *x, const v4 *at, const int *index, v4 out[4]) {
     v4 a, b, c, d;
     difference(x, at, index[0], &a);
@@ -43,22 +46,22 @@ INLINE void differences(const double *x, const v4 *at, const int *index, v4 out[
     out[3] = __builtin_shufflevector(yv, yv2, 2, 3, 6, 7);
 }
 
-/* The last four of a list that is no multiple of four long go on with its last one. */
-INLINE const int *four(const int *list, int k, int count, int filled[4]) {
+/* Returns four indices from list[k] on; past the end of the list its last index is repeated. */
+INLINE const int *four_indices(const int *list, int k, int count, int filled[4]) {
     if (k + 4 <= count) return list + k;
     for (int a = 0; a < 4; a++) filled[a] = list[k + a < count ? k + a : count - 1];
     return filled;
 }
 
-/* Those of `count` points that lie closer than `reach` to `at` go to near->index. No branch depends
- * on which: it would be guessed wrong half the time. */
-INLINE int pick_near(const struct fluid *f, const v4 *at, const int *list, int count, double reach,
-                     struct near *near) {
+/* near->index = those of `count` points at a distance below `reach` from `at`; returns their
+ * number. Without a branch on the distance: it would be mispredicted about half the time. */
+INLINE int select_near(const struct fluid *f, const v4 *at, const int *list, int count,
+                       double reach, struct chunk *near) {
     double limit = reach * reach;
     int filled[4], inside = 0;
     for (int k = 0; k < count; k += 4) {
         v4 d[4], squared;
-        differences(f->x, at, four(list, k, count, filled), d);
+        differences(f->x, at, four_indices(list, k, count, filled), d);
         squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         memcpy(near->squared + k, &squared, sizeof squared);
     }
@@ -69,12 +72,12 @@ INLINE int pick_near(const struct fluid *f, const v4 *at, const int *list, int c
     return inside;
 }
 
-/* Distances to those inside; up to the next four beyond, the last one's again. */
-INLINE void load_near(const struct fluid *f, const v4 *at, int inside, struct near *near) {
+/* Sets squared, x, y, z, volume of the selected points, up to a multiple of four. */
+INLINE void load_near(const struct fluid *f, const v4 *at, int inside, struct chunk *near) {
     int filled[4];
     for (int k = 0; k < inside; k += 4) {
         v4 d[4], squared;
-        differences(f->x, at, four(near->index, k, inside, filled), d);
+        differences(f->x, at, four_indices(near->index, k, inside, filled), d);
         squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         memcpy(near->squared + k, &squared, sizeof squared);
         memcpy(near->x + k, &d[0], sizeof d[0]);
@@ -84,10 +87,11 @@ INLINE void load_near(const struct fluid *f, const v4 *at, int inside, struct ne
     }
 }
 
-/* Kernel and slope: of fluid and fluid, or of fluid and a surface; 0 beyond `inside`. */
-typedef void evaluate_fn(const struct fluid *f, int inside, struct near *near);
+/* Sets value and slope of the selected points, 0 from `inside` to the next multiple of four. */
+typedef void evaluate_fn(const struct fluid *f, int inside, struct chunk *near);
 
-INLINE void evaluate_particles(const struct fluid *f, int inside, struct near *near) {
+/* The cubic spline, kernel.h */
+INLINE void evaluate_particles(const struct fluid *f, int inside, struct chunk *near) {
     const struct kernel *kernel = &f->kernel;
     int padded = (inside + 3) / 4 * 4;
     for (int k = 0; k < padded; k++) {
@@ -100,7 +104,8 @@ INLINE void evaluate_particles(const struct fluid *f, int inside, struct near *n
     for (int k = inside; k < padded; k++) near->value[k] = near->slope[k] = 0.0;
 }
 
-INLINE void evaluate_areas(const struct fluid *f, int inside, struct near *near) {
+/* The surface kernel, kernel.h */
+INLINE void evaluate_areas(const struct fluid *f, int inside, struct chunk *near) {
     const struct surface_kernel *kernel = &f->surface;
     int padded = (inside + 3) / 4 * 4;
     for (int k = 0; k < padded; k++) {
@@ -112,17 +117,18 @@ INLINE void evaluate_areas(const struct fluid *f, int inside, struct near *near)
     for (int k = inside; k < padded; k++) near->value[k] = near->slope[k] = 0.0;
 }
 
-INLINE void evaluate_surface(const struct fluid *f, int inside, struct near *near) {
+INLINE void evaluate_surface(const struct fluid *f, int inside, struct chunk *near) {
     if (f->lists->has_volumes) evaluate_particles(f, inside, near);
     else evaluate_areas(f, inside, near);
 }
 
-/* What is kept of a number in a pair. */
+/* x_a = scale_a x_a rounded to float, as pairs are stored */
 INLINE void round_lanes(double *x, double scale[4]) {
     for (int a = 0; a < 4; a++) x[a] = (double)(float)(scale[a] * x[a]);
 }
 
-INLINE void add_lanes(const struct near *near, int padded, struct sum *sum) {
+/* Adds value, gradient and squares of a chunk, up to `padded`. */
+INLINE void add_chunk(const struct chunk *near, int padded, struct sum *sum) {
     v4 c = {0}, g[3] = {{0}}, squares = {0};
     for (int k = 0; k < padded; k += 4) {
         v4 x, y, z, value, volume;
@@ -138,8 +144,9 @@ INLINE void add_lanes(const struct near *near, int padded, struct sum *sum) {
     sum->squares += v4_sum(&squares);
 }
 
-INLINE void keep_pairs(struct fluid *f, const struct near *near, int inside, int pair,
-                       struct sum *sum) {
+/* Stores the selected points as pairs from `pair` on. */
+INLINE void store_pairs(struct fluid *f, const struct chunk *near, int inside, int pair,
+                        struct sum *sum) {
     for (int k = 0; k < inside; k++) {
         float *to = f->pair + 4 * (size_t)(pair + k);
         to[0] = (float)near->x[k], to[1] = (float)near->y[k], to[2] = (float)near->z[k];
@@ -149,8 +156,8 @@ INLINE void keep_pairs(struct fluid *f, const struct near *near, int inside, int
     }
 }
 
-/* Distance vectors become gradients, rounded as pairs are kept. */
-INLINE void round_gradients(struct near *near, int inside) {
+/* x, y, z = V grad W, from the distance vector and the slope */
+INLINE void round_gradients(struct chunk *near, int inside) {
     for (int k = 0; k < inside; k += 4) {
         round_lanes(near->x + k, near->slope + k);
         round_lanes(near->y + k, near->slope + k);
@@ -158,11 +165,11 @@ INLINE void round_gradients(struct near *near, int inside) {
     }
 }
 
-/* Those of `count` points that lie closer than `reach` to `at`, with their values and gradients.
- * Returns how many. */
+/* Selects those of `count` points at a distance below `reach` from `at`, with values and gradients;
+ * returns their number. */
 INLINE int evaluate_near(const struct fluid *f, const v4 *at, const int *list, int count,
-                         double reach, evaluate_fn *evaluate, struct near *near) {
-    int inside = pick_near(f, at, list, count, reach, near);
+                         double reach, evaluate_fn *evaluate, struct chunk *near) {
+    int inside = select_near(f, at, list, count, reach, near);
     load_near(f, at, inside, near);
     evaluate(f, inside, near);
     for (int k = 0; k < inside; k++) near->slope[k] *= -near->volume[k];
@@ -172,18 +179,18 @@ INLINE int evaluate_near(const struct fluid *f, const v4 *at, const int *list, i
 
 INLINE int chunk_of(int count, int s) { return count - s < CHUNK ? count - s : CHUNK; }
 
-/* A part of the list of a point. Moving neighbours are kept as its pairs from *front on; boundary
- * points, where front is NULL, are not, and have no squares. */
+/* Adds the listed points first to last - 1 to the sums. Moving neighbours are stored as pairs from
+ * *front on. front NULL: boundary points, which are not stored and do not count in |grad C_i|^2. */
 INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, double reach,
-                           evaluate_fn *evaluate, struct near *near, int *front, struct sum *sum) {
+                           evaluate_fn *evaluate, struct chunk *near, int *front, struct sum *sum) {
     const int *list = f->lists->index + first;
     int count = last - first;
     double squares = sum->squares;
     for (int s = 0; s < count; s += CHUNK) {
         int inside = evaluate_near(f, at, list + s, chunk_of(count, s), reach, evaluate, near);
-        add_lanes(near, (inside + 3) / 4 * 4, sum);
+        add_chunk(near, (inside + 3) / 4 * 4, sum);
         if (!front) continue;
-        keep_pairs(f, near, inside, *front, sum);
+        store_pairs(f, near, inside, *front, sum);
         *front += inside;
     }
     if (!front) sum->squares = squares;
@@ -191,8 +198,8 @@ INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, d
 
 /* ---- energy ---------------------------------------------------------------------------------- */
 
-/* Keeps what constraint i is at x; returns its energy. */
-INLINE double keep_constraint(struct fluid *f, int i, const struct sum *sum) {
+/* Stores constraint i; returns its energy. */
+INLINE double store_constraint(struct fluid *f, int i, const struct sum *sum) {
     v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
     memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
     f->value[i] = sum->c, f->squares[i] = sum->squares;
@@ -201,8 +208,8 @@ INLINE double keep_constraint(struct fluid *f, int i, const struct sum *sum) {
     return 0.5 * f->flux[i] * sum->c;
 }
 
-/* C_i and its gradient at x. Keeps the pairs of i from *front on. Returns the energy. */
-INLINE double project_fluid(struct fluid *f, int i, struct near *near, int *front) {
+/* Computes and stores constraint i, with its pairs from *front on; returns its energy. */
+INLINE double project_fluid(struct fluid *f, int i, struct chunk *near, int *front) {
     const pdyn_neighbours *l = f->lists;
     double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
     struct sum sum = {.c = f->x[4 * (size_t)i + 3] * f->kernel.value - rest, .members = 1};
@@ -219,12 +226,12 @@ INLINE double project_fluid(struct fluid *f, int i, struct near *near, int *fron
     f->pair_end[i] = *front;
     f->held[i] = f->params.stiffness * sum.members;
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
-    return keep_constraint(f, i, &sum);
+    return store_constraint(f, i, &sum);
 }
 
-/* Keeps the pairs of sample i, which has no constraint of its own. Volumes are those of the second
- * point of a pair: 1 - volume makes it that of the sample. */
-INLINE void project_sample(struct fluid *f, int i, struct near *near, int *front) {
+/* Stores the pairs of sample i, which has no constraint. A pair has the sample's volume V, not that
+ * of the fluid particle j, 1: at[3] - 1 = -V for at[3] = 1 - V. */
+INLINE void project_sample(struct fluid *f, int i, struct chunk *near, int *front) {
     const pdyn_neighbours *l = f->lists;
     struct sum sum = {0};
     v4 at;
@@ -237,7 +244,7 @@ INLINE void project_sample(struct fluid *f, int i, struct near *near, int *front
 
 WIDE static void project_block(void *arg, int first, int last, int block) {
     struct fluid *f = ((const struct fluid_call *)arg)->f;
-    struct near near;
+    struct chunk near;
     double energy = 0.0;
     int front = f->block_start[block];
     for (int i = first; i < last; i++) {
@@ -264,11 +271,12 @@ double fluid_project(struct fluid *f, const double *x) {
 
 /* ---- forces on boundary points --------------------------------------------------------------- */
 
-/* Of the constraint of the particle at `at` on a part of its list. flux: its multiplier, N m. */
+/* Adds the forces that the constraint of a particle at `at` puts on the listed boundary points
+ * first to last - 1. flux: its multiplier, N m; force: (points - particles) x 3, N. */
 INLINE void push_points(const struct fluid *f, const v4 *at, int first, int last, double reach,
                         evaluate_fn *evaluate, double flux, double *force) {
     const int *list = f->lists->index + first;
-    struct near near;
+    struct chunk near;
     for (int s = 0; s < last - first; s += CHUNK) {
         int count = chunk_of(last - first, s);
         int inside = evaluate_near(f, at, list + s, count, reach, evaluate, &near);
@@ -279,9 +287,9 @@ INLINE void push_points(const struct fluid *f, const v4 *at, int first, int last
     }
 }
 
-/* C_i depends on x_i - x_b alone: its gradient with respect to x_b is minus that of the pair with
- * respect to x_i, as the local step has it, to the last bit. Serial, in the order of particles: the
- * sums do not depend on the number of threads. */
+/* The force on boundary point b is flux_i V grad W(x_i - x_b): C_i depends on x_i - x_b, so its
+ * gradients with respect to x_b and x_i are opposite, to the last bit of the local step. The loop
+ * is serial: sums have the same bits for any number of threads. */
 WIDE static void push_boundary(const struct fluid *f, double *force) {
     const pdyn_neighbours *l = f->lists;
     for (int i = f->first; i < f->first + f->count; i++) {

@@ -1,10 +1,11 @@
-/* The density constraint as an operator: its memory, and the table. */
+/* The density constraint as a matrix-free operator: its memory and its table. The local step is in
+ * fluid_local.c, the passes over pairs in fluid_pairs.c. */
 #include "fluid_pairs.h"
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-/* Every array that is as long as the particles or the points, made or freed. */
-static bool resize_particles(struct fluid *f, bool make) {
+/* Allocates or frees all arrays whose length follows from the number of particles or points. */
+static bool resize_particles(struct fluid *f, bool allocate) {
     size_t particles = (size_t)f->particles, points = (size_t)f->points;
     struct {
         void **array;
@@ -26,8 +27,8 @@ static bool resize_particles(struct fluid *f, bool make) {
     };
     bool good = true;
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k].array = fluid_resize(f, *all[k].array, make ? 0 : all[k].count,
-                                     make ? all[k].count : 0, all[k].size);
+        *all[k].array = fluid_resize(f, *all[k].array, allocate ? 0 : all[k].count,
+                                     allocate ? all[k].count : 0, all[k].size);
         good &= *all[k].array != NULL;
     }
     return good;
@@ -70,7 +71,7 @@ static void set_points(struct fluid *f) {
     copy_boundary(f);
 }
 
-/* Gives every block of particles a part of the pairs; returns how many there are. */
+/* Assigns each block of particles a range of pairs; returns the number of pairs. */
 static size_t place_blocks(struct fluid *f) {
     const pdyn_neighbours *l = f->lists;
     int blocks = (f->particles + FLUID_GRAIN - 1) / FLUID_GRAIN;
@@ -92,13 +93,13 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     size_t pairs = place_blocks(f);
     if (pairs <= f->pairs) return true;
     release_pairs(f);
-    f->pairs = pairs + pairs / 4; /* room, so that a warmed-up step allocates nothing */
+    f->pairs = pairs + pairs / 4; /* spare room: later steps seldom allocate */
     f->pair_index = fluid_resize(f, NULL, 0, f->pairs, sizeof(int));
     f->pair = fluid_resize(f, NULL, 0, 4 * f->pairs, sizeof(float));
     return f->pair_index && f->pair;
 }
 
-/* ---- what core calls ------------------------------------------------------------------------- */
+/* ---- callbacks ------------------------------------------------------------------------- */
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
@@ -109,7 +110,7 @@ static double local(void *self, const double *x, double *gradient) {
     return energy;
 }
 
-static pdyn_one_sided scalars(void *self) {
+static pdyn_one_sided one_sided(void *self) {
     const struct fluid *f = self;
     return (pdyn_one_sided){.count = f->count,
                             .value = f->value + f->first,
@@ -124,13 +125,13 @@ static void density(void *self, double *out) {
         out[i] = f->rest_density * (1.0 + f->value[i]);
 }
 
-/* The constraint does the work of a pressure: flux dC = -p dV, and dC = -dV / V. */
+/* Pressure from virtual work: flux dC = -p dV and dC = -dV / V give p = flux / V. */
 static void pressure(void *self, double *out) {
     const struct fluid *f = self;
     for (int i = f->first; i < f->first + f->count; i++) out[i] = f->flux[i] / f->particle_volume;
 }
 
-/* k_i changes between steps only: in a step, E is one function of x and its gradient is exact. */
+/* k_i is updated between steps only: within a step E is a function of x with an exact gradient. */
 static void set_stiffness(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
@@ -152,7 +153,7 @@ const pdyn_operator fluid_operator = {
     .free = release,
     .neighbours = neighbours,
     .local = local,
-    .one_sided = scalars,
+    .one_sided = one_sided,
     .rate = fluid_rate,
     .force = fluid_force,
     .diagonal = fluid_diagonal,

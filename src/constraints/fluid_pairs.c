@@ -1,13 +1,16 @@
-/* Sums over the packed pairs of each particle. */
+/* Passes of the fluid operator over the stored pairs of each particle: rate (divergence), force
+ * (pressure gradient), block diagonal, viscosity. */
 #include "fluid_pairs.h"
 
 #include "projdyn/vec3.h"
 
-/* Sums run in several lanes, so that no addition waits for the one before. */
+/* Independent partial sums: an addition does not wait for the previous one. */
 enum { LANES = 4 };
 
+/* Adds the contribution of a pair; values: of the neighbours. */
 typedef void add_fn(const struct fluid *f, int pair, const double *values, v4 *sum);
 
+/* out = sum of `add` over the pairs pair_start[i] to end - 1 of particle i */
 INLINE void sum_pairs(const struct fluid *f, int i, int end, add_fn *add, const double *values,
                       v4 *out) {
     v4 sum[LANES] = {{0}};
@@ -18,7 +21,7 @@ INLINE void sum_pairs(const struct fluid *f, int i, int end, add_fn *add, const 
     *out = (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* The fourth lane stays what it was: sums of products leave it out. */
+/* vector = in, for the particles of a block. The fourth lane is not set: products ignore it. */
 static void copy_vectors(void *arg, int first, int last, int block) {
     const struct fluid_call *c = arg;
     if (!takes_part(c->f, first, last, block)) return;
@@ -26,7 +29,8 @@ static void copy_vectors(void *arg, int first, int last, int block) {
         memcpy(c->f->vector + 4 * i, c->in + 3 * i, 3 * sizeof *c->in);
 }
 
-/* ---- rate: an SPH divergence ----------------------------------------------------------------- */
+/* ---- rate: rate_i = grad C_i . u, an SPH divergence
+ * ----------------------------------------------------------------- */
 
 INLINE void add_product(const struct fluid *f, int pair, const double *vector, v4 *sum) {
     v4 g, v;
@@ -35,6 +39,7 @@ INLINE void add_product(const struct fluid *f, int pair, const double *vector, v
     *sum += g * v;
 }
 
+/* rate_i = grad_i C_i . u_i - sum_j (V grad W)_ij . u_j */
 WIDE static void divergence(void *arg, int first, int last, int block) {
     (void)block;
     const struct fluid_call *c = arg;
@@ -57,7 +62,8 @@ void fluid_rate(void *self, const bool *which, const double *u, double *rate) {
     f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, divergence, &call);
 }
 
-/* ---- force: a pressure gradient -------------------------------------------------------------- */
+/* ---- force: y += sum_i multiplier_i grad C_i, a pressure gradient
+ * -------------------------------------------------------------- */
 
 INLINE void add_flux(const struct fluid *f, int pair, const double *flux, v4 *sum) {
     v4 g;
@@ -126,7 +132,8 @@ void fluid_diagonal(void *self, const double *stiffness, double *blocks) {
 
 /* ---- viscosity ------------------------------------------------------------------------------- */
 
-/* What pair s gives to the velocity of its first particle, which has the velocity `own`. */
+/* sum += change of the velocity `own` of the first particle of pair s, before the factor 3
+ * viscosity: W_ij ((v_j - v_i) . n) n, n along grad W; 0 unless both are fluid. */
 INLINE void add_exchange(const struct fluid *f, int s, const v4 *own, v4 *sum) {
     v4 g, v;
     load_pair(f, s, &g);
@@ -137,10 +144,13 @@ INLINE void add_exchange(const struct fluid *f, int s, const v4 *own, v4 *sum) {
     if (squared > 0.0) *sum += weight * v4_dot(&v, &g) / squared * g;
 }
 
-/* XSPH (Schechter & Bridson 2012) between fluid particles at rest density, but of the difference of
- * two velocities only the part along the line between them (Monaghan 1992), times three, for that
- * is what a part is in the mean: the exchange of a pair is the same on both sides and central, so
- * momentum stays, and angular momentum, too. */
+/* XSPH viscosity (Schechter & Bridson 2012) between fluid particles, with their rest volumes:
+ *
+ *     v_i += 3 viscosity sum_j V W_ij ((v_j - v_i) . n_ij) n_ij
+ *
+ * Only the part of the velocity difference along the line n_ij between the particles counts
+ * (Monaghan 1992); the factor 3 restores the mean over all directions. The exchange of a pair is
+ * symmetric and central, so momentum and angular momentum are conserved. */
 WIDE static void add_viscosity(void *arg, int first, int last, int block) {
     (void)block;
     const struct fluid_call *c = arg;
@@ -154,7 +164,7 @@ WIDE static void add_viscosity(void *arg, int first, int last, int block) {
     }
 }
 
-/* Velocities before viscosity, and 1; all 0 of what is no fluid. */
+/* vector = (v, 1) for fluid particles, 0 for the others */
 static void copy_velocities(void *arg, int first, int last, int block) {
     (void)block;
     const struct fluid_call *c = arg;

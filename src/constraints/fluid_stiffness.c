@@ -1,11 +1,12 @@
-/* The stiffness w of a fluid and the two quantities it can be given by (docs/theory/fluid.md):
+/* The stiffness w of a fluid, from the speed of sound or from the compression
+ * (docs/theory/fluid.md):
  *
  *     bulk modulus     K = w / (c d)              d: particle spacing
  *     speed of sound   sqrt(K / rho)
  *     compression      rho g D / K                D: head of the fluid
  *
- * c = |grad C|^2 d^2 on a cubic lattice; settled particles away from walls have the same within 1 %
- * (measured in a tank of 20 x 20 x 20). */
+ * c = |grad C|^2 d^2 on a cubic lattice. Settled particles away from walls have the same value
+ * within 1 % (measured in a tank of 20 x 20 x 20 particles). */
 #include "fluid.h"
 
 #include "projdyn/vec3.h"
@@ -21,7 +22,7 @@ pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
                                   given};
     if (p->compression > 0.0) p->stiffness = length * pressure / p->compression;
     else if (p->sound_speed > 0.0) p->stiffness = length * rho * p->sound_speed * p->sound_speed;
-    if (p->stiffness > FLUID_STIFFEST)
+    if (p->stiffness > FLUID_MAX_STIFFNESS)
         return (pdyn_param_fault){"expected a value that gives a stiffness of at most 1e+15 N/m",
                                   given};
     p->compression = length * pressure / p->stiffness;
