@@ -1,10 +1,11 @@
-/* Morley's triangle (1968) has values at the vertices and slopes at the middles of the edges as
- * unknowns; its second derivatives are constant, and their mean over the mesh is right for any
- * mesh. Here the slope across an edge follows from the values around it (Grinspun, Gingold,
- * Reisman, Zorin 2006 keep it): that of the quadratic that fits the two triangles at the edge and
- * the four around these best. Both triangles see the same slope, and it is exact for quadratics, so
- * the energy of bending is that of the plate for a smooth shape and never below Morley's: no mesh
- * makes it soft. At a border the slope is what the triangle likes best: no moment acts there. */
+/* Constant second derivatives per triangle after Morley (1968), whose element has the vertex values
+ * and the normal slopes at the edge midpoints as unknowns; the mean of its second derivatives over
+ * the mesh is exact on any mesh. Here the slope across an edge is not an unknown (as in Grinspun,
+ * Gingold, Reisman, Zorin 2006) but that of a quadratic fitted to the vertices of the two triangles
+ * at the edge and of the four around them. Both triangles use the same slope, which is exact for
+ * quadratics: so the bending energy of a smooth shape converges to the plate's, and it is never
+ * below Morley's, hence no mesh makes the sheet too soft. At a border the slope minimises the
+ * triangle's energy: no moment acts there. */
 #include "plate.h"
 
 #include "frame.h"
@@ -13,20 +14,21 @@
 
 #include <string.h>
 
-enum { TERMS = 6, AROUND = 8 }; /* of a quadratic; vertices around an edge */
+enum { TERMS = 6, AROUND = 8 }; /* terms of a quadratic; vertices of the up to 6 triangles */
 
 /* ---- the triangles around an edge, unfolded into a plane ------------------------------------- */
 
-struct flat {
+struct flat { /* the vertices around an edge in a plane */
     int nodes, node[AROUND];
-    double at[AROUND][2]; /* m, from the middle of the edge: along it, across it */
+    double at[AROUND][2]; /* along and across the edge, from its midpoint, m */
 };
 
 static const double *rest(const pdyn_body *body, int vertex) {
     return body->rest + 3 * (size_t)vertex;
 }
 
-/* Adds the tip of a triangle over the side from node p to node q, to its left or right (-1). */
+/* Unfolds the triangle on the side from node p to node q: adds its vertex `tip` on the left (left =
+ * 1) or right (-1) of the side. */
 static void unfold(const pdyn_body *body, struct flat *f, int p, int q, int tip, double left) {
     double side[3], to_tip[3], up[3];
     const double *a = f->at[p], *b = f->at[q];
@@ -43,8 +45,8 @@ static void unfold(const pdyn_body *body, struct flat *f, int p, int q, int tip,
     f->node[f->nodes++] = tip;
 }
 
-/* Adds the tips beyond the two other sides of the triangle of a corner; `tip` is the node there,
- * and `left` says on which side of the edge from node 0 to node 1 it is. */
+/* Unfolds the triangles beyond the other two sides of the triangle of `corner`. tip: the node of
+ * that corner; left: 1 or -1, its side of the edge from node 0 to node 1. */
 static void unfold_around(const pdyn_body *body, struct flat *f, int corner, int tip, double left) {
     for (int k = 1; k < 3; k++) {
         int end = corner / 3 * 3 + (corner + k) % 3, beyond = body->across[end];
@@ -53,7 +55,8 @@ static void unfold_around(const pdyn_body *body, struct flat *f, int corner, int
     }
 }
 
-/* The edge opposite to a corner from node 0 to node 1, the corner's own vertex as node 2. */
+/* Unfolds the up to six triangles around the edge opposite to a corner. Nodes 0 and 1: the edge,
+ * node 2: the vertex of the corner, node 3: the vertex beyond the edge. */
 static struct flat unfold_edge(const pdyn_body *body, int corner) {
     const int *c = body->triangle + corner / 3 * 3;
     int a = c[(corner + 1) % 3], b = c[(corner + 2) % 3], beyond = body->across[corner];
@@ -68,7 +71,7 @@ static struct flat unfold_edge(const pdyn_body *body, int corner) {
 
 /* ---- the slope across an edge ---------------------------------------------------------------- */
 
-/* Solves A y = y, A symmetric and positive, by Gauss without pivots. */
+/* y = A^-1 y for a symmetric positive definite A, by Gaussian elimination. */
 static void solve(double A[TERMS][TERMS], double y[TERMS]) {
     for (int k = 0; k < TERMS; k++)
         for (int i = k + 1; i < TERMS; i++) {
@@ -82,8 +85,9 @@ static void solve(double A[TERMS][TERMS], double y[TERMS]) {
     }
 }
 
-/* Coefficients of the slope in the direction from right to left at the middle of the edge: of the
- * quadratic that fits best. Where the points do not say which one does, the flattest. */
+/* Sets slope_i such that sum_i slope_i f_i is the derivative across the edge (right to left) at its
+ * midpoint, 1/m, of the quadratic fitted to the values f_i by least squares. A regularisation of
+ * 1e-9 selects the flattest fit where the points do not determine it. */
 static void slope_across(const struct flat *f, double slope[AROUND]) {
     double term[AROUND][TERMS], A[TERMS][TERMS] = {0}, y[TERMS] = {0};
     double width = 2.0 * f->at[1][0], height = f->at[2][1] - f->at[3][1];
@@ -104,14 +108,15 @@ static void slope_across(const struct flat *f, double slope[AROUND]) {
 
 /* ---- the Hessian ----------------------------------------------------------------------------- */
 
-/* Adds to the coefficients of a vertex that is there. */
+/* Adds scale x direction to the three coefficients of a vertex of `out`. */
 static void add(struct plate *out, int vertex, double scale, const double direction[3]) {
     int i = 0;
     while (out->node[i] != vertex) i++;
     for (int r = 0; r < 3; r++) out->coefficient[r][i] += scale * direction[r];
 }
 
-/* n n' for the unit normal of a side, its length beside it */
+/* direction = (n_x n_x, sqrt(2) n_x n_y, n_y n_y) for the unit normal n of a side; returns the
+ * side's length, m */
 static double side_direction(const double outward[2], double direction[3]) {
     double square = outward[0] * outward[0] + outward[1] * outward[1];
     direction[0] = outward[0] * outward[0] / square;
@@ -120,7 +125,8 @@ static double side_direction(const double outward[2], double direction[3]) {
     return sqrt(square);
 }
 
-/* The bend over an edge: the slope there beyond that of the triangle itself. */
+/* Adds the contribution of the edge opposite to a corner: its length times the slope across it
+ * minus the slope of the linear function on the triangle. */
 static void add_edge(const pdyn_body *body, int corner, const struct frame *f, struct plate *out) {
     double direction[3], slope[AROUND];
     struct flat flat = unfold_edge(body, corner);
@@ -133,8 +139,9 @@ static void add_edge(const pdyn_body *body, int corner, const struct frame *f, s
             -(f->gradient[k][0] * outward[0] + f->gradient[k][1] * outward[1]), direction);
 }
 
-/* Takes away what lies along a direction of length 1 in the space of Hessians. */
-static void take_away(struct plate *out, const double direction[3]) {
+/* Projects the Hessian to the complement of a unit direction: coefficients -= d (d . coefficients).
+ */
+static void remove_direction(struct plate *out, const double direction[3]) {
     for (int i = 0; i < out->nodes; i++) {
         double along = 0.0;
         for (int r = 0; r < 3; r++) along += direction[r] * out->coefficient[r][i];
@@ -142,7 +149,7 @@ static void take_away(struct plate *out, const double direction[3]) {
     }
 }
 
-/* Slopes at borders are those that make the Hessian smallest. */
+/* Border edges have the slopes that minimise the Hessian: their directions are projected out. */
 static void free_borders(const pdyn_body *body, int t, const struct frame *f, struct plate *out) {
     double taken[3] = {0}, direction[3];
     for (int k = 0; k < 3; k++) {
@@ -151,12 +158,12 @@ static void free_borders(const pdyn_body *body, int t, const struct frame *f, st
         vec3_add(direction, -vec3_dot(direction, taken), taken);
         double length = vec3_length(direction);
         for (int r = 0; r < 3; r++) taken[r] = direction[r] / length;
-        take_away(out, taken);
+        remove_direction(out, taken);
     }
 }
 
-/* Christoffel's symbols times the slopes, taken from the second derivatives of the rest shape,
- * leave what points along its normal: `curvature`. */
+/* Subtracts Christoffel symbols times first derivatives (covariant derivatives). Of the second
+ * derivatives of the rest shape, the part along the normal is left: curvature, m. */
 static void make_covariant(const pdyn_body *body, int t, const struct frame *f, struct plate *out,
                            double curvature[3]) {
     double bent[3][3] = {{0}}, symbol[2][3];
@@ -171,9 +178,9 @@ static void make_covariant(const pdyn_body *body, int t, const struct frame *f, 
             add(out, body->triangle[3 * t + k], -f->gradient[k][a], symbol[a]);
 }
 
-/* Turns the three rows such that the first one is along the curvature of the rest shape. One that
- * turns neighbours by less than 1e-7 is that of rounded coordinates. */
-static void turn_to(const double curvature[3], double area, struct plate *out) {
+/* Rotates the three rows such that the first has the whole curvature of the rest shape. A curvature
+ * of at most 1e-7 sqrt(area) comes from rounded coordinates and counts as 0. */
+static void align_rows(const double curvature[3], double area, struct plate *out) {
     double length = vec3_length(curvature), axis[3][3];
     if (length <= 1e-7 * sqrt(area)) return;
     int least = 0;
@@ -193,7 +200,7 @@ static void turn_to(const double curvature[3], double area, struct plate *out) {
     out->curvature = length;
 }
 
-/* Adds the vertex of a corner that is not there yet; returns how many are. */
+/* Appends the vertex of a corner unless it is in the list; returns the new length. */
 static int add_node(const pdyn_body *body, int corner, int nodes, int *node) {
     int vertex = body->triangle[corner], i = 0;
     while (i < nodes && node[i] != vertex) i++;
@@ -228,5 +235,5 @@ void plate_hessian(const pdyn_body *body, int t, struct plate *out) {
     if (!out->nodes) return;
     free_borders(body, t, &f, out);
     make_covariant(body, t, &f, out, curvature);
-    turn_to(curvature, f.area, out);
+    align_rows(curvature, f.area, out);
 }
