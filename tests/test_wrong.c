@@ -422,7 +422,7 @@ static void test_solvers(void **state) {
                                       .free = release};
     pdyn_global_solver s = plain;
     expect_solver(s, NULL);
-    s.solve = solve_roughly, expect_solver(s, "H y = b is left with");
+    s.solve = solve_roughly, expect_solver(s, "H y = b has a residual of");
     s.solve = solve_by_chance, expect_solver(s, "not deterministic");
     s.solve = solve_uncounted, expect_solver(s, "0 iterations, expected 1 to");
     s.solve = solve_never, expect_solver(s, "too hard");

@@ -10,7 +10,7 @@
  *
  * l = A |b_rest| for the first row, which plate.h turns along the curvature of the rest shape, and
  * 0 for the other two. A sheet that is flat at rest has l = 0: its energy is quadratic. */
-#include "base/simd.h"
+#include "projdyn/simd.h"
 
 #include "plate.h"
 

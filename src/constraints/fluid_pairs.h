@@ -11,8 +11,8 @@
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 
-#include "base/simd.h"
 #include "fluid.h"
+#include "projdyn/simd.h"
 
 enum { FLUID_GRAIN = 128 }; /* particles per parallel block */
 

@@ -8,7 +8,7 @@
  * modulus times thickness Y and Poisson's ratio 1/3; equilateral triangles and square cells store
  * it in every direction. (The weight Y A / l^2 of Van Gelder 1998 makes square cells 1.2 Y stiff
  * along the axes and 0.75 Y along the diagonals.) */
-#include "base/simd.h"
+#include "projdyn/simd.h"
 
 #include "projdyn/rest_length.h"
 
