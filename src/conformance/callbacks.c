@@ -1,5 +1,6 @@
-/* The callbacks of the rows tier, on arrays with guards around: what they write, where, and whether
- * the same comes out of the same. */
+/* Checks of a constraint type's callbacks on arrays with guard bytes at both ends: a callback may
+ * write only its own arrays, there only the entries of its elements, and must give the same result
+ * for any range and order of elements. */
 #include "conformance.h"
 
 #include <math.h>
@@ -11,18 +12,18 @@ enum { COLUMN, COEFFICIENT, U, P, WEIGHT, DATA, KEY, MEMORY, ARRAYS, GUARD = 256
 static const char *const array_name[ARRAYS] = {"column", "coefficient", "u",   "p",
                                                "weight", "data",        "key", "memory"};
 
-struct guarded { /* a batch whose arrays have guards */
+struct guarded { /* copy of a batch whose arrays have guard bytes */
     const struct batch *from;
     pdyn_batch view;
     struct {
-        unsigned char *memory, *before; /* bytes + 2 guards each; before: as it was */
+        unsigned char *memory, *before; /* bytes + 2 GUARD each; before: content before a call */
         size_t bytes;
     } array[ARRAYS];
 };
 
-/* The bytes of an array that belong to the elements [first, last). */
-static void part_of(const struct guarded *g, int array, int first, int last, size_t *begin,
-                    size_t *end) {
+/* The byte range [*begin, *end) of an array that belongs to the elements [first, last). */
+static void byte_range(const struct guarded *g, int array, int first, int last, size_t *begin,
+                       size_t *end) {
     const pdyn_batch *v = &g->from->view;
     const pdyn_constraint_type *t = g->from->type;
     size_t unit[ARRAYS] = {sizeof(int),
@@ -48,7 +49,7 @@ static void guarded_free(struct guarded *g) {
     }
 }
 
-/* A copy of all that the batch has. */
+/* Copies the arrays of a batch. false: no memory. */
 static bool guarded_create(struct guarded *g, const struct batch *b) {
     const pdyn_batch *v = &b->view;
     const void *from[ARRAYS] = {v->column, v->coefficient, v->u,   v->p,
@@ -56,7 +57,7 @@ static bool guarded_create(struct guarded *g, const struct batch *b) {
     *g = (struct guarded){.from = b, .view = b->view};
     for (int k = 0; k < ARRAYS; k++) {
         size_t begin, end;
-        part_of(g, k, 0, b->view.elements, &begin, &end);
+        byte_range(g, k, 0, b->view.elements, &begin, &end);
         g->array[k].bytes = end;
         g->array[k].memory = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
         g->array[k].before = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
@@ -78,19 +79,19 @@ typedef void callback(const void *params, const pdyn_batch *batch, int first, in
 struct call {
     const char *name;
     callback *run;
-    unsigned writes; /* a bit for each array that it may write */
+    unsigned writes; /* bit k: it may write array k */
 };
 
-/* Fills what the call may write, for the elements [first, last), with one byte. */
+/* Fills the arrays in the bit set `writes`, at the elements [first, last), with one byte. */
 static void fill(struct guarded *g, unsigned writes, int first, int last, int byte) {
     for (int k = 0; k < ARRAYS; k++) {
         size_t begin, end;
-        part_of(g, k, first, last, &begin, &end);
+        byte_range(g, k, first, last, &begin, &end);
         if (writes & 1u << k) memset((unsigned char *)inside(g, k) + begin, byte, end - begin);
     }
 }
 
-/* Calls, and tells of what was written elsewhere. */
+/* Calls for the elements [first, last). A write to any other place is a fault, and is undone. */
 static void call_guarded(struct check *check, struct guarded *g, const struct call *call, int first,
                          int last) {
     for (int k = 0; k < ARRAYS; k++)
@@ -98,11 +99,11 @@ static void call_guarded(struct check *check, struct guarded *g, const struct ca
     call->run(g->from->params, &g->view, first, last);
     for (int k = 0; k < ARRAYS; k++) {
         size_t begin, end, all = g->array[k].bytes + 2 * GUARD;
-        const unsigned char *now = g->array[k].memory, *before = g->array[k].before;
-        part_of(g, k, first, last, &begin, &end);
+        const unsigned char *after = g->array[k].memory, *before = g->array[k].before;
+        byte_range(g, k, first, last, &begin, &end);
         if (!(call->writes & 1u << k)) begin = end = 0;
-        if (memcmp(now, before, GUARD + begin) == 0 &&
-            memcmp(now + GUARD + end, before + GUARD + end, all - GUARD - end) == 0)
+        if (memcmp(after, before, GUARD + begin) == 0 &&
+            memcmp(after + GUARD + end, before + GUARD + end, all - GUARD - end) == 0)
             continue;
         fault(check, "%s writes %s %s", call->name, array_name[k],
               call->writes & 1u << k ? "outside of its elements" : "which is not its to write");
@@ -114,8 +115,8 @@ static bool same(const struct guarded *a, const struct guarded *b, int array) {
     return !memcmp(inside(a, array), inside(b, array), a->array[array].bytes);
 }
 
-/* The same call on all elements, and on thirds from the last to the first, from another content:
- * what must come out the same is in `compared`. */
+/* Calls once for all elements, and for thirds of them in descending order on other initial content.
+ * The arrays in the bit set `compared` must be equal afterwards. */
 static void check_call(struct check *check, struct guarded *a, struct guarded *b,
                        const struct call *call, unsigned compared) {
     int n = a->view.elements, faults = check->faults;
@@ -139,7 +140,7 @@ static bool all_finite(const double *a, size_t n) {
     return true;
 }
 
-/* Elements and their shapes do not depend on the call. */
+/* elements and row_sizes must give the same numbers in each call. */
 static void check_shape(struct check *check, const struct batch *b) {
     const pdyn_constraint_type *t = b->type;
     for (int k = 0; k < 2 && !t->update; k++)
@@ -152,13 +153,13 @@ static void check_shape(struct check *check, const struct batch *b) {
         t->row_sizes(b->params, &b->view, e, &rows, &width);
         if (rows != b->view.element_row[e + 1] - first ||
             (rows && width != b->view.row_entry[first + 1] - b->view.row_entry[first])) {
-            fault(check, "shape gives other rows for element %d when it is called again", e);
+            fault(check, "row_sizes gives other rows for element %d when it is called again", e);
             return;
         }
     }
 }
 
-/* Whether two entries of row r select the same particle. */
+/* True if two entries of row r with coefficients other than 0 select the same particle. */
 static bool selects_twice(const pdyn_batch *v, int r) {
     for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
         for (int m = v->row_entry[r]; m < k; m++)
@@ -168,10 +169,10 @@ static bool selects_twice(const pdyn_batch *v, int r) {
     return false;
 }
 
-/* Whether the array holds the byte of its guards, from element `first` on. */
+/* True if the array holds the guard byte from element `first` on. */
 static bool is_filled(const struct guarded *g, int array, int first) {
     size_t begin, end;
-    part_of(g, array, first, g->view.elements, &begin, &end);
+    byte_range(g, array, first, g->view.elements, &begin, &end);
     const unsigned char *bytes = inside(g, array);
     for (; begin < end + GUARD; begin++)
         if (bytes[begin] != 0xA5) return false;
@@ -194,6 +195,8 @@ static void call_update(struct check *check, struct guarded *g, const struct tri
     }
 }
 
+/* Checks that update gives the number and the rows that core found, and writes only within the
+ * room; no row selects a particle twice. */
 static void check_update(struct check *check, struct guarded *g, const struct trial *trial) {
     const struct batch *b = g->from;
     int faults = check->faults;
@@ -207,17 +210,17 @@ static void check_update(struct check *check, struct guarded *g, const struct tr
         if (selects_twice(&b->view, r)) fault(check, "row %d selects one particle twice", r);
 }
 
-/* What begin left is kept: data of a step is that of its beginning. */
+/* Checks project, weight and select. data is not compared after select: begin has changed it. */
 static void check_all(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
     unsigned rows = 1u << COLUMN | 1u << COEFFICIENT;
     const struct call select = {"select", t->select, rows | 1u << DATA},
-                      weigh = {"weight", t->weight, 1u << WEIGHT},
+                      weight = {"weight", t->weight, 1u << WEIGHT},
                       project = {"project", t->project, 1u << P};
     size_t points = 3 * (size_t)a->from->rows;
     check_call(check, a, b, &project, 1u << P);
     if (!all_finite(a->view.p, points)) fault(check, "project gives a p that is not finite");
-    check_call(check, a, b, &weigh, 1u << WEIGHT);
+    check_call(check, a, b, &weight, 1u << WEIGHT);
     for (int e = 0; e < a->view.elements; e++)
         if (!(a->view.weight[e] >= 0.0 && isfinite(a->view.weight[e]))) {
             fault(check, "weight gives %g, expected a finite number of at least 0",
@@ -231,6 +234,7 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
         fault(check, "select gives other rows when it is called again");
 }
 
+/* Checks damping_rest and begin. */
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
     const struct call hold = {"damping_rest", t->damping_rest, 1u << DATA},

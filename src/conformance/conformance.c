@@ -1,7 +1,9 @@
+/* pdyn_conformance: runs the checks of each constraint type on each kind of body it may have, and
+ * of each solver. */
 #include "conformance.h"
 
-/* A trial for each: what one check breaks does not spoil the next. After callbacks that write where
- * they must not, nothing else has a meaning. */
+/* Each check gets a trial of its own, so that faults do not affect later checks. The other checks
+ * need callbacks that write only where they may: without, they are skipped. */
 static void check_type_on(struct check *check) {
     static check_fn *const checks[] = {check_callbacks, check_projection, check_tangent,
                                        check_gradient,  check_momentum,   check_hold,

@@ -4,7 +4,8 @@
 
 enum { SWEEPS = 30 };
 
-/* Rows or columns p and q, `stride` from one number to the next. */
+/* Rotates rows p and q (stride 1) or columns p and q (stride n) of A by an angle, c = cos, s = sin.
+ */
 static void turn(double *A, int n, int p, int q, int stride, double c, double s) {
     int across = stride == 1 ? n : 1;
     for (int k = 0; k < n; k++) {
@@ -14,9 +15,10 @@ static void turn(double *A, int n, int p, int q, int stride, double c, double s)
     }
 }
 
+/* One Jacobi rotation: makes A_pq zero. */
 static void rotate(double *A, int n, int p, int q, double *vector) {
-    double apart = (A[q * n + q] - A[p * n + p]) / (2.0 * A[p * n + q]);
-    double t = (apart >= 0.0 ? 1.0 : -1.0) / (fabs(apart) + sqrt(1.0 + apart * apart));
+    double ratio = (A[q * n + q] - A[p * n + p]) / (2.0 * A[p * n + q]);
+    double t = (ratio >= 0.0 ? 1.0 : -1.0) / (fabs(ratio) + sqrt(1.0 + ratio * ratio));
     double c = 1.0 / sqrt(1.0 + t * t), s = t * c;
     turn(A, n, p, q, 1, c, s), turn(A, n, p, q, n, c, s);
     turn(vector, n, p, q, n, c, s);

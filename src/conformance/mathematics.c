@@ -1,4 +1,5 @@
-/* Projection, tangent, energy and H of a type, by definition and by finite differences. */
+/* Checks of a type's projection, tangent, energy and Hessian: by their definitions and by finite
+ * differences. */
 #include "conformance.h"
 #include "eigen.h"
 
@@ -7,8 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Of an element whose tangent is compared with finite differences: 3 rows. */
-enum { MOST_NUMBERS = 36, PROBES = 24 };
+/* Tangents are compared for up to PROBES elements of at most 12 rows (36 numbers). */
+enum { MAX_NUMBERS = 36, PROBES = 24 };
 
 static double *u_of(const struct batch *b) { return (double *)b->view.u; }
 
@@ -16,8 +17,8 @@ static size_t point_bytes(const struct batch *b) { return 3 * (size_t)b->rows * 
 
 /* ---- projection ------------------------------------------------------------------------------ */
 
-/* Projecting what is projected changes nothing. The rows of an operator may project to the
- * linearised manifold. */
+/* project(project(u)) = project(u), to 1e-6. Not required of matrix-free types, whose rows may
+ * project to the linearised constraint. */
 void check_projection(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     size_t bytes = point_bytes(b);
@@ -35,7 +36,7 @@ void check_projection(struct check *check, struct trial *t) {
     FREE_ARRAY(t->context, once, 3 * (size_t)b->rows);
 }
 
-/* After hold, what was held is its own projection. */
+/* After damping_rest, u is its own projection. */
 void check_hold(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     if (!check->type->damping_rest) return;
@@ -45,33 +46,33 @@ void check_hold(struct check *check, struct trial *t) {
     double moved = trial_distance(b->view.u, b->view.p, 3 * b->rows);
     double size = trial_norm(b->view.u, 3 * b->rows);
     if (!(moved <= 1e-9 * size))
-        fault(check, "after hold, u is not its own projection: it moves by %.3g of %.3g", moved,
-              size);
+        fault(check, "after damping_rest, u is not its own projection: it moves by %.3g of %.3g",
+              moved, size);
 }
 
 /* ---- tangent --------------------------------------------------------------------------------- */
 
-/* D = dp/du of element e by central differences, n x n; u is as before after it. */
+/* D = dp/du of element e by central differences, n x n. u is restored. */
 static void difference(const struct check *check, struct batch *b, int e, int n, double *D) {
     double *u = u_of(b) + 3 * (size_t)b->view.element_row[e];
     const double *p = b->view.p + 3 * (size_t)b->view.element_row[e];
     double step = 1e-6 * (1e-3 + trial_norm(u, n));
     for (int j = 0; j < n; j++) {
-        double kept = u[j];
-        u[j] = kept + step;
+        double at = u[j];
+        u[j] = at + step;
         check->type->project(b->params, &b->view, e, e + 1);
         for (int i = 0; i < n; i++) D[i * n + j] = p[i];
-        u[j] = kept - step;
+        u[j] = at - step;
         check->type->project(b->params, &b->view, e, e + 1);
         for (int i = 0; i < n; i++) D[i * n + j] = (D[i * n + j] - p[i]) / (2.0 * step);
-        u[j] = kept;
+        u[j] = at;
     }
 }
 
-/* What is wrong with J of n x n numbers by itself; NULL: nothing. */
-static const char *fault_of(const double *J, int n) {
-    double copy[MOST_NUMBERS * MOST_NUMBERS], value[MOST_NUMBERS],
-        vector[MOST_NUMBERS * MOST_NUMBERS];
+/* Returns a fault of J, n x n, as text: not finite, not symmetric, an eigenvalue outside of [0, 1];
+ * NULL: none. */
+static const char *tangent_fault(const double *J, int n) {
+    double copy[MAX_NUMBERS * MAX_NUMBERS], value[MAX_NUMBERS], vector[MAX_NUMBERS * MAX_NUMBERS];
     for (int k = 0; k < n * n; k++)
         if (!isfinite(J[k])) return "tangent gives a J that is not finite";
     for (int i = 0; i < n; i++)
@@ -85,9 +86,9 @@ static const char *fault_of(const double *J, int n) {
     return NULL;
 }
 
-/* How far J is from the symmetric part of D, its eigenvalues brought into [0, 1]. */
-static double error_of(const double *J, double *D, int n) {
-    double value[MOST_NUMBERS], vector[MOST_NUMBERS * MOST_NUMBERS], sum = 0.0;
+/* Frobenius norm of J minus the symmetric part of D with eigenvalues clamped to [0, 1]. */
+static double tangent_error(const double *J, double *D, int n) {
+    double value[MAX_NUMBERS], vector[MAX_NUMBERS * MAX_NUMBERS], sum = 0.0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < i; j++)
             D[i * n + j] = D[j * n + i] = 0.5 * (D[i * n + j] + D[j * n + i]);
@@ -102,7 +103,7 @@ static double error_of(const double *J, double *D, int n) {
     return sqrt(sum);
 }
 
-/* J of element e, n x n. */
+/* J of element e, n x n, from tangent or tangent_rank1. */
 static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, int e, int n,
                        double *J) {
     double axis[4];
@@ -113,39 +114,40 @@ static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, 
     vec3_axis_tangent(J, axis);
 }
 
-/* A projection may have a kink where it is looked at; so may one element in five. */
+/* J = dp/du by finite differences, to 0.02. One element in five may differ: a projection may have a
+ * kink at u. */
 void check_tangent(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
-    double J[MOST_NUMBERS * MOST_NUMBERS], D[MOST_NUMBERS * MOST_NUMBERS];
-    int elements = b->view.elements, looked = 0, wrong = 0;
+    double J[MAX_NUMBERS * MAX_NUMBERS], D[MAX_NUMBERS * MAX_NUMBERS];
+    int elements = b->view.elements, compared = 0, wrong = 0;
     double worst = 0.0;
     if (!check->type->tangent && !check->type->tangent_rank1) return;
     batch_local(b, t->x, 0.0, t->y);
     for (int k = 0; k < PROBES && k < elements; k++) {
         int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
         int n = 3 * (b->view.element_row[e + 1] - b->view.element_row[e]);
-        if (n > MOST_NUMBERS) continue;
+        if (n > MAX_NUMBERS) continue;
         tangent_of(check->type, b, e, n, J);
-        const char *why = fault_of(J, n);
+        const char *why = tangent_fault(J, n);
         if (why) {
             fault(check, "%s (element %d)", why, e);
             return;
         }
         difference(check, b, e, n, D);
-        double error = error_of(J, D, n);
-        looked++, wrong += error > 0.02, worst = fmax(worst, error);
+        double error = tangent_error(J, D, n);
+        compared++, wrong += error > 0.02, worst = fmax(worst, error);
     }
-    if (5 * wrong > looked)
+    if (5 * wrong > compared)
         fault(check,
               "tangent is not that of project: by finite differences, clamped to [0, 1], J "
               "differs by up to %.3g in %d of %d elements",
-              worst, wrong, looked);
+              worst, wrong, compared);
 }
 
 /* ---- energy ---------------------------------------------------------------------------------- */
 
-/* The gradient is that of the energy. Projections that are found by iteration are closest points
- * only to second order, hence the tolerance. */
+/* The gradient G' w (u - p) is the derivative of the energy along a direction, to 2 %: an iterative
+ * projection gives the closest point to second order only. */
 void check_gradient(struct check *check, struct trial *t) {
     double slope = 0.0, h = 1e-6;
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -163,7 +165,7 @@ void check_gradient(struct check *check, struct trial *t) {
               slope, expected);
 }
 
-/* Forces of what is not anchored sum to zero. */
+/* The forces of a type without PDYN_ANCHORED sum to zero. */
 void check_momentum(struct check *check, struct trial *t) {
     double sum[3] = {0};
     if (check->type->flags & PDYN_ANCHORED) return;
@@ -177,7 +179,7 @@ void check_momentum(struct check *check, struct trial *t) {
 
 /* ---- H --------------------------------------------------------------------------------------- */
 
-/* H is symmetric and lies between M/h^2 and the projective A, for every eps. */
+/* H is symmetric, at least M/h^2, and does not decrease with eps. */
 void check_bounds(struct check *check, struct trial *t) {
     struct objective *sys = &t->sim->objective;
     uint64_t seed = 99;
@@ -187,9 +189,9 @@ void check_bounds(struct check *check, struct trial *t) {
         if (objective_linearise(sys, 0.25 * k) != PDYN_OK) return;
         for (int i = 0; i < t->n; i++) t->z[i] = trial_random(&seed);
         objective_apply(sys, t->u, t->y), objective_apply(sys, t->z, t->w);
-        double one = trial_dot(t->z, t->y, t->n), other = trial_dot(t->u, t->w, t->n);
-        if (!(fabs(one - other) <= 1e-10 * trial_norm(t->y, t->n) * trial_norm(t->z, t->n))) {
-            fault(check, "H is not symmetric: z.H u = %.10g, u.H z = %.10g", one, other);
+        double zHu = trial_dot(t->z, t->y, t->n), uHz = trial_dot(t->u, t->w, t->n);
+        if (!(fabs(zHu - uHz) <= 1e-10 * trial_norm(t->y, t->n) * trial_norm(t->z, t->n))) {
+            fault(check, "H is not symmetric: z.H u = %.10g, u.H z = %.10g", zHu, uHz);
             return;
         }
         double quadratic = trial_dot(t->u, t->y, t->n);
@@ -202,7 +204,7 @@ void check_bounds(struct check *check, struct trial *t) {
     }
 }
 
-/* The block diagonal is that of the product. */
+/* The block diagonal is that of the product with unit vectors. */
 void check_diagonal(struct check *check, struct trial *t) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     if (objective_linearise(&t->sim->objective, 0.3) != PDYN_OK) return;

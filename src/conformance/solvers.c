@@ -82,13 +82,13 @@ static bool solver_fits(struct check *check, const pdyn_constraint_type *type,
 
 enum { STEPS = 3 };
 
-/* Otherwise everything would fall freely, and no constraint would have work. */
+/* Adds random velocities: a body in free fall would not load its constraints. */
 static void shake(pdyn_sim *sim) {
     uint64_t seed = 11;
     for (int k = 0; k < 3 * sim->objective.particles; k++) sim->v[k] += 0.5 * trial_random(&seed);
 }
 
-/* The state's hash after some steps; false with a fault. */
+/* Takes STEPS steps; *hash: of the final state. false, with a fault, if a step failed. */
 static bool run(struct check *check, const char *scene, int threads, uint64_t *hash) {
     pdyn_context *context = trial_context(check->like, threads);
     pdyn_sim *sim = NULL;
@@ -105,10 +105,10 @@ static bool run(struct check *check, const char *scene, int threads, uint64_t *h
     return status == PDYN_OK;
 }
 
-/* Steps run, and give the same bits for any number of threads. */
+/* Steps succeed, and give the same bits for any number of threads. */
 static void step(struct check *check, const pdyn_constraint_type *type, enum trial_size size,
                  const char *solver, const char *kind) {
-    static const int threads[] = {3, 2, 8}; /* a large scene has work for three */
+    static const int threads[] = {3, 2, 8}; /* a LARGE scene: 3 only */
     uint64_t one, more;
     char scene[4096];
     trial_scene(scene, type, check->kind, size, solver, kind);
@@ -128,7 +128,8 @@ static void step_both(struct check *check, const pdyn_constraint_type *type, con
     if (check->faults == faults) step(check, type, SMALL, solver, "projective");
 }
 
-/* ---- all of them ----------------------------------------------------------------------------- */
+/* ---- all types and solvers
+ * ----------------------------------------------------------------------------- */
 
 void check_solvers(struct check *check) {
     const pdyn_global_solver *s;
@@ -144,7 +145,7 @@ void check_steps(struct check *check) {
         if (solver_fits(check, check->type, s)) step_both(check, check->type, s->name);
 }
 
-/* On the scene of each type of the library; at least one has to fit. */
+/* The solver on the scene of each built-in type that it fits; it must fit one. */
 void check_solver(struct check *check) {
     int fitting = 0;
     for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t && !check->faults;

@@ -1,9 +1,11 @@
-/* Where a type has two ways to the same numbers, these agree. */
+/* Checks that two realisations of a type agree: operator and rows, linear rows and their matrix,
+ * the operator's rate and force and its product. */
 #include "conformance.h"
 
 #include <math.h>
 #include <string.h>
 
+/* Zeroes the scratch vectors y, z, da and db. */
 static void clear(struct trial *t) {
     memset(t->y, 0, (size_t)t->n * sizeof *t->y), memset(t->z, 0, (size_t)t->n * sizeof *t->z);
     memset(t->da, 0, 2 * (size_t)t->n * sizeof *t->da);
@@ -14,8 +16,8 @@ static bool differ(const double *a, const double *b, int n, double tolerance) {
     return !(trial_distance(a, b, n) <= tolerance * trial_norm(b, n));
 }
 
-/* Energy, gradient, undamped product and block diagonal of two batches that stand for the same
- * (the rows' damping counts pairs in the skin of the lists, too). */
+/* Compares energy, gradient, product and block diagonal of two batches of the same constraint, at
+ * eps = 0: for eps > 0, rows count listed pairs beyond the support, too, and operators do not. */
 static void compare(struct check *check, struct trial *t, struct batch *a, struct batch *b,
                     const char *what) {
     clear(t);
@@ -40,7 +42,7 @@ void check_tiers(struct check *check, struct trial *t) {
     compare(check, t, t->batch, t->rows, "the operator and the rows that it stands for");
 }
 
-/* One matrix stands for rows that are linear. */
+/* Rows that `linear` calls linear agree with the matrix that core sums them to. */
 void check_stiffness(struct check *check, struct trial *t) {
     struct batch *rows = NULL;
     if (!t->batch->linear) return;
@@ -50,8 +52,9 @@ void check_stiffness(struct check *check, struct trial *t) {
     batch_free(rows);
 }
 
-/* The model along a direction: its slope is that of the gradient's change, with and without changes
- * of side; without, the change is the product. */
+/* The one-sided constraints along a direction w: the change of the energy's slope from 0 to w is
+ * the work of the change of the force. Scale 1e-10 keeps all constraints on their sides; then the
+ * change of the force is H w. Scale 1 must change some sides. */
 void check_model(struct check *check, struct trial *t) {
     if (!check->type->matrix_free) return;
     for (double scale = 1e-10; scale < 10.0; scale *= 1e10) {

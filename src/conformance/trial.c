@@ -1,3 +1,5 @@
+/* The scenes on which types and solvers are checked: written from a type's parameter table, loaded,
+ * and set to a random state near rest. */
 #include "conformance.h"
 
 #include <math.h>
@@ -37,13 +39,14 @@ double trial_distance(const double *a, const double *b, int n) {
     return sqrt(sum);
 }
 
-/* ---- a small scene for any type -------------------------------------------------------------- */
+/* ---- the text of a scene -------------------------------------------------------------- */
 
+/* A required parameter gets 10 clamped to its bounds, others their default. */
 static double value_for(const pdyn_param *p) {
     return p->required ? fmin(p->max, fmax(p->min, 10.0)) : p->def;
 }
 
-/* By kind: the name, then up to three times the value. */
+/* By parameter kind; arguments: the name, then three times the value. */
 static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_INT] = ", \"%s\": %.0f",
                                         [PDYN_BOOL] = ", \"%s\": true",
@@ -52,7 +55,8 @@ static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]",
                                         [PDYN_OTHER] = ", \"%s\": \"other\""};
 
-/* A default outside of the bounds stands for none: such a parameter is left out. */
+/* Writes the required parameters, and real ones whose default lies within the bounds (others have
+ * no default). */
 static void write_params(char *text, size_t size, const pdyn_constraint_type *type) {
     for (const pdyn_param *p = type->params; p->name; p++) {
         bool given = p->required || (p->kind == PDYN_REAL && p->def >= p->min && p->def <= p->max);
@@ -67,7 +71,7 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
 #define SHEET(vertices)                                                                            \
     "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": " vertices "},"                  \
     " \"rotate\": [20, 30, 10], \"area_density\": 0.3}"
-/* Beside the others, for types that need another body. */
+/* A second body, for types with a PDYN_OTHER parameter. */
 #define OTHER                                                                                      \
     ", {\"name\": \"other\", \"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [4, "    \
     "3]},"                                                                                         \
@@ -117,7 +121,7 @@ pdyn_context *trial_context(const pdyn_context *like, int threads) {
     return context;
 }
 
-/* Everything is near its rest, but nothing is at it. */
+/* Random x near rest, v, s and direction u; then the local step at x. */
 static pdyn_status disturb(struct trial *t) {
     struct objective *sys = &t->sim->objective;
     uint64_t seed = 7;
