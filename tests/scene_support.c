@@ -15,15 +15,6 @@ int scene_tear_down(void **state) {
     return test_leave_directory(state);
 }
 
-const char *quoted(const char *text) {
-    static char out[8192];
-    assert_true(strlen(text) < sizeof out);
-    strcpy(out, text);
-    for (char *c = out; *c; c++)
-        if (*c == '\'') *c = '"';
-    return out;
-}
-
 void assert_message(const char *expected) {
     const char *found = pdyn_last_error(context);
     size_t length = strlen(expected);

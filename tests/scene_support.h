@@ -32,7 +32,6 @@ extern struct counter counter;
 int scene_set_up(void **state);
 int scene_tear_down(void **state);
 
-const char *quoted(const char *text);      /* with " for '; until the next call */
 void assert_message(const char *expected); /* one that ends with '*' may go on */
 
 pdyn_status read_text(const char *text, const char *const *set, int sets, struct scene *scene);

@@ -29,9 +29,18 @@ pdyn_context *test_warned_context(int threads, struct warnings *warnings) {
     return create(&options);
 }
 
+const char *quoted(const char *text) {
+    static char out[8192];
+    assert_true(strlen(text) < sizeof out);
+    strcpy(out, text);
+    for (char *c = out; *c; c++)
+        if (*c == '\'') *c = '"';
+    return out;
+}
+
 pdyn_sim *test_load(pdyn_context *context, const char *text) {
     pdyn_sim *sim = NULL;
-    pdyn_status status = pdyn_load_text(context, text, "test", NULL, 0, &sim);
+    pdyn_status status = pdyn_load_text(context, quoted(text), "test", NULL, 0, &sim);
     if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
     return sim;
 }
@@ -93,7 +102,7 @@ struct scene_text {
 static pdyn_status load_and_step(const void *what) {
     const struct scene_text *scene = what;
     pdyn_sim *sim = NULL;
-    pdyn_status status = pdyn_load_text(scene->context, scene->text, "test", NULL, 0, &sim);
+    pdyn_status status = pdyn_load_text(scene->context, quoted(scene->text), "test", NULL, 0, &sim);
     if (status == PDYN_OK) status = pdyn_step(sim, NULL);
     pdyn_free(sim);
     return status;

@@ -14,7 +14,11 @@
 #include <cmocka.h>
 
 #include "projdyn/projdyn.h"
+#include "scene_text.h"
 #include "step/sim.h"
+
+/* A copy of a text with " for ', which is valid until the next call. */
+const char *quoted(const char *text);
 
 pdyn_context *test_context(int threads);
 
@@ -24,6 +28,7 @@ struct warnings {
     int count;
 };
 pdyn_context *test_warned_context(int threads, struct warnings *warnings);
+/* Loads a scene from text with ' for ". */
 pdyn_sim *test_load(pdyn_context *context, const char *text);
 pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);
 

@@ -5,27 +5,26 @@
 
 #include <string.h>
 
-static const char settings[] = "\"duration\": 1e6, \"frame_interval\": 1e3, \"time_step\": "
-                               "{\"fixed\": %g}, \"gravity\": [0, %g, 0], \"solver\": {\"type\": "
-                               "\"%s\", \"tolerance\": 1e-9, \"outer_iterations\": 100}";
+static const char settings[] =
+    "'duration': 1e6, 'frame_interval': 1e3, 'time_step': {'fixed': %g}, 'gravity': [0, %g, 0], "
+    "'solver': {'type': '%s', 'tolerance': 1e-9, 'outer_iterations': 100}";
 
 static pdyn_sim *load(pdyn_context *context, double h, double gravity, const char *solver,
                       const char *bodies) {
     char text[4096], head[512];
     snprintf(head, sizeof head, settings, h, gravity, solver);
-    snprintf(text, sizeof text, "{%s, \"bodies\": [%s]}", head, bodies);
+    snprintf(text, sizeof text, "{%s, 'bodies': [%s]}", head, bodies);
     return test_load(context, text);
 }
 
 /* Four vertices on a spring each, below the inside and the sides of the triangles of a sheet that
  * gives way; the body that is named comes after the one that names it. */
-static const char hanging[] =
-    "{\"name\": \"load\", \"surface\": {\"grid\": {\"size\": [0.5, 0.5], \"vertices\": [2, 2]}, "
-    "\"translate\": [0.1, -0.5, 0.07], \"area_density\": 4}, \"constraints\": [{\"type\": "
-    "\"attachment\", \"to\": \"roof\", \"vertices\": {\"all\": true}, \"stiffness\": 1000}]}, "
-    "{\"name\": \"roof\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [3, 3]}, "
-    "\"area_density\": 1}, \"constraints\": [{\"type\": \"pin\", \"vertices\": {\"all\": true}, "
-    "\"stiffness\": 1e4}]}";
+static const char hanging[] = PAIR(
+    GRID_SHEET(
+        "'name': 'load', ", "0.5, 0.5", "2, 2", "'translate': [0.1, -0.5, 0.07], 'area_density': 4",
+        "{'type': 'attachment', 'to': 'roof', 'vertices': {'all': true}, 'stiffness': 1000}"),
+    GRID_SHEET("'name': 'roof', ", "1, 1", "3, 3", "'area_density': 1",
+               "{'type': 'pin', 'vertices': {'all': true}, 'stiffness': 1e4}"));
 
 /* Each spring is longer by its weight over its stiffness, and the pins of the roof give way by all
  * of the weight, at the place where it hangs. */
@@ -59,14 +58,13 @@ static void test_weight(void **state) {
 }
 
 /* Rows of a scene: two free sheets, the springs half as long as the way between them. */
-static const char pulled[] =
-    "{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [5, 4]}, \"area_density\": 0.3}, "
-    "\"constraints\": [{\"type\": \"triangle\", \"stretching_stiffness\": 1000}, {\"type\": "
-    "\"attachment\", \"to\": \"body1\", \"vertices\": {\"border\": true}, \"stiffness\": 50, "
-    "\"length\": 0.5, \"damping\": %g}]}, "
-    "{\"surface\": {\"grid\": {\"size\": [0.8, 0.7], \"vertices\": [4, 6]}, \"rotate\": [20, 30, "
-    "10], \"translate\": [0.1, 0.4, 0], \"area_density\": 0.2}, \"constraints\": [{\"type\": "
-    "\"spring\", \"stretching_stiffness\": 800}]}";
+static const char pulled[] = PAIR(
+    GRID_SHEET("", "1, 1", "5, 4", "'area_density': 0.3",
+               PAIR(STRAIN("1000"), "{'type': 'attachment', 'to': 'body1', 'vertices': {'border': "
+                                    "true}, 'stiffness': 50, 'length': 0.5, 'damping': %g}")),
+    GRID_SHEET("", "0.8, 0.7", "4, 6",
+               "'rotate': [20, 30, 10], 'translate': [0.1, 0.4, 0], 'area_density': 0.2",
+               SPRINGS("800")));
 
 static void momentum(const pdyn_sim *sim, double p[6]) {
     memset(p, 0, 6 * sizeof *p);
@@ -109,13 +107,12 @@ static void test_seam(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load(
         context, 0.01, 0.0, "auto",
-        "{\"name\": \"a\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [6, 6]}, "
-        "\"area_density\": 0.3}, \"constraints\": [{\"type\": \"triangle\", "
-        "\"stretching_stiffness\": 1000}]}, {\"surface\": {\"grid\": {\"size\": [1, 1], "
-        "\"vertices\": [7, 9]}, \"translate\": [1.05, 0, 0], \"area_density\": 0.3}, "
-        "\"constraints\": [{\"type\": \"triangle\", \"stretching_stiffness\": 1000}, {\"type\": "
-        "\"attachment\", \"to\": \"a\", \"length\": 0, \"stiffness\": 100, \"damping\": 0.05, "
-        "\"vertices\": {\"box\": {\"minimum\": [0.5, -1, -1], \"maximum\": [0.6, 1, 1]}}}]}");
+        PAIR(GRID_SHEET("'name': 'a', ", "1, 1", "6, 6", "'area_density': 0.3", STRAIN("1000")),
+             GRID_SHEET(
+                 "", "1, 1", "7, 9", "'translate': [1.05, 0, 0], 'area_density': 0.3",
+                 PAIR(STRAIN("1000"), "{'type': 'attachment', 'to': 'a', 'length': 0, 'stiffness': "
+                                      "100, 'damping': 0.05, 'vertices': {'box': {'minimum': [0.5, "
+                                      "-1, -1], 'maximum': [0.6, 1, 1]}}}"))));
     const pdyn_batch *seam = &sim->objective.batch[2]->view;
     assert_int_equal(seam->elements, 9);
     for (int e = 0; e < 9; e++) assert_true(fabs(vec3_length(seam->u + 3 * e)) < 1e-15);
@@ -134,7 +131,7 @@ static void test_memory(void **state) {
     (void)state;
     char text[4096], head[512];
     snprintf(head, sizeof head, settings, 0.01, -9.81, "auto");
-    snprintf(text, sizeof text, "{%s, \"bodies\": [%s]}", head, hanging);
+    snprintf(text, sizeof text, "{%s, 'bodies': [%s]}", head, hanging);
     test_failing_scene(text);
 }
 

@@ -138,9 +138,8 @@ static pdyn_sim *load_cylinder(pdyn_context *context) {
         }
     assert_int_equal(fclose(file), 0);
     pdyn_sim *sim = test_load(
-        context, "{\"duration\": 1, \"bodies\": [{\"surface\": {\"mesh\": \"cylinder.obj\", "
-                 "\"area_density\": 1}, \"constraints\": [{\"type\": \"bending\", "
-                 "\"bending_rigidity\": 3}]}]}");
+        context, "{'duration': 1, 'bodies': [{'surface': {'mesh': 'cylinder.obj', 'area_density': "
+                 "1}, 'constraints': [{'type': 'bending', 'bending_rigidity': 3}]}]}");
     test_remove_file("cylinder.obj");
     return sim;
 }

@@ -10,16 +10,15 @@
 
 /* A drop on a sheet whose triangles are three spacings wide; nothing else acts. */
 static const char drop[] =
-    "{\"duration\": 1, \"gravity\": [0, 0, 0], \"time_step\": {\"fixed\": 0.004},"
-    " \"solver\": {\"tolerance\": 1e-3, \"outer_iterations\": 4},"
-    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.01, \"fill\": [{\"box\":"
-    " {\"minimum\": [-0.05, 0.025, -0.05], \"maximum\": [0.05, 0.105, 0.05]},"
-    " \"velocity\": [0.1, -1, 0.05]}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": "
-    "1e5}]},"
-    " {\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [0.3, 0.3], \"vertices\": [6, 6]},"
-    " \"rotate\": [0, 20, 10], \"area_density\": 0.5}, \"constraints\": ["
-    "{\"type\": \"spring\", \"stretching_stiffness\": 1000},"
-    " {\"type\": \"bending\", \"bending_rigidity\": 0.001}]}]}";
+    SCENE("'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'fixed': 0.004}, 'solver': "
+          "{'tolerance': 1e-3, 'outer_iterations': 4}",
+          PAIR("{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
+               "[-0.05, 0.025, -0.05], 'maximum': [0.05, 0.105, 0.05]}, 'velocity': [0.1, -1, "
+               "0.05]}]}, 'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}",
+               GRID_SHEET("'name': 'sheet', ", "0.3, 0.3", "6, 6",
+                          "'rotate': [0, 20, 10], 'area_density': 0.5",
+                          PAIR(SPRINGS("1000"), BENDING("0.001")))),
+          "");
 
 static double *array(int n) {
     double *a = calloc((size_t)n + 1, sizeof *a); /* a vector has room for one more */
@@ -238,7 +237,7 @@ static void test_solvers(void **state) {
                                    "solver.tolerance=1e-8", "solver.outer_iterations=40",
                                    "solver.linear_tolerance=1e-4",
                                    "bodies.water.particles.radius=0.0125"};
-        assert_int_equal(pdyn_load_text(context, drop, "drop", set, 5, &sim), PDYN_OK);
+        assert_int_equal(pdyn_load_text(context, quoted(drop), "drop", set, 5, &sim), PDYN_OK);
         for (int step = 0; step < 6; step++) test_step(context, sim);
         memcpy(x[k], sim->x + 3 * (sim->body[1].first + 14), sizeof x[k]);
         pdyn_free(sim);
@@ -253,15 +252,13 @@ static void test_solvers(void **state) {
 static void test_fast_sheet(void **state) {
     (void)state;
     const char *scene =
-        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"time_step\": {\"maximum\": 0.005, \"cfl\": 1},"
-        " \"solver\": {\"tolerance\": 0.5, \"linear_tolerance\": 0.3, \"outer_iterations\": 100},"
-        " \"bodies\": [{\"name\": \"water\", \"velocity\": [0, -1, 0], \"particles\": {\"radius\":"
-        " 0.007, \"fill\": [{\"box\": {\"minimum\": [-0.1, 0.007, -0.1], \"maximum\": [0.1, 0.05,"
-        " 0.1]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 14000}]}, {\"name\":"
-        " \"sheet\", \"velocity\": [0, 6, 0], \"surface\": {\"grid\": {\"size\": [0.3, 0.3],"
-        " \"vertices\": [31, 31]}, \"area_density\": 0.1}, \"constraints\": [{\"type\": \"spring\","
-        " \"stretching_stiffness\": 10000}, {\"type\": \"bending\", \"bending_rigidity\": "
-        "1e-4}]}]}";
+        SCENE("'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'maximum': 0.005, 'cfl': 1}, "
+              "'solver': {'tolerance': 0.5, 'linear_tolerance': 0.3, 'outer_iterations': 100}",
+              PAIR(FLUID_BOX("'name': 'water', 'velocity': [0, -1, 0], ", "0.007",
+                             "-0.1, 0.007, -0.1", "0.1, 0.05, 0.1", ", 'stiffness': 14000"),
+                   GRID_SHEET("'name': 'sheet', 'velocity': [0, 6, 0], ", "0.3, 0.3", "31, 31",
+                              "'area_density': 0.1", PAIR(SPRINGS("10000"), BENDING("1e-4")))),
+              "");
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(context, scene);
     const pdyn_body *water = &sim->body[0], *sheet = &sim->body[1];
@@ -289,7 +286,7 @@ static void keeps_momentum(const char *outer, const char *linear) {
     const char *const set[] = {outer, linear, "duration=100"};
     pdyn_step_info info;
     double begin[3] = {0}, size = 0.0;
-    assert_int_equal(pdyn_load_text(context, drop, "drop", set, 3, &sim), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(drop), "drop", set, 3, &sim), PDYN_OK);
     for (int i = 0; i < sim->objective.particles; i++) {
         vec3_add(begin, sim->objective.mass[i], sim->v + 3 * i);
         size += sim->objective.mass[i] * vec3_length(sim->v + 3 * i);
@@ -346,17 +343,16 @@ static void test_viscosity(void **state) {
 /* ---- sides ----------------------------------------------------------------------------------- */
 
 #define ABOVE                                                                                      \
-    "{\"box\": {\"minimum\": [-0.1, -0.005, -0.1], \"maximum\": [0.1, 0.11, 0.1]}, \"velocity\": " \
-    "[1, "                                                                                         \
-    "0, 0]}"
-#define BELOW "{\"box\": {\"minimum\": [-0.11, -0.075, -0.11], \"maximum\": [0.11, 0.005, 0.09]}}"
+    "{'box': {'minimum': [-0.1, -0.005, -0.1], 'maximum': [0.1, 0.11, 0.1]}, 'velocity': [1, 0, "  \
+    "0]}"
+#define BELOW "{'box': {'minimum': [-0.11, -0.075, -0.11], 'maximum': [0.11, 0.005, 0.09]}}"
 #define LAYERS(fill)                                                                               \
-    "{\"duration\": 1, \"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"water\", \"particles\": " \
-    "{\"radius\": 0.01, \"fill\": [" fill                                                          \
-    "]}, \"constraints\": [{\"type\": \"fluid\"}]}, {\"name\": "                                   \
-    "\"sheet\", \"surface\": {\"grid\": {\"size\": [0.4, 0.4], \"vertices\": [6, 6]}, "            \
-    "\"area_density\": 0.2}, \"constraints\": [{\"type\": \"pin\", \"vertices\": {\"all\": "       \
-    "true}}]}]}"
+    SCENE("'duration': 1, 'gravity': [0, 0, 0]",                                                   \
+          PAIR("{'name': 'water', 'particles': {'radius': 0.01, 'fill': [" fill                    \
+               "]}, 'constraints': [{'type': 'fluid'}]}",                                          \
+               GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "6, 6", "'area_density': 0.2",          \
+                          PINS("'all': true"))),                                                   \
+          "")
 
 /* Densities of water half a radius above a sheet that is not even, or below it, or on both sides;
  * returns how many particles there are. */
@@ -366,7 +362,7 @@ static int densities(const char *text, int vertices, const char *solids, double 
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = NULL;
     snprintf(grid, sizeof grid, "bodies.sheet.surface.grid.vertices=[%d, %d]", vertices, vertices);
-    assert_int_equal(pdyn_load_text(context, text, "layers", set, 2, &sim), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(text), "layers", set, 2, &sim), PDYN_OK);
     int n = sim->body[0].count;
     for (int i = n; i < sim->objective.particles; i++)
         sim->x[3 * i + 1] = 0.002 * sin(60.0 * sim->x[3 * i] + 40.0 * sim->x[3 * i + 2]);
@@ -422,8 +418,8 @@ static void test_hidden(void **state) {
     pdyn_context *context = test_context(3);
     pdyn_sim *sim = NULL;
     const char *const set[] = {"bodies.sheet.surface.grid.size=[0.1, 0.1]"};
-    assert_int_equal(pdyn_load_text(context, LAYERS(ABOVE ", " BELOW), "layers", set, 1, &sim),
-                     PDYN_OK);
+    assert_int_equal(
+        pdyn_load_text(context, quoted(LAYERS(ABOVE ", " BELOW)), "layers", set, 1, &sim), PDYN_OK);
     const pdyn_neighbours *l = neighbours_view(sim->neighbours);
     int n = sim->body[0].count, across = 0, through = 0;
     for (int i = 0; i < n; i++)
@@ -448,19 +444,17 @@ static void test_hidden(void **state) {
 /* ---- friction -------------------------------------------------------------------------------- */
 
 /* Layers of water that touch a light sheet and reach beyond it, and move along it. */
-#define UPPER "{\"box\": {\"minimum\": [-0.2, 0, -0.2], \"maximum\": [0.2, 0.02, 0.2]}}"
-#define LOWER "{\"box\": {\"minimum\": [-0.2, -0.02, -0.2], \"maximum\": [0.2, 0, 0.2]}}"
+#define UPPER "{'box': {'minimum': [-0.2, 0, -0.2], 'maximum': [0.2, 0.02, 0.2]}}"
+#define LOWER "{'box': {'minimum': [-0.2, -0.02, -0.2], 'maximum': [0.2, 0, 0.2]}}"
 #define STREAM(integrator, fill)                                                                   \
-    "{\"duration\": 1, \"frame_interval\": 0.005, \"gravity\": [0, 0, 0], \"time_step\": "         \
-    "{\"integrator\": \"" integrator "\", \"fixed\": "                                             \
-    "0.005}, \"solver\": "                                                                         \
-    "{\"tolerance\": 1e-6, \"linear_tolerance\": 1e-4}, \"bodies\": [{\"name\": \"water\", "       \
-    "\"velocity\": [0.4, 0, 0.3], \"particles\": {\"radius\": 0.01, \"fill\": [" fill              \
-    "]}, \"constraints\": [{\"type\": \"fluid\", \"viscosity\": 0}]}, {\"name\": \"sheet\", "      \
-    "\"surface\": "                                                                                \
-    "{\"grid\": {\"size\": [0.2, 0.2], \"vertices\": [6, 6]}, \"area_density\": 0.2, "             \
-    "\"fluid_friction\": 2}, \"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": "  \
-    "100}]}]}"
+    SCENE("'duration': 1, 'frame_interval': 0.005, 'gravity': [0, 0, 0], 'time_step': "            \
+          "{'integrator': '" integrator                                                            \
+          "', 'fixed': 0.005}, 'solver': {'tolerance': 1e-6, 'linear_tolerance': 1e-4}",           \
+          PAIR("{'name': 'water', 'velocity': [0.4, 0, 0.3], 'particles': {'radius': 0.01, "       \
+               "'fill': [" fill "]}, 'constraints': [{'type': 'fluid', 'viscosity': 0}]}",         \
+               GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "6, 6",                                 \
+                          "'area_density': 0.2, 'fluid_friction': 2", SPRINGS("100"))),            \
+          "")
 
 /* Runs it and returns the sheet's mean velocity along the stream after `steps`. */
 static double carried(const char *text, int threads, int steps, double *x) {
@@ -544,8 +538,9 @@ static void test_friction_solvers(void **state) {
         pdyn_sim *sim = NULL;
         const char *const set[] = {solver[k], "solver.outer_iterations=200",
                                    "bodies.water.constraints.fluid.stiffness=0.01"};
-        assert_int_equal(pdyn_load_text(context, STREAM("bdf2", UPPER), "stream", set, 3, &sim),
-                         PDYN_OK);
+        assert_int_equal(
+            pdyn_load_text(context, quoted(STREAM("bdf2", UPPER)), "stream", set, 3, &sim),
+            PDYN_OK);
         for (int step = 0; step < 3; step++) test_step(context, sim);
         along[k] = sim->v[3 * sim->body[1].first];
         assert_true(fabs(along[k] / along[0] - 1.0) < 1e-4);
@@ -571,14 +566,14 @@ static void test_friction_threads(void **state) {
 }
 
 static const char impact[] =
-    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.01}, \"contact\": {\"thickness\": 0.005},"
-    " \"solver\": {\"tolerance\": 1, \"outer_iterations\": 6, \"linear_iterations\": 50},"
-    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
-    " {\"minimum\": [-0.08, 0.1, -0.08], \"maximum\": [0.08, 0.26, 0.08]},"
-    " \"velocity\": [0, -20, 0]}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]},"
-    " {\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [0.6, 0.6], \"vertices\": [13, 13]},"
-    " \"area_density\": 0.2}, \"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\":"
-    " 4000}, {\"type\": \"pin\", \"vertices\": {\"border\": true}}]}]}";
+    SCENE("'duration': 1, 'time_step': {'fixed': 0.01}, 'contact': {'thickness': 0.005}, 'solver': "
+          "{'tolerance': 1, 'outer_iterations': 6, 'linear_iterations': 50}",
+          PAIR("{'name': 'water', 'particles': {'radius': 0.02, 'fill': [{'box': {'minimum': "
+               "[-0.08, 0.1, -0.08], 'maximum': [0.08, 0.26, 0.08]}, 'velocity': [0, -20, 0]}]}, "
+               "'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}",
+               GRID_SHEET("'name': 'sheet', ", "0.6, 0.6", "13, 13", "'area_density': 0.2",
+                          PAIR(SPRINGS("4000"), PINS("'border': true")))),
+          "");
 
 /* How many triangles of the sheet are above a point. */
 static int above(const pdyn_sim *sim, const double *p) {

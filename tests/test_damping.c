@@ -21,11 +21,10 @@ static int tear_down(void **state) {
 static pdyn_sim *load(const char *integrator, const char *mesh, double h, const char *constraint) {
     char text[1024];
     snprintf(text, sizeof text,
-             "{\"duration\": 100, \"gravity\": [0, 0, 0], \"frame_interval\": 100, \"time_step\": "
-             "{\"integrator\": \"%s\", \"fixed\": %.17g}, \"solver\": {\"type\": \"cholesky\", "
-             "\"tolerance\": 1e-13, "
-             "\"outer_iterations\": 100}, \"bodies\": [{\"surface\": {%s, \"area_density\": 1}, "
-             "\"constraints\": [%s]}]}",
+             "{'duration': 100, 'gravity': [0, 0, 0], 'frame_interval': 100, 'time_step': "
+             "{'integrator': '%s', 'fixed': %.17g}, 'solver': {'type': 'cholesky', 'tolerance': "
+             "1e-13, 'outer_iterations': 100}, 'bodies': [{'surface': {%s, 'area_density': 1}, "
+             "'constraints': [%s]}]}",
              integrator, h, mesh, constraint);
     return test_load(context, text);
 }
@@ -38,9 +37,9 @@ static void breathe(const char *type, double stiffness) {
     const double h = 0.01, damping = 0.05, area = sqrt(0.75) / 2.0;
     char text[200];
     test_write_text("triangle.obj", mesh);
-    snprintf(text, sizeof text, "{\"type\": \"%s\", \"stretching_stiffness\": 10, \"damping\": %g}",
-             type, damping);
-    pdyn_sim *sim = load("euler", "\"mesh\": \"triangle.obj\"", h, text);
+    snprintf(text, sizeof text, "{'type': '%s', 'stretching_stiffness': 10, 'damping': %g}", type,
+             damping);
+    pdyn_sim *sim = load("euler", "'mesh': 'triangle.obj'", h, text);
     test_remove_file("triangle.obj");
     double inertia = area / 3.0 * 3.0 * (1.0 / 3.0), k = 2.0 * stiffness * area / inertia;
     double middle[3] = {0.5, sqrt(1.0 / 12.0), 0.0}, s = 1.0, rate = 0.5;
@@ -70,10 +69,9 @@ static void test_breathing(void **state) {
 static void fold(const char *integrator, double own) {
     const double h = 2e-4, damping = 4e-3, rigidity = 0.5;
     char text[200];
-    snprintf(text, sizeof text,
-             "{\"type\": \"bending\", \"bending_rigidity\": %g, \"damping\": %g}", rigidity,
-             damping);
-    pdyn_sim *sim = load(integrator, "\"grid\": {\"size\": [1, 1], \"vertices\": [2, 2]}", h, text);
+    snprintf(text, sizeof text, "{'type': 'bending', 'bending_rigidity': %g, 'damping': %g}",
+             rigidity, damping);
+    pdyn_sim *sim = load(integrator, "'grid': {'size': [1, 1], 'vertices': [2, 2]}", h, text);
     const struct batch *b = sim->objective.batch[0];
     double mode[4] = {0}, square = 0.0, omega2 = 0.0;
     for (int e = 0; e < b->view.elements; e++) {
@@ -118,13 +116,13 @@ static void test_folding(void **state) {
 static void test_balance(void **state) {
     (void)state;
     static const char *const constraints[] = {
-        "{\"type\": \"spring\", \"stretching_stiffness\": 10, \"damping\": 1}",
-        "{\"type\": \"triangle\", \"stretching_stiffness\": 10, \"damping\": 1}",
-        "{\"type\": \"bending\", \"bending_rigidity\": 10, \"damping\": 1}"};
+        "{'type': 'spring', 'stretching_stiffness': 10, 'damping': 1}",
+        "{'type': 'triangle', 'stretching_stiffness': 10, 'damping': 1}",
+        "{'type': 'bending', 'bending_rigidity': 10, 'damping': 1}"};
     static const double turn[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0, 0.48, 0.64, 0.6};
     for (int c = 0; c < 3; c++) {
-        pdyn_sim *sim = load("bdf2", "\"grid\": {\"size\": [1, 1], \"vertices\": [5, 5]}", 0.01,
-                             constraints[c]);
+        pdyn_sim *sim =
+            load("bdf2", "'grid': {'size': [1, 1], 'vertices': [5, 5]}", 0.01, constraints[c]);
         uint64_t seed = 17;
         double y[76], sum[3] = {0}, torque[3] = {0}, scale = 0.0;
         assert_int_equal(sim->objective.batches, 2);

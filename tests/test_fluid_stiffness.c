@@ -84,7 +84,7 @@ static void test_formula(void **state) {
     double c = lattice_squares();
     for (int k = 0; k < COUNT(scenes); k++) {
         pdyn_context *own = test_context(1);
-        pdyn_sim *sim = test_load(own, quoted(scenes[k].text));
+        pdyn_sim *sim = test_load(own, scenes[k].text);
         double rho = scenes[k].density, pressure = rho * scenes[k].gravity * scenes[k].head;
         double w = 1e5, speed = scenes[k].sound_speed, length = c * scenes[k].spacing;
         if (scenes[k].compression > 0.0) w = length * pressure / scenes[k].compression;
@@ -101,7 +101,7 @@ static void test_formula(void **state) {
 static void test_default(void **state) {
     (void)state;
     pdyn_context *own = test_context(1);
-    pdyn_sim *sim = test_load(own, quoted(FLUID(BLOCK, "'viscosity': 0.1", "]")));
+    pdyn_sim *sim = test_load(own, FLUID(BLOCK, "'viscosity': 0.1", "]"));
     assert_true(parameter(sim, "stiffness") == 1e6);
     pdyn_free(sim);
     pdyn_destroy(own);
@@ -115,7 +115,7 @@ static void test_settled_tank(void **state) {
     (void)state;
     const double depth = 0.4, spacing = 0.02, compression = 0.002;
     pdyn_context *own = test_context(2);
-    pdyn_sim *sim = test_load(own, quoted(FLUID(BLOCK, C, TANK("0"))));
+    pdyn_sim *sim = test_load(own, FLUID(BLOCK, C, TANK("0")));
     const pdyn_state s = pdyn_get_state(sim);
     double found = 0.0, expected = 0.0;
     while (pdyn_time(sim) < 1.5) {

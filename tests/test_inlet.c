@@ -9,23 +9,22 @@
 
 /* A jet of 8 x 4 particles of 0.025 m: `time` begins the scene, `more` ends the inlet. */
 #define JET(time, more, budget)                                                                    \
-    "{" time ", \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.0125, "           \
-    "\"inlets\": [{\"rectangle\": {\"center\": [0, 0.5, 0], \"size\": [0.2, 0.1]}, "               \
-    "\"direction\": [3, 0, 4], \"speed\": 2" more "}]" budget                                      \
-    "}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}]"
-#define STEPS "\"duration\": 1, \"frame_interval\": 0.003, \"time_step\": {\"fixed\": 0.003}"
-#define FLOAT ", \"gravity\": [0, 0, 0]"
+    "{" time                                                                                       \
+    ", 'bodies': [{'name': 'water', 'particles': {'radius': 0.0125, 'inlets': [{'rectangle': "     \
+    "{'center': [0, 0.5, 0], 'size': [0.2, 0.1]}, 'direction': [3, 0, 4], 'speed': 2" more         \
+    "}]" budget "}, 'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}]"
+#define STEPS "'duration': 1, 'frame_interval': 0.003, 'time_step': {'fixed': 0.003}"
+#define FLOAT ", 'gravity': [0, 0, 0]"
 enum { LAYER = 8 * 4 };
 static const double spacing = 0.025, direction[3] = {0.6, 0.0, 0.8};
 
 /* What falls through an outlet, 4 x 4 particles a layer. */
 static const char *const fountain =
-    "{\"duration\": 2, \"frame_interval\": 0.005, \"time_step\": {\"fixed\": 0.005}, \"bodies\": "
-    "[{\"name\": \"water\", \"particles\": {\"radius\": 0.0125, \"inlets\": [{\"rectangle\": "
-    "{\"center\": [0, 0.2, 0], \"size\": [0.1, 0.1]}, \"direction\": [0, -1, 0], \"speed\": 2}], "
-    "\"budget\": 400}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}], "
-    "\"outlets\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1, 1, 1]}, \"outside\": "
-    "true}]}";
+    "{'duration': 2, 'frame_interval': 0.005, 'time_step': {'fixed': 0.005}, 'bodies': [{'name': "
+    "'water', 'particles': {'radius': 0.0125, 'inlets': [{'rectangle': {'center': [0, 0.2, 0], "
+    "'size': [0.1, 0.1]}, 'direction': [0, -1, 0], 'speed': 2}], 'budget': 400}, 'constraints': "
+    "[{'type': 'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, 0, -1], "
+    "'maximum': [1, 1, 1]}, 'outside': true}]}";
 
 /* The layers that have entered by the end of the step, each where the stream has carried it. */
 static void test_emitted_mass(void **state) {
@@ -57,11 +56,11 @@ static void test_emitted_mass(void **state) {
 static void test_place(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{" STEPS FLOAT ", \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"inlets\": "
-        "[{\"disc\": {\"center\": [1, 2, 3], \"radius\": 0.06}, \"direction\": [0, -2, "
-        "0], \"up\": [1, 5, 1], \"speed\": 3, \"start\": 0.0095, \"duration\": 0.01}]}}]}");
+    pdyn_sim *sim =
+        test_load(context, "{" STEPS FLOAT
+                           ", 'bodies': [{'particles': {'radius': 0.0125, 'inlets': [{'disc': "
+                           "{'center': [1, 2, 3], 'radius': 0.06}, 'direction': [0, -2, 0], 'up': "
+                           "[1, 5, 1], 'speed': 3, 'start': 0.0095, 'duration': 0.01}]}}]}");
     const pdyn_state s = pdyn_get_state(sim);
     const int in_disc = 21; /* i^2 + j^2 <= 2.4^2, both of them at most 2 but for the corners */
     assert_int_equal(s.particles, 2 * in_disc); /* entering at 0.0095 s and 0.0178 s */
@@ -86,10 +85,10 @@ static void test_blocked(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
-        context, "{" STEPS FLOAT ", \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"fill\": "
-                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.1, 0.1, 0.1]}}], "
-                 "\"inlets\": [{\"rectangle\": {\"center\": [0.05, 0.05, 0.05], \"size\": [0.2, "
-                 "0.1]}, \"direction\": [0, 0, 1], \"speed\": 1}]}}]}");
+        context, "{" STEPS FLOAT
+                 ", 'bodies': [{'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': [0, "
+                 "0, 0], 'maximum': [0.1, 0.1, 0.1]}}], 'inlets': [{'rectangle': {'center': [0.05, "
+                 "0.05, 0.05], 'size': [0.2, 0.1]}, 'direction': [0, 0, 1], 'speed': 1}]}}]}");
     assert_int_equal(pdyn_get_body(sim, 0).live, 4 * 4 * 4 + LAYER / 2);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -100,7 +99,7 @@ static void test_free_jet(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim =
-        test_load(context, JET("\"duration\": 1, \"time_step\": {\"maximum\": 0.004}", "", "") "}");
+        test_load(context, JET("'duration': 1, 'time_step': {'maximum': 0.004}", "", "") "}");
     while (pdyn_time(sim) < 0.3) assert_true(test_step(context, sim).density_error_max < 0.005);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -110,7 +109,7 @@ static void test_free_jet(void **state) {
 static void test_before_the_start(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, JET(STEPS, ", \"start\": 0.5", "") "}");
+    pdyn_sim *sim = test_load(context, JET(STEPS, ", 'start': 0.5", "") "}");
     uint64_t hash = pdyn_state_hash(sim);
     for (int n = 0; n < 5; n++) {
         pdyn_step_info info = test_step(context, sim);
@@ -157,7 +156,7 @@ static void test_exhausted(void **state) {
     (void)state;
     struct warnings warnings = {"budget of 100 particles", 0};
     pdyn_context *context = test_warned_context(1, &warnings);
-    pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", ", \"budget\": 100") "}");
+    pdyn_sim *sim = test_load(context, JET(STEPS FLOAT, "", ", 'budget': 100") "}");
     assert_int_equal(pdyn_get_state(sim).particles, 100);
     for (int n = 0; n < 40; n++) test_step(context, sim);
     assert_int_equal(pdyn_get_body(sim, 0).live, 3 * LAYER);
@@ -171,13 +170,14 @@ static void test_momentum(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
-        context, "{" STEPS FLOAT ", \"solver\": {\"outer_iterations\": 1, \"linear_iterations\": "
-                 "3}, \"bodies\": [{\"particles\": {\"radius\": 0.0125, \"fill\": [{\"box\": "
-                 "{\"minimum\": [0.2, 0, 0], \"maximum\": [0.3, 0.1, 0.1]}, \"velocity\": [-3, 0, "
-                 "0]}, {\"box\": {\"minimum\": [0.3, 0.013, 0], \"maximum\": [0.4, 0.1, 0.1]}, "
-                 "\"velocity\": [-5, 0, 0]}], \"inlets\": [{\"disc\": {\"center\": [9, 9, 9], "
-                 "\"radius\": 0.01}, \"direction\": [1, 0, 0], \"speed\": 1, \"start\": 0.9}]}, "
-                 "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}]}");
+        context,
+        "{" STEPS FLOAT
+        ", 'solver': {'outer_iterations': 1, 'linear_iterations': 3}, 'bodies': [{'particles': "
+        "{'radius': 0.0125, 'fill': [{'box': {'minimum': [0.2, 0, 0], 'maximum': [0.3, 0.1, 0.1]}, "
+        "'velocity': [-3, 0, 0]}, {'box': {'minimum': [0.3, 0.013, 0], 'maximum': [0.4, 0.1, "
+        "0.1]}, 'velocity': [-5, 0, 0]}], 'inlets': [{'disc': {'center': [9, 9, 9], 'radius': "
+        "0.01}, 'direction': [1, 0, 0], 'speed': 1, 'start': 0.9}]}, 'constraints': [{'type': "
+        "'fluid', 'stiffness': 1e5}]}]}");
     double first[3] = {0}, touched = 0.0;
     const pdyn_state s = pdyn_get_state(sim);
     for (int i = 0; i < s.particles; i++) vec3_add(first, s.mass[i], s.v + 3 * i);

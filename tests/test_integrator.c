@@ -33,10 +33,11 @@ static void test_free_fall(void **state) {
     for (int kind = 0; kind < INTEGRATORS; kind++) {
         char text[1024];
         snprintf(text, sizeof text,
-                 "{\"duration\": 100, \"frame_interval\": 100, \"time_step\": {\"fixed\": 0.01, "
-                 "\"integrator\": \"%s\"}, \"bodies\": [{\"velocity\": [0, 2, 0], \"surface\": "
-                 "{\"grid\": {\"size\": [1, 1], \"vertices\": [9, 9]}, \"area_density\": 0.3}, "
-                 "\"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": 2000}]}]}",
+                 SCENE("'duration': 100, 'frame_interval': 100, 'time_step': {'fixed': 0.01, "
+                       "'integrator': '%s'}",
+                       GRID_SHEET("'velocity': [0, 2, 0], ", "1, 1", "9, 9", "'area_density': 0.3",
+                                  SPRINGS("2000")),
+                       ""),
                  integrator[kind]);
         pdyn_context *context = test_context(2);
         pdyn_sim *sim = test_load(context, text);
@@ -63,11 +64,10 @@ static void swing(int kind, double damping, double h, double ratio, double end[3
     char text[1024];
     test_write_text("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0.5 0.8 0\nf 1 2 3\n");
     snprintf(text, sizeof text,
-             "{\"duration\": 100, \"frame_interval\": 0.1, \"time_step\": {\"fixed\": %.17g, "
-             "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 1e-11, \"linear_tolerance\": "
-             "1e-6, \"outer_iterations\": 100}, \"bodies\": [{\"surface\": {\"mesh\": "
-             "\"triangle.obj\", \"area_density\": 1}, \"constraints\": [{\"type\": \"spring\", "
-             "\"stretching_stiffness\": 10, \"damping\": %g}]}]}",
+             "{'duration': 100, 'frame_interval': 0.1, 'time_step': {'fixed': %.17g, 'integrator': "
+             "'%s'}, 'solver': {'tolerance': 1e-11, 'linear_tolerance': 1e-6, 'outer_iterations': "
+             "100}, 'bodies': [{'surface': {'mesh': 'triangle.obj', 'area_density': 1}, "
+             "'constraints': [{'type': 'spring', 'stretching_stiffness': 10, 'damping': %g}]}]}",
              h, integrator[kind], damping);
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, text);
@@ -116,15 +116,15 @@ static void test_no_bounce(void **state) {
     for (int kind = 0; kind < INTEGRATORS; kind++)
         for (int k = 0; k < 2; k++) {
             char text[1024];
-            snprintf(text, sizeof text,
-                     "{\"duration\": 1, \"frame_interval\": 0.1, \"time_step\": {\"fixed\": %g, "
-                     "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 5, "
-                     "\"outer_iterations\": 200}, \"contact\": {\"thickness\": 0.01}, \"bodies\": "
-                     "[{\"velocity\": [0, -3.6, 0], \"surface\": {\"grid\": {\"size\": [0.5, 0.5], "
-                     "\"vertices\": [6, 6]}, \"translate\": [0, 0.05, 0], \"area_density\": 0.3}, "
-                     "\"constraints\": [{\"type\": \"spring\", \"stretching_stiffness\": 1000}]}], "
-                     "\"solids\": [{\"box\": {\"minimum\": [-1, 0, -1], \"maximum\": [1, 1, 1]}}]}",
-                     k ? 0.01 : 0.005, integrator[kind]);
+            snprintf(
+                text, sizeof text,
+                SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': %g, "
+                      "'integrator': '%s'}, 'solver': {'tolerance': 5, 'outer_iterations': 200}, "
+                      "'contact': {'thickness': 0.01}",
+                      GRID_SHEET("'velocity': [0, -3.6, 0], ", "0.5, 0.5", "6, 6",
+                                 "'translate': [0, 0.05, 0], 'area_density': 0.3", SPRINGS("1000")),
+                      ", 'solids': [{'box': {'minimum': [-1, 0, -1], 'maximum': [1, 1, 1]}}]"),
+                k ? 0.01 : 0.005, integrator[kind]);
             pdyn_context *context = test_context(1);
             pdyn_sim *sim = test_load(context, text);
             double highest = 0.0;
@@ -147,14 +147,14 @@ static void test_splash(void **state) {
     (void)state;
     for (int kind = 0; kind < INTEGRATORS; kind++) {
         char text[1024];
-        snprintf(text, sizeof text,
-                 "{\"duration\": 1, \"frame_interval\": 0.1, \"time_step\": {\"maximum\": 0.004, "
-                 "\"integrator\": \"%s\"}, \"solver\": {\"tolerance\": 0.05}, \"bodies\": "
-                 "[{\"particles\": {\"radius\": 0.02, \"fill\": [{\"velocity\": [0, -4, 0], "
-                 "\"box\": {\"minimum\": [0.4, 0.05, 0.4], \"maximum\": [0.6, 0.25, 0.6]}}]}, "
-                 "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e7}]}], \"solids\": "
-                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [1, 1, 1]}}]}",
-                 integrator[kind]);
+        snprintf(
+            text, sizeof text,
+            "{'duration': 1, 'frame_interval': 0.1, 'time_step': {'maximum': 0.004, 'integrator': "
+            "'%s'}, 'solver': {'tolerance': 0.05}, 'bodies': [{'particles': {'radius': 0.02, "
+            "'fill': [{'velocity': [0, -4, 0], 'box': {'minimum': [0.4, 0.05, 0.4], 'maximum': "
+            "[0.6, 0.25, 0.6]}}]}, 'constraints': [{'type': 'fluid', 'stiffness': 1e7}]}], "
+            "'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}]}",
+            integrator[kind]);
         pdyn_context *context = test_context(2);
         pdyn_sim *sim = test_load(context, text);
         double energy = INFINITY, mean = 0.0;

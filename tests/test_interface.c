@@ -83,10 +83,9 @@ static void test_lattice(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
-        context, "{\"duration\": 1, \"bodies\": [{\"particles\": {\"radius\": 0.05, \"fill\": "
-                 "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.8, 0.8, 0.8]}}]}, "
-                 "\"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [{\"box\": {\"minimum\": "
-                 "[0, 0, 0], \"maximum\": [0.8, 0.8, 0.8]}}]}");
+        context,
+        SCENE("'duration': 1", FLUID_BOX("", "0.05", "0, 0, 0", "0.8, 0.8, 0.8", ""),
+              ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.8, 0.8, 0.8]}}]"));
     double energy;
     sim->objective.h = 0.01;
     assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
@@ -97,18 +96,13 @@ static void test_lattice(void **state) {
     pdyn_destroy(context);
 }
 
-static const char held[] =
-    "{\"duration\": 10, \"time_step\": {\"maximum\": 0.005}, \"solver\": {\"outer_iterations\": "
-    "40},"
-    " %s \"bodies\": [{\"particles\": {\"radius\": 0.01, \"fill\": [{\"box\": {\"minimum\": [0, 0, "
-    "0],"
-    " \"maximum\": [0.24, 0.2, 0.24]}}]}, \"constraints\": [{\"type\": \"fluid\", \"compression\": "
-    "0.002, \"viscosity\": 0.3}]}, {\"surface\": {\"grid\": {\"size\": [0.16, 0.16], \"vertices\": "
-    "[9,"
-    " 9]}, \"translate\": [0.12, 0.1, 0.12], \"area_density\": 0.2}, \"constraints\": [{\"type\": "
-    "\"spring\", \"stretching_stiffness\": 1000}, {\"type\": \"pin\", \"vertices\": {\"sphere\": "
-    "{\"center\": [0, 0, 0], \"radius\": 10}}}]}], \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], "
-    "\"maximum\": [0.24, 0.3, 0.24]}}]}";
+static const char held[] = SCENE(
+    "'duration': 10, 'time_step': {'maximum': 0.005}, 'solver': {'outer_iterations': 40}%s",
+    PAIR(FLUID_BOX("", "0.01", "0, 0, 0", "0.24, 0.2, 0.24",
+                   ", 'compression': 0.002, 'viscosity': 0.3"),
+         GRID_SHEET("", "0.16, 0.16", "9, 9", "'translate': [0.12, 0.1, 0.12], 'area_density': 0.2",
+                    PAIR(SPRINGS("1000"), PINS("'sphere': {'center': [0, 0, 0], 'radius': 10}")))),
+    ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.24, 0.3, 0.24]}}]");
 
 /* How thick a layer of water a sheet under water displaces, in spacings: by what its pins carry
  * less of its weight. */
@@ -132,7 +126,7 @@ static double displaced(const char *set) {
 /* Little, and that around its border, 32 spacings long; as published, more than a layer. */
 static void test_displaced(void **state) {
     (void)state;
-    double exact = displaced(""), published = displaced("\"boundary\": \"points\",");
+    double exact = displaced(""), published = displaced(", 'boundary': 'points'");
     print_message("a sheet displaces %.3f layers of water, published %.3f\n", exact, published);
     assert_true(fabs(exact) < 0.4);
     assert_true(published > 1.0);

@@ -8,14 +8,12 @@
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
-static const char *turning =
-    "{\"duration\": 1, \"boundary\": \"points\", \"bodies\": [{\"particles\": {\"radius\": 0.05, "
-    "\"fill\": [{\"box\": "
-    "{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\": "
-    "\"fluid\"}]}], \"solids\": [{\"box\": {\"minimum\": [1, 1, 1], \"maximum\": [2, 3, 4]}, "
-    "\"pivot\": [1, 2, 3], \"motion\": [{\"time\": 1}, {\"time\": 3, \"rotate\": [0, 0, 720], "
-    "\"translate\": [2, 0, 0]}, {\"time\": 4, \"rotate\": [90, 90, 720], \"translate\": [2, 0, "
-    "1]}]}, {\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}]}";
+static const char *turning = SCENE(
+    "'duration': 1, 'boundary': 'points'", FLUID_BOX("", "0.05", "0, 0, 0", "0.2, 0.2, 0.2", ""),
+    ", 'solids': [{'box': {'minimum': [1, 1, 1], 'maximum': [2, 3, 4]}, 'pivot': [1, 2, 3], "
+    "'motion': [{'time': 1}, {'time': 3, 'rotate': [0, 0, 720], 'translate': [2, 0, 0]}, {'time': "
+    "4, 'rotate': [90, 90, 720], 'translate': [2, 0, 1]}]}, {'box': {'minimum': [0, 0, 0], "
+    "'maximum': [0.2, 0.2, 0.2]}}]");
 
 /* The last point at a time, from where it was put: turned from r about the pivot, then moved. */
 static void assert_carried(pdyn_sim *sim, double time, const double turned[3],
@@ -83,13 +81,12 @@ static void test_speed(void **state) {
 static pdyn_sim *pour(pdyn_context *context, double speed) {
     char text[2048];
     snprintf(text, sizeof text,
-             "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.0025}, "
-             "\"solver\": {\"tolerance\": 1e-3, \"linear_tolerance\": 1e-3}, \"bodies\": "
-             "[{\"particles\": {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], "
-             "\"maximum\": [0.2, 0.24, 0.16]}}]}, \"velocity\": [%g, 0, 0], \"constraints\": "
-             "[{\"type\": \"fluid\", \"stiffness\": 1e5}]}], \"solids\": [{\"box\": {\"minimum\": "
-             "[0, 0, 0], \"maximum\": [0.4, 0.5, 0.16]}, \"open\": [\"+y\"], \"motion\": "
-             "[{\"time\": 0}, {\"time\": 10, \"translate\": [%g, 0, 0]}]}]}",
+             "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.0025}, 'solver': "
+             "{'tolerance': 1e-3, 'linear_tolerance': 1e-3}, 'bodies': [{'particles': {'radius': "
+             "0.02, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 0.24, 0.16]}}]}, "
+             "'velocity': [%g, 0, 0], 'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}], "
+             "'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.4, 0.5, 0.16]}, 'open': "
+             "['+y'], 'motion': [{'time': 0}, {'time': 10, 'translate': [%g, 0, 0]}]}]}",
              speed, 10.0 * speed);
     return test_load(context, text);
 }
@@ -129,14 +126,13 @@ static pdyn_sim *stir(pdyn_context *context) {
     char text[2048];
     write_paddle();
     snprintf(text, sizeof text,
-             "{\"duration\": 1, \"frame_interval\": 0.05, \"time_step\": {\"maximum\": 0.05}, "
-             "\"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [{\"particles\": {\"radius\": "
-             "0.02, \"fill\": [{\"box\": {\"minimum\": [-0.24, 0, -0.24], \"maximum\": [0.24, 0.2, "
-             "-0.04]}}, {\"box\": {\"minimum\": [-0.24, 0, 0.04], \"maximum\": [0.24, 0.2, "
-             "0.24]}}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5}]}], "
-             "\"solids\": [{\"mesh\": \"paddle.obj\", \"motion\": [{\"time\": 0}, {\"time\": 10, "
-             "\"rotate\": [0, %d, 0]}]}, {\"box\": {\"minimum\": [-0.24, 0, -0.24], \"maximum\": "
-             "[0.24, 0.5, 0.24]}, \"open\": [\"+y\"]}]}",
+             "{'duration': 1, 'frame_interval': 0.05, 'time_step': {'maximum': 0.05}, 'solver': "
+             "{'linear_tolerance': 0.1}, 'bodies': [{'particles': {'radius': 0.02, 'fill': "
+             "[{'box': {'minimum': [-0.24, 0, -0.24], 'maximum': [0.24, 0.2, -0.04]}}, {'box': "
+             "{'minimum': [-0.24, 0, 0.04], 'maximum': [0.24, 0.2, 0.24]}}]}, 'constraints': "
+             "[{'type': 'fluid', 'stiffness': 1e5}]}], 'solids': [{'mesh': 'paddle.obj', 'motion': "
+             "[{'time': 0}, {'time': 10, 'rotate': [0, %d, 0]}]}, {'box': {'minimum': [-0.24, 0, "
+             "-0.24], 'maximum': [0.24, 0.5, 0.24]}, 'open': ['+y']}]}",
              3600 * TURNS_PER_SECOND);
     pdyn_sim *sim = test_load(context, text);
     test_remove_file("paddle.obj");
@@ -241,7 +237,7 @@ static void test_divergence(void **state) {
                                       "frame_interval=1000", "solver.retries=0"};
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, turning, "test", set, 4, &sim), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(turning), "test", set, 4, &sim), PDYN_OK);
     const pdyn_state s = pdyn_get_state(sim);
     size_t size = 3 * (size_t)s.boundary * sizeof *s.boundary_x;
     double *before = malloc(size);

@@ -13,15 +13,16 @@ static pdyn_status load(pdyn_context *context, const char *mesh, pdyn_sim **sim)
     test_write_text("mesh.obj", mesh);
     pdyn_status status = pdyn_load_text(
         context,
-        "{\"duration\": 10, \"time_step\": {\"fixed\": 0.01}, \"solver\": {\"tolerance\": 1e-9, "
-        "\"outer_iterations\": 100}, \"bodies\": [{\"name\": \"sheet\", \"surface\": {\"mesh\": "
-        "\"mesh.obj\", "
-        "\"area_density\": 0.2}, \"velocity\": [1, 0, 0], \"constraints\": ["
-        "{\"type\": \"triangle\", \"stretching_stiffness\": 100, \"damping\": 0.01}, "
-        "{\"type\": \"spring\", \"stretching_stiffness\": 100, \"damping\": 0.01}, "
-        "{\"type\": \"bending\", \"bending_rigidity\": 0.01, \"damping\": 0.01}, "
-        "{\"type\": \"wind\", \"velocity\": [1, 2, 3]}, "
-        "{\"type\": \"pin\", \"vertices\": {\"vertices\": [0]}}]}]}",
+        quoted("{'duration': 10, 'time_step': {'fixed': 0.01}, 'solver': {'tolerance': 1e-9, "
+               "'outer_iterations': 100}, 'bodies': [{'name': 'sheet', 'surface': {'mesh': "
+               "'mesh.obj', "
+               "'area_density': 0.2}, 'velocity': [1, 0, 0], 'constraints': [{'type': 'triangle', "
+               "'stretching_stiffness': 100, 'damping': 0.01}, {'type': 'spring', "
+               "'stretching_stiffness': "
+               "100, 'damping': 0.01}, {'type': 'bending', 'bending_rigidity': 0.01, 'damping': "
+               "0.01}, "
+               "{'type': 'wind', 'velocity': [1, 2, 3]}, {'type': 'pin', 'vertices': {'vertices': "
+               "[0]}}]}]}"),
         "test", NULL, 0, sim);
     test_remove_file("mesh.obj");
     return status;

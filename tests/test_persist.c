@@ -8,36 +8,30 @@
 /* Everything that is kept from step to step: lists, pressures, particles that come, solids that
  * move, walls that give way. */
 static const char fluid[] =
-    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005},"
-    " \"solver\": {\"outer_iterations\": 1, \"linear_iterations\": 8},"
-    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
-    " {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}}], \"inlets\": [{\"rectangle\":"
-    " {\"center\": [0.3, 0.5, 0.2], \"size\": [0.12, 0.12]}, \"direction\": [0, -1, 0],"
-    " \"speed\": 2}]}, \"constraints\": [{\"type\": \"fluid\"}]}],"
-    " \"outlets\": [{\"box\": {\"minimum\": [0, 0, 0.3], \"maximum\": [0.4, 0.03, 0.4]}}],"
-    " \"solids\": [{\"name\": \"tank\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
-    " [0.4, 0.6, 0.4]}}, {\"name\": \"stirrer\", \"sphere\": {\"center\": [0.28, 0.1, 0.1],"
-    " \"radius\": 0.05}, \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [0, 0.2, "
-    "0.2]}]}]}";
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'solver': "
+    "{'outer_iterations': 1, 'linear_iterations': 8}, 'bodies': [{'name': 'water', 'particles': "
+    "{'radius': 0.02, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 0.2, 0.2]}}], "
+    "'inlets': [{'rectangle': {'center': [0.3, 0.5, 0.2], 'size': [0.12, 0.12]}, 'direction': [0, "
+    "-1, 0], 'speed': 2}]}, 'constraints': [{'type': 'fluid'}]}], 'outlets': [{'box': {'minimum': "
+    "[0, 0, 0.3], 'maximum': [0.4, 0.03, 0.4]}}], 'solids': [{'name': 'tank', 'box': {'minimum': "
+    "[0, 0, 0], 'maximum': [0.4, 0.6, 0.4]}}, {'name': 'stirrer', 'sphere': {'center': [0.28, 0.1, "
+    "0.1], 'radius': 0.05}, 'motion': [{'time': 0}, {'time': 1, 'translate': [0, 0.2, 0.2]}]}]}";
 
 static const char sheet[] =
-    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005},"
-    " \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\":"
-    " {\"minimum\": [-0.1, 0.03, -0.1], \"maximum\": [0.1, 0.15, 0.1]}}]}, \"constraints\":"
-    " [{\"type\": \"fluid\"}]}, {\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [0.4, "
-    "0.4],"
-    " \"vertices\": [9, 9]}, \"area_density\": 0.5}, \"constraints\": [{\"type\": \"spring\","
-    " \"stretching_stiffness\": 1000}, {\"type\": \"pin\", \"vertices\": {\"border\": true}}]}]}";
+    SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}",
+          PAIR(FLUID_BOX("'name': 'water', ", "0.02", "-0.1, 0.03, -0.1", "0.1, 0.15, 0.1", ""),
+               GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "9, 9", "'area_density': 0.5",
+                          PAIR(SPRINGS("1000"), PINS("'border': true")))),
+          "");
 
 /* Friction remembers, pairs are listed, a solid moves. */
 static const char touching[] =
-    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"fixed\": 0.01},"
-    " \"contact\": {\"thickness\": 0.01, \"friction\": 0.5}, \"bodies\": [{\"surface\":"
-    " {\"grid\": {\"size\": [0.4, 0.4], \"vertices\": [9, 9]}, \"translate\": [0.01, 0.12, 0],"
-    " \"area_density\": 0.5}, \"constraints\": [{\"type\": \"spring\","
-    " \"stretching_stiffness\": 1000}]}], \"solids\": [{\"sphere\": {\"center\": [0, 0, 0],"
-    " \"radius\": 0.1}, \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [0, 0.2, 0],"
-    " \"rotate\": [0, 90, 0]}]}]}";
+    SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'contact': "
+          "{'thickness': 0.01, 'friction': 0.5}",
+          GRID_SHEET("", "0.4, 0.4", "9, 9", "'translate': [0.01, 0.12, 0], 'area_density': 0.5",
+                     SPRINGS("1000")),
+          ", 'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
+          "{'time': 1, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}]");
 
 static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
     for (int k = 0; k < steps; k++) test_step(context, sim);
@@ -47,11 +41,11 @@ static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
 static void goes_on(const char *text, const char *set, int before) {
     pdyn_context *context = test_context(2);
     pdyn_sim *first = NULL, *second = NULL;
-    assert_int_equal(pdyn_load_text(context, text, "first", &set, 1, &first), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(text), "first", &set, 1, &first), PDYN_OK);
     step_often(context, first, before);
     assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
     step_often(context, first, 20);
-    assert_int_equal(pdyn_load_text(context, text, "second", &set, 1, &second), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(text), "second", &set, 1, &second), PDYN_OK);
     assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);
     step_often(context, second, 20);
     assert_true(pdyn_time(first) == pdyn_time(second));
@@ -78,7 +72,7 @@ static void test_same_bits(void **state) {
 static void refused(const char *set, const char *says) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, sheet, "other", &set, 1, &sim), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(sheet), "other", &set, 1, &sim), PDYN_OK);
     uint64_t hash = pdyn_state_hash(sim);
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_BAD_INPUT);
     if (!strstr(pdyn_last_error(context), says)) fail_msg("%s", pdyn_last_error(context));
@@ -129,7 +123,7 @@ static void test_refused(void **state) {
 static pdyn_status load_and_restore(const void *what) {
     pdyn_context *context = *(pdyn_context *const *)what;
     pdyn_sim *sim = NULL;
-    pdyn_status status = pdyn_load_text(context, sheet, "sheet", NULL, 0, &sim);
+    pdyn_status status = pdyn_load_text(context, quoted(sheet), "sheet", NULL, 0, &sim);
     if (status == PDYN_OK) status = pdyn_restore(sim, "state");
     if (status == PDYN_OK) status = pdyn_save(sim, "again");
     pdyn_free(sim);

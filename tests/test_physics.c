@@ -7,37 +7,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHEET(n, more)                                                                             \
-    "{\"name\": \"sheet\", \"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [" n ", " n    \
-    "]}, "                                                                                         \
-    "\"translate\": [0.2, 0.55, 0.2], \"area_density\": 0.3}, \"velocity\": [0, 0, 0], "           \
-    "\"constraints\": ["                                                                           \
-    "{\"type\": \"spring\", \"stretching_stiffness\": 2000}, {\"type\": \"bending\", "             \
-    "\"bending_rigidity\": 1e-3}" more "]}"
-#define WATER(box, more)                                                                           \
-    "{\"name\": \"water\", \"particles\": {\"radius\": 0.025, \"fill\": [{\"box\": " box           \
-    "}]}, " more                                                                                   \
-    "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e5, \"viscosity\": 0.02}]}"
+#define ELASTIC PAIR(SPRINGS("2000"), BENDING("1e-3"))
+#define SHEET(n, constraints)                                                                      \
+    GRID_SHEET("'name': 'sheet', ", "1, 1", n ", " n,                                              \
+               "'translate': [0.2, 0.55, 0.2], 'area_density': 0.3", constraints)
+#define WATER(keys, minimum, maximum)                                                              \
+    FLUID_BOX("'name': 'water', " keys, "0.025", minimum, maximum,                                 \
+              ", 'stiffness': 1e5, 'viscosity': 0.02")
 
 /* Water thrown at a free sheet: no accuracy setting may touch the momentum. */
 static void test_momentum(void **state) {
     (void)state;
     static const char *const solvers[] = {
-        "{\"outer_iterations\": 1, \"linear_iterations\": 3}",
-        "{\"outer_iterations\": 4, \"linear_tolerance\": 0.1}",
-        "{\"step\": \"projective\", \"outer_iterations\": 3}",
-        "{\"step\": \"projective\", \"type\": \"cholesky\", \"outer_iterations\": 3}",
+        "{'outer_iterations': 1, 'linear_iterations': 3}",
+        "{'outer_iterations': 4, 'linear_tolerance': 0.1}",
+        "{'step': 'projective', 'outer_iterations': 3}",
+        "{'step': 'projective', 'type': 'cholesky', 'outer_iterations': 3}",
     };
     for (size_t k = 0; k < sizeof solvers / sizeof *solvers; k++) {
         char text[2048];
         snprintf(text, sizeof text,
-                 "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.005, "
-                 "\"time_step\": {\"fixed\": 0.005},"
-                 " \"solver\": %s, \"bodies\": [%s, %s]}",
-                 solvers[k],
-                 WATER("{\"minimum\": [0, 0.6, 0], \"maximum\": [0.4, 0.8, 0.4]}",
-                       "\"velocity\": [0.5, -2, 0.25], "),
-                 SHEET("31", ""));
+                 SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.005, 'time_step': "
+                       "{'fixed': 0.005}, 'solver': %s",
+                       PAIR(WATER("'velocity': [0.5, -2, 0.25], ", "0, 0.6, 0", "0.4, 0.8, 0.4"),
+                            SHEET("31", ELASTIC)),
+                       ""),
+                 solvers[k]);
         pdyn_context *context = test_context(2);
         pdyn_sim *sim = test_load(context, text);
         double mass = 0.0, first[3] = {0};
@@ -64,13 +59,11 @@ static void add_linear(void *user, const pdyn_iteration *it) {
 
 /* Water of this width and depth, m, in a tank of this height. */
 #define TANK(settings, width, depth, height, fluid)                                                \
-    "{\"duration\": 2, " settings                                                                  \
-    ", \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": "                            \
-    "0.01, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [" width ", " depth          \
-    ", " width "]}}]}, \"constraints\": [{\"type\": \"fluid\", " fluid                             \
-    "}]}], \"solids\": [{\"box\": "                                                                \
-    "{\"minimum\": [0, 0, 0], \"maximum\": [" width ", " height ", " width                         \
-    "]}, \"open\": [\"+y\"]}]}"
+    SCENE("'duration': 2, " settings,                                                              \
+          FLUID_BOX("'name': 'water', ", "0.01", "0, 0, 0", width ", " depth ", " width,           \
+                    ", " fluid),                                                                   \
+          ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [" width ", " height ", " width  \
+          "]}, 'open': ['+y']}]")
 
 /* A stiff column that begins at rest density everywhere, so that every constraint is about to
  * change sides: each step is solved all the same. */
@@ -78,9 +71,9 @@ static void test_stiff_column(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim =
-        test_load(context, TANK("\"time_step\": {\"fixed\": 0.005}, \"solver\": {\"tolerance\": "
-                                "0.1, \"linear_tolerance\": 0.1, \"linear_iterations\": 2000}",
-                                "0.08", "0.4", "0.5", "\"stiffness\": 4e6"));
+        test_load(context, TANK("'time_step': {'fixed': 0.005}, 'solver': {'tolerance': 0.1, "
+                                "'linear_tolerance': 0.1, 'linear_iterations': 2000}",
+                                "0.08", "0.4", "0.5", "'stiffness': 4e6"));
     int linear = 0;
     pdyn_observe(sim, add_linear, &linear);
     for (int step = 0; step < 20; step++) {
@@ -100,10 +93,9 @@ static void test_deep_water(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(
-        context,
-        TANK("\"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0, "
-             "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 10}",
-             "0.08", "0.8", "1", "\"stiffness\": 7e4"));
+        context, TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0, "
+                      "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 10}",
+                      "0.08", "0.8", "1", "'stiffness': 7e4"));
     pdyn_step_info info = {0};
     while (info.time < 1.0) {
         info = test_step(context, sim);
@@ -119,11 +111,11 @@ static void test_deep_water(void **state) {
 static void test_long_step(void **state) {
     (void)state;
     static const char *const scene[] = {
-        TANK("\"time_step\": {\"fixed\": 0.005}, \"solver\": {\"outer_iterations\": 1, "
-             "\"linear_iterations\": 4}",
-             "0.08", "0.8", "1", "\"stiffness\": 7e4"),
-        TANK("\"time_step\": {\"fixed\": 0.005}, \"solver\": {\"linear_iterations\": 5000}", "0.08",
-             "0.8", "1", "\"stiffness\": 7e4")};
+        TANK("'time_step': {'fixed': 0.005}, 'solver': {'outer_iterations': 1, "
+             "'linear_iterations': 4}",
+             "0.08", "0.8", "1", "'stiffness': 7e4"),
+        TANK("'time_step': {'fixed': 0.005}, 'solver': {'linear_iterations': 5000}", "0.08", "0.8",
+             "1", "'stiffness': 7e4")};
     for (int solved = 0; solved < 2; solved++) {
         struct warnings warnings = {"the fixed step", 0};
         pdyn_context *context = test_warned_context(2, &warnings);
@@ -141,10 +133,9 @@ static void test_narrow_tank(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = test_load(
-        context,
-        TANK("\"time_step\": {\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0.01, "
-             "\"linear_tolerance\": 0, \"outer_iterations\": 1, \"linear_iterations\": 20}",
-             "0.16", "0.4", "0.6", "\"stiffness\": 4e4"));
+        context, TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0.01, "
+                      "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 20}",
+                      "0.16", "0.4", "0.6", "'stiffness': 4e4"));
     const pdyn_state s = pdyn_get_state(sim);
     double sum[2] = {0}, count[2] = {0}, middle[2] = {0.1, 0.3};
     while (pdyn_time(sim) < 1.5) {
@@ -165,14 +156,13 @@ static double collapsed_energy(const char *solver) {
     char text[1024];
     pdyn_context *context = test_context(2);
     pdyn_step_info info = {0};
-    snprintf(
-        text, sizeof text,
-        "{\"duration\": 0.25, \"frame_interval\": 0.25, \"time_step\": {\"fixed\": 0.005}, "
-        "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"particles\": {\"radius\": "
-        "0.025, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.5, 0.5, 0.5]}}]}, "
-        "\"constraints\": [{\"type\": \"fluid\", \"stiffness\": 3e5}]}], \"solids\": "
-        "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [1.5, 1, 1]}}]}",
-        solver);
+    snprintf(text, sizeof text,
+             SCENE("'duration': 0.25, 'frame_interval': 0.25, 'time_step': {'fixed': 0.005}, "
+                   "'solver': {%s}",
+                   FLUID_BOX("'name': 'water', ", "0.025", "0, 0, 0", "0.5, 0.5, 0.5",
+                             ", 'stiffness': 3e5"),
+                   ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [1.5, 1, 1]}}]"),
+             solver);
     pdyn_sim *sim = test_load(context, text);
     for (int step = 0; step < 50; step++) info = test_step(context, sim);
     assert_true(info.density_error_mean < 1e-3);
@@ -184,9 +174,9 @@ static double collapsed_energy(const char *solver) {
 /* Steps that are cut short move the fluid as solved ones do: pressures are what is unfinished. */
 static void test_cut_short(void **state) {
     (void)state;
-    double solved = collapsed_energy("\"tolerance\": 1e-3, \"outer_iterations\": 100");
-    double cut = collapsed_energy(
-        "\"outer_iterations\": 1, \"linear_iterations\": 8, \"linear_tolerance\": 0");
+    double solved = collapsed_energy("'tolerance': 1e-3, 'outer_iterations': 100");
+    double cut =
+        collapsed_energy("'outer_iterations': 1, 'linear_iterations': 8, 'linear_tolerance': 0");
     if (fabs(cut / solved - 1.0) > 0.01) fail_msg("%g J, solved %g J", cut, solved);
 }
 
@@ -207,13 +197,11 @@ static void test_hydrostatic_rest(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
     pdyn_sim *sim =
-        test_load(context, "{\"duration\": 2, \"frame_interval\": 0.02, \"time_step\": "
-                           "{\"maximum\": 0.005}, \"solver\": {\"tolerance\": 0.01,"
-                           " \"linear_tolerance\": 0.01}, \"bodies\": [" WATER(
-                               "{\"minimum\": [0, 0, 0], \"maximum\": [0.4, 0.5, 0.4]}",
-                               "") "],"
-                                   " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "
-                                   "[0.4, 0.8, 0.4]}, \"open\": [\"+y\"]}]}");
+        test_load(context, SCENE("'duration': 2, 'frame_interval': 0.02, 'time_step': {'maximum': "
+                                 "0.005}, 'solver': {'tolerance': 0.01, 'linear_tolerance': 0.01}",
+                                 WATER("", "0, 0, 0", "0.4, 0.5, 0.4"),
+                                 ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.4, "
+                                 "0.8, 0.4]}, 'open': ['+y']}]"));
     const pdyn_state s = pdyn_get_state(sim);
     pdyn_step_info info;
     double top = 0.0, pressed = 0.0;
@@ -239,11 +227,11 @@ static void test_hydrostatic_rest(void **state) {
 static void test_pin_reaction(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
-    pdyn_sim *sim = test_load(
-        context, "{\"duration\": 60, \"frame_interval\": 0.05, \"time_step\": {\"fixed\": 0.05, "
-                 "\"integrator\": \"euler\"}, \"solver\": {\"tolerance\": 1e-6,"
-                 " \"linear_tolerance\": 1e-3, \"outer_iterations\": 100}, \"bodies\": [" SHEET(
-                     "9", ", {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 8]}}") "]}");
+    pdyn_sim *sim =
+        test_load(context, SCENE("'duration': 60, 'frame_interval': 0.05, 'time_step': {'fixed': "
+                                 "0.05, 'integrator': 'euler'}, 'solver': {'tolerance': 1e-6, "
+                                 "'linear_tolerance': 1e-3, 'outer_iterations': 100}",
+                                 SHEET("9", PAIR(ELASTIC, PINS("'vertices': [0, 8]"))), ""));
     pdyn_step_info info;
     for (int n = 0; n < 400; n++) info = test_step(context, sim);
     assert_true(info.kinetic_energy < 1e-6);
@@ -258,11 +246,12 @@ static void test_pin_path(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
-        context, "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.01, "
-                 "\"time_step\": {\"fixed\": 0.01}, \"solver\":"
-                 " {\"tolerance\": 1e-6}, \"bodies\": [" SHEET(
-                     "5", ", {\"type\": \"pin\", \"vertices\": {\"all\": true}, \"path\": "
-                          "[[0, 0, 0, 0], [0.1, 1, 0, 0], [0.2, 1, 2, 0]]}") "]}");
+        context,
+        SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.01, 'time_step': {'fixed': "
+              "0.01}, 'solver': {'tolerance': 1e-6}",
+              SHEET("5", PAIR(ELASTIC, "{'type': 'pin', 'vertices': {'all': true}, 'path': [[0, 0, "
+                                       "0, 0], [0.1, 1, 0, 0], [0.2, 1, 2, 0]]}")),
+              ""));
     const pdyn_state s = pdyn_get_state(sim);
     double start[3] = {s.x[0], s.x[1], s.x[2]};
     for (int n = 1; n <= 30; n++) {
@@ -284,15 +273,12 @@ static void test_threads(void **state) {
     uint64_t hash[4];
     for (int k = 0; k < 4; k++) {
         pdyn_context *context = test_context(threads[k]);
-        pdyn_sim *sim = test_load(
-            context,
-            "{\"duration\": 1, \"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": "
-            "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.5, 0.9, 0.5]}",
-                      "") ", " SHEET("41", ", {\"type\": \"pin\", \"vertices\": {\"border\": "
-                                           "true}}") "],"
-                                                     " \"solids\": [{\"box\": {\"minimum\": "
-                                                     "[-1, 0, -1], \"maximum\": [1.4, 1, 1.4]}, "
-                                                     "\"open\": [\"+y\"]}]}");
+        pdyn_sim *sim =
+            test_load(context, SCENE("'duration': 1, 'solver': {'linear_tolerance': 0.1}",
+                                     PAIR(WATER("", "0, 0.56, 0", "0.5, 0.9, 0.5"),
+                                          SHEET("41", PAIR(ELASTIC, PINS("'border': true")))),
+                                     ", 'solids': [{'box': {'minimum': [-1, 0, -1], 'maximum': "
+                                     "[1.4, 1, 1.4]}, 'open': ['+y']}]"));
         for (int n = 0; n < 12; n++) test_step(context, sim);
         hash[k] = pdyn_state_hash(sim);
         pdyn_free(sim);
@@ -306,9 +292,9 @@ static void test_threads(void **state) {
 static void test_one_length(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim =
-        test_load(context, "{\"duration\": 10, \"frame_interval\": 0.02, \"time_step\": "
-                           "{\"fixed\": 0.01}, \"bodies\": [" SHEET("3", "") "]}");
+    pdyn_sim *sim = test_load(
+        context, SCENE("'duration': 10, 'frame_interval': 0.02, 'time_step': {'fixed': 0.01}",
+                       SHEET("3", ELASTIC), ""));
     double h = test_step(context, sim).h;
     for (int k = 1; k < 200; k++) assert_true(test_step(context, sim).h == h);
     assert_true(fabs(pdyn_time(sim) - 2.0) < 1e-12);
@@ -321,10 +307,9 @@ static void test_divergence(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
-        context, "{\"duration\": 1000, \"frame_interval\": 100, \"time_step\": {\"fixed\": 100}, "
-                 "\"solver\": {\"retries\": 0}, \"bodies\": [" WATER(
-                     "{\"minimum\": [0, 0, 0], \"maximum\": [0.2, 0.2, 0.2]}",
-                     "\"velocity\": [1e6, 0, 0], ") "]}");
+        context, SCENE("'duration': 1000, 'frame_interval': 100, 'time_step': {'fixed': 100}, "
+                       "'solver': {'retries': 0}",
+                       WATER("'velocity': [1e6, 0, 0], ", "0, 0, 0", "0.2, 0.2, 0.2"), ""));
     uint64_t before = pdyn_state_hash(sim);
     pdyn_step_info info;
     assert_int_equal(pdyn_step(sim, &info), PDYN_DIVERGED);
@@ -335,15 +320,11 @@ static void test_divergence(void **state) {
     pdyn_destroy(context);
 }
 
-static const char *coupled =
-    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.002}, \"frame_interval\": 0.002, \"bodies\": "
-    "[" WATER("{\"minimum\": [0, 0.56, 0], \"maximum\": [0.2, 0.7, 0.2]}", "") ", " SHEET(
-        "21",
-        ", {\"type\": \"pin\", \"vertices\": {\"border\": true}}") "],"
-                                                                   " \"solids\": [{\"box\": "
-                                                                   "{\"minimum\": [-1, 0, -1], "
-                                                                   "\"maximum\": [1.4, 1, 1.4]}, "
-                                                                   "\"open\": [\"+y\"]}]}";
+static const char *coupled = SCENE(
+    "'duration': 1, 'time_step': {'fixed': 0.002}, 'frame_interval': 0.002",
+    PAIR(WATER("", "0, 0.56, 0", "0.2, 0.7, 0.2"),
+         SHEET("21", PAIR(ELASTIC, PINS("'border': true")))),
+    ", 'solids': [{'box': {'minimum': [-1, 0, -1], 'maximum': [1.4, 1, 1.4]}, 'open': ['+y']}]");
 
 /* Bodies and constraints by number, and none beyond the last. */
 static void test_numbers(void **state) {

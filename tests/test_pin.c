@@ -9,15 +9,14 @@ static void test_turn(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
         context,
-        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.01, \"time_step\": "
-        "{\"fixed\": 0.01}, \"solver\": {\"tolerance\": 1e-6}, \"bodies\": [{\"surface\": "
-        "{\"grid\": "
-        "{\"size\": [1, 1], \"vertices\": [2, 2]}, \"area_density\": 1}, \"constraints\": ["
-        "{\"type\": \"pin\", \"vertices\": {\"vertices\": [0, 1]}, \"pivot\": [0, 0, -0.5], "
-        "\"turn\": "
-        "[[0, 0, 0, 0], [0.1, 0, 0, 90], [0.2, 90, 0, 90]], \"path\": [[0.1, 0, 0, 0], [0.2, 0, 0, "
-        "3]]}, "
-        "{\"type\": \"pin\", \"vertices\": {\"vertices\": [2, 3]}}]}]}");
+        SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.01, 'time_step': {'fixed': "
+              "0.01}, 'solver': {'tolerance': 1e-6}",
+              GRID_SHEET("", "1, 1", "2, 2", "'area_density': 1",
+                         PAIR("{'type': 'pin', 'vertices': {'vertices': [0, 1]}, 'pivot': [0, 0, "
+                              "-0.5], 'turn': [[0, 0, 0, 0], [0.1, 0, 0, 90], [0.2, 90, 0, 90]], "
+                              "'path': [[0.1, 0, 0, 0], [0.2, 0, 0, 3]]}",
+                              PINS("'vertices': [2, 3]"))),
+              ""));
     const pdyn_state s = pdyn_get_state(sim);
     assert_int_equal(s.constraints, 2);
     for (int n = 1; n <= 20; n++) {
@@ -38,11 +37,11 @@ static void test_order(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
         context,
-        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"frame_interval\": 0.01, \"time_step\": "
-        "{\"fixed\": 0.01}, \"solver\": {\"tolerance\": 1e-6}, \"bodies\": [{\"surface\": "
-        "{\"grid\": "
-        "{\"size\": [1, 1], \"vertices\": [2, 2]}, \"area_density\": 1}, \"constraints\": ["
-        "{\"type\": \"pin\", \"vertices\": {\"all\": true}, \"turn\": [[0, 30, -40, 50]]}]}]}");
+        SCENE("'duration': 1, 'gravity': [0, 0, 0], 'frame_interval': 0.01, 'time_step': {'fixed': "
+              "0.01}, 'solver': {'tolerance': 1e-6}",
+              GRID_SHEET("", "1, 1", "2, 2", "'area_density': 1",
+                         "{'type': 'pin', 'vertices': {'all': true}, 'turn': [[0, 30, -40, 50]]}"),
+              ""));
     struct transform transform = {.scale = {1, 1, 1}, .rotate = {30, -40, 50}};
     double expected[12];
     for (int k = 0; k < 12; k++) expected[k] = sim->x[k];

@@ -159,20 +159,20 @@ static void test_resolve(void **state) {
     static pdyn_constraint_type type;
     static const pdyn_constraint_type *const types[] = {&type, NULL};
     static const pdyn_plugin plugin = {PDYN_ABI, "p", types, NULL};
-    static const char scene[] =
-        "{\"duration\": 1, \"gravity\": [0, 0, -10], \"bodies\": [{\"surface\": {\"grid\": "
-        "{\"size\": [1, 1], \"vertices\": [3, 3]}, \"area_density\": 1}, \"constraints\": [\n"
-        "{\"type\": \"mine\", \"stiffness\": 1}]}]}";
+    static const char scene[] = SCENE(
+        "'duration': 1, 'gravity': [0, 0, -10]",
+        GRID_SHEET("", "1, 1", "3, 3", "'area_density': 1", "\n{'type': 'mine', 'stiffness': 1}"),
+        "");
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
     type = good, type.resolve = resolve;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
     resolved = (pdyn_param_fault){"too soft", "stiffness"};
-    assert_int_equal(pdyn_load_text(context, scene, "s", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_load_text(context, quoted(scene), "s", NULL, 0, &sim), PDYN_BAD_INPUT);
     assert_string_equal(pdyn_last_error(context),
                         "s:2:31: bodies[0].constraints[0].stiffness: too soft");
     resolved.param = NULL;
-    assert_int_equal(pdyn_load_text(context, scene, "s", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_load_text(context, quoted(scene), "s", NULL, 0, &sim), PDYN_BAD_INPUT);
     assert_string_equal(pdyn_last_error(context), "s:2:1: bodies[0].constraints[0]: too soft");
     resolved.message = NULL;
     sim = test_load(context, scene);
@@ -213,10 +213,10 @@ static void project_to_nan(const void *par, const pdyn_batch *b, int first, int 
     for (int k = 3 * first; k < 3 * last; k++) b->p[k] = NAN;
 }
 
-static const char sheet[] =
-    "{\"duration\": 1, \"bodies\": [{\"name\": \"b\", \"surface\": {\"grid\": {\"size\": [1, 1],"
-    " \"vertices\": [3, 3]}, \"area_density\": 1}, \"constraints\": [{\"type\": \"mine\","
-    " \"stiffness\": 1}]}]}";
+static const char sheet[] = SCENE("'duration': 1",
+                                  GRID_SHEET("'name': 'b', ", "1, 1", "3, 3", "'area_density': 1",
+                                             "{'type': 'mine', 'stiffness': 1}"),
+                                  "");
 
 static pdyn_status load_rows(pdyn_context *context, int count, int column, double coefficient,
                              double weight, pdyn_sim **sim) {
@@ -228,7 +228,7 @@ static pdyn_status load_rows(pdyn_context *context, int count, int column, doubl
     type = good, type.elements = some_elements, type.select = some_select;
     type.weight = some_weight, type.project = project_to_nan;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
-    return pdyn_load_text(context, sheet, "sheet", NULL, 0, sim);
+    return pdyn_load_text(context, quoted(sheet), "sheet", NULL, 0, sim);
 }
 
 static void refuse_rows(int count, int column, double coefficient, double weight, const char *why) {
@@ -290,11 +290,10 @@ static const pdyn_global_solver lazy = {.name = "lazy",
 static const pdyn_global_solver *const solvers[] = {&lazy, NULL};
 static const pdyn_plugin lazy_plugin = {PDYN_ABI, "lazy", NULL, solvers};
 
-static const char springs[] =
-    "{\"duration\": 1, \"solver\": {\"type\": \"lazy\"}, \"bodies\": [{\"surface\": {\"grid\":"
-    " {\"size\": [1, 1], \"vertices\": [4, 5]}, \"area_density\": 1}, \"constraints\": [{\"type\":"
-    " \"spring\", \"stretching_stiffness\": 100}, {\"type\": \"pin\", \"vertices\": {\"vertices\":"
-    " [0]}}]}]}";
+static const char springs[] = SCENE("'duration': 1, 'solver': {'type': 'lazy'}",
+                                    GRID_SHEET("", "1, 1", "4, 5", "'area_density': 1",
+                                               PAIR(SPRINGS("100"), PINS("'vertices': [0]"))),
+                                    "");
 
 /* y = H u by the matrix, of which only the lower triangle counts. */
 static void multiply(const pdyn_matrix *m, const double *u, double *y) {

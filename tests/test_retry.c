@@ -3,13 +3,11 @@
 
 #include <string.h>
 
-static const char drop[] =
-    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.01,"
-    " \"solver\": {\"type\": \"cg\", \"tolerance\": 1e-6}, \"bodies\": [{\"name\": \"water\", "
-    "\"particles\":"
-    " {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\":"
-    " [0.2, 0.2, 0.2]}}]}, \"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [{\"name\":"
-    " \"floor\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.2, 1, 0.2]}}]}";
+static const char drop[] = SCENE(
+    "'duration': 1, 'time_step': {'fixed': 0.004}, 'frame_interval': 0.01, 'solver': {'type': "
+    "'cg', 'tolerance': 1e-6}",
+    FLUID_BOX("'name': 'water', ", "0.02", "0, 0, 0", "0.2, 0.2, 0.2", ""),
+    ", 'solids': [{'name': 'floor', 'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 1, 0.2]}}]");
 
 /* The scene's own solver, which fails where a step is longer than `longest`. */
 static const pdyn_global_solver *own;
@@ -26,7 +24,7 @@ static pdyn_status fail_where_long(void *self, double *b, double *y, const pdyn_
 static pdyn_sim *load(pdyn_context *context, pdyn_global_solver *failing, const char *set,
                       double limit) {
     pdyn_sim *sim = NULL;
-    assert_int_equal(pdyn_load_text(context, drop, "drop", &set, 1, &sim), PDYN_OK);
+    assert_int_equal(pdyn_load_text(context, quoted(drop), "drop", &set, 1, &sim), PDYN_OK);
     *failing = *(own = sim->solver), failing->solve = fail_where_long;
     objective_of_own = &sim->objective, longest = INFINITY, sim->solver = failing;
     for (int k = 0; k < 5; k++) assert_int_equal(test_step(context, sim).retries, 0);

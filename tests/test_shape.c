@@ -89,15 +89,15 @@ static void test_plane(void **state) {
 static void test_water(void **state) {
     (void)state;
     static const char *const solids[] = {
-        "{\"plane\": {\"center\": [0, 0, 0], \"normal\": [0, 1, 0], \"size\": 1}}",
-        "{\"sphere\": {\"center\": [0, -0.5, 0], \"radius\": 0.5}}",
-        "{\"capsule\": {\"from\": [-0.3, -0.2, 0], \"to\": [0.3, -0.2, 0], \"radius\": 0.2}}"};
+        "{'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 1}}",
+        "{'sphere': {'center': [0, -0.5, 0], 'radius': 0.5}}",
+        "{'capsule': {'from': [-0.3, -0.2, 0], 'to': [0.3, -0.2, 0], 'radius': 0.2}}"};
     for (int k = 0; k < 3; k++) {
         char text[1024];
         snprintf(text, sizeof text,
-                 "{\"duration\": 0.1, \"bodies\": [{\"particles\": {\"radius\": 0.02, \"fill\": "
-                 "[{\"box\": {\"minimum\": [-0.1, 0.04, -0.1], \"maximum\": [0.1, 0.2, 0.1]}}]}, "
-                 "\"constraints\": [{\"type\": \"fluid\"}]}], \"solids\": [%s]}",
+                 SCENE("'duration': 0.1",
+                       FLUID_BOX("", "0.02", "-0.1, 0.04, -0.1", "0.1, 0.2, 0.1", ""),
+                       ", 'solids': [%s]"),
                  solids[k]);
         pdyn_context *context = test_context(2);
         pdyn_sim *sim = test_load(context, text);

@@ -93,11 +93,10 @@ static void test_stretch(void **state) {
     (void)state;
     const double s[3] = {1.2, 0.9, 1.1}, V = 0.4 * 0.2 * 0.3;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
-        "{\"duration\": 1, \"bodies\": [{\"volume\": {\"grid\": {\"size\": [0.4, 0.2, 0.3],"
-        " \"cells\": [3, 2, 2]}, \"density\": 500}, \"constraints\": [{\"type\": \"tet\","
-        " \"stiffness\": 2e4, \"volume_stiffness\": 1e5}]}]}");
+    pdyn_sim *sim =
+        test_load(context, "{'duration': 1, 'bodies': [{'volume': {'grid': {'size': [0.4, 0.2, "
+                           "0.3], 'cells': [3, 2, 2]}, 'density': 500}, 'constraints': [{'type': "
+                           "'tet', 'stiffness': 2e4, 'volume_stiffness': 1e5}]}]}");
     double energy, mass = 0.0, p[3] = {1.15, 0.85, 1.05}, expected = 0.0;
     for (int i = 0; i < sim->objective.particles; i++) {
         mass += sim->objective.mass[i];
@@ -127,13 +126,11 @@ static void test_rod(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
-        context,
-        "{\"duration\": 100, \"time_step\": {\"fixed\": 1}, \"frame_interval\": 1, \"solver\":"
-        " {\"tolerance\": 1e-8, \"outer_iterations\": 100},"
-        " \"bodies\": [{\"volume\": {\"grid\": {\"size\": [0.1, 1, 0.1], \"cells\": [1, 10,"
-        " 1]}, \"density\": 1000}, \"constraints\": [{\"type\": \"tet\", \"stiffness\":"
-        " 1e6}, {\"type\": \"pin\", \"stiffness\": 1e10, \"vertices\": {\"box\":"
-        " {\"minimum\": [-1, 0.49, -1], \"maximum\": [1, 1, 1]}}}]}]}");
+        context, "{'duration': 100, 'time_step': {'fixed': 1}, 'frame_interval': 1, 'solver': "
+                 "{'tolerance': 1e-8, 'outer_iterations': 100}, 'bodies': [{'volume': {'grid': "
+                 "{'size': [0.1, 1, 0.1], 'cells': [1, 10, 1]}, 'density': 1000}, 'constraints': "
+                 "[{'type': 'tet', 'stiffness': 1e6}, {'type': 'pin', 'stiffness': 1e10, "
+                 "'vertices': {'box': {'minimum': [-1, 0.49, -1], 'maximum': [1, 1, 1]}}}]}]}");
     for (int k = 0; k < 60; k++) test_step(context, sim);
     double end = 0.0; /* the mean of the four points there */
     for (int i = 0; i < sim->objective.particles; i++)
@@ -166,15 +163,13 @@ static void test_splash(void **state) {
     (void)state;
     char scene[2048];
     pdyn_context *context = test_context(2);
-    snprintf(
-        scene, sizeof scene,
-        "{\"duration\": 1, \"gravity\": [0, 0, 0], \"bodies\": [{\"name\": \"water\","
-        " \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [-0.4, -0.1, -0.1],"
-        " \"maximum\": [-0.2, 0.1, 0.1]}}]}, \"velocity\": [2, 0, 0], \"constraints\":"
-        " [{\"type\": \"fluid\"}]}, {\"name\": \"ball\", \"volume\": {\"mesh\":"
-        " \"%s/scenes/meshes/ball.ele\", \"scale\": 0.15, \"density\": 500}, \"constraints\":"
-        " [{\"type\": \"tet\", \"stiffness\": 2e4, \"volume_stiffness\": 5e5}]}]}",
-        getenv("PROJDYN_SOURCE_ROOT"));
+    snprintf(scene, sizeof scene,
+             "{'duration': 1, 'gravity': [0, 0, 0], 'bodies': [{'name': 'water', 'particles': "
+             "{'radius': 0.02, 'fill': [{'box': {'minimum': [-0.4, -0.1, -0.1], 'maximum': [-0.2, "
+             "0.1, 0.1]}}]}, 'velocity': [2, 0, 0], 'constraints': [{'type': 'fluid'}]}, {'name': "
+             "'ball', 'volume': {'mesh': '%s/scenes/meshes/ball.ele', 'scale': 0.15, 'density': "
+             "500}, 'constraints': [{'type': 'tet', 'stiffness': 2e4, 'volume_stiffness': 5e5}]}]}",
+             getenv("PROJDYN_SOURCE_ROOT"));
     pdyn_sim *sim = test_load(context, scene);
     const pdyn_body *ball = &sim->body[1];
     double volume = volume_of(sim, ball), mass = 0.0, momentum = 0.0, first, worst = 0.0;
@@ -291,12 +286,11 @@ static void test_bad_files(void **state) {
 static void test_memory(void **state) {
     (void)state;
     char scene[1024];
-    static const char form[] =
-        "{\"duration\": 1, \"solver\": {\"type\": \"cg\"}, \"bodies\": [{\"volume\": {%s,"
-        " \"density\": 500}, \"constraints\": [{\"type\": \"tet\", \"stiffness\": 2e4,"
-        " \"volume_stiffness\": 1e5, \"damping\": 0.01}]}]}";
-    static const char *const shapes[] = {"\"grid\": {\"size\": [1, 1, 1], \"cells\": [1, 1, 1]}",
-                                         "\"mesh\": \"two.node\"", "\"mesh\": \"two.msh\""};
+    static const char form[] = "{'duration': 1, 'solver': {'type': 'cg'}, 'bodies': [{'volume': "
+                               "{%s, 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': "
+                               "2e4, 'volume_stiffness': 1e5, 'damping': 0.01}]}]}";
+    static const char *const shapes[] = {"'grid': {'size': [1, 1, 1], 'cells': [1, 1, 1]}",
+                                         "'mesh': 'two.node'", "'mesh': 'two.msh'"};
     test_write_text("two.node", NODE), test_write_text("two.ele", ELE);
     test_write_text("two.msh", MSH4);
     for (int k = 0; k < 3; k++) {

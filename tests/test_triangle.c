@@ -30,9 +30,8 @@ static int tear_down(void **state) {
 static struct batch *load(const char *range) {
     char text[512];
     snprintf(text, sizeof text,
-             "{\"duration\": 1, \"bodies\": [{\"surface\": {\"grid\": {\"size\": [2, 2], "
-             "\"vertices\": [2, 2]}, \"area_density\": 1}, \"constraints\": [{\"type\": "
-             "\"triangle\", \"stretching_stiffness\": 5%s}]}]}",
+             SCENE("'duration': 1",
+                   GRID_SHEET("", "2, 2", "2, 2", "'area_density': 1", STRAIN("5%s")), ""),
              range);
     sim = test_load(context, text);
     sim->objective.h = 1.0;
@@ -88,7 +87,7 @@ static void test_isometry(void **state) {
  * plane. */
 static void test_tangent(void **state) {
     (void)state;
-    struct batch *b = load(", \"shortest\": 0.9, \"longest\": 1.1");
+    struct batch *b = load(", 'shortest': 0.9, 'longest': 1.1");
     double root = sqrt(2.0);
     uint64_t seed = 13;
     for (int n = 0; n < 200; n++) {
@@ -145,7 +144,7 @@ static void test_moduli(void **state) {
     assert_near(energy_of((double[]){e, -e, 0}) / (Y * area * e * e), 1.0, 1e-3);
     assert_near(energy_of((double[]){0, 0, e}) / (0.25 * Y * area * e * e), 1.0, 1e-3);
     pdyn_free(sim);
-    load(", \"shortest\": 0.8, \"longest\": 1.1");
+    load(", 'shortest': 0.8, 'longest': 1.1");
     assert_near(energy_of((double[]){-0.19, 0.09, 0}), 0.0, 1e-20);
     assert_near(energy_of((double[]){0.2, -0.3, 0}) / (0.5 * Y * area * 0.02), 1.0, 1e-9);
     pdyn_free(sim);

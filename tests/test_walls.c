@@ -2,16 +2,17 @@
  * for any number of threads, and without memory an error. */
 #include "support.h"
 
-#define WATER(box, velocity)                                                                       \
-    "{\"duration\": 1, \"frame_interval\": 0.01, \"time_step\": {\"maximum\": 0.005, \"cfl\": "    \
-    "1}, "                                                                                         \
-    "\"solver\": {\"tolerance\": 0.5, \"outer_iterations\": 10}, \"bodies\": [{\"name\": "         \
-    "\"water\", \"velocity\": " velocity ", \"particles\": {\"radius\": 0.0125, \"fill\": "        \
-    "[{\"box\": " box "}]}, \"constraints\": [{\"type\": \"fluid\", \"stiffness\": 1e6}]}], "
+/* Water of this velocity in a box, in a scene with these solids. */
+#define SPLASH(velocity, minimum, maximum, solids)                                                 \
+    SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005, 'cfl': 1}, "     \
+          "'solver': {'tolerance': 0.5, 'outer_iterations': 10}",                                  \
+          FLUID_BOX("'name': 'water', 'velocity': " velocity ", ", "0.0125", minimum, maximum,     \
+                    ", 'stiffness': 1e6"),                                                         \
+          ", 'solids': [" solids "]")
 
-static const char *jet = WATER("{\"minimum\": [0.3, 0.3, 0.3], \"maximum\": [0.5, 0.5, 0.5]}",
-                               "[-11.5, -11.5, -11.5]") /* 20 m/s into a corner */
-    "\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.6, 0.6]}}]}";
+/* 20 m/s into a corner */
+static const char *jet = SPLASH("[-11.5, -11.5, -11.5]", "0.3, 0.3, 0.3", "0.5, 0.5, 0.5",
+                                "{'box': {'minimum': [0, 0, 0], 'maximum': [0.6, 0.6, 0.6]}}");
 
 /* The largest distance of a particle's centre beyond the faces of the box [0, size]^3, m. */
 static double beyond(const pdyn_state *s, double size) {
@@ -38,10 +39,9 @@ static void test_corner(void **state) {
 
 /* A plate without thickness across a shaft. */
 static const char *plate = "v 0 0.2 0\nv 0.3 0.2 0\nv 0.3 0.2 0.3\nv 0 0.2 0.3\nf 1 2 3\nf 1 3 4\n";
-static const char *shaft = WATER("{\"minimum\": [0.05, 0.3, 0.05], \"maximum\": [0.25, 0.5, 0.25]}",
-                                 "[0, -10, 0]") "\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], "
-                                                "\"maximum\": [0.3, 0.8, 0.3]}}, {\"mesh\": "
-                                                "\"plate.obj\"}]}";
+static const char *shaft =
+    SPLASH("[0, -10, 0]", "0.05, 0.3, 0.05", "0.25, 0.5, 0.25",
+           "{'box': {'minimum': [0, 0, 0], 'maximum': [0.3, 0.8, 0.3]}}, {'mesh': 'plate.obj'}");
 
 /* Water falls on it with 10 m/s and stays above. */
 static void test_plate(void **state) {
@@ -63,13 +63,10 @@ static void test_plate(void **state) {
 }
 
 #define PRESSED(more)                                                                              \
-    "{\"duration\": 1, \"time_step\": {\"maximum\": 0.004}, \"bodies\": [{\"name\": \"water\", "   \
-    "\"velocity\": [1, 0, 0.5], \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\": "           \
-    "{\"minimum\": "                                                                               \
-    "[0, 0, 0], \"maximum\": [0.24, 0.2, 0.24]}}]}, \"constraints\": [{\"type\": \"fluid\"}]}], "  \
-    "\"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": "                                \
-    "[0.4, "                                                                                       \
-    "0.4, 0.24]}" more "}]}"
+    SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
+          FLUID_BOX("'name': 'water', 'velocity': [1, 0, 0.5], ", "0.02", "0, 0, 0",               \
+                    "0.24, 0.2, 0.24", ""),                                                        \
+          ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.4, 0.4, 0.24]}" more "}]")
 
 static uint64_t hash_of(int threads) {
     pdyn_context *context = test_context(threads);
@@ -90,8 +87,7 @@ static void test_threads(void **state) {
 static void test_failing_allocator(void **state) {
     (void)state;
     test_failing_scene(PRESSED(""));
-    test_failing_scene(
-        PRESSED(", \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [1, 0, 0]}]"));
+    test_failing_scene(PRESSED(", 'motion': [{'time': 0}, {'time': 1, 'translate': [1, 0, 0]}]"));
 }
 
 int main(void) {

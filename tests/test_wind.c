@@ -10,15 +10,15 @@ static const double g = 9.81, air = 1.2;
 static pdyn_sim *load(pdyn_context *context, double h, double mass, double angle, double wind,
                       const char *more) {
     char text[1024];
-    snprintf(text, sizeof text,
-             "{\"duration\": 1000, \"frame_interval\": 1000, \"time_step\": {\"fixed\": %.17g, "
-             "\"integrator\": \"euler\"}, "
-             "\"solver\": {\"tolerance\": 1e-10, \"linear_tolerance\": 1e-6%s}, \"bodies\": "
-             "[{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [4, 3]}, \"rotate\": "
-             "[%.17g, 0, 0], \"area_density\": %.17g}, \"constraints\": [{\"type\": \"triangle\", "
-             "\"stretching_stiffness\": 10}, {\"type\": \"wind\", \"drag\": 1.5, \"velocity\": [0, "
-             "%.17g, 0]}]}]}",
-             h, more, angle, mass, wind);
+    snprintf(
+        text, sizeof text,
+        SCENE("'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %.17g, "
+              "'integrator': 'euler'}, 'solver': {'tolerance': 1e-10, 'linear_tolerance': 1e-6%s}",
+              GRID_SHEET(
+                  "", "1, 1", "4, 3", "'rotate': [%.17g, 0, 0], 'area_density': %.17g",
+                  PAIR(STRAIN("10"), "{'type': 'wind', 'drag': 1.5, 'velocity': [0, %.17g, 0]}")),
+              ""),
+        h, more, angle, mass, wind);
     return test_load(context, text);
 }
 
@@ -29,7 +29,7 @@ static void test_terminal_velocity(void **state) {
     static const struct {
         double h, mass;
         const char *solver;
-    } runs[] = {{0.01, 0.2, ""}, {0.1, 1e-3, ""}, {0.1, 1e-3, ", \"step\": \"projective\""}};
+    } runs[] = {{0.01, 0.2, ""}, {0.1, 1e-3, ""}, {0.1, 1e-3, ", 'step': 'projective'"}};
     for (int k = 0; k < 3; k++) {
         pdyn_context *context = test_context(1);
         double h = runs[k].h, m = runs[k].mass, v = 0.0;

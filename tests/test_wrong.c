@@ -317,7 +317,8 @@ static void test_mathematics(void **state) {
     expect(t, "an eigenvalue outside of [0, 1]");
     t.rows = 2, t.width = 1, expect(t, "expected 1 as its tangent is axial");
     t = good, t.linear = linear, expect(t, "`linear` calls linear");
-    t = good, t.damping_rest = hold_nothing, expect(t, "after damping_rest, u is not its own projection");
+    t = good, t.damping_rest = hold_nothing,
+    expect(t, "after damping_rest, u is not its own projection");
 }
 
 /* ---- solvers --------------------------------------------------------------------------------- */
