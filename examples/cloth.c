@@ -1,4 +1,4 @@
-/* A sheet hangs from two corners: how a program of your own runs a simulation. C or C++.
+/* How a program runs a simulation, here of a sheet that hangs from two corners. C or C++.
  *
  *     cc -o cloth cloth.c $(pkg-config --cflags --libs projdyn) && ./cloth
  */

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A sheet of 10,000 vertices, stepped from Python; numpy sees the library's own arrays, nothing is copied.
+"""Steps a sheet of 10,000 vertices from Python; numpy arrays share the memory of the library, without copies.
 
     python3 cloth.py [libprojdyn.so.0]
 """

@@ -1,11 +1,11 @@
-/* A closed surface that keeps its volume, or is inflated: u are all its points, and the projection
- * goes along the gradient of the volume
+/* A closed surface that keeps its volume V, or is inflated to `inflation` times its rest volume.
+ * One element: u are all vertices x_i of the body,
  *
- *     V(u) = 1/6 sum over the triangles of (a - m) . (b - m) x (c - m),   m: the mean of the points
+ *     V(u) = 1/6 sum over triangles of (a - m) . (b - m) x (c - m),     m: mean of the vertices
+ *     p = u - t grad V(u), with t such that V(p) = inflation x V(rest)
+ *     J = I - n n',     n = grad V / |grad V|
  *
- * at u to where V is what it has to be (Newton's iteration for the way t, p = u - t grad V). The
- * tangent is J = I - n n', n = grad V / |grad V|. One element has all points of the body, and core
- * keeps J of an element: meant for some hundred points. */
+ * Core stores J of an element, (3 vertices)^2 numbers: meant for some hundred vertices. */
 #include <projdyn/module.h>
 #include <projdyn/vec3.h>
 
@@ -32,7 +32,7 @@ static void row_sizes(const void *par, const pdyn_batch *b, int element, int *ro
     *rows = b->body->count, *width = 1;
 }
 
-/* V of the points u - t g; its gradient into `gradient` unless that is NULL. */
+/* Returns V at the points u - t g (g NULL: u), m^3. gradient: grad V, m^2; NULL: not wanted. */
 static double volume(const pdyn_body *body, const double *u, double t, const double *g,
                      double *gradient) {
     double middle[3] = {0}, mean[3] = {0}, sum = 0.0;
@@ -52,14 +52,14 @@ static double volume(const pdyn_body *body, const double *u, double t, const dou
             vec3_cross(normal, x[(k + 1) % 3], x[(k + 2) % 3]);
             if (gradient) vec3_add(gradient + 3 * body->triangle[3 * f + k], 1.0 / 6.0, normal);
         }
-        sum += vec3_dot(x[2], normal) / 6.0; /* normal: of the other two */
+        sum += vec3_dot(x[2], normal) / 6.0; /* normal = x[0] x x[1] */
     }
     for (int i = 0; i < n && gradient; i++) vec3_add(mean, 1.0 / n, gradient + 3 * i);
     for (int i = 0; i < n && gradient; i++) vec3_add(gradient + 3 * i, -1.0, mean);
     return sum;
 }
 
-/* The volume to have is the element's data. */
+/* data: the target volume, m^3 */
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     if (first == last) return;
     for (int i = 0; i < b->body->count; i++)
@@ -78,7 +78,7 @@ static double squares_of(const double *g, int n) {
     return sum;
 }
 
-/* p holds the gradient until it is known how far to go. */
+/* Newton's iteration for t along the gradient at u. p stores this gradient until t is known. */
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     const pdyn_body *body = b->body;
     double target = *(const double *)b->data, t = 0.0;
@@ -97,7 +97,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
     int n = 3 * b->body->count;
     (void)par;
     if (first == last) return;
-    double *g = J; /* in its first row, which is made last */
+    double *g = J; /* stored in the first row of J, which is set last */
     volume(b->body, b->u, 0.0, NULL, g);
     double squares = squares_of(g, n / 3);
     for (int i = n - 1; i >= 0; i--) {

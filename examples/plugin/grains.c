@@ -1,12 +1,13 @@
 /* Spheres that do not overlap, without friction: matrix-free, on neighbour lists. Constraint c is a
- * pair of grains, or a grain and a point of a wall, closer than two radii:
+ * pair of grains a, b, or a grain and a boundary point, closer than two radii:
  *
- *     C(x) = 2 r - |x_a - x_b| <= 0,     grad C = (-n, n),  n = (x_a - x_b) / |x_a - x_b|
+ *     C(x) = 2 r - |x_a - x_b| <= 0,     E = k/2 max(0, C)^2
+ *     grad C = (-n, n),     n = (x_a - x_b) / |x_a - x_b|
  *
- * The simulation uses the operator below; rows stand for the same, for solvers that assemble. An
- * element of these is a grain with its later neighbours and the walls: u = x_a - x_b, p of length 2
- * r where u is shorter. The loops are serial, for shortness: services->parallel_for would share
- * them. */
+ * The simulation uses the operator. The rows describe the same constraints for solvers that
+ * assemble H: an element is a grain with the later grains and the boundary points in its list, u =
+ * x_a - x_b, p = 2 r u / |u| for |u| < 2 r. The loops are serial for brevity;
+ * services->parallel_for would share them. */
 #include <projdyn/module.h>
 #include <projdyn/vec3.h>
 
@@ -27,7 +28,7 @@ static int elements(const void *par, const pdyn_body *body) {
     return body->count;
 }
 
-/* Of grain i: other grains after it, and points of walls. Not samples of surfaces. */
+/* True for the pairs of grain i that count: later grains and boundary points; not samples. */
 static bool counts(const pdyn_neighbours *l, int i, int j) {
     return (j > i && j < l->particles - l->samples) || j >= l->particles;
 }
@@ -40,7 +41,8 @@ static void row_sizes(const void *par, const pdyn_batch *b, int element, int *ro
     for (int k = l->start[i]; k < l->end[i]; k++) *rows += counts(l, i, l->index[k]);
 }
 
-/* Calls for every row of the elements: what it is the difference to. */
+/* Calls visit(b, row, i, j, J) for each row of the elements; J: first number of the row's diagonal
+ * block, or NULL. */
 static void each_row(const pdyn_batch *b, int first, int last,
                      void (*visit)(const pdyn_batch *b, int row, int i, int j, double *J),
                      double *J) {
@@ -93,7 +95,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
     each_row(b, first, last, project_row, NULL);
 }
 
-/* J of an element has blocks on its diagonal alone. */
+/* J of an element is block diagonal: one 3 x 3 block per row. */
 static void tangent_row(const pdyn_batch *b, int row, int i, int j, double *J) {
     const double *wall = wall_of(b, j);
     int n = 3 * (b->element_row[i - b->body->first + 1] - b->element_row[i - b->body->first]);
@@ -112,7 +114,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 /* ---- operator -------------------------------------------------------------------------------- */
 
 struct pair {
-    int a, b; /* particles; b: a point of a wall where it is not below `particles` */
+    int a, b; /* particle; particle, or boundary point if not below `particles` */
     double n[3];
 };
 
@@ -121,7 +123,7 @@ struct grains {
     const pdyn_neighbours *lists;
     double stiffness, least;
     int first, count, particles;
-    int constraints, room;       /* the first `count`, one for each grain, do nothing */
+    int constraints, room;       /* the first `count`, one per grain, are unused (k = 0) */
     struct pair *pair;           /* room */
     double *value, *k, *squares; /* room */
     double *held;                /* particles */
@@ -159,7 +161,7 @@ static void release(void *self) {
     g->services->allocate(g->services->core, g, sizeof *g, 0);
 }
 
-/* Every listed pair once. */
+/* Makes one constraint per listed pair. */
 static bool neighbours(void *self, const pdyn_neighbours *l) {
     struct grains *g = (struct grains *)self;
     int c = g->count, most = g->count;
@@ -202,7 +204,7 @@ static double local(void *self, const double *x, double *gradient) {
     return energy;
 }
 
-static pdyn_one_sided scalars(void *self) {
+static pdyn_one_sided one_sided(void *self) {
     struct grains *g = (struct grains *)self;
     pdyn_one_sided s = {g->constraints, g->value, g->k, g->squares, g->held};
     return s;
@@ -255,7 +257,7 @@ static const pdyn_operator operator_of_grains = {
     .free = release,
     .neighbours = neighbours,
     .local = local,
-    .one_sided = scalars,
+    .one_sided = one_sided,
     .rate = rate,
     .force = force,
     .diagonal = diagonal,

@@ -1,11 +1,11 @@
-/* Shape matching (Mueller, Heidelberger, Teschner, Gross 2005): a body that keeps its shape. u are
- * all its points, p the rest shape where it fits them best: p_i = c + R r_i, with the rest
- * positions r_i about their mean, c the mean of u, and R the rotation that makes sum (u_i - c) . R
- * r_i largest (Horn 1987: the quaternion is an eigenvector of a 4 x 4 matrix).
+/* Shape matching (Mueller, Heidelberger, Teschner, Gross 2005): a body that keeps its shape. One
+ * element: u are all points of the body, r_i the rest positions about their mean,
  *
- * J takes what moves as a rigid body: with the arms a_i = R r_i and K = sum (a_i.a_i I - a_i a_i'),
- * J_ij = I / n + [a_i]x K^-1 [a_j]x'. One element has all points of the body, and core keeps J of
- * an element: meant for some hundred points. */
+ *     p_i = c + R r_i,     c: mean of u,     R: rotation that maximises sum (u_i - c) . R r_i
+ *     J_ij = I / n + [a_i]x K^-1 [a_j]x',    a_i = R r_i,  K = sum (a_i . a_i I - a_i a_i')
+ *
+ * R by Horn 1987: its quaternion is an eigenvector of a 4 x 4 matrix. Core stores J of an element,
+ * (3 points)^2 numbers: meant for some hundred points. */
 #include <projdyn/module.h>
 #include <projdyn/vec3.h>
 
@@ -38,13 +38,15 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
 }
 
+/* Mean of n points. */
 static void mean_of(const double *x, int n, double mean[3]) {
     for (int k = 0; k < 3; k++) mean[k] = 0.0;
     for (int i = 0; i < n; i++) vec3_add(mean, 1.0 / n, x + 3 * i);
 }
 
-/* The eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, by Jacobi's rotations. */
-static void largest(double A[4][4], double q[4]) {
+/* q: unit eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, by Jacobi rotations.
+ */
+static void largest_eigenvector(double A[4][4], double q[4]) {
     double V[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
     for (int sweep = 0; sweep < 12; sweep++)
         for (int i = 0; i < 4; i++)
@@ -67,7 +69,7 @@ static void largest(double A[4][4], double q[4]) {
     for (int k = 0; k < 4; k++) q[k] = V[k][best];
 }
 
-/* R by rows from S_ab = sum r_a (u - c)_b. */
+/* R, row by row, from S_ab = sum over points of r_a (u - c)_b. */
 static void rotation(double S[3][3], double R[9]) {
     double q[4], N[4][4] = {{S[0][0] + S[1][1] + S[2][2], S[1][2] - S[2][1], S[2][0] - S[0][2],
                              S[0][1] - S[1][0]},
@@ -76,7 +78,7 @@ static void rotation(double S[3][3], double R[9]) {
                             {0, 0, 0, S[2][2] - S[0][0] - S[1][1]}};
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < i; j++) N[i][j] = N[j][i];
-    largest(N, q);
+    largest_eigenvector(N, q);
     double w = q[0], x = q[1], y = q[2], z = q[3];
     R[0] = w * w + x * x - y * y - z * z, R[1] = 2 * (x * y - w * z), R[2] = 2 * (x * z + w * y);
     R[3] = 2 * (x * y + w * z), R[4] = w * w - x * x + y * y - z * z, R[5] = 2 * (y * z - w * x);
@@ -101,7 +103,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
     }
 }
 
-/* K^-1, symmetric: the cofactors over the determinant. */
+/* K^-1 of a symmetric K: cofactors over the determinant. */
 static void invert(const double K[9], double inverse[9]) {
     for (int k = 0; k < 3; k++)
         vec3_cross(inverse + 3 * k, K + 3 * ((k + 1) % 3), K + 3 * ((k + 2) % 3));
@@ -109,7 +111,8 @@ static void invert(const double K[9], double inverse[9]) {
     for (int k = 0; k < 9; k++) inverse[k] /= determinant;
 }
 
-/* The part of J between two points with these arms: row k of [a]x K^-1 [b]x'. */
+/* The 3 x 3 block of J, size x size, between points with arms a and b:
+ * share I + [a]x K^-1 [b]x'. */
 static void add_block(double *J, int size, const double *a, const double *b,
                       const double inverse[9], double share) {
     for (int k = 0; k < 3; k++) {

@@ -1,6 +1,6 @@
-/* A global solver: a Cholesky factor of the assembled matrix that keeps, of every row, what is
- * between its first entry and the diagonal (Jennings 1966; George and Liu 1981, section 4.2). Good
- * where neighbours have near numbers, as in a grid. */
+/* A global solver: Cholesky factorisation of the assembled matrix in skyline storage, which keeps
+ * of each row all entries from the first nonzero to the diagonal (Jennings 1966; George and Liu
+ * 1981, section 4.2). Efficient if neighbours have similar indices, as in a grid. */
 #include <projdyn/module.h>
 
 #include <math.h>
@@ -9,9 +9,9 @@
 struct skyline {
     pdyn_model *model;
     int size;
-    unsigned pattern, values; /* of the matrix that was factored */
-    int *first;               /* size: the first column of each row */
-    size_t *start;            /* size + 1: row i is L[start[i]], ..., the diagonal last */
+    unsigned pattern, values; /* revisions of the factored matrix */
+    int *first;               /* size: first column of each row */
+    size_t *start;            /* size + 1: row i is L[start[i]] to L[start[i + 1] - 1] */
     double *L;
 };
 
@@ -36,8 +36,8 @@ static pdyn_status create(void *self, pdyn_model *model) {
     return PDYN_OK;
 }
 
-/* Where each row begins. */
-static pdyn_status place(struct skyline *s, const pdyn_matrix *m) {
+/* Computes the extent of each row and allocates the factor. */
+static pdyn_status allocate_rows(struct skyline *s, const pdyn_matrix *m) {
     size_t n = (size_t)m->size;
     release_rows(s);
     s->size = m->size;
@@ -53,9 +53,10 @@ static pdyn_status place(struct skyline *s, const pdyn_matrix *m) {
     return s->L ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* Such that row(s, i)[j] is entry (i, j). */
+/* row(s, i)[j] is entry (i, j). */
 static double *row(const struct skyline *s, int i) { return s->L + s->start[i] - s->first[i]; }
 
+/* H = L L', row by row */
 static pdyn_status factor(struct skyline *s, const pdyn_matrix *m) {
     memset(s->L, 0, s->start[m->size] * sizeof *s->L);
     for (int c = 0; c < m->size; c++)
@@ -77,7 +78,7 @@ static pdyn_status factor(struct skyline *s, const pdyn_matrix *m) {
     return PDYN_OK;
 }
 
-/* y = (L L')^-1 b for one of `copies` right-hand sides, which lie interleaved. */
+/* y = (L L')^-1 b for right-hand side a of `copies` interleaved ones. */
 static void substitute(const struct skyline *s, const double *b, double *y, int copies, int a) {
     for (int i = 0; i < s->size; i++) {
         const double *L = row(s, i);
@@ -97,7 +98,7 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     pdyn_matrix m;
     (void)stop;
     pdyn_status status = s->model->matrix(s->model, &m);
-    if (status == PDYN_OK && (!s->L || s->pattern != m.pattern)) status = place(s, &m);
+    if (status == PDYN_OK && (!s->L || s->pattern != m.pattern)) status = allocate_rows(s, &m);
     if (status == PDYN_OK && s->values != m.values) status = factor(s, &m);
     if (status != PDYN_OK) return status;
     s->pattern = m.pattern, s->values = m.values, *iterations = 1;

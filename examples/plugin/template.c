@@ -1,6 +1,7 @@
-/* A template for a constraint of your own: copy it, change the names, the parameters and the
- * projection. This one holds points above a floor that is no solid: u is a point, p the nearest
- * point above y = height.
+/* A template for your own constraint: copy it, change the names, the parameters and the projection.
+ * This one holds points above a floor: u is a point,
+ *
+ *     p = u with p_y = max(u_y, height),     J = diag(1, 1 or 0, 1)
  *
  *     cc -shared -fPIC $(pkg-config --cflags projdyn) -o template.so template.c -lm
  *     projdyn check --conformance ./template.so
@@ -14,30 +15,31 @@ struct params {
 };
 
 static const pdyn_param params[] = {
-    /* name, kind, place, required, default, minimum, maximum, unit, meaning */
+    /* name, kind, offset, required, default, minimum, maximum, unit, meaning */
     {"height", PDYN_REAL, offsetof(struct params, height), false, 0, -1e6, 1e6, "m",
      "where the floor is"},
     {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), false, 1e5, 0, 1e12, "N/m",
      "force per distance of a point below the floor"},
     {0}};
 
-/* How many there are: here, one for each point of the body. */
+/* The number of elements: one per point of the body. */
 static int elements(const void *par, const pdyn_body *body) {
     (void)par;
     return body->count;
 }
 
-/* The rows: u = sum of coefficient x particle. Here a row is one particle. */
+/* The rows: u = sum of coefficient x position. Here each row has one particle. */
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
 }
 
+/* The weight w of an element: E = w/2 |u - p|^2. */
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct params *)par)->stiffness;
 }
 
-/* p: the closest point to u where the constraint is met. */
+/* p: the point closest to u that satisfies the constraint. */
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++)
         for (int k = 0; k < 3; k++) {
@@ -46,7 +48,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
         }
 }
 
-/* J = dp/du, symmetric, between 0 and 1; makes it converge fast. Leave it out at first. */
+/* J = dp/du, symmetric, eigenvalues in [0, 1]; speeds up convergence. Optional. */
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
     double height = ((const struct params *)par)->height;
     for (int e = first; e < last; e++, J += 9)
