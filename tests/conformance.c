@@ -1,5 +1,5 @@
-/* Every registered constraint type and solver keeps its contract: nothing here names one, so a new
- * one is covered without a line of test. */
+/* Conformance of every registered constraint type and solver. No name is listed here: a new type is
+ * covered without further lines. */
 #include "support.h"
 
 #include "base/registry.h"

@@ -42,8 +42,7 @@ void soup_free(struct soup *soup) {
     *soup = (struct soup){0};
 }
 
-/* Whether the points of a segment are beyond those of a triangle along an axis, by more than
- * rounding. */
+/* True if the segment and the triangle are separated along an axis by more than rounding errors. */
 static bool separates(const double *axis, const double *const segment[2],
                       const double *const triangle[3]) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, size = 0.0;
@@ -59,8 +58,9 @@ static bool separates(const double *axis, const double *const segment[2],
     return low[0] - high[1] > rounding || low[1] - high[0] > rounding;
 }
 
-/* The faces of the difference of both: the triangle's, and one for each pair of a side and the
- * segment. In one plane, the sides' and the segment's normals in it. */
+/* True if a face normal of the Minkowski difference separates them: the triangle's normal, and one
+ * for each pair of a side and the segment. For a segment in the triangle's plane, the normals of
+ * the sides and of the segment within the plane. */
 static bool apart(const double *const segment[2], const double *const triangle[3]) {
     double d[3], side[3][3], normal[3], axis[3];
     for (int a = 0; a < 3; a++) {
@@ -79,7 +79,7 @@ static bool apart(const double *const segment[2], const double *const triangle[3
     return separates(axis, segment, triangle);
 }
 
-/* Sides of one triangle against the other; sides that share a corner with it are left out. */
+/* True if a side of triangle a meets triangle b. Sides that share a corner with b are left out. */
 static bool side_passes(const struct soup *s, int one, int other) {
     const int *p = s->triangle + 3 * one, *q = s->triangle + 3 * other;
     const double *face[3] = {s->x + 3 * q[0], s->x + 3 * q[1], s->x + 3 * q[2]};

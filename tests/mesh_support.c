@@ -1,7 +1,7 @@
 #include "mesh_support.h"
 #include "support.h"
 
-/* Beyond a side lies the same side of another triangle, or the border. */
+/* across is symmetric: beyond each side lies the same side of another triangle, or the border. */
 static void check_across(const struct mesh *mesh, const struct topology *t) {
     int borders = 0, inside = 0;
     for (int c = 0; c < 3 * mesh->triangles; c++) {

@@ -1,10 +1,10 @@
-/* What the tests of meshes and of topology share. */
+/* Checks shared by the tests of meshes and of topology. */
 #ifndef MESH_SUPPORT_H
 #define MESH_SUPPORT_H
 
 #include "geometry/mesh.h"
 
-/* Structure that every topology has, whatever the mesh; returns the sum of the vertex areas. */
+/* Checks the structure that every topology has; returns the sum of the vertex areas, m^2. */
 double check_structure(const struct mesh *mesh, const struct topology *t);
 
 #endif

@@ -1,5 +1,5 @@
-/* What the tests that read scenes share. They work in a directory of their own, on one context that
- * counts allocations. Texts of scenes have ' for ". */
+/* Shared by tests that read scenes: a directory of their own, one context that counts allocations,
+ * short texts of scenes (with ' for "). */
 #ifndef SCENE_SUPPORT_H
 #define SCENE_SUPPORT_H
 
@@ -28,16 +28,16 @@
 extern pdyn_context *context;
 extern struct counter counter;
 
-/* For a group of tests. */
+/* Set-up and tear-down of a group of tests. */
 int scene_set_up(void **state);
 int scene_tear_down(void **state);
 
-void assert_message(const char *expected); /* one that ends with '*' may go on */
+void assert_message(const char *expected); /* an expected text that ends with '*' may continue */
 
 pdyn_status read_text(const char *text, const char *const *set, int sets, struct scene *scene);
 void read_good(const char *text, const char *const *set, int sets, struct scene *scene);
 void free_good(struct scene *scene);
-/* Bad input, with this message and nothing kept. */
+/* Asserts bad input with this message, an empty scene and no allocated memory. */
 void assert_failure(pdyn_status status, const struct scene *scene, const char *expected);
 
 #endif

@@ -1,5 +1,5 @@
-/* What the tests share: contexts, scenes from text, an allocator that fails, a directory for files,
- * a random number that is the same everywhere. */
+/* Shared by all tests: contexts, scenes from text, an allocator that fails, a directory for files,
+ * reproducible random numbers. */
 #ifndef TEST_SUPPORT_H
 #define TEST_SUPPORT_H
 
@@ -17,12 +17,12 @@
 #include "scene_text.h"
 #include "step/sim.h"
 
-/* A copy of a text with " for ', which is valid until the next call. */
+/* Returns a copy of text with " for ', valid until the next call. */
 const char *quoted(const char *text);
 
 pdyn_context *test_context(int threads);
 
-/* Counts the warnings that contain `text`. */
+/* A context that counts the warnings that contain `text`. */
 struct warnings {
     const char *text;
     int count;
@@ -32,23 +32,24 @@ pdyn_context *test_warned_context(int threads, struct warnings *warnings);
 pdyn_sim *test_load(pdyn_context *context, const char *text);
 pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);
 
-/* Counts allocations. */
+/* An allocator that counts its calls. */
 struct counter {
-    long calls, last; /* last: the call after which all fail; negative: none does */
+    long calls, last; /* all calls after number `last` fail; negative: none fails */
 };
-pdyn_context *test_counting_context(int threads, struct counter *counter); /* no limit */
-void test_allow(struct counter *counter, long left); /* so many more; negative: no limit */
+pdyn_context *test_counting_context(int threads, struct counter *counter); /* without a limit */
+void test_allow(struct counter *counter,
+                long left); /* `left` more calls succeed; negative: no limit */
 
-/* Attempts with 0, 1, 2, ... allocations until these are enough, and returns how many were. Each
- * time before there is an error, and nothing stays allocated; as after an attempt that succeeds. */
+/* Calls attempt with 0, 1, 2, ... successful allocations until it succeeds; returns that number.
+ * Asserts that each failure is "out of memory", and that no attempt leaves memory allocated. */
 typedef pdyn_status test_attempt(const void *what);
 long test_failing_allocations(pdyn_context *context, struct counter *counter, test_attempt *attempt,
                               const void *what);
 /* The same for loading a scene and taking a step. */
 void test_failing_scene(const char *text);
 
-/* For a group of tests: goes into a new directory; leaves and removes it, with all that a failed
- * test has left there. What tests that pass leave there is a failure. */
+/* Set-up and tear-down of a group: enters a new directory; leaves and removes it. Files that a
+ * passing test leaves there are a failure. */
 int test_enter_directory(void **state);
 int test_leave_directory(void **state);
 

@@ -1,4 +1,4 @@
-/* Springs between bodies: what hangs from them, what they conserve, and seams. */
+/* Attachment: static equilibrium of hanging weights, conservation of momentum, seams. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -17,8 +17,8 @@ static pdyn_sim *load(pdyn_context *context, double h, double gravity, const cha
     return test_load(context, text);
 }
 
-/* Four vertices on a spring each, below the inside and the sides of the triangles of a sheet that
- * gives way; the body that is named comes after the one that names it. */
+/* Four vertices of a load, each on a spring to a compliant sheet above ("roof"), to points inside
+ * and on the sides of its triangles. The roof follows in the list of bodies. */
 static const char hanging[] = PAIR(
     GRID_SHEET(
         "'name': 'load', ", "0.5, 0.5", "2, 2", "'translate': [0.1, -0.5, 0.07], 'area_density': 4",
@@ -26,8 +26,8 @@ static const char hanging[] = PAIR(
     GRID_SHEET("'name': 'roof', ", "1, 1", "3, 3", "'area_density': 1",
                "{'type': 'pin', 'vertices': {'all': true}, 'stiffness': 1e4}"));
 
-/* Each spring is longer by its weight over its stiffness, and the pins of the roof give way by all
- * of the weight, at the place where it hangs. */
+/* In equilibrium each spring is extended by weight / stiffness, and the pins of the roof carry the
+ * whole weight, with its torque. */
 static void test_weight(void **state) {
     (void)state;
     static const char *const solvers[] = {"auto", "cholesky", "cg"};
@@ -38,7 +38,7 @@ static void test_weight(void **state) {
         const double *rest = sim->body[1].rest;
         double given = 0.0, turn[2] = {0.0}, weight = 0.0;
         for (int step = 0; step < 20; step++) test_step(context, sim);
-        for (int i = 0; i < 4; i++) { /* the sheet above is no longer level: a little to the side */
+        for (int i = 0; i < 4; i++) { /* the roof is tilted: the spring is not vertical */
             double force = g * sim->body[0].mass[i], x = sim->body[0].rest[3 * i];
             double slack = fabs(sim->x[3 * i + 1] - sim->body[0].rest[3 * i + 1]) - force / k;
             assert_true(slack > 0.0 && slack < 2.0 * 9.0 * force / pin);
@@ -57,7 +57,7 @@ static void test_weight(void **state) {
     }
 }
 
-/* Rows of a scene: two free sheets, the springs half as long as the way between them. */
+/* Bodies of a scene: two free sheets; springs of half their initial length. */
 static const char pulled[] = PAIR(
     GRID_SHEET("", "1, 1", "5, 4", "'area_density': 0.3",
                PAIR(STRAIN("1000"), "{'type': 'attachment', 'to': 'body1', 'vertices': {'border': "
@@ -76,7 +76,7 @@ static void momentum(const pdyn_sim *sim, double p[6]) {
     }
 }
 
-/* After 0.1 s with steps of this length: the momentum, and about the origin. */
+/* p: linear and angular momentum (about the origin) after 0.1 s with steps of h. */
 static void pull(double h, double damping, double p[6]) {
     char bodies[2048];
     pdyn_context *context = test_context(2);
@@ -88,8 +88,7 @@ static void pull(double h, double damping, double p[6]) {
     pdyn_destroy(context);
 }
 
-/* What one body gets the other gives; the spin that implicit steps make up goes with their length.
- */
+/* Momentum is conserved to rounding; the error of angular momentum is proportional to the step. */
 static void test_momentum(void **state) {
     (void)state;
     for (int damped = 0; damped < 2; damped++) {
@@ -101,18 +100,18 @@ static void test_momentum(void **state) {
     }
 }
 
-/* Two sheets with a gap of 5 cm between borders with other vertices: drawn together. */
+/* Two sheets with a gap of 5 cm between borders with different vertices are pulled together. */
 static void test_seam(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load(
         context, 0.01, 0.0, "auto",
         PAIR(GRID_SHEET("'name': 'a', ", "1, 1", "6, 6", "'area_density': 0.3", STRAIN("1000")),
-             GRID_SHEET(
-                 "", "1, 1", "7, 9", "'translate': [1.05, 0, 0], 'area_density': 0.3",
-                 PAIR(STRAIN("1000"), "{'type': 'attachment', 'to': 'a', 'length': 0, 'stiffness': "
-                                      "100, 'damping': 0.05, 'vertices': {'box': {'minimum': [0.5, "
-                                      "-1, -1], 'maximum': [0.6, 1, 1]}}}"))));
+             GRID_SHEET("", "1, 1", "7, 9", "'translate': [1.05, 0, 0], 'area_density': 0.3",
+                        PAIR(STRAIN("1000"),
+                             "{'type': 'attachment', 'to': 'a', 'length': 0, 'stiffness': "
+                             "100, 'damping': 0.05, 'vertices': {'box': {'minimum': [0.5, "
+                             "-1, -1], 'maximum': [0.6, 1, 1]}}}"))));
     const pdyn_batch *seam = &sim->objective.batch[2]->view;
     assert_int_equal(seam->elements, 9);
     for (int e = 0; e < 9; e++) assert_true(fabs(vec3_length(seam->u + 3 * e)) < 1e-15);

@@ -1,4 +1,4 @@
-/* Bending: second derivatives on any mesh, the rigidity of a plate, rest shapes that are curved. */
+/* Bending: second derivatives on irregular meshes, plate energy, curved rest shapes. */
 #include "support.h"
 
 #include "../src/constraints/plate.h"
@@ -12,7 +12,7 @@
 
 enum { N = 9, VERTICES = N * N, TRIANGLES = 2 * (N - 1) * (N - 1) };
 
-struct sheet { /* of cells of length 1, in the x-y plane */
+struct sheet { /* grid of cells of edge 1 in the x-y plane */
     struct mesh mesh;
     struct topology topology;
     pdyn_body body;
@@ -20,7 +20,8 @@ struct sheet { /* of cells of length 1, in the x-y plane */
     int triangle[3 * TRIANGLES];
 };
 
-/* Vertices off their lattice by as much, diagonals at random; the body is turned in space. */
+/* A grid with vertices moved off their lattice by up to `off` and random diagonals, rotated in
+ * space. */
 static void make_sheet(pdyn_context *context, struct sheet *s, double off) {
     uint64_t seed = 3;
     int *t = s->triangle;
@@ -45,14 +46,15 @@ static void make_sheet(pdyn_context *context, struct sheet *s, double off) {
                           .triangle_area = s->topology.triangle_area};
 }
 
-/* The row's value for a function of the vertices. */
+/* Value of the row for a function of the vertices. */
 static double value(const struct plate *plate, int row, const double *f) {
     double sum = 0.0;
     for (int i = 0; i < plate->nodes; i++) sum += plate->coefficient[row][i] * f[plate->node[i]];
     return sum;
 }
 
-/* Whether a triangle and those around it are off the border, where slopes are known less well. */
+/* True for a triangle that is not at the border, nor its neighbours: there slopes are less exact.
+ */
 static bool is_inside(const struct sheet *s, int t) {
     for (int c = 3 * t; c < 3 * t + 3; c++) {
         int beyond = s->body.across[c];
@@ -63,8 +65,8 @@ static bool is_inside(const struct sheet *s, int t) {
     return true;
 }
 
-/* A quadratic has the Hessian that it has, on every mesh; a linear function none, also at borders.
- */
+/* The second derivatives of a quadratic are exact on every mesh; those of a linear function are 0,
+ * also at borders. */
 static void test_quadratics(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -96,8 +98,8 @@ static void test_quadratics(void **state) {
     pdyn_destroy(context);
 }
 
-/* The mean of the second derivatives of whatever vanishes near the border is zero: no pattern of
- * the mesh can take part in a smooth bend and make it soft. */
+/* The mean of the second derivatives of any function that vanishes near the border is 0: no pattern
+ * of the mesh softens a smooth bend. */
 static void test_mean(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -123,7 +125,7 @@ static void test_mean(void **state) {
 
 enum { AROUND = 16, ALONG = 6 };
 
-/* A third of a cylinder of radius 1, its mesh as a scene, with so much rigidity. */
+/* A third of a cylinder of radius 1 m with bending rigidity 3 N m. */
 static pdyn_sim *load_cylinder(pdyn_context *context) {
     FILE *file = fopen("cylinder.obj", "w");
     double turn = 2.0 * acos(-1.0) / 3.0 / AROUND;
@@ -150,8 +152,8 @@ static double bending_energy(pdyn_sim *sim, const double *x) {
     return sim->objective.batch[0]->energy;
 }
 
-/* The rest shape has no energy, wherever it is; unrolled, that of its curvature; curled twice as
- * much, as much again. */
+/* The rest shape has energy 0 at any place and orientation; unrolled it has the energy of its
+ * curvature, and curled to twice the curvature the same. */
 static void test_curved_rest(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);

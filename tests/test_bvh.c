@@ -1,4 +1,4 @@
-/* The tree of boxes against all pairs. */
+/* Bounding volume hierarchy against a search over all pairs. */
 #include "geometry/bvh.h"
 #include "support.h"
 
@@ -63,7 +63,7 @@ static void test_queries(void **state) {
     }
 }
 
-/* All at one place. */
+/* All boxes at one place. */
 static void test_heap(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);

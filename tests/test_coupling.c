@@ -1,4 +1,4 @@
-/* Fluid and surfaces on each other: samples, their forces, momentum, and what a sheet holds. */
+/* Two-way coupling of fluid and surfaces: samples, forces, momentum, tightness of sheets. */
 #include "support.h"
 
 #include "base/registry.h"
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* A drop on a sheet whose triangles are three spacings wide; nothing else acts. */
+/* A drop in front of a free sheet whose triangles are three spacings wide; no gravity. */
 static const char drop[] =
     SCENE("'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'fixed': 0.004}, 'solver': "
           "{'tolerance': 1e-3, 'outer_iterations': 4}",
@@ -21,14 +21,14 @@ static const char drop[] =
           "");
 
 static double *array(int n) {
-    double *a = calloc((size_t)n + 1, sizeof *a); /* a vector has room for one more */
+    double *a = calloc((size_t)n + 1, sizeof *a); /* vectors have room for one more number */
     assert_non_null(a);
     return a;
 }
 
 /* ---- samples --------------------------------------------------------------------------------- */
 
-/* Samples are where their weights say, not closer than they should be, and cover the sheet. */
+/* Samples lie at their weights' points, keep their distance, and cover the sheet. */
 static void test_places(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -50,7 +50,7 @@ static void test_places(void **state) {
             assert_true(vec3_distance(at, x + 3 * (n + m)) > 0.74 * spacing);
     }
     for (int t = 0; t < sheet->triangles; t++)
-        for (int k = 0; k < 66; k++) { /* a lattice of 11 points a side */
+        for (int k = 0; k < 66; k++) { /* a lattice of 11 points per side */
             double b = (k % 11) / 10.0, c = (k / 11) / 10.0, at[3], nearest = 1.0;
             const int *v = sheet->triangle + 3 * t;
             if (b + c > 1.0) continue;
@@ -69,7 +69,7 @@ static void test_places(void **state) {
     pdyn_destroy(context);
 }
 
-/* Every so many-th sample is in some list from now on. */
+/* Puts every `many`-th sample into a neighbour list. */
 static void reach_every(struct surface_samples *s, int many) {
     int points = s->particles + s->count;
     int *start = calloc((size_t)points, sizeof *start), *end = calloc((size_t)points, sizeof *end);
@@ -80,8 +80,8 @@ static void reach_every(struct surface_samples *s, int many) {
     free(start), free(end);
 }
 
-/* (y, S' z) is the transpose of (x, S x), also where some samples are out of reach; blocks that are
- * lumped hold more than S' D S. */
+/* S' is the transpose of S: (y, S' z) = (S y, z), also with samples in no list; lumped blocks are
+ * at least S' D S. */
 static void check_gather(pdyn_sim *sim, int many) {
     struct surface_samples *s = sim->samples;
     int n = 3 * sim->objective.particles, all = n + 3 * s->count;
@@ -120,8 +120,8 @@ static void test_gather(void **state) {
     pdyn_destroy(context);
 }
 
-/* On the way against the gradient some constraints change sides: the model's slope where it ends.
- */
+/* Along the gradient's direction some constraints change sides: the model's slope at the end of the
+ * way is 0. */
 static void test_line(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -132,7 +132,7 @@ static void test_line(void **state) {
     for (int k = 0; k < 8; k++) test_step(context, sim);
     for (double eps = 0.0; eps < 0.5; eps += 0.4) {
         memcpy(u, sim->x, objective_bytes(sys));
-        for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* fluid is pressed together */
+        for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* compresses the fluid */
         assert_int_equal(objective_local(sys, u, &energy, g), PDYN_OK);
         assert_int_equal(objective_linearise(sys, eps), PDYN_OK);
         for (int k = 0; k < n; k++) u[k] = -g[k];
@@ -149,7 +149,7 @@ static void test_line(void **state) {
     pdyn_destroy(context);
 }
 
-/* Volumes follow the area of the sheet. */
+/* Sample volumes follow the area of the sheet. */
 static void test_stretch(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -172,8 +172,8 @@ static double energy_at(pdyn_sim *sim, const double *x, double *gradient) {
     return energy;
 }
 
-/* Pressed together: the gradient is that of the energy, the operator agrees with the rows, and
- * what the sheet gets the water gives. */
+/* In compression: the gradient is the derivative of the energy, operator and rows agree, and the
+ * forces on sheet and water are opposite. */
 static void test_forces(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -188,7 +188,7 @@ static void test_forces(void **state) {
         x[k] = sim->x[k] + 0.001 * test_random(&seed), u[k] = test_random(&seed);
         if (k % 3 == 1 && k / 3 < sim->body[0].count) x[k] -= 0.008;
     }
-    memcpy(sys->s, x, (size_t)n * sizeof *x); /* no inertia in the gradient */
+    memcpy(sys->s, x, (size_t)n * sizeof *x); /* removes inertia from the gradient */
     sys->h = 0.01;
     energy_at(sim, x, g);
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -205,7 +205,7 @@ static void test_forces(void **state) {
         size += vec3_length(g + 3 * i);
     }
     assert_true(size > 10.0 && vec3_length(sum) < 1e-12 * size);
-    assert_true(vec3_length(moment) < 1e-8 * size); /* pairs are kept in single precision */
+    assert_true(vec3_length(moment) < 1e-8 * size); /* pairs are stored in float */
 
     struct batch *rows;
     assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
@@ -226,7 +226,7 @@ static void test_forces(void **state) {
     pdyn_destroy(context);
 }
 
-/* Same result with a factor as with conjugate gradients. */
+/* cholesky and cg give the same result. */
 static void test_solvers(void **state) {
     (void)state;
     double x[2][3];
@@ -246,9 +246,8 @@ static void test_solvers(void **state) {
     assert_true(vec3_distance(x[0], x[1]) < 1e-7);
 }
 
-/* A sheet that weighs a hundredth of a layer of water and flies against a block of it with 6 m/s:
- * two particle spacings a step. What is predicted lies behind the water; the step must not end
- * there. */
+/* A sheet of a hundredth of the mass of a water layer hits a block of water with 6 m/s, two
+ * particle spacings per step. The prediction lies behind the water; the step must not end there. */
 static void test_fast_sheet(void **state) {
     (void)state;
     const char *scene =
@@ -279,7 +278,7 @@ static void test_fast_sheet(void **state) {
 
 /* ---- momentum -------------------------------------------------------------------------------- */
 
-/* However far a step is solved: linear momentum stays. */
+/* Linear momentum is conserved for any number of iterations. */
 static void keeps_momentum(const char *outer, const char *linear) {
     pdyn_context *context = test_context(2);
     pdyn_sim *sim = NULL;
@@ -314,7 +313,8 @@ static void sum_up(const pdyn_sim *sim, double linear[3], double angular[3], dou
     }
 }
 
-/* Viscosity takes energy, neither momentum nor angular momentum, and nothing of a rotation. */
+/* Viscosity reduces energy, conserves momentum and angular momentum, and leaves a rotation
+ * unchanged. */
 static void test_viscosity(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -354,8 +354,8 @@ static void test_viscosity(void **state) {
                           PINS("'all': true"))),                                                   \
           "")
 
-/* Densities of water half a radius above a sheet that is not even, or below it, or on both sides;
- * returns how many particles there are. */
+/* Densities of water half a radius above, below, or on both sides of an uneven sheet; returns the
+ * number of particles. */
 static int densities(const char *text, int vertices, const char *solids, double *density) {
     char grid[64];
     const char *const set[] = {grid, solids};
@@ -375,11 +375,11 @@ static int densities(const char *text, int vertices, const char *solids, double 
     return n;
 }
 
-/* Water on one side of a sheet has the density it has without that on the other. */
+/* The density of water on one side of a sheet does not depend on water on the other side. */
 static void test_layers(void **state) {
     (void)state;
     static const int vertices[] = {2, 6,
-                                   50}; /* triangles much wider than particles, and narrower */
+                                   50}; /* triangles much wider, and narrower, than particles */
     double *both = array(2000), *above = array(2000), *below = array(2000);
     for (int k = 0; k < 3; k++) {
         int n = densities(LAYERS(ABOVE), vertices[k], "solids=[]", above);
@@ -395,7 +395,7 @@ static void test_layers(void **state) {
     free(both), free(above), free(below);
 }
 
-/* Nor does it feel a floor on the other side, but one on its own. */
+/* Nor does it depend on a floor on the other side; it does on a floor on the same side. */
 static void test_floor(void **state) {
     (void)state;
     static const char floor[] =
@@ -412,7 +412,7 @@ static void test_floor(void **state) {
     free(with), free(without);
 }
 
-/* Around the border of a sheet fluid feels fluid; and who is hidden from whom is mutual. */
+/* Around the border of a sheet, fluid interacts with fluid; occlusion is symmetric. */
 static void test_hidden(void **state) {
     (void)state;
     pdyn_context *context = test_context(3);
@@ -443,7 +443,7 @@ static void test_hidden(void **state) {
 
 /* ---- friction -------------------------------------------------------------------------------- */
 
-/* Layers of water that touch a light sheet and reach beyond it, and move along it. */
+/* Layers of water that slide along a light sheet and extend beyond it. */
 #define UPPER "{'box': {'minimum': [-0.2, 0, -0.2], 'maximum': [0.2, 0.02, 0.2]}}"
 #define LOWER "{'box': {'minimum': [-0.2, -0.02, -0.2], 'maximum': [0.2, 0, 0.2]}}"
 #define STREAM(integrator, fill)                                                                   \
@@ -456,7 +456,7 @@ static void test_hidden(void **state) {
                           "'area_density': 0.2, 'fluid_friction': 2", SPRINGS("100"))),            \
           "")
 
-/* Runs it and returns the sheet's mean velocity along the stream after `steps`. */
+/* Runs the scene; returns the sheet's mean velocity along the stream after `steps`. */
 static double carried(const char *text, int threads, int steps, double *x) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = test_load(context, text);
@@ -476,9 +476,9 @@ static double carried(const char *text, int threads, int steps, double *x) {
     return along / mass;
 }
 
-/* A sheet of the mass s per area and the friction b goes along with a stream of velocity v on one
- * of its sides as v (1 - (1 + h b / s)^-n), on two as v (1 - (1 + 2 h b / s)^-n), but for what the
- * stream loses, 0.3 %, with implicit Euler; with BDF2 as v (1 - exp(-b t / s)). */
+/* A sheet of mass s per area and friction b in a stream of velocity v on one side moves with v (1 -
+ * (1 + h b / s)^-n), on two sides with v (1 - (1 + 2 h b / s)^-n), by implicit Euler; with BDF2
+ * with v (1 - exp(-b t / s)). The stream's loss of velocity is 0.3 %. */
 static void test_carried(void **state) {
     (void)state;
     double one = 0.5 * (1.0 - pow(1.0 + 0.005 * 10.0, -20)), two = 0.5 * (1.0 - pow(1.1, -20));
@@ -495,8 +495,8 @@ static struct batch *slip_of(const pdyn_sim *sim) {
     return sim->objective.batch[b];
 }
 
-/* Friction gives the sheet what it takes from the water, only along the sheet, and only energy is
- * lost: its gradient is that of its energy. */
+/* Friction transfers momentum between water and sheet, tangentially only, and dissipates energy;
+ * its gradient is the derivative of its energy. */
 static void test_friction(void **state) {
     (void)state;
     pdyn_context *context = test_context(3);
@@ -518,7 +518,7 @@ static void test_friction(void **state) {
     assert_int_equal(batch_local(friction, x, 0.0, other), PDYN_OK);
     for (int k = 0; k < n; k++) change += 0.5 * u[k] * (g[k] + other[k]);
     assert_true(fabs(friction->energy - energy - change) < 1e-12 * energy);
-    for (int k = 1; k < n; k += 3) x[k] += 1e-3 * test_random(&seed); /* across the sheet */
+    for (int k = 1; k < n; k += 3) x[k] += 1e-3 * test_random(&seed); /* normal to the sheet */
     energy = friction->energy;
     assert_int_equal(batch_local(friction, x, 0.0, other), PDYN_OK);
     assert_true(fabs(friction->energy / energy - 1.0) < 1e-9);
@@ -527,7 +527,7 @@ static void test_friction(void **state) {
     pdyn_destroy(context);
 }
 
-/* Every solver finds the same, and memory that fails at any moment is an error. */
+/* Every solver gives the same result; a failing allocator gives an error at each call. */
 static void test_friction_solvers(void **state) {
     (void)state;
     static const char *const solver[4] = {"solver.type=cg", "solver.type=hybrid",
@@ -550,7 +550,7 @@ static void test_friction_solvers(void **state) {
     test_failing_scene(STREAM("bdf2", UPPER));
 }
 
-/* Same bits for any number of threads; without friction, nothing is there. */
+/* The same bits for any number of threads; without friction no data is allocated. */
 static void test_friction_threads(void **state) {
     (void)state;
     double *one = array(6000), *three = array(6000);
@@ -575,7 +575,7 @@ static const char impact[] =
                           PAIR(SPRINGS("4000"), PINS("'border': true")))),
           "");
 
-/* How many triangles of the sheet are above a point. */
+/* Number of triangles of the sheet above a point. */
 static int above(const pdyn_sim *sim, const double *p) {
     const pdyn_body *sheet = &sim->body[1];
     int count = 0;
@@ -583,7 +583,7 @@ static int above(const pdyn_sim *sim, const double *p) {
         const double *x[3];
         double w[3], whole = 0.0, height = 0.0;
         for (int k = 0; k < 3; k++) x[k] = sim->x + 3 * (sheet->first + sheet->triangle[3 * t + k]);
-        for (int k = 0; k < 3; k++) { /* areas seen from above */
+        for (int k = 0; k < 3; k++) { /* areas projected to the horizontal plane */
             const double *a = x[(k + 1) % 3], *b = x[(k + 2) % 3];
             w[k] = (a[0] - p[0]) * (b[2] - p[2]) - (b[0] - p[0]) * (a[2] - p[2]);
             whole += w[k], height += w[k] * x[k][1];
@@ -594,7 +594,7 @@ static int above(const pdyn_sim *sim, const double *p) {
     return count;
 }
 
-/* However fast, however long the step, however far it is solved: what was above stays above. */
+/* Water above a sheet stays above it at any speed, step and accuracy of the solve. */
 static void test_impact(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -607,14 +607,15 @@ static void test_impact(void **state) {
             lowest = fmin(lowest, sim->x[3 * i + 1]);
         }
     }
-    assert_true(lowest < -0.02); /* it did arrive */
+    assert_true(lowest < -0.02); /* the water has reached the sheet */
     pdyn_free(sim);
     pdyn_destroy(context);
 }
 
 struct start {
     const pdyn_sim *sim;
-    double standing, energy; /* J: E where the step begins, and where its minimisation does */
+    double standing,
+        energy; /* E at the beginning of the step and at the start of its minimisation, J */
 };
 
 static void note_start(void *user, const pdyn_iteration *iteration) {
@@ -627,11 +628,11 @@ static void note_start(void *user, const pdyn_iteration *iteration) {
             0.5 * objective_inertia(sys, k / 3) * pow(sys->s[k] - start->sim->x[k], 2.0);
 }
 
-/* Water that a sheet stops on its way is not crushed against it by what comes behind. */
+/* Water that a sheet stops is not compressed by the water that follows. */
 static void test_start(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, impact); /* at first no constraint has any energy */
+    pdyn_sim *sim = test_load(context, impact); /* at the start no constraint has energy */
     struct start start = {.sim = sim};
     pdyn_observe(sim, note_start, &start);
     test_step(context, sim);

@@ -1,4 +1,4 @@
-/* Damping in proportion to stiffness: the decay of an oscillator, and what it leaves alone. */
+/* Damping: decay of oscillators, no force on rigid motions. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -29,9 +29,9 @@ static pdyn_sim *load(const char *integrator, const char *mesh, double h, const 
     return test_load(context, text);
 }
 
-/* An equilateral triangle of sides 1 m that breathes: x = s x_0. Both springs and strain give
- * I s'' = -2 Y A ((s - 1) + damping s'), I the sum of m |x_0|^2; of springs, Y is 3/2 that, for
- * this stretches both ways. */
+/* An equilateral triangle of side 1 m in uniform oscillation, x = s x_0: I s'' = -2 Y A ((s - 1) +
+ * damping s') with I the sum of m |x_0|^2, for springs and for strain. For a stretch in both
+ * directions, springs have 3/2 of their Y. */
 static void breathe(const char *type, double stiffness) {
     static const char mesh[] = "v 0 0 0\nv 1 0 0\nv 0.5 0.86602540378443865 0\nf 1 2 3\n";
     const double h = 0.01, damping = 0.05, area = sqrt(0.75) / 2.0;
@@ -63,9 +63,9 @@ static void test_breathing(void **state) {
     breathe("spring", 15.0);
 }
 
-/* Two triangles fold about their common side. A flat plate's vibration of small amplitude decays as
- * exp(-(damping + h) omega^2 t / 2), by the damping and by implicit Euler; BDF2 adds nothing of
- * that order. */
+/* Two triangles fold about their common side. A small vibration of a flat plate decays as
+ * exp(-(damping + h) omega^2 t / 2): by the damping and by implicit Euler. BDF2 adds no term of
+ * this order. */
 static void fold(const char *integrator, double own) {
     const double h = 2e-4, damping = 4e-3, rigidity = 0.5;
     char text[200];
@@ -111,8 +111,7 @@ static void test_folding(void **state) {
     fold("bdf2", 0.0);
 }
 
-/* No force and no torque of a damper on the whole; none at all where nothing but the place changes.
- */
+/* A damper exerts no total force and no total torque, and no force at all on a rigid motion. */
 static void test_balance(void **state) {
     (void)state;
     static const char *const constraints[] = {

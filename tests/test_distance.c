@@ -1,4 +1,5 @@
-/* Distances of pairs and their free paths, against brute force. */
+/* Distances of point-triangle and edge-edge pairs and their collision-free paths, against brute
+ * force. */
 #include "geometry/distance.h"
 #include "support.h"
 
@@ -22,7 +23,7 @@ static double distance_of(const struct pair_kind *kind, double (*x)[3], double c
     return sqrt(kind->closest(points, c));
 }
 
-/* The smallest distance over a lattice of weights. */
+/* Smallest distance over a lattice of weights. */
 static double sampled_distance(const struct pair_kind *kind, double (*x)[3], int cuts) {
     double best = INFINITY;
     for (int i = 0; i <= cuts; i++)
@@ -36,7 +37,7 @@ static double sampled_distance(const struct pair_kind *kind, double (*x)[3], int
     return best;
 }
 
-/* Random pairs, of which some are parallel, flat or without extent. */
+/* Random pairs, some parallel, flat or degenerate. */
 static struct four random_pair(uint64_t *seed, int sort) {
     struct four p;
     for (int k = 0; k < 4; k++)
@@ -74,7 +75,7 @@ static void test_distances(void **state) {
     }
 }
 
-/* A small change of the points changes the squared distance by 2 u . sum c_k dx_k. */
+/* The squared distance changes by 2 u . sum c_k dx_k under a small change dx_k of the points. */
 static void test_weights(void **state) {
     (void)state;
     uint64_t seed = 5;
@@ -93,8 +94,8 @@ static void test_weights(void **state) {
     }
 }
 
-/* On the free path no sample is at distance 0, at its end `keep` is kept, and where it is cut short
- * the pair comes close soon after. */
+/* On the collision-free path the distance stays above 0 and is at least `keep` at the end; where the
+ * path is shortened, the rest of the motion comes as close as `keep`. */
 static void test_free_paths(void **state) {
     (void)state;
     uint64_t seed = 7;
@@ -117,7 +118,7 @@ static void test_free_paths(void **state) {
         assert_true(end >= keep * (1.0 - 1e-9));
         if (t == 1.0) continue;
         cut++;
-        for (int s = 0; s <= 2000; s++) { /* what the way on would bring */
+        for (int s = 0; s <= 2000; s++) { /* distance on the rest of the path */
             at = p;
             for (int k = 0; k < 4; k++) vec3_add(at.x[k], t + (1.0 - t) * s / 2000.0, p.d[k]);
             nearest = fmin(nearest, distance_of(kind, at.x, c));
@@ -127,7 +128,7 @@ static void test_free_paths(void **state) {
     assert_true(cut > 100);
 }
 
-/* A point that is shot through a triangle, and an edge through an edge, at any speed. */
+/* A point through a triangle and an edge through an edge, at any speed. */
 static void test_fast(void **state) {
     (void)state;
     for (double speed = 1e-3; speed < 1e6; speed *= 10.0)

@@ -1,6 +1,6 @@
-/* Scenes at the extremes: every step ends finite, and the total energy does not rise by more than a
- * part of what goes from one form to another; or the scene is refused with a message. With
- * PROJDYN_EXTREMES set, prints the table of docs/results/stability.md. */
+/* Scenes with extreme parameters: every step ends with finite numbers and the total energy rises by
+ * at most a fraction of the energy that changes its form, or the scene is refused with a message.
+ * With PROJDYN_EXTREMES set, prints the table of docs/results/stability.md. */
 #include "scene_support.h"
 #include "step/measure.h"
 
@@ -11,8 +11,8 @@ enum { SETS = 4 };
 struct extreme {
     const char *name, *scene;
     int steps;
-    double rise; /* bound of the rise of the energy, over what goes from one form to another */
-    const char *error; /* what loading says instead */
+    double rise;       /* bound of the energy's rise over the energy that changes form */
+    const char *error; /* expected message where loading fails */
     const char *set[SETS];
 };
 
@@ -124,7 +124,7 @@ static const struct extreme extremes[] = {
     {"cloth, gravity 1e4 m/s^2", HUNG, 40, 0.05, NULL, {"gravity=[0, -1e4, 0]"}},
     {"fluid at 1e4 m/s", POURED, 40, 0.05, NULL, {"bodies.water.velocity=[1e4, 0, 0]"}},
     {"cloth at 1e4 m/s", HUNG, 40, 0.05, NULL, {"bodies.sheet.velocity=[0, -1e4, 0]"}},
-    /* never solved; of 17.7 J, as nothing is compressed at the start */
+    /* no step is solved to its tolerance; of 17.7 J, as nothing is compressed at the start */
     {"fluid, projective, w = 1e12", POURED, 40, 0.2, NULL, {W "1e12", "solver.step=projective"}},
     {"fluid, projective, h = 1 s", POURED, 20, 0.05, NULL, {H "1}", "solver.step=projective"}},
     {"cloth, projective, K = 1e12", HUNG, 40, 0.05, NULL, {K "1e12", "solver.step=projective"}},
@@ -206,7 +206,7 @@ static int remove_files(void **state) {
 /* ---- runs ------------------------------------------------------------------------------------ */
 
 struct course {
-    double start, all, moving; /* J: at the start; the most of all, the most without constraints */
+    double start, all, moving; /* J: at the start; largest total; largest without constraints */
     double kinetic, low, high; /* J */
     double residual;
     int steps, retries, linear;
@@ -216,7 +216,7 @@ static double moving(const pdyn_step_info *info) {
     return info->kinetic_energy + info->potential_energy;
 }
 
-/* With what is pressed or stretched at the start. */
+/* Initial energy, constraints included. */
 static void look_at_start(pdyn_sim *sim, struct course *course) {
     pdyn_step_info info = {0};
     double energy;
@@ -248,7 +248,7 @@ static bool is_finite(const pdyn_sim *sim) {
     return true;
 }
 
-/* Of an energy above that at the start, over what goes from one form to another. */
+/* Rise of the total energy above the start, over the energy that changes its form. */
 static double rise(const struct course *c, double energy) {
     double scale = fmax(c->kinetic, c->high - c->low);
     return scale > 0.0 ? fmax(0.0, energy - c->start) / scale : 0.0;
@@ -298,7 +298,7 @@ static void test_extremes(void **state) {
     }
 }
 
-/* Scenes that run, and do not what one may think: a warning tells. */
+/* Scenes that run but may surprise: a warning says why. */
 static void warns(const char *scene, const char *set, const char *text) {
     struct warnings warnings = {.text = text};
     pdyn_context *warned = test_warned_context(1, &warnings);

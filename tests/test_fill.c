@@ -1,5 +1,5 @@
-/* Filling a body: volumes against their formulas, closed meshes and open ones, particles from files
- * good, bad and damaged. */
+/* Filling a body with particles: volumes against formulas, closed and open meshes, files of
+ * particles, also damaged ones. */
 #include "output/output.h"
 #include "scene_support.h"
 
@@ -87,7 +87,7 @@ static void test_velocities(void **state) {
     free_good(&scene);
 }
 
-/* A simulation begins where and as fast as its scene says. */
+/* Particles start at the positions and velocities of the scene. */
 static void test_simulation(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(
@@ -106,7 +106,7 @@ static void test_simulation(void **state) {
 enum { AROUND = 160, TUBE = 80 };
 static const double ring = 1.0, tube = 0.4;
 
-/* A torus about the y axis. `missing`: without its last triangle. */
+/* A torus about the y axis. missing: without its last triangle. */
 static void write_torus(bool missing) {
     FILE *file = fopen("torus.obj", "w");
     assert_non_null(file);
@@ -130,7 +130,7 @@ static void write_torus(bool missing) {
 static void test_torus(void **state) {
     (void)state;
     struct scene scene;
-    const double radius = 0.01, facets = 1e-3; /* the chords' distance from the arcs, m */
+    const double radius = 0.01, facets = 1e-3; /* distance of the chords from the arcs, m */
     write_torus(false);
     const struct scene_body *body = read_good_fill(radius, "{'mesh': 'torus.obj'}", &scene);
     assert_volume(body, 2.0 * pi * pi * ring * tube * tube, 0.06);
@@ -175,7 +175,8 @@ static void test_open_mesh(void **state) {
 static const char cube[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n"
                            "v 1 1 1\n" CUBE_FACES;
 
-/* Rows pass along faces, edges and diagonals of the mesh, and the outermost particles touch it. */
+/* Rows of particles lie on faces, edges and diagonals of the mesh; the outermost particles touch
+ * it. */
 static void test_cube(void **state) {
     (void)state;
     struct scene scene, boxes;
@@ -192,7 +193,7 @@ static void test_cube(void **state) {
     test_remove_file("cube.obj");
 }
 
-/* An edge of the cube is split, and triangles that are as good as lines close the gap. */
+/* A split edge of the cube; degenerate triangles close the gap. */
 static void test_thin_triangles(void **state) {
     (void)state;
     static const char data[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\n"
@@ -206,7 +207,7 @@ static void test_thin_triangles(void **state) {
     test_remove_file("thin.obj");
 }
 
-/* Every corner of the octahedron and all its edges lie on rows. */
+/* All corners and edges of the octahedron lie on rows of particles. */
 static void test_octahedron(void **state) {
     (void)state;
     static const char data[] = "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
@@ -230,7 +231,7 @@ static void test_octahedron(void **state) {
     test_remove_file("octahedron.obj");
 }
 
-/* Two cubes that share an edge, which four triangles meet, and a hollow one. */
+/* Two cubes that share an edge (of four triangles), and a hollow cube. */
 static void test_several_parts(void **state) {
     (void)state;
     static const char shared[] = "v 1 1 0\nv 2 1 0\nv 1 2 0\nv 2 2 0\nv 1 1 1\nv 2 1 1\n"
@@ -263,7 +264,7 @@ static void test_several_parts(void **state) {
 #define BYTES_2     "\x40\0\0\0"
 #define ZERO        "\0\0\0\0"
 
-/* Two particles at (1, 0, 0) and (0, 2, 0); where they are fast, at (0, 0, 1) and (2, 0, 0). */
+/* Two particles at (1, 0, 0) and (0, 2, 0), with velocities (0, 0, 1) and (2, 0, 0) if fast. */
 static const struct sample {
     const char *name, *data;
     size_t size;
@@ -324,7 +325,7 @@ static void test_files(void **state) {
     }
 }
 
-/* Positions are scaled, turned and moved; velocities are only turned. */
+/* scale, rotate and translate apply to positions, rotate alone to velocities. */
 static void test_placed_file(void **state) {
     (void)state;
     struct scene scene;
@@ -343,7 +344,7 @@ static void test_placed_file(void **state) {
     test_remove_file("a.ply");
 }
 
-/* What a run writes starts another. */
+/* An output file is a valid input. */
 static void test_own_files(void **state) {
     (void)state;
     static const char *const names[] = {"own.vtk", "own.ply"};
@@ -433,10 +434,11 @@ static void test_bad_files(void **state) {
     expect_bad(0.5, "{'file': 'none.vtk'}",
                "scene.json:2:48: bodies[0].particles.fill[0].file: none.vtk: cannot open the file: "
                "No such file or directory");
-    assert_true(pdyn_peak_bytes(context) < 300000000); /* claims of a file are not believed */
+    assert_true(pdyn_peak_bytes(context) <
+                300000000); /* a count in the file's header is not trusted */
 }
 
-/* Files cut short or with bytes changed are read or refused, and leave nothing behind. */
+/* Truncated and corrupted files are read or refused, without leaks. */
 static void expect_sane(const struct sample *sample, const char *data, size_t size) {
     struct particles read;
     test_write_file(sample->name, data, size);

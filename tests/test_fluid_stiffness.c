@@ -1,12 +1,12 @@
-/* The stiffness of a fluid that is given as a compression or as a speed of sound: the formula, the
- * head that it is computed for, and the compression of a settled tank. */
+/* Fluid stiffness from compression or speed of sound: the formula, the head that it uses, and the
+ * compression of a settled tank. */
 #include "scene_support.h"
 
 #include "sph/kernel.h"
 
 #include <string.h>
 
-/* A body of water with its constraint, then the rest of the scene. */
+/* A scene: particles, their fluid constraint, the rest. */
 #define FLUID(particles, constraint, rest)                                                         \
     "{'duration': 2, 'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0.01, "              \
     "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 20}, 'bodies': [{"         \
@@ -35,7 +35,7 @@ static double parameter(const pdyn_sim *sim, const char *name) {
     return 0.0;
 }
 
-/* |grad C|^2 d^2 of a particle in a cubic lattice of the spacing d = 1 m, by summing the kernel. */
+/* |grad C|^2 d^2 of a particle in a cubic lattice of spacing d = 1 m, by summing the kernel. */
 static double lattice_squares(void) {
     struct kernel kernel = kernel_make(2.0);
     double sum = 0.0;
@@ -54,7 +54,7 @@ static double lattice_squares(void) {
 static const struct {
     const char *text;
     double spacing, density, gravity, head; /* SI */
-    double compression, sound_speed;        /* as given; 0: not */
+    double compression, sound_speed;        /* as given in the scene; 0: not given */
 } scenes[] = {
     {FLUID(BLOCK, C, "]"), 0.02, 1000, 9.81, 0.4, 0.002, 0},
     {FLUID(BOX_OF("0.02", "0.16", "0.4"), C, "]"), 0.04, 1000, 9.81, 0.4, 0.002, 0},
@@ -65,10 +65,10 @@ static const struct {
     {FLUID(BLOCK, "'sound_speed': 50", "]"), 0.02, 1000, 9.81, 0.4, 0, 50},
     {FLUID(BLOCK, "'sound_speed': 50", "], 'gravity': [0, 0, 0]"), 0.02, 1000, 0, 0, 0, 50},
     {FLUID(BLOCK, "'stiffness': 1e5", "]"), 0.02, 1000, 9.81, 0.4, 0, 0},
-    /* water that falls to a floor, to a sheet */
+    /* water that falls to a floor; to a sheet */
     {FLUID(BLOCK, C, TANK("-0.5")), 0.02, 1000, 9.81, 0.9, 0.002, 0},
     {FLUID(BLOCK, C, SHEET_BELOW), 0.02, 1000, 9.81, 0.7, 0.002, 0},
-    /* a drop above a tank, at rest and with 4 m/s; a jet of 3 m/s into a box */
+    /* a drop above a tank, at rest and with 4 m/s; a jet of 3 m/s in a box */
     {FLUID(DROP("[0, 0, 0]"), C, TANK("0")), 0.02, 1000, 9.81, 0.9, 0.002, 0},
     {FLUID(DROP("[0, 4, 0]"), C, TANK("0")), 0.02, 1000, 9.81, 0.9 + 16 / 19.62, 0.002, 0},
     {FLUID(JET, C, TANK("0")), 0.02, 1000, 9.81, 0.55 + 9 / 19.62, 0.002, 0},
@@ -97,7 +97,7 @@ static void test_formula(void **state) {
     }
 }
 
-/* Without any of the three, the stiffness in N/m has its default. */
+/* Without compression and sound_speed, the stiffness has its default, N/m. */
 static void test_default(void **state) {
     (void)state;
     pdyn_context *own = test_context(1);
@@ -109,8 +109,8 @@ static void test_default(void **state) {
 
 /* ---- a tank at rest -------------------------------------------------------------------------- */
 
-/* C over that at the depth of each particle, compression x depth / head, between one and six
- * spacings above the floor: the lowest layer has fewer neighbours that move. */
+/* Mean of C over its expected value, compression x depth / head, at one to six spacings above the
+ * floor: the lowest layer has fewer moving neighbours. */
 static void test_settled_tank(void **state) {
     (void)state;
     const double depth = 0.4, spacing = 0.02, compression = 0.002;

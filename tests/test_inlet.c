@@ -1,4 +1,4 @@
-/* Inlets and outlets: what comes in, where, how dense, and that it goes again. */
+/* Inlets and outlets: mass, positions and density of emitted particles, removal and reuse. */
 #include "step/live_particles.h"
 #include "support.h"
 
@@ -7,7 +7,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A jet of 8 x 4 particles of 0.025 m: `time` begins the scene, `more` ends the inlet. */
+/* A jet of 8 x 4 particles of spacing 0.025 m. time: first keys of the scene; more: further keys of
+ * the inlet; budget: further keys of the particles. */
 #define JET(time, more, budget)                                                                    \
     "{" time                                                                                       \
     ", 'bodies': [{'name': 'water', 'particles': {'radius': 0.0125, 'inlets': [{'rectangle': "     \
@@ -18,7 +19,7 @@
 enum { LAYER = 8 * 4 };
 static const double spacing = 0.025, direction[3] = {0.6, 0.0, 0.8};
 
-/* What falls through an outlet, 4 x 4 particles a layer. */
+/* A stream that falls out of an outlet, 4 x 4 particles per layer. */
 static const char *const fountain =
     "{'duration': 2, 'frame_interval': 0.005, 'time_step': {'fixed': 0.005}, 'bodies': [{'name': "
     "'water', 'particles': {'radius': 0.0125, 'inlets': [{'rectangle': {'center': [0, 0.2, 0], "
@@ -26,7 +27,8 @@ static const char *const fountain =
     "[{'type': 'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, 0, -1], "
     "'maximum': [1, 1, 1]}, 'outside': true}]}";
 
-/* The layers that have entered by the end of the step, each where the stream has carried it. */
+/* At the end of each step, all layers that have entered are present, each displaced by the stream.
+ */
 static void test_emitted_mass(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -52,7 +54,8 @@ static void test_emitted_mass(void **state) {
     pdyn_destroy(context);
 }
 
-/* The layer that enters within a step lies exactly where it must, and a disc lies in its plane. */
+/* A layer enters at its exact position within the step; the particles of a disc lie in its plane.
+ */
 static void test_place(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -62,8 +65,8 @@ static void test_place(void **state) {
                            "{'center': [1, 2, 3], 'radius': 0.06}, 'direction': [0, -2, 0], 'up': "
                            "[1, 5, 1], 'speed': 3, 'start': 0.0095, 'duration': 0.01}]}}]}");
     const pdyn_state s = pdyn_get_state(sim);
-    const int in_disc = 21; /* i^2 + j^2 <= 2.4^2, both of them at most 2 but for the corners */
-    assert_int_equal(s.particles, 2 * in_disc); /* entering at 0.0095 s and 0.0178 s */
+    const int in_disc = 21;                     /* lattice points with i^2 + j^2 <= 2.4^2 */
+    assert_int_equal(s.particles, 2 * in_disc); /* they enter at 0.0095 s and 0.0178 s */
     for (int n = 0; n < 3; n++) assert_int_equal(test_step(context, sim).particles, 0);
     assert_int_equal(test_step(context, sim).particles, in_disc);
     for (int i = 0; i < in_disc; i++) {
@@ -80,7 +83,7 @@ static void test_place(void **state) {
     pdyn_destroy(context);
 }
 
-/* Four of the layer's eight columns are in the middle of a block: nothing enters there. */
+/* Four of a layer's eight columns lie inside a block of water: no particle enters there. */
 static void test_blocked(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -94,7 +97,7 @@ static void test_blocked(void **state) {
     pdyn_destroy(context);
 }
 
-/* A jet in the open is at most at rest density. */
+/* A free jet is nowhere above rest density. */
 static void test_free_jet(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -105,7 +108,7 @@ static void test_free_jet(void **state) {
     pdyn_destroy(context);
 }
 
-/* What is not live is nowhere: no mass, no energy, no neighbours, no constraint. */
+/* Particles that are not live have no mass, energy, neighbours or constraints. */
 static void test_before_the_start(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -123,8 +126,8 @@ static void test_before_the_start(void **state) {
     pdyn_destroy(context);
 }
 
-/* What leaves returns to the budget: four times as much flows through as there is room for, without
- * allocation, with the same bits for any number of threads. */
+/* Removed particles return to the budget: four times the budget flows through, without allocations
+ * and with the same bits for any number of threads. */
 static void test_outlet(void **state) {
     (void)state;
     uint64_t hash[3];
@@ -151,7 +154,7 @@ static void test_outlet(void **state) {
     }
 }
 
-/* Room for three layers: then the inlet closes and says so, once. */
+/* A budget of three layers: then the inlet closes, with one warning. */
 static void test_exhausted(void **state) {
     (void)state;
     struct warnings warnings = {"budget of 100 particles", 0};
@@ -165,7 +168,7 @@ static void test_exhausted(void **state) {
     pdyn_destroy(context);
 }
 
-/* An unfinished solve makes up no momentum of what is not there. */
+/* An unfinished solve gives no momentum to particles that are not live. */
 static void test_momentum(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -191,9 +194,9 @@ static void test_momentum(void **state) {
     pdyn_destroy(context);
 }
 
-/* With implicit Euler, as published, the scene of a jet keeps what Weiler et al. 2016 promise of w
- * = 1e6: no particle's density is wrong by more than 0.01 % in any step, of 6 ms and more. Nothing
- * is beyond the walls, either, but for the little that their samples give way. */
+/* With implicit Euler, the scene of a jet satisfies the claim of Weiler et al. 2016 for w = 1e6: in
+ * steps of 6 ms and more, no particle's density error exceeds 0.01 %. Particles go beyond the walls
+ * only by the compliance of the walls' samples. */
 static void test_stiff_jet(void **state) {
     (void)state;
     char path[1024];
@@ -204,7 +207,7 @@ static void test_stiff_jet(void **state) {
     assert_int_equal(pdyn_load(context, path, &euler, 1, &sim), PDYN_OK);
     const pdyn_state s = pdyn_get_state(sim);
     const double high[3] = {0.8, 0.5, 0.4}, beyond = 0.003;
-    for (int n = 0; n < 100; n++) { /* the jet has reached the far wall */
+    for (int n = 0; n < 100; n++) { /* the jet has reached the opposite wall */
         pdyn_step_info info = test_step(context, sim);
         assert_true(info.h > 6e-3);
         assert_true(info.density_error_max < 1e-4);

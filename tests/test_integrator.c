@@ -1,4 +1,4 @@
-/* Time integration: free fall, the order of convergence, steps that change in length, impacts. */
+/* Time integration: free fall, order of convergence, variable steps, impacts. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -10,7 +10,8 @@ static const char *const integrator[INTEGRATORS] = {"euler", "bdf2"};
 
 /* ---- free fall ------------------------------------------------------------------------------- */
 
-/* The formulas of both in one dimension; before: the length of the step before, 0 for none. */
+/* Both integrators for one particle in one dimension. before: length of the previous step, 0: none.
+ */
 struct fall {
     double x, v, x_before, v_before, before;
 };
@@ -25,7 +26,7 @@ static void fall(struct fall *f, int kind, double h, double g) {
     f->v = v + H * g, f->x = x + H * f->v;
 }
 
-/* A sheet falls as a point does, whatever its constraints, in steps of changing length; its
+/* A sheet with any constraints falls as a particle does, also in steps of changing length; its
  * momentum is exact. */
 static void test_free_fall(void **state) {
     (void)state;
@@ -57,8 +58,8 @@ static void test_free_fall(void **state) {
 
 /* ---- order ----------------------------------------------------------------------------------- */
 
-/* A triangle on springs turns, breathes and falls: where a corner is after 0.8 s, in steps of h; of
- * `ratio` times h between 0.3 and 0.5 s. */
+/* end: position of a corner of a triangle on springs that rotates, oscillates and falls, after 0.8
+ * s in steps of h, or of ratio x h between 0.3 and 0.5 s. */
 static void swing(int kind, double damping, double h, double ratio, double end[3]) {
     static const double start[9] = {0.0, 2.0, 0.5, -1.5, -1.0, 0.0, 1.0, -1.0, -0.5};
     char text[1024];
@@ -93,8 +94,8 @@ static double order_of(int kind, double damping, double ratio) {
     return log2(coarse / fine);
 }
 
-/* Halving the steps, some of which are four times as long or as short as others: the error falls by
- * four with BDF2, by two with Euler. */
+/* Halving all steps, some of which are four times as long or short as the others: the error falls
+ * by four with BDF2, by two with Euler. */
 static void test_order(void **state) {
     (void)state;
     static const double ratio[] = {1.0, 4.0, 0.25};
@@ -103,14 +104,14 @@ static void test_order(void **state) {
         assert_true(first > 0.8 && first < 1.3);
         assert_true(second > 1.75 && second < 2.4);
     }
-    /* a damper knows the rate of strain of what does not turn to second order */
+    /* the strain rate of a rotating body in a damper is not of second order */
     assert_true(order_of(BDF2, 0.02, 1.0) > 1.1);
 }
 
 /* ---- impacts --------------------------------------------------------------------------------- */
 
-/* A sheet falls flat on a floor with 3.6 m/s, in steps that all count as solved, and stays there;
- * one that loses nothing would rise by 0.66 m. */
+/* A sheet that hits a floor flat with 3.6 m/s, in steps that are all solved, stays there; without
+ * loss of energy it would rise by 0.66 m. */
 static void test_no_bounce(void **state) {
     (void)state;
     for (int kind = 0; kind < INTEGRATORS; kind++)
@@ -142,7 +143,7 @@ static void test_no_bounce(void **state) {
         }
 }
 
-/* A lump of water falls on a floor: its energy never rises, and it does not jump up again. */
+/* A block of water hits a floor: its energy never rises, and it does not rise again. */
 static void test_splash(void **state) {
     (void)state;
     for (int kind = 0; kind < INTEGRATORS; kind++) {
@@ -167,7 +168,7 @@ static void test_splash(void **state) {
         for (int i = 0; i < sim->objective.particles; i++)
             mean += sim->x[3 * i + 1] / sim->objective.particles;
         print_message("%s: mean height %.4f m, energy %.4g J\n", integrator[kind], mean, energy);
-        assert_true(mean < 0.022); /* a layer's middle is 0.02 above the floor */
+        assert_true(mean < 0.022); /* the centre of one layer is 0.02 m above the floor */
         pdyn_free(sim);
         pdyn_destroy(context);
     }

@@ -1,5 +1,5 @@
-/* The surface between water and what it touches: kernel and areas, what a sheet displaces, and that
- * a change of who sees whom does not push. */
+/* The interface of water with solids and sheets: surface kernel, areas of points, rest at walls,
+ * water displaced by a sheet. */
 #include "support.h"
 
 #include "geometry/sampling.h"
@@ -7,18 +7,19 @@
 
 #include "projdyn/vec3.h"
 
-static const double d = 0.1; /* m, particle spacing */
+static const double d = 0.1; /* particle spacing, m */
 
 /* lambda(z) = A (1 - q/d)^4, q^2 = z^2 + (d/10)^2. */
 static double plane_at(double z) { return 2.2 * pow(1.0 - sqrt(z * z + 0.01 * d * d) / d, 4.0); }
 
-/* A plane's sum is lambda, the slope its derivative, and the distance is found back from it. */
+/* A plane's sum is lambda(z), its slope the derivative, and surface_kernel_distance is its inverse.
+ */
 static void test_kernel(void **state) {
     (void)state;
     struct surface_kernel kernel = surface_kernel_make(d);
     for (double z = 0.01 * d; z < 0.99 * d; z += 0.049 * d) {
         double sum = 0.0, dr = 1e-4 * d;
-        for (double r = 0.5 * dr; r < d; r += dr) /* of rings; areas count times d */
+        for (double r = 0.5 * dr; r < d; r += dr) /* number of rings; areas times d */
             sum += surface_kernel_value(&kernel, z * z + r * r) * 2.0 * acos(-1.0) * r * dr * d;
         assert_true(fabs(sum - plane_at(z)) < 1e-4 * plane_at(0.0));
         double up = surface_kernel_value(&kernel, (z + 1e-6) * (z + 1e-6));
@@ -33,8 +34,8 @@ static void test_kernel(void **state) {
                 1e-12);
 }
 
-/* Mean and standard deviation of a plane's sum half a spacing away, over lambda; the points lie at
- * x, with areas, on a square of 2 m. */
+/* Mean and standard deviation of a plane's sum at half a spacing, relative to lambda. The points x
+ * with areas lie on a square of 2 m. */
 static void sum_over(int count, const double *x, const double *area, double *mean, double *spread) {
     struct surface_kernel kernel = surface_kernel_make(d);
     double sum = 0.0, squares = 0.0;
@@ -52,7 +53,9 @@ static void sum_over(int count, const double *x, const double *area, double *mea
     *mean = sum / PLACES, *spread = sqrt(squares / PLACES - *mean * *mean);
 }
 
-/* The points of a mesh stand for its whole area, and a plane's sum over them hardly varies. */
+/* The areas of the points of a mesh sum to its area, and a plane's sum over them is nearly
+ * constant.
+ */
 static void test_areas(void **state) {
     (void)state;
     static const double vertex[] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
@@ -78,7 +81,7 @@ static void test_areas(void **state) {
     pdyn_destroy(context);
 }
 
-/* A lattice of particles that touches the walls of a box is at rest there. */
+/* A lattice of particles that touches the walls of a box is at rest. */
 static void test_lattice(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -104,8 +107,8 @@ static const char held[] = SCENE(
                     PAIR(SPRINGS("1000"), PINS("'sphere': {'center': [0, 0, 0], 'radius': 10}")))),
     ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.24, 0.3, 0.24]}}]");
 
-/* How thick a layer of water a sheet under water displaces, in spacings: by what its pins carry
- * less of its weight. */
+/* Thickness of the water layer that a submerged sheet displaces, in spacings, from the part of its
+ * weight that the pins do not carry. */
 static double displaced(const char *set) {
     char text[2048];
     pdyn_context *context = test_context(2);
@@ -123,7 +126,8 @@ static double displaced(const char *set) {
     return sum / time;
 }
 
-/* Little, and that around its border, 32 spacings long; as published, more than a layer. */
+/* Less than 0.4 of a layer, displaced around its border of 32 spacings; with the published boundary
+ * handling more than one layer. */
 static void test_displaced(void **state) {
     (void)state;
     double exact = displaced(""), published = displaced(", 'boundary': 'points'");

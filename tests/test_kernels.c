@@ -1,4 +1,5 @@
-/* Kernels against slow and obvious references: all pairs, double precision, no lists. */
+/* Neighbour lists, densities and gradients against references over all pairs in double precision.
+ */
 #include "support.h"
 
 #include "geometry/compress.h"
@@ -12,7 +13,7 @@
 
 enum { N = 400, B = 150 };
 
-/* W of the cubic spline, written as in Monaghan 1992. */
+/* W of the cubic spline as in Monaghan 1992. */
 static double spline(double r, double H) {
     double q = r / H, k = 8.0 / (acos(-1.0) * H * H * H);
     if (q <= 0.5) return k * (6.0 * (q * q * q - q * q) + 1.0);
@@ -45,7 +46,7 @@ static void fill_cloud(struct cloud *c, uint64_t seed) {
     for (int i = 0; i < N; i++) c->centre[i] = i % 3 != 0 && c->volume[i] > 0.0;
 }
 
-/* Every pair inside the support must be listed, no pair twice, particles before boundary points. */
+/* Every pair within the support is listed once, particles before boundary points. */
 static void check_lists(const pdyn_neighbours *l, const struct cloud *c, const double *x) {
     for (int i = 0; i < N; i++) {
         int s = l->start[i], b = l->boundary_start[i];
@@ -63,8 +64,8 @@ static void check_lists(const pdyn_neighbours *l, const struct cloud *c, const d
     }
 }
 
-/* A random walk of the particles, while the last `moving` boundary points drift: sometimes within
- * the skin, sometimes not. away: m, how far from the others a few of them are. */
+/* Random walk of the particles while the last `moving` boundary points drift, at times by less than
+ * the skin, at times by more. away: distance of a few particles from all others, m. */
 static void walk(pdyn_context *context, double stride, int moving, double away) {
     struct cloud *c = malloc(sizeof *c);
     uint64_t seed = 3;
@@ -94,7 +95,7 @@ static void walk(pdyn_context *context, double stride, int moving, double away) 
         if (moving) neighbours_move_boundary(n, carried);
     }
     unsigned revision = neighbours_view(n)->revision;
-    assert_true(revision > 1 && revision < 40); /* kept at times, rebuilt at times */
+    assert_true(revision > 1 && revision < 40); /* some lists stay valid, some are rebuilt */
     assert_int_equal(neighbours_view(n)->boundary_revision, moving ? 40 : 0);
     c->x[7] = NAN;
     assert_false(neighbours_are_valid(n, c->x));
@@ -109,7 +110,7 @@ static void test_neighbours(void **state) {
     walk(context, 0.002, 0, 0.0);
     walk(context, 0.002, 90, 0.0);
     walk(context, 0.002, 90, 40.0);
-    walk(context, 0.0003, 90, 0.0); /* only the boundary makes lists fail */
+    walk(context, 0.0003, 90, 0.0); /* only boundary points invalidate the lists */
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);
 }
@@ -120,7 +121,8 @@ static void test_compact(void **state) {
     for (int count = 0; count < 200; count++) {
         double *squared = malloc((size_t)count * sizeof *squared + 1);
         int *id = malloc((size_t)count * sizeof *id + 1), expected[200], found = 0;
-        int *list = malloc((size_t)count * sizeof *list + 1); /* no more: ASan looks */
+        int *list = malloc((size_t)count * sizeof *list +
+                           1); /* exact allocation, for the address sanitizer */
         assert_true(squared && id && list);
         for (int k = 0; k < count; k++) {
             squared[k] = k % 7 ? test_random(&seed) : 0.5;
@@ -155,7 +157,7 @@ static const char *block =
     " \"constraints\": [{\"type\": \"fluid\"}]}],"
     " \"solids\": [{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [0.6, 0.5, 0.4]}}]}";
 
-/* C_i by all pairs, with particle k at p + 3 k */
+/* C_i over all pairs, with particle k at p + 3 k. */
 static double density_error(const pdyn_sim *sim, int i, const double *p) {
     const pdyn_neighbours *l = neighbours_view(sim->neighbours);
     double sum = -1.0;
@@ -166,7 +168,7 @@ static double density_error(const pdyn_sim *sim, int i, const double *p) {
     return sum;
 }
 
-/* The gradient of C_i over all particles at p, by all pairs and central differences of W. */
+/* grad C_i with respect to all particles at p, over all pairs, by central differences of W. */
 static void density_gradient(const pdyn_sim *sim, int i, const double *p, double *g) {
     const pdyn_neighbours *l = neighbours_view(sim->neighbours);
     memset(g, 0, 3 * (size_t)l->particles * sizeof *g);
@@ -183,8 +185,7 @@ static void density_gradient(const pdyn_sim *sim, int i, const double *p, double
     }
 }
 
-/* k of constraint i by definition: w over |grad C|^2, which counts from once to four times what it
- * is inside a lattice. */
+/* k_i by definition: w over |grad C|^2 clamped to 1 to 4 times its lattice value. */
 static double energy_stiffness(double w, const double *g, int n, double d) {
     double squares = 0.0, inside = 0.0, r[3], h = 1e-6 * d;
     struct kernel kernel = kernel_make(2.0 * d);
@@ -198,8 +199,8 @@ static double energy_stiffness(double w, const double *g, int n, double d) {
     return w / fmin(fmax(squares, inside), 4.0 * inside);
 }
 
-/* Every compressed constraint has the energy k/2 C^2, and its copies go by k/w C along its
- * gradient; the others stay. */
+/* Every compressed constraint has the energy k/2 C^2 and the projection u - (k / w) C grad C; the
+ * others have p = u. */
 static void test_energy(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -240,7 +241,7 @@ static void test_energy(void **state) {
     pdyn_destroy(context);
 }
 
-/* Densities see boundary points where they are carried. */
+/* Densities use the current positions of moving boundary points. */
 static void test_carried_density(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -278,8 +279,8 @@ static double pressed_density(struct pdyn_sim *sim, const double *x, double t, c
     return sum;
 }
 
-/* Pressure does the work of the constraints: sum of p_i V d(rho_i / rho_0) is their gradient times
- * d, whatever the displacement d. */
+/* Virtual work: sum of p_i V d(rho_i / rho_0) equals the constraints' gradient times d, for any
+ * displacement d. */
 static void test_pressure(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -290,7 +291,7 @@ static void test_pressure(void **state) {
     uint64_t seed = 5;
     for (int k = 0; k < 3 * n; k++) x[k] = 0.99 * sim->x[k] + 0.004 * test_random(&seed);
     for (int k = 0; k < 3 * n; k++) d[k] = test_random(&seed);
-    memcpy(sim->objective.s, x, 3 * (size_t)n * sizeof *x); /* no inertia in the gradient */
+    memcpy(sim->objective.s, x, 3 * (size_t)n * sizeof *x); /* removes inertia from the gradient */
     sim->objective.h = 0.01;
     assert_int_equal(objective_local(&sim->objective, x, &energy, sim->gradient), PDYN_OK);
     fluid->type->matrix_free->pressure(fluid->op, sim->pressure);
@@ -314,7 +315,7 @@ static pdyn_sim *load_block(pdyn_context *context) {
     return sim;
 }
 
-/* Forces and rates are transposes of each other. */
+/* force is the transpose of rate. */
 static void test_transpose(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);

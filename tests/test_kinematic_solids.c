@@ -1,4 +1,4 @@
-/* Solids that move: where their points are and how fast, and what water does with them. */
+/* Moving solids: positions and speeds of their points, and their effect on water. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -15,7 +15,8 @@ static const char *turning = SCENE(
     "4, 'rotate': [90, 90, 720], 'translate': [2, 0, 1]}]}, {'box': {'minimum': [0, 0, 0], "
     "'maximum': [0.2, 0.2, 0.2]}}]");
 
-/* The last point at a time, from where it was put: turned from r about the pivot, then moved. */
+/* Asserts the position of the last boundary point at a time: rotated from r about the pivot, then
+ * translated. */
 static void assert_carried(pdyn_sim *sim, double time, const double turned[3],
                            const double moved[3]) {
     static const double pivot[3] = {1.0, 2.0, 3.0};
@@ -31,19 +32,21 @@ static void test_carry(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, turning);
     const pdyn_state s = pdyn_get_state(sim);
-    double x = 1.06, y = 1.06, z = 1.06; /* the box' maximum, 0.6 spacings out, from the pivot */
-    assert_true(s.moving > 0 && s.moving < s.boundary); /* the other solid rests */
+    double x = 1.06, y = 1.06,
+           z = 1.06; /* the corner of maximum coordinates, 0.6 spacings out, from the pivot */
+    assert_true(s.moving > 0 && s.moving < s.boundary); /* the other solid does not move */
     assert_carried(sim, 0.0, (double[]){x, y, z}, (double[]){0, 0, 0});
     assert_carried(sim, 1.25, (double[]){-y, x, z}, (double[]){0.25, 0, 0});
     assert_carried(sim, 1.5, (double[]){-x, -y, z}, (double[]){0.5, 0, 0});
-    assert_carried(sim, 2.25, (double[]){-y, x, z}, (double[]){1.25, 0, 0}); /* the second turn */
+    assert_carried(sim, 2.25, (double[]){-y, x, z},
+                   (double[]){1.25, 0, 0}); /* in the second turn */
     assert_carried(sim, 3.0, (double[]){x, y, z}, (double[]){2, 0, 0});
     assert_carried(sim, 9.0, (double[]){y, -z, -x}, (double[]){2, 0, 1});
     pdyn_free(sim);
     pdyn_destroy(context);
 }
 
-/* The largest speed of a point by central differences. */
+/* Largest speed of a point by central differences, m/s. */
 static double measured_speed(pdyn_sim *sim, double *before, double time) {
     const pdyn_state s = pdyn_get_state(sim);
     double speed = 0.0, dt = 1e-6;
@@ -55,7 +58,7 @@ static double measured_speed(pdyn_sim *sim, double *before, double time) {
     return speed;
 }
 
-/* The speed of this box is that of a corner, which is a point. */
+/* The largest speed is that of a corner of the box, which is a boundary point. */
 static void test_speed(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -63,14 +66,14 @@ static void test_speed(void **state) {
     double *before = malloc(3 * (size_t)sim->boundary.at.count * sizeof *before);
     assert_non_null(before);
     for (double t = 0.1; t < 5.0; t += 0.1) {
-        if (fabs(t - round(t)) < 0.01) continue; /* at a key the speed jumps */
+        if (fabs(t - round(t)) < 0.01) continue; /* the speed is discontinuous at a key */
         double expected = measured_speed(sim, before, t);
         assert_true(fabs(kinematic_speed(&sim->motion, t, t + 1e-9) - expected) <
                     1e-5 * (1.0 + expected));
     }
     assert_true(kinematic_speed(&sim->motion, 0.0, 1.0) == 0.0);
-    assert_true(kinematic_speed(&sim->motion, 0.0, 1.001) > 10.0); /* what is ahead counts */
-    assert_true(kinematic_speed(&sim->motion, 2.999, 3.1) > 10.0); /* what is not over, too */
+    assert_true(kinematic_speed(&sim->motion, 0.0, 1.001) > 10.0); /* the next key counts */
+    assert_true(kinematic_speed(&sim->motion, 2.999, 3.1) > 10.0); /* so does the current one */
     free(before);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -91,7 +94,7 @@ static pdyn_sim *pour(pdyn_context *context, double speed) {
     return test_load(context, text);
 }
 
-/* A tank at constant speed is a tank at rest, seen from a cart. */
+/* Water in a tank that moves at constant speed behaves as in a tank at rest. */
 static void test_carried_tank(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -112,7 +115,7 @@ static void test_carried_tank(void **state) {
 /* ---- a paddle -------------------------------------------------------------------------------- */
 
 enum { TURNS_PER_SECOND = 1 };
-static const double length = 0.3, height = 0.3; /* m, of the paddle, which has no thickness */
+static const double length = 0.3, height = 0.3; /* of the paddle, which has no thickness, m */
 
 static void write_paddle(void) {
     char text[256];
@@ -139,7 +142,7 @@ static pdyn_sim *stir(pdyn_context *context) {
     return sim;
 }
 
-/* Where the particles are on the paddle: along it, up, and in front of it. */
+/* Coordinates of the particles relative to the paddle: along it, up, normal to it. */
 static void see_from_paddle(const pdyn_sim *sim, double *seen) {
     const pdyn_state s = pdyn_get_state(sim);
     double angle = 2.0 * acos(-1.0) * TURNS_PER_SECOND * pdyn_time(sim);
@@ -151,7 +154,7 @@ static void see_from_paddle(const pdyn_sim *sim, double *seen) {
     }
 }
 
-/* Did a particle change sides, not around an edge but a spacing from it? */
+/* True if a particle passed through the paddle at least a spacing away from its edges. */
 static bool went_through(const double *before, const double *now) {
     double along = fmax(fabs(before[0]), fabs(now[0])), up = fmax(before[1], now[1]);
     return before[2] * now[2] < 0.0 && along < 0.5 * length - 0.04 && up < height - 0.04;
@@ -165,7 +168,7 @@ static void assert_in_tank(const pdyn_state *s, double slack) {
     }
 }
 
-/* The paddle takes the water along and lets none through; the tank keeps it. */
+/* The paddle moves the water and lets none through; the tank loses none. */
 static void test_paddle(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -182,12 +185,12 @@ static void test_paddle(void **state) {
         assert_in_tank(&s, 0.01);
         for (int i = 0; i < s.particles; i++) through += went_through(before + 3 * i, now + 3 * i);
         double tip = 2.0 * acos(-1.0) * TURNS_PER_SECOND * 0.5 * length;
-        assert_true(tip * info.h <= 0.02 * (1.0 + 1e-9)); /* a radius a step */
+        assert_true(tip * info.h <= 0.02 * (1.0 + 1e-9)); /* one radius per step */
     }
     for (int i = 0; i < s.particles; i++)
         spin += (s.x[3 * i + 2] * s.v[3 * i] - s.x[3 * i] * s.v[3 * i + 2]) / s.particles;
     assert_int_equal(through, 0);
-    assert_true(spin > 0.03); /* m^2/s; turning with the paddle they would have 0.24 */
+    assert_true(spin > 0.03); /* m^2/s; rotating with the paddle the water would have 0.24 */
     free(before), free(now);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -230,7 +233,7 @@ static void test_failing_allocator(void **state) {
     test_failing_scene(turning);
 }
 
-/* A step that cannot be leaves the solids, too, where they were. */
+/* A failed step leaves the solids at their previous positions, too. */
 static void test_divergence(void **state) {
     (void)state;
     static const char *const set[] = {"bodies.0.velocity=[1e6, 0, 0]", "time_step.fixed=1000",

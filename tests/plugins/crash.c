@@ -1,4 +1,4 @@
-/* One that ends the process. */
+/* A plug-in that ends the process. */
 #include "projdyn/module.h"
 
 #include <signal.h>

@@ -1,4 +1,4 @@
-/* A projection that goes half of the way to a point. */
+/* A plug-in whose projection goes only half of the way: conformance has to report it. */
 #include "projdyn/module.h"
 
 struct params {
