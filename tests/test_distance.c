@@ -94,8 +94,8 @@ static void test_weights(void **state) {
     }
 }
 
-/* On the collision-free path the distance stays above 0 and is at least `keep` at the end; where the
- * path is shortened, the rest of the motion comes as close as `keep`. */
+/* On the collision-free path the distance stays above 0 and is at least `keep` at the end; where
+ * the path is shortened, the rest of the motion comes as close as `keep`. */
 static void test_free_paths(void **state) {
     (void)state;
     uint64_t seed = 7;

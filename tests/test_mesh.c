@@ -1,5 +1,5 @@
-/* Meshes: good files of every flavour, bad files with their messages, checks, allocation failure,
- * and files cut short or with bytes changed. */
+/* Mesh files: valid files of every format, messages for invalid files, checks, allocation failures,
+ * truncated and corrupted files. */
 #include "mesh_support.h"
 #include "support.h"
 
@@ -30,7 +30,7 @@ static pdyn_status read_bytes(const char *name, const char *data, size_t size, s
 
 /* ---- good files ----------------------------------------------------------------------------- */
 
-/* All of them describe the square (0,0,0) (1,0,0) (1,2,0) (0,2,0.5) as a fan of two triangles. */
+/* Every text describes the square (0,0,0) (1,0,0) (1,2,0) (0,2,0.5) as a fan of two triangles. */
 struct sample {
     const char *name, *data;
     size_t size;
@@ -141,7 +141,7 @@ static void test_signed_numbers(void **state) {
     mesh_free(context, &mesh);
 }
 
-/* A decimal comma in the program's locale does not change what a file says. */
+/* A locale with a decimal comma does not change what is read. */
 static void test_locale(void **state) {
     (void)state;
     if (!setlocale(LC_ALL, "de_DE.UTF-8")) skip();
@@ -164,7 +164,7 @@ static void test_locale(void **state) {
 
 static const struct bad {
     struct sample file;
-    const char *message; /* what follows the path */
+    const char *message; /* the message after the path */
 } bad[] = {
     {TEXT("a.obj", ""), ": the file is empty"},
     {TEXT("a.ply", ""), ": the file is empty"},
@@ -317,7 +317,8 @@ static void test_bad_files(void **state) {
         assert_null(mesh.triangle);
         assert_int_equal(pdyn_bytes_in_use(context), before);
     }
-    assert_true(pdyn_peak_bytes(context) < 100000); /* claims of a file are not believed */
+    assert_true(pdyn_peak_bytes(context) <
+                100000); /* a count in the file's header is not trusted */
 }
 
 static void expect_unreadable(const char *name, const char *message) {
@@ -369,7 +370,7 @@ static void test_check(void **state) {
     expect_rejected(mesh_check, &mesh, "sheet: the mesh has no triangles");
 }
 
-/* What cloth cannot use is read all the same: solids can. */
+/* Meshes that cloth cannot use are read: solids can use them. */
 static void test_check_cloth(void **state) {
     (void)state;
     static const struct {
@@ -428,7 +429,7 @@ static void test_no_memory(void **state) {
 
 /* ---- damaged files -------------------------------------------------------------------------- */
 
-/* Whatever is read is either refused with a message or a mesh that passes the checks. */
+/* Any file is either refused with a message or gives a mesh that passes the checks. */
 static void expect_sane(const struct sample *sample, const char *data, size_t size) {
     size_t before = pdyn_bytes_in_use(context);
     struct mesh mesh;

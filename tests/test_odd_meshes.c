@@ -1,4 +1,4 @@
-/* Meshes that are odd, but can be simulated: what is said, and that the sheet stays finite. */
+/* Unusual meshes that can be simulated: warnings, and a finite motion of the sheet. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -8,7 +8,7 @@
 #define A "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\n"
 #define B "v 5 0 0\nv 6 0 0\nv 5 0 1\n"
 
-/* A sheet of this mesh, with everything that a sheet may have. */
+/* Loads a sheet of this mesh with all types of constraints for sheets. */
 static pdyn_status load(pdyn_context *context, const char *mesh, pdyn_sim **sim) {
     test_write_text("mesh.obj", mesh);
     pdyn_status status = pdyn_load_text(
@@ -28,7 +28,7 @@ static pdyn_status load(pdyn_context *context, const char *mesh, pdyn_sim **sim)
     return status;
 }
 
-/* Runs a while; returns where a vertex is then. */
+/* Takes 30 steps, expects this number of warnings; x: final position of a vertex. */
 static void run(const char *mesh, int vertex, int warnings, double x[3]) {
     struct warnings counter = {"lie where another one does", 0};
     pdyn_context *context = test_warned_context(1, &counter);
@@ -43,7 +43,7 @@ static void run(const char *mesh, int vertex, int warnings, double x[3]) {
     pdyn_destroy(context);
 }
 
-/* Which way triangles face changes nothing; pieces do not know of each other. */
+/* The orientation of triangles has no effect; disconnected pieces do not affect each other. */
 static void test_same(void **state) {
     (void)state;
     double x[3], y[3];

@@ -1,12 +1,12 @@
-/* Saved states: the same bits afterwards, and what is no state of the scene is refused. */
+/* Saved states: resuming gives the same bits; a state of another scene is refused. */
 #include "support.h"
 
 #include "output/snapshot.h"
 
 #include <string.h>
 
-/* Everything that is kept from step to step: lists, pressures, particles that come, solids that
- * move, walls that give way. */
+/* All kinds of state that last from step to step: lists, pressures, emitted particles, moving
+ * solids, boundary pressures. */
 static const char fluid[] =
     "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'solver': "
     "{'outer_iterations': 1, 'linear_iterations': 8}, 'bodies': [{'name': 'water', 'particles': "
@@ -24,7 +24,7 @@ static const char sheet[] =
                           PAIR(SPRINGS("1000"), PINS("'border': true")))),
           "");
 
-/* Friction remembers, pairs are listed, a solid moves. */
+/* Friction with memory, contact pairs, a moving solid. */
 static const char touching[] =
     SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'contact': "
           "{'thickness': 0.01, 'friction': 0.5}",
@@ -37,7 +37,7 @@ static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
     for (int k = 0; k < steps; k++) test_step(context, sim);
 }
 
-/* Saved after `before` steps, restored into a new simulation. */
+/* Saves after `before` steps, restores into a new simulation and compares further steps. */
 static void goes_on(const char *text, const char *set, int before) {
     pdyn_context *context = test_context(2);
     pdyn_sim *first = NULL, *second = NULL;
@@ -68,7 +68,7 @@ static void test_same_bits(void **state) {
     }
 }
 
-/* Loads the sheet with an override and expects its state to be refused with this text. */
+/* Loads the sheet with an override; restoring its state must be refused with this text. */
 static void refused(const char *set, const char *says) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;

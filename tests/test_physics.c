@@ -1,4 +1,4 @@
-/* Physics that is known exactly, and the promises of a step. */
+/* Exact physical results, and the guarantees of a step. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -15,7 +15,8 @@
     FLUID_BOX("'name': 'water', " keys, "0.025", minimum, maximum,                                 \
               ", 'stiffness': 1e5, 'viscosity': 0.02")
 
-/* Water thrown at a free sheet: no accuracy setting may touch the momentum. */
+/* Water hits a free sheet: momentum is conserved to rounding with any solver and number of
+ * iterations. */
 static void test_momentum(void **state) {
     (void)state;
     static const char *const solvers[] = {
@@ -57,7 +58,7 @@ static void add_linear(void *user, const pdyn_iteration *it) {
     *(int *)user += it->linear_iterations;
 }
 
-/* Water of this width and depth, m, in a tank of this height. */
+/* Water of this width and depth in a tank of this height, m. */
 #define TANK(settings, width, depth, height, fluid)                                                \
     SCENE("'duration': 2, " settings,                                                              \
           FLUID_BOX("'name': 'water', ", "0.01", "0, 0, 0", width ", " depth ", " width,           \
@@ -65,8 +66,8 @@ static void add_linear(void *user, const pdyn_iteration *it) {
           ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [" width ", " height ", " width  \
           "]}, 'open': ['+y']}]")
 
-/* A stiff column that begins at rest density everywhere, so that every constraint is about to
- * change sides: each step is solved all the same. */
+/* A stiff column that starts at rest density everywhere, so that every constraint is about to
+ * change sides: each step is solved to its tolerance. */
 static void test_stiff_column(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -78,7 +79,7 @@ static void test_stiff_column(void **state) {
     pdyn_observe(sim, add_linear, &linear);
     for (int step = 0; step < 20; step++) {
         pdyn_step_info info = test_step(context, sim);
-        assert_int_equal(linear, info.linear_iterations); /* the observer sees all of them */
+        assert_int_equal(linear, info.linear_iterations); /* the observer sees every iteration */
         linear = 0;
         assert_true(info.step_residual <= 0.1);
         assert_true(info.density_error_max < 1e-3);
@@ -87,8 +88,8 @@ static void test_stiff_column(void **state) {
     pdyn_destroy(context);
 }
 
-/* A tank forty particles deep, solved by ten iterations a step from the beginning: it comes to rest
- * and nothing is thrown, which a step of 5 ms would do. */
+/* A tank of forty particles' depth with ten iterations per step from the start: the water comes to
+ * rest without splashes, which steps of 5 ms would cause. */
 static void test_deep_water(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -107,7 +108,7 @@ static void test_deep_water(void **state) {
     pdyn_destroy(context);
 }
 
-/* The same with steps of 5 ms is warned of, once; not where every step is solved. */
+/* With steps of 5 ms there is one warning; none if every step is solved. */
 static void test_long_step(void **state) {
     (void)state;
     static const char *const scene[] = {
@@ -127,8 +128,8 @@ static void test_long_step(void **state) {
     }
 }
 
-/* The pressure in a tank of eight by eight particles rises as its weight does, and some more: walls
- * push along their normals, so that the particles next to them hang on the others. */
+/* In a tank of eight by eight particles, pressure increases with depth by rho g and up to 9 % more:
+ * walls push along their normals, so the particles at walls are carried by the others. */
 static void test_narrow_tank(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -151,7 +152,7 @@ static void test_narrow_tank(void **state) {
     pdyn_destroy(context);
 }
 
-/* J, of a block of water that has collapsed for 0.25 s. */
+/* Kinetic energy of a block of water 0.25 s after its release, J. */
 static double collapsed_energy(const char *solver) {
     char text[1024];
     pdyn_context *context = test_context(2);
@@ -171,7 +172,8 @@ static double collapsed_energy(const char *solver) {
     return info.kinetic_energy;
 }
 
-/* Steps that are cut short move the fluid as solved ones do: pressures are what is unfinished. */
+/* Steps with few iterations move the fluid as solved steps do: only the pressures are inaccurate.
+ */
 static void test_cut_short(void **state) {
     (void)state;
     double solved = collapsed_energy("'tolerance': 1e-3, 'outer_iterations': 100");
@@ -180,7 +182,8 @@ static void test_cut_short(void **state) {
     if (fabs(cut / solved - 1.0) > 0.01) fail_msg("%g J, solved %g J", cut, solved);
 }
 
-/* Pressure over rho g depth, where a support radius (0.1 m) keeps surface and floor away. */
+/* Pressure over rho g depth, of particles at least 0.1 m (a support radius) away from surface and
+ * floor. */
 static double relative_pressure(const pdyn_state *s, double surface) {
     double sum = 0.0, expected = 0.0;
     for (int i = 0; i < s->particles; i++) {
@@ -191,8 +194,8 @@ static double relative_pressure(const pdyn_state *s, double surface) {
     return sum / expected;
 }
 
-/* A full tank at rest stays at rest: still, inside, at its height, the floor carrying the weight,
- * pressed by the depth, and some more: see test_narrow_tank. */
+/* Water in a full tank stays at rest: no motion, inside the tank, constant level, pressure of its
+ * depth (and up to 9 % more, see test_narrow_tank). */
 static void test_hydrostatic_rest(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -215,7 +218,7 @@ static void test_hydrostatic_rest(void **state) {
         assert_true(s.x[3 * i + 1] > -0.01);
         top = fmax(top, s.x[3 * i + 1] + 0.025);
     }
-    assert_true(fabs(top - 0.5) < 0.05); /* a spacing */
+    assert_true(fabs(top - 0.5) < 0.05); /* one spacing */
     assert_true(pressed > 0.99 && pressed < 1.09);
     assert_true(info.density_error_mean < 1e-3 && info.density_error_max < 1e-2);
     assert_true(info.kinetic_energy < 1e-3 * info.potential_energy);
@@ -223,7 +226,8 @@ static void test_hydrostatic_rest(void **state) {
     pdyn_destroy(context);
 }
 
-/* A hanging sheet at rest: the pins carry its weight, by the gradient of all else at the pins. */
+/* A hanging sheet at rest: the pins carry its weight. Their reaction is the gradient of everything
+ * else at the pinned points. */
 static void test_pin_reaction(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);
@@ -241,7 +245,7 @@ static void test_pin_reaction(void **state) {
     pdyn_destroy(context);
 }
 
-/* A pinned point follows its path. */
+/* Pinned points follow their path. */
 static void test_pin_path(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -265,8 +269,7 @@ static void test_pin_path(void **state) {
     pdyn_destroy(context);
 }
 
-/* A coupled scene large enough for many parallel blocks: the same bits for any number of threads.
- */
+/* A coupled scene with many parallel blocks: the same bits for any number of threads. */
 static void test_threads(void **state) {
     (void)state;
     static const int threads[] = {1, 2, 3, 8};
@@ -288,7 +291,7 @@ static void test_threads(void **state) {
     }
 }
 
-/* Steps of a fixed length have the same bits: nothing is factored again because of rounding. */
+/* All steps of a fixed length have the same bits, so rounding causes no factorisation. */
 static void test_one_length(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -302,7 +305,7 @@ static void test_one_length(void **state) {
     pdyn_destroy(context);
 }
 
-/* A state that leaves the numbers fails, and the last good one stays. */
+/* A diverging step fails, and the state before it stays. */
 static void test_divergence(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -326,7 +329,7 @@ static const char *coupled = SCENE(
          SHEET("21", PAIR(ELASTIC, PINS("'border': true")))),
     ", 'solids': [{'box': {'minimum': [-1, 0, -1], 'maximum': [1.4, 1, 1.4]}, 'open': ['+y']}]");
 
-/* Bodies and constraints by number, and none beyond the last. */
+/* Bodies, constraints and parameters by index; empty results beyond the last. */
 static void test_numbers(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -347,7 +350,7 @@ static void test_numbers(void **state) {
     pdyn_destroy(context);
 }
 
-/* No allocation in a warmed-up step. */
+/* A warmed-up step allocates nothing. */
 static void test_no_allocation(void **state) {
     (void)state;
     struct counter counter;

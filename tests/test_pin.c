@@ -1,4 +1,4 @@
-/* Pins that turn, and several of them on one body. */
+/* Pins with paths and turns, and several pins on one body. */
 #include "support.h"
 
 #include "projdyn/vec3.h"
@@ -22,7 +22,7 @@ static void test_turn(void **state) {
     for (int n = 1; n <= 20; n++) {
         test_step(context, sim);
         double first = fmin(1.0, 0.1 * n), then = 0.1 * n - first, turn = 0.5 * acos(-1.0) * first;
-        /* x comes before z: the turn about x leaves a point on the axis through the pivot alone */
+        /* the turn about x comes before z: the point on the axis through the pivot stays */
         double x[3] = {0.5 * cos(turn), 0.5 * sin(turn), -0.5 + 3.0 * then};
         assert_true(vec3_distance(s.x + 3, x) < 1e-3);
         assert_true(vec3_distance(s.x + 9, (double[]){0.5, 0, 0.5}) < 1e-3);
@@ -31,7 +31,7 @@ static void test_turn(void **state) {
     pdyn_destroy(context);
 }
 
-/* Pins turn as everything that is placed does. */
+/* The order of turns is that of "rotate". */
 static void test_order(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);

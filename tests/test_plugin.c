@@ -1,4 +1,4 @@
-/* Registering: what is refused, and why; what a solver of a plug-in is given. */
+/* Registration of plug-ins: which tables are refused; and the model that a solver gets. */
 #include "support.h"
 
 #include "base/registry.h"
@@ -251,7 +251,7 @@ static void test_rows(void **state) {
     refuse_rows(2, 0, 1.0, NAN, "expected a finite one of at least 0");
 }
 
-/* A projection that is no number ends the run and is named. */
+/* A projection that is not finite ends the run with a message. */
 static void test_not_finite(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -295,7 +295,7 @@ static const char springs[] = SCENE("'duration': 1, 'solver': {'type': 'lazy'}",
                                                PAIR(SPRINGS("100"), PINS("'vertices': [0]"))),
                                     "");
 
-/* y = H u by the matrix, of which only the lower triangle counts. */
+/* y = H u by the assembled matrix, of which only the lower triangle counts. */
 static void multiply(const pdyn_matrix *m, const double *u, double *y) {
     int copies = 3 / m->dim;
     for (int k = 0; k < m->size * copies; k++) y[k] = 0.0;
@@ -308,10 +308,10 @@ static void multiply(const pdyn_matrix *m, const double *u, double *y) {
             }
 }
 
-/* Product, block diagonal and matrix are of one H, and the matrix says when it moves. */
+/* Product, block diagonal and matrix agree, and the matrix counts its changes. */
 static void test_model(void **state) {
     (void)state;
-    static const int place[3] = {0, 3, 5}; /* of xx, yy, zz in a packed block */
+    static const int place[3] = {0, 3, 5}; /* positions of xx, yy, zz in a packed block */
     double u[61], y[61], z[61], blocks[120];
     uint64_t seed = 3;
     pdyn_context *context = test_context(2);

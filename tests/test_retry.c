@@ -1,4 +1,4 @@
-/* Steps that diverge are taken back and attempted again, shorter. */
+/* Diverged steps are taken back and repeated with half the length. */
 #include "support.h"
 
 #include <string.h>
@@ -9,7 +9,7 @@ static const char drop[] = SCENE(
     FLUID_BOX("'name': 'water', ", "0.02", "0, 0, 0", "0.2, 0.2, 0.2", ""),
     ", 'solids': [{'name': 'floor', 'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 1, 0.2]}}]");
 
-/* The scene's own solver, which fails where a step is longer than `longest`. */
+/* The scene's solver, made to fail for steps longer than `longest`. */
 static const pdyn_global_solver *own;
 static struct objective *objective_of_own;
 static double longest;

@@ -1,19 +1,19 @@
-/* The same scene a thousandth and a thousand times the size, and far from the origin. With lengths
- * times s and the same gravity, times go with sqrt(s), masses with s^3, forces per length with s^2,
- * moments with s^4: a power of 4 for s changes no digit, so the results must be the same to
+/* The same scene at scale s = 1/1000 and 1000, and far from the origin. With lengths times s and
+ * the same gravity, times scale with sqrt(s), masses with s^3, stiffnesses (force per length) with
+ * s^2, bending rigidities with s^4. For s a power of 4 no digit changes: the results must agree to
  * rounding. */
 #include "support.h"
 
 #include <string.h>
 
 struct variant {
-    double s;      /* scale */
-    double offset; /* m, along x, after scaling */
+    double s;      /* scale s */
+    double offset; /* offset along x after scaling, m */
 };
 
 enum { STEPS = 25, TEXT = 4096, MOST = 2000 };
 
-/* Lengths and coordinates of a scene are written through these. */
+/* Writes lengths and coordinates of a scene. */
 static char text[TEXT];
 static size_t used;
 static void put(const char *format, ...) PDYN_PRINTF(1, 2);
@@ -56,8 +56,8 @@ static void put_sheet(const struct variant *v, const char *vertices) {
         0.2 * s, 1000.0 * s * s, 1e-3 * pow(s, 4.0), vertices, 1e7 * s * s);
 }
 
-/* Solved so far that where a solver leaves off does not matter: floats round otherwise with the
- * smallest change of a position. */
+/* Solved so accurately that the end of a solve does not matter: the smallest change of a position
+ * changes the rounding of floats. */
 static void begin(const struct variant *v) {
     double t = sqrt(v->s);
     used = 0;
@@ -91,7 +91,7 @@ static void write_both(const struct variant *v) {
     put("]}");
 }
 
-/* Where all points are after some steps, without scale and offset; returns their number. */
+/* x: positions after some steps, without scale and offset; returns the number of points. */
 static int simulate(pdyn_context *context, write_fn *write, const struct variant *v,
                     double x[3 * MOST]) {
     pdyn_sim *sim;
@@ -108,7 +108,7 @@ static int simulate(pdyn_context *context, write_fn *write, const struct variant
     return count;
 }
 
-/* Largest difference of a coordinate, m in a scene of 1 m. */
+/* Largest difference of a coordinate, m at scale 1. */
 static double difference(write_fn *write, struct variant v) {
     static double x[3 * MOST], y[3 * MOST];
     const struct variant plain = {1.0, 0.0};
@@ -138,7 +138,7 @@ static void test_large(void **state) {
     assert_true(difference(write_both, kilometre) < 1e-12);
 }
 
-/* Positions have a resolution of 1.2e-10 m there. */
+/* There positions have a resolution of 1.2e-10 m. */
 static void test_far(void **state) {
     (void)state;
     const struct variant far = {1.0, 999990.0};

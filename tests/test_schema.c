@@ -1,5 +1,5 @@
-/* Names and what is said about them: near misses, descriptions, and the schema against the tables
- * of parameters. */
+/* Names: suggestions for near misses, descriptions, and the JSON schema against the parameter
+ * tables. */
 #include "base/registry.h"
 #include "base/text.h"
 #include "scene/inlet.h"
@@ -148,7 +148,7 @@ static void check_parameter(const json_t *object, const pdyn_param *p) {
     assert_number(entry, "maximum", p->name, p->max, isfinite(p->max));
 }
 
-/* Every pair of alternatives is excluded: {"not": {"required": [a, b]}}. */
+/* The schema excludes every pair of alternatives: {"not": {"required": [a, b]}}. */
 static void check_alternatives(const json_t *object, const char *const *names) {
     const json_t *excluded = json_object_get(object, "allOf");
     size_t count = 0, found = 0;
@@ -164,7 +164,7 @@ static void check_alternatives(const json_t *object, const char *const *names) {
     assert_int_equal(json_array_size(excluded), found);
 }
 
-/* As many keys as the table has, and `others` besides. */
+/* The schema has the keys of the table and `others` more. */
 static void check_table(const json_t *object, const pdyn_param *table, size_t others) {
     size_t count = others;
     for (const pdyn_param *p = table; p->name; p++, count++) check_parameter(object, p);

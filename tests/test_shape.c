@@ -1,10 +1,10 @@
-/* Solids given by a few numbers: closed, outward, of the right size, and water stands on them. */
+/* Primitive solids: closed, outward oriented, of the right size, and tight for water. */
 #include "scene/primitive_mesh.h"
 #include "support.h"
 
 #include "projdyn/vec3.h"
 
-/* By the divergence theorem; positive where triangles are counterclockwise from outside. */
+/* Volume by the divergence theorem; positive for triangles counterclockwise from outside. */
 static double volume(const struct mesh *mesh) {
     double sum = 0.0, cross[3];
     for (int t = 0; t < mesh->triangles; t++) {
@@ -58,7 +58,7 @@ static void test_box(void **state) {
     assert_int_equal(mesh_check_closed(context, &mesh, "box"), PDYN_OK);
     assert_true(fabs(volume(&mesh) - 24.0) < 1e-12);
     mesh_free(context, &mesh);
-    assert_int_equal(primitive_box(context, &box, 1u << 3, &mesh), PDYN_OK); /* without its lid */
+    assert_int_equal(primitive_box(context, &box, 1u << 3, &mesh), PDYN_OK); /* without the top */
     assert_int_equal(mesh.triangles, 10);
     for (int t = 0; t < mesh.triangles; t++) {
         double low = 3.0;
@@ -85,7 +85,7 @@ static void test_plane(void **state) {
     pdyn_destroy(context);
 }
 
-/* A drop falls on a shape as it does on the floor of a box: none gets through. */
+/* Water that falls on a solid does not get through, as with the floor of a box. */
 static void test_water(void **state) {
     (void)state;
     static const char *const solids[] = {

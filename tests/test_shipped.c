@@ -1,7 +1,6 @@
-/* The shipped scenes: each runs for a while, some coarser than they are, and is looked at. Its
- * steps are solved, it moves as much as it should, what falls freely has the momentum of gravity,
- * and no particle of a fluid is beyond the walls that hold it. PROJDYN_SHIPPED=1 prints what was
- * found. */
+/* The shipped scenes: each runs for a while, some with coarser particles. Checks that steps are
+ * solved, energies and heights within bounds, the exact momentum of free fall, and fluid within its
+ * walls. PROJDYN_SHIPPED=1 prints the values. */
 #include "support.h"
 
 #include <string.h>
@@ -10,15 +9,15 @@ enum { SETS = 4 };
 
 struct shipped {
     const char *name;
-    double seconds;         /* that are run */
-    double kinetic[2];      /* J: between these it is at the end, */
-    double lowest[2];       /* and the lowest point of all bodies, m, between these */
-    double fall;            /* s: so long all bodies fall freely; 0: they do not */
-    double low[3], high[3]; /* m: fluid stays within; all 0: not asked */
-    const char *set[SETS];  /* overrides */
+    double seconds;         /* simulated time, s */
+    double kinetic[2];      /* bounds of the final energy, J */
+    double lowest[2];       /* bounds of the lowest point of all bodies, m */
+    double fall;            /* duration of free fall of all bodies, s; 0: none */
+    double low[3], high[3]; /* bounds of the fluid, m; all 0: not checked */
+    const char *set[SETS];  /* overrides of the scene */
 };
 
-#define TOP 9 /* open: it may splash */
+#define TOP 9 /* open: water may splash out */
 
 static const struct shipped shipped[] = {
     {.name = "balloon",

@@ -1,5 +1,5 @@
-/* What is compiled for wide registers runs on machines that have them, whatever the compiler: seen
- * by what a product and a sum in one instruction do not round. */
+/* Functions marked WIDE run in their widest version on machines that have it, with any compiler:
+ * fused multiply-add is recognised by its missing rounding. */
 #include "support.h"
 
 #include "base/simd.h"

@@ -1,5 +1,5 @@
-/* Loads on solids: the balance of momentum and angular momentum in every step, weight, buoyancy,
- * friction, and what callers do wrong. */
+/* Loads on solids: balance of momentum and angular momentum in each step, weight, buoyancy,
+ * friction, wrong calls. */
 #include "scene_support.h"
 
 #include "projdyn/vec3.h"
@@ -34,7 +34,7 @@ static void get(const pdyn_sim *sim, int solid, struct total *load) {
     assert_int_equal(pdyn_solid_load(sim, solid, load->force, load->moment), PDYN_OK);
 }
 
-/* Of all solids. */
+/* Sum over all solids. */
 static struct total add_all(const pdyn_sim *sim) {
     struct total sum = {{0}, {0}}, one;
     for (int k = 0; pdyn_solid_name(sim, k); k++) {
@@ -54,8 +54,8 @@ static double mass_of(const pdyn_sim *sim) {
 
 /* ---- balance --------------------------------------------------------------------------------- */
 
-/* The loads that a step should have: with M (x - s) / h^2 + grad V = r, r the gradient of E, the
- * forces on the solids sum up to the sum of grad V. */
+/* The expected loads of a step: with M (x - s) / h^2 + grad V = r, r the residual, the forces on
+ * the solids sum to the sum of grad V. */
 static struct total expected(const pdyn_sim *sim) {
     const struct objective *sys = &sim->objective;
     struct total sum = {{0}, {0}};
@@ -70,7 +70,7 @@ static struct total expected(const pdyn_sim *sim) {
     return sum;
 }
 
-/* weight - change of momentum / h, and what the residual leaves open */
+/* weight - rate of change of momentum, up to the residual */
 static void assert_momentum(const pdyn_sim *sim, const pdyn_step_info *info, const double before[3],
                             const double force[3]) {
     double left[3] = {0}, weight = G * mass_of(sim);
@@ -82,7 +82,7 @@ static void assert_momentum(const pdyn_sim *sim, const pdyn_step_info *info, con
                  weight);
 }
 
-/* Returns the largest force over the weight, on the last solid. */
+/* Takes steps, checks the balance; returns the largest force on the last solid over the weight. */
 static double assert_balance(const char *text, int steps) {
     pdyn_context *c = test_context(2);
     pdyn_sim *sim = test_load(c, text);
@@ -104,17 +104,16 @@ static double assert_balance(const char *text, int steps) {
     return most;
 }
 
-/* The mesh is off the origin and turns; it comes before the tank in the scene, and after it among
+/* The mesh is off the origin and rotates; it precedes the tank in the scene and follows it among
  * the boundary points. */
 #define PADDLE                                                                                     \
     "{'name': 'ball', 'sphere': {'center': [0.15, 0.2, 0.15], 'radius': 0.06}, 'pivot': [0.2, "    \
     "0.2, 0.15], 'motion': [{'time': 0}, {'time': 1, 'rotate': [0, 90, 0]}]}"
 #define RAIN POOL("{'minimum': [0.05, 0.3, 0.05], 'maximum': [0.2, 0.5, 0.25]}", "'viscosity': 0")
-/* Falls on the ball without friction, with rain on it. */
+/* A sheet that falls on the ball without friction, in rain. */
 #define SHEET_ABOVE                                                                                \
-    "{'name': 'sheet', 'surface': {'grid': {'size': [0.24, 0.24], 'vertices': [9, 9]}, "           \
-    "'translate': [0.15, 0.272, 0.15], 'area_density': 0.3}, 'constraints': [{'type': 'spring', "  \
-    "'stretching_stiffness': 500}]}"
+    GRID_SHEET("'name': 'sheet', ", "0.24, 0.24", "9, 9",                                          \
+               "'translate': [0.15, 0.272, 0.15], 'area_density': 0.3", SPRINGS("500"))
 
 static void test_balance(void **state) {
     (void)state;
@@ -134,7 +133,7 @@ static void test_balance(void **state) {
 
 /* ---- weights --------------------------------------------------------------------------------- */
 
-/* The mean from one time to another. */
+/* Mean load on a solid from one time to another, N. */
 static struct total mean_load(pdyn_context *c, pdyn_sim *sim, int solid, double from, double to) {
     struct total sum = {{0}, {0}}, one;
     double time = 0.0;
@@ -150,7 +149,7 @@ static struct total mean_load(pdyn_context *c, pdyn_sim *sim, int solid, double 
     return sum;
 }
 
-/* Water at rest: its weight, at its centre. */
+/* Water at rest: the load is its weight, at its centre of mass. */
 static void test_tank(void **state) {
     (void)state;
     pdyn_context *c = test_context(2);
@@ -167,8 +166,8 @@ static void test_tank(void **state) {
     pdyn_destroy(c);
 }
 
-/* Water falls on a ball that is held above a floor: at first all of the force is on the ball, then
- * the floor carries what comes down. */
+/* Water falls on a fixed ball above a floor: first the whole load is on the ball, then on the
+ * floor. */
 static void test_obstacle(void **state) {
     (void)state;
     pdyn_context *c = test_context(2);
@@ -194,8 +193,8 @@ static void test_obstacle(void **state) {
     pdyn_destroy(c);
 }
 
-/* A ball that is lowered into water and held there: the force is up, the weight of the water that
- * it displaces, the tank carries this, too. */
+/* A ball is lowered into water and held: the load on it is the weight of the displaced water,
+ * upwards; the tank carries the opposite. */
 static void test_buoyancy(void **state) {
     (void)state;
     pdyn_context *c = test_context(2);
@@ -220,17 +219,15 @@ static void test_buoyancy(void **state) {
     "'integrator': '%s'}, 'gravity': [%.17g, %.17g, 0], 'contact': {'thickness': 0.004, "          \
     "'friction': %g}"
 #define SHEET_ON_FLOOR                                                                             \
-    "{'surface': {'grid': {'size': [0.5, 0.5], 'vertices': [9, 9]}, 'translate': [0.2, 0.0035, "   \
-    "0.1], 'area_density': 0.2}, 'constraints': [{'type': 'spring', 'stretching_stiffness': "      \
-    "500}]}"
+    GRID_SHEET("", "0.5, 0.5", "9, 9", "'translate': [0.2, 0.0035, 0.1], 'area_density': 0.2",     \
+               SPRINGS("500"))
 #define BLOCK_ON_FLOOR                                                                             \
     "{'volume': {'grid': {'size': [0.1, 0.1, 0.1], 'cells': [2, 2, 2]}, 'translate': [0.2, "       \
     "0.054, "                                                                                      \
     "0.1], 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': 1e5, 'damping': 0.01}]}"
 #define FLOOR "{'name': 'floor', 'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}"
 
-/* What lies on a floor that is tilted by an angle, rad, and does not slide, is carried by it:
- * friction counts. */
+/* A body at rest on a floor tilted by an angle, rad: the load includes friction. */
 static void assert_carries(const char *body, const char *integrator, double angle) {
     char head[512];
     pdyn_context *c = test_context(2);
@@ -267,7 +264,7 @@ static const char *splash(void) {
                  TANK ", " PADDLE);
 }
 
-/* The same bits for any number of threads, and when asked again. */
+/* The same bits for any number of threads and in repeated calls. */
 static void test_threads(void **state) {
     (void)state;
     struct total load[2], first[2], again;
@@ -321,7 +318,7 @@ static void test_calls(void **state) {
     assert_int_equal(pdyn_bytes_in_use(context), 0);
 }
 
-/* Asking changes nothing in what follows. */
+/* Asking for loads does not change later steps. */
 static void test_untouched(void **state) {
     (void)state;
     uint64_t hash[2];

@@ -1,5 +1,5 @@
-/* Soft solids: singular values, tetrahedra from files and blocks, strain and volume by exact
- * solutions, and a ball that water hits. */
+/* Soft solids: singular values, tetrahedra from files and grids, strain and volume by exact
+ * solutions, water on a ball. */
 #include "support.h"
 
 #include "base/registry.h"
@@ -59,7 +59,7 @@ static void tell(void *user, const char *text) {
     print_error("%s\n", text);
 }
 
-/* Conformance takes defaults: here they are a volume that is resisted, ranges, damping. */
+/* Conformance uses defaults: here with a volume stiffness, ranges and damping. */
 static void test_conformance(void **state) {
     (void)state;
     static const struct {
@@ -87,8 +87,8 @@ static void test_conformance(void **state) {
 
 /* ---- exact solutions ------------------------------------------------------------------------- */
 
-/* A block that is stretched along its axes has the energy E/2 V sum (s - 1)^2 and K/2 V |s - p|^2,
- * p the closest stretches without a change of volume. */
+/* A block stretched along its axes has the energy E/2 V sum (s - 1)^2 + K/2 V |s - p|^2, p the
+ * closest stretches of product 1. */
 static void test_stretch(void **state) {
     (void)state;
     const double s[3] = {1.2, 0.9, 1.1}, V = 0.4 * 0.2 * 0.3;
@@ -103,8 +103,7 @@ static void test_stretch(void **state) {
         for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= s[a];
     }
     assert_true(fabs(mass - 500 * V) < 1e-9);
-    /* Newton's iteration for p = s - l (p2 p3, p1 p3, p1 p2), p1 p2 p3 = 1, by damped substitution
-     */
+    /* damped substitution for p = s - l (p2 p3, p1 p3, p1 p2) with p1 p2 p3 = 1 */
     double l = 0.0;
     for (int k = 0; k < 2000; k++) {
         for (int a = 0; a < 3; a++)
@@ -121,7 +120,7 @@ static void test_stretch(void **state) {
     pdyn_destroy(context);
 }
 
-/* A rod that hangs becomes rho g L^2 / 2 E longer, without Poisson's effect. */
+/* A hanging rod is extended by rho g L^2 / 2 E, without Poisson's effect. */
 static void test_rod(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -132,7 +131,7 @@ static void test_rod(void **state) {
                  "[{'type': 'tet', 'stiffness': 1e6}, {'type': 'pin', 'stiffness': 1e10, "
                  "'vertices': {'box': {'minimum': [-1, 0.49, -1], 'maximum': [1, 1, 1]}}}]}]}");
     for (int k = 0; k < 60; k++) test_step(context, sim);
-    double end = 0.0; /* the mean of the four points there */
+    double end = 0.0; /* mean of its four points */
     for (int i = 0; i < sim->objective.particles; i++)
         if (sim->rest[3 * i + 1] < -0.49) end += 0.25 * sim->x[3 * i + 1];
     double longer = -0.5 - end, expected = 1000 * 9.81 / (2.0 * 1e6);
@@ -158,7 +157,7 @@ static double volume_of(const pdyn_sim *sim, const pdyn_body *body) {
     return volume;
 }
 
-/* What the water loses in momentum the ball gains, and the ball keeps its volume. */
+/* Momentum lost by the water is gained by the ball, and the ball keeps its volume. */
 static void test_splash(void **state) {
     (void)state;
     char scene[2048];
@@ -282,7 +281,7 @@ static void test_bad_files(void **state) {
     test_remove_file("bad.msh");
 }
 
-/* Without memory there is an error, and nothing is left; of a block and of files. */
+/* A failing allocator gives errors without leaks, for a grid and for files. */
 static void test_memory(void **state) {
     (void)state;
     char scene[1024];

@@ -49,16 +49,16 @@ static void test_grid(void **state) {
     for (int t = 0; t < mesh.triangles; t++) {
         double normal[3], area = triangle_area(&mesh, t, normal);
         assert_near(area, 6.0 / 36, 1e-14);
-        assert_near(normal[1], area, 1e-14); /* up */
+        assert_near(normal[1], area, 1e-14); /* the normal points up */
     }
-    /* diagonals alternate: four of them meet at every second inner vertex */
+    /* diagonals alternate: every second inner vertex has four of them */
     int at[2] = {0};
     for (int i = 0; i < 3 * mesh.triangles; i++)
         at[0] += mesh.triangle[i] == 8, at[1] += mesh.triangle[i] == 9;
     assert_int_equal(at[0], 8);
     assert_int_equal(at[1], 4);
     mesh_free(context, &mesh);
-    /* a sheet that sags: the border stays, the middle and the quarter hang on parabolas */
+    /* a sheet that sags: its border stays, its middle and quarter lie on parabolas */
     assert_int_equal(mesh_grid(context, (double[]){2, 2}, (int[]){5, 5}, 0.4, &mesh), PDYN_OK);
     for (int i = 0; i < mesh.vertices; i++) {
         const double *x = mesh.vertex + 3 * i;
@@ -102,7 +102,7 @@ static void test_topology_grid(void **state) {
     assert_int_equal(
         mesh_grid(context, (double[]){width, height}, (int[]){COLUMNS, ROWS}, 0.0, &mesh), PDYN_OK);
     assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
-    assert_int_equal(t.vertices - t.edges + mesh.triangles, 1); /* Euler: a disc */
+    assert_int_equal(t.vertices - t.edges + mesh.triangles, 1); /* Euler characteristic of a disc */
     assert_near(check_structure(&mesh, &t), width * height, 1e-12);
     double a = width / (COLUMNS - 1), b = height / (ROWS - 1), sum = 0.0;
     for (int e = 0; e < t.edges; e++) sum += t.edge_share[e];
@@ -129,7 +129,7 @@ static void test_topology_tetrahedron(void **state) {
     assert_int_equal(topology_build(context, &mesh, &t), PDYN_OK);
     assert_int_equal(t.edges, 6);
     assert_memory_equal(t.edge, edges, sizeof edges);
-    double face = sqrt(3.0) / 4 * 8; /* edges of length sqrt 8 */
+    double face = sqrt(3.0) / 4 * 8; /* edges of length sqrt(8) */
     assert_near(check_structure(&mesh, &t), 4 * face, 1e-12);
     for (int v = 0; v < 4; v++) {
         assert_false(t.on_border[v]);
@@ -141,7 +141,7 @@ static void test_topology_tetrahedron(void **state) {
     topology_free(context, &t);
 }
 
-/* One triangle: three borders. */
+/* One triangle has three border sides. */
 static void test_topology_triangle(void **state) {
     (void)state;
     static double vertex[9] = {0, 0, 0, 4, 0, 0, 1, 1, 0};

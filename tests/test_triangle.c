@@ -1,6 +1,5 @@
-/* In-plane strain: the projection against one by iteration, the tangent against differences,
- * moduli.
- */
+/* In-plane strain: projection against an iteration, tangent against finite differences, elastic
+ * moduli. */
 #include "support.h"
 
 #include "base/registry.h"
@@ -26,7 +25,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A square of 2 x 2 m of two triangles, with a stiffness of 5 N/m and this range. */
+/* Loads a square of 2 x 2 m of two triangles with 5 N/m and this range. */
 static struct batch *load(const char *range) {
     char text[512];
     snprintf(text, sizeof text,
@@ -38,7 +37,7 @@ static struct batch *load(const char *range) {
     return sim->objective.batch[0];
 }
 
-/* u times the inverse of the root of u'u, by Newton's iteration y = (y + y'^-1) / 2 on the 3 x 3
+/* u times the inverse square root of u'u, by Newton's iteration y = (y + y'^-1) / 2 on the 3 x 3
  * matrix of both columns and their normal. */
 static void nearest_isometry(const double *u, double size, double *p) {
     double y[9];
@@ -70,7 +69,7 @@ static void random_gradient(uint64_t *seed, double stretch, double *u) {
 static void test_isometry(void **state) {
     (void)state;
     struct batch *b = load("");
-    double root = sqrt(2.0); /* of the area */
+    double root = sqrt(2.0); /* square root of the area */
     uint64_t seed = 11;
     for (int n = 0; n < 200; n++) {
         double u[6], p[6], expected[6];
@@ -82,9 +81,8 @@ static void test_isometry(void **state) {
     pdyn_free(sim);
 }
 
-/* Where the sheet is longer than its range, nothing has to be clamped: the tangent is the
- * derivative of the projection. Inside the range it is the identity but for the turning of the
- * plane. */
+/* Above its range no eigenvalue is clamped: the tangent is the derivative of the projection. Inside
+ * the range it is the identity, except for the tilt of the plane. */
 static void test_tangent(void **state) {
     (void)state;
     struct batch *b = load(", 'shortest': 0.9, 'longest': 1.1");
@@ -107,7 +105,7 @@ static void test_tangent(void **state) {
     pdyn_free(sim);
 }
 
-/* A collapsed triangle has finite numbers. */
+/* A collapsed triangle gives finite numbers. */
 static void test_collapsed(void **state) {
     (void)state;
     static const double u[3][6] = {{0}, {1, 0, 0, 0, 0, 0}, {1, 1, 0, 2, 2, 0}};
@@ -122,7 +120,7 @@ static void test_collapsed(void **state) {
     pdyn_free(sim);
 }
 
-/* J, of the sheet stretched to (1 + x, 1 + y) and sheared by the angle z. */
+/* Energy of the sheet stretched to (1 + x, 1 + y) and sheared by the angle z, J. */
 static double energy_of(const double strain[3]) {
     double x[12 + 1] = {0}, gradient[12 + 1], energy;
     for (int v = 0; v < 4; v++) {
@@ -134,7 +132,8 @@ static double energy_of(const double strain[3]) {
     return sim->objective.batch[0]->energy;
 }
 
-/* Young's modulus times thickness Y, no Poisson's effect, shear modulus Y / 2; nothing in range. */
+/* Young's modulus times thickness Y, no Poisson's effect, shear modulus Y / 2; no energy within the
+ * range. */
 static void test_moduli(void **state) {
     (void)state;
     const double e = 1e-4, area = 4.0, Y = 5.0;

@@ -1,8 +1,8 @@
-/* Fast water against walls: none gets out, or through a thin plate, at the CFL limit; the same bits
- * for any number of threads, and without memory an error. */
+/* Fast water against walls at the CFL limit: none passes a wall or a plate; the same bits for any
+ * number of threads; allocation failures. */
 #include "support.h"
 
-/* Water of this velocity in a box, in a scene with these solids. */
+/* A box of water of this velocity, in a scene with these solids. */
 #define SPLASH(velocity, minimum, maximum, solids)                                                 \
     SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005, 'cfl': 1}, "     \
           "'solver': {'tolerance': 0.5, 'outer_iterations': 10}",                                  \
@@ -31,7 +31,7 @@ static void test_corner(void **state) {
         test_step(context, sim);
         most = fmax(most, beyond(&s, 0.6));
     }
-    assert_true(most > -0.0125); /* it has arrived */
+    assert_true(most > -0.0125); /* the water has arrived */
     if (most > 0.0) fail_msg("a particle is %g m behind a wall", most);
     pdyn_free(sim);
     pdyn_destroy(context);
@@ -43,7 +43,7 @@ static const char *shaft =
     SPLASH("[0, -10, 0]", "0.05, 0.3, 0.05", "0.25, 0.5, 0.25",
            "{'box': {'minimum': [0, 0, 0], 'maximum': [0.3, 0.8, 0.3]}}, {'mesh': 'plate.obj'}");
 
-/* Water falls on it with 10 m/s and stays above. */
+/* Water falls on the plate with 10 m/s and stays above. */
 static void test_plate(void **state) {
     (void)state;
     test_write_text("plate.obj", plate);

@@ -1,12 +1,13 @@
-/* Wind and drag: terminal velocity, the direction of the pressure, stability on the lightest
- * sheets. */
+/* Wind and drag: terminal velocity, direction of the pressure, stability for sheets of small mass.
+ */
 #include "support.h"
 
 #include "projdyn/vec3.h"
 
 static const double g = 9.81, air = 1.2;
 
-/* A sheet of 1 m^2 with this many kg, turned about x by an angle, and wind along y. */
+/* A sheet of 1 m^2 of this mass in kg, rotated about x by an angle in degrees; wind along y in m/s.
+ */
 static pdyn_sim *load(pdyn_context *context, double h, double mass, double angle, double wind,
                       const char *more) {
     char text[1024];
@@ -22,8 +23,8 @@ static pdyn_sim *load(pdyn_context *context, double h, double mass, double angle
     return test_load(context, text);
 }
 
-/* Falling flat, m (v' + g) = 1/2 rho drag v^2, implicitly in one of the two v; in the end the
- * weight is carried. With the projective step, the matrix follows the weights. */
+/* Falling flat, m (v' + g) = 1/2 rho drag v^2 with one of the two v implicit, up to the terminal
+ * velocity. With the projective step the matrix follows the weights. */
 static void test_terminal_velocity(void **state) {
     (void)state;
     static const struct {
@@ -47,8 +48,8 @@ static void test_terminal_velocity(void **state) {
     }
 }
 
-/* The pressure is normal to the sheet, whichever way its triangles turn, and grows with the square
- * of the wind across it. */
+/* The pressure is normal to the sheet for both orientations and proportional to the square of the
+ * normal wind speed. */
 static void test_direction(void **state) {
     (void)state;
     for (int k = 0; k < 4; k++) {

@@ -1,5 +1,5 @@
-/* Constraints and solvers that break their contract, one way each: conformance names the fault. All
- * begin as the same good one, a spring of rest length along each edge. */
+/* Constraints and solvers with one fault each: conformance reports it. All are variants of a
+ * correct type, a spring of fixed rest length along each edge. */
 #include "support.h"
 
 #include "base/registry.h"
@@ -180,7 +180,7 @@ static void project_counting(const void *par, const pdyn_batch *b, int first, in
     for (int e = first; e < last; e++) b->p[3 * e] += 1e-7 * atomic_fetch_add(&calls, 1);
 }
 
-/* The mean of a range: what comes out depends on how core cuts the elements. */
+/* Projects to the mean length of the range: the result depends on how core splits the elements. */
 static void project_mean(const void *par, const pdyn_batch *b, int first, int last) {
     double mean = 0.0;
     (void)par;
@@ -238,7 +238,7 @@ static void project_half_way(const void *par, const pdyn_batch *b, int first, in
     for (int k = 3 * first; k < 3 * last; k++) b->p[k] = 0.5 * (b->p[k] + b->u[k]);
 }
 
-/* Onto the sphere, but not to the nearest point of it. */
+/* A point of the sphere, but not the closest. */
 static void project_askew(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
@@ -248,7 +248,7 @@ static void project_askew(const void *par, const pdyn_batch *b, int first, int l
     }
 }
 
-/* To a point in space: not invariant to translations. */
+/* Selects one end: not invariant to translations. */
 static void select_one(const void *par, const pdyn_batch *b, int first, int last) {
     select_edges(par, b, first, last);
     for (int e = first; e < last; e++) b->coefficient[2 * e] = 0.0;
@@ -293,7 +293,7 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     (void)par;
     for (int e = first; e < last; e++) {
         double d = vec3_distance(b->u + 3 * e, b->p + 3 * e);
-        sum += b->weight[e] * d * d; /* a half is missing */
+        sum += b->weight[e] * d * d; /* the factor 1/2 is missing */
     }
     return sum;
 }
@@ -352,7 +352,7 @@ static void release(void *self) {
     put(s, s->r), put(s, s->p), put(s, s->q);
 }
 
-static void *leaked[64]; /* what core is not given back; the test has to, itself */
+static void *leaked[64]; /* memory that the solver does not free; freed by the test */
 
 static void leak(void *self) {
     struct solver *s = self;
@@ -362,7 +362,7 @@ static void leak(void *self) {
     put(s, s->r), put(s, s->p);
 }
 
-/* Conjugate gradients, plain. */
+/* Conjugate gradients without preconditioner. */
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct solver *s = self;
     pdyn_model *m = s->model;
