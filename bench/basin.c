@@ -1,5 +1,5 @@
-/* Water comes to rest in a sheet that is pinned along its four edges. What the pins carry, by the
- * gradient at the pinned points, has to be the weight of both, and the water's surface level. */
+/* Water at rest in a sheet pinned along its four edges. The pins' reaction, from the gradient at
+ * the pinned points, has to equal the weight of both, and the water's surface has to be level. */
 #include "coupling.h"
 
 #include "projdyn/vec3.h"
@@ -20,8 +20,8 @@ static const char scene[] =
     "'stretching_stiffness': 1e4}, {'type': 'bending', 'bending_rigidity': 1e-4}, {'type': 'pin', "
     "'vertices': {'border': true}}]}]}";
 
-/* Largest difference of the heights of the surface, m: of the highest particles of columns two
- * spacings wide that are wholly wet. */
+/* Largest difference of the surface's height, m, over wet columns two spacings wide; the height of
+ * a column is that of its highest particle. */
 static double unevenness(const pdyn_sim *sim) {
     enum { CELLS = 64 };
     static double top[CELLS][CELLS];

@@ -1,4 +1,4 @@
-/* What programs that measure share. */
+/* Shared by all measuring programs. */
 #ifndef BENCH_H
 #define BENCH_H
 
@@ -8,13 +8,13 @@
 
 static const double g = 9.81; /* m/s^2 */
 
-/* Ends the program with a message. */
+/* Prints a message and ends the program. */
 void die(const char *format, ...) PDYN_PRINTF(1, 2);
 
-/* A step, which has to succeed. */
+/* Takes a step; a failure ends the program. */
 pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
 
-/* DIRECTORY/NAME.csv, to be written. */
+/* Opens DIRECTORY/NAME.csv for writing. */
 FILE *open_csv(const char *directory, const char *name);
 
 #endif

@@ -1,7 +1,7 @@
-/* Self-buckling (Greenhill 1881): a strip clamped at its foot stands upright while
- * Gamma = w L^3 / B is below 7.8373. A slight push to the side makes it lean by something like
- * 1 / (1 - Gamma / 7.8373), so one over the lean falls to zero along a line (Southwell 1932); other
- * shapes than the first to buckle take part, too, so that line's zero is 0.2 % low. */
+/* Self-buckling (Greenhill 1881): a strip clamped at its foot stands upright for Gamma = w L^3 / B
+ * below 7.8373. A small sideways load makes it lean by about 1 / (1 - Gamma / 7.8373), so 1 / lean
+ * falls linearly to zero (Southwell 1932). Higher buckling modes contribute, too: the zero of that
+ * line is 0.2 % low. */
 #include "strip.h"
 #include "validation.h"
 
@@ -10,7 +10,7 @@
 
 static const double length = 1.0, area_density = 0.2, critical = 7.83734744; /* m, kg/m^2 */
 
-/* m, how far the tip is off. */
+/* Sideways displacement of the tip, m. */
 static double lean(pdyn_context *context, const char *directory, double gamma, int segments,
                    bool irregular) {
     char constraints[512];

@@ -1,6 +1,6 @@
-/* The catenary: a strip that does not stretch hangs from two supports at the same height, S long, d
- * apart. With S / d = sinh(u) / u it sags by d (cosh(u) - 1) / (2 u), and the greatest tension is
- * w d cosh(u) / (2 u), w the weight per length. */
+/* Catenary: an inextensible strip of length S between two supports at the same height, d apart.
+ * With S / d = sinh(u) / u, its sag is d (cosh(u) - 1) / (2 u) and its largest tension w d cosh(u)
+ * / (2 u), w: weight per length. */
 #include "strip.h"
 #include "validation.h"
 
@@ -12,7 +12,7 @@ static const double distance = 1.0, area_density = 0.2, stiffness = 5e3; /* m, k
 static double sinc(double a) { return sin(a) / a; }
 static double sinhc(double a) { return sinh(a) / a; }
 
-/* Where a monotonic function has a value, between two numbers. */
+/* Solves f(x) = value for a monotonic f between two numbers, by bisection. */
 static double solve(double (*f)(double), double value, double low, double high) {
     bool rises = f(high) > f(low);
     for (int k = 0; k < 100; k++) {
@@ -23,14 +23,14 @@ static double solve(double (*f)(double), double value, double low, double high) 
     return low;
 }
 
-/* On an arc of a circle between the supports; shape: half its angle. */
+/* Initial shape: an arc of a circle between the supports; shape: half its angle. */
 static void on_arc(const struct strip *s, double arc, double xy[2]) {
     double radius = 0.5 * distance / sin(s->shape), length = 2.0 * s->shape * radius;
     double angle = (arc / length - 0.5) * 2.0 * s->shape;
     xy[0] = radius * sin(angle), xy[1] = radius * (cos(s->shape) - cos(angle));
 }
 
-/* N/m, in the middle of the first segment, from its strain, and that at the support. */
+/* Tension in the middle of the first segment, from its strain, and at the support, N/m. */
 static double tension(pdyn_sim *sim, const struct strip *strip) {
     double a[3], b[3], d = 0.0;
     strip_row(sim, strip, 0, a), strip_row(sim, strip, 1, b);

@@ -1,7 +1,7 @@
-/* A hanging chain: a strip that does not stretch, held at the top, swings in one of its modes,
- * y = J_0(2 omega sqrt(r / g)), r from the free end; omega sqrt(L / g) is half a zero of J_0.
- * Implicit Euler turns an oscillation by atan(omega h) in a step and makes it smaller by the factor
- * 1 / sqrt(1 + (omega h)^2). */
+/* Hanging chain: an inextensible strip held at its top oscillates in one mode, y = J_0(2 omega
+ * sqrt(r / g)), r from the free end; omega sqrt(L / g) is half a zero of J_0. Per step of h,
+ * implicit Euler advances the phase by atan(omega h) and reduces the amplitude by 1 / sqrt(1 +
+ * (omega h)^2). */
 #include "strip.h"
 #include "validation.h"
 
@@ -12,12 +12,13 @@ static const double length = 1.0; /* m */
 
 enum { SWINGS = 5 };
 
-/* In the mode of frequency shape sqrt(g / L), a thousandth of the length at the end. */
+/* Initial shape: the mode of frequency shape sqrt(g / L), with an amplitude of L / 1000 at the end.
+ */
 static void in_mode(const struct strip *s, double arc, double xy[2]) {
     xy[0] = arc, xy[1] = 1e-3 * length * j0(2.0 * s->shape * sqrt(fabs(1.0 - arc / length)));
 }
 
-/* The part of the mode in where the strip is. */
+/* Amplitude of the mode in the current shape. */
 static double amplitude(const pdyn_sim *sim, const struct strip *strip) {
     const pdyn_state state = pdyn_get_state(sim);
     double sum = 0.0, at[3];
@@ -30,8 +31,7 @@ static double amplitude(const pdyn_sim *sim, const struct strip *strip) {
     return state.particles ? sum : 0.0;
 }
 
-/* Frequency from the times when the amplitude passes zero, decay from what is largest in between.
- */
+/* Frequency from the zero crossings of the amplitude, decay from its maxima in between. */
 static void swing(pdyn_context *context, const char *directory, const struct strip *strip,
                   double *omega, double *decay) {
     struct fit passages = {0}, sizes = {0};

@@ -1,14 +1,14 @@
 /* Speed and error of a sheet: 1 m, n x n vertices, 0.2 kg/m^2, two corners pinned, springs along
- * the edges, bending, h = 1/60 s. One step, 20 steps into its fall, from s.
+ * the edges, bending, h = 1/60 s; one step from s, 20 steps into the fall.
  *
- *     cloth N STIFFNESS THREADS        one step by several methods
- *     cloth run N STIFFNESS OUTER LINEAR    a second, each step cut short
+ *     cloth N STIFFNESS THREADS             one step by several methods
+ *     cloth run N STIFFNESS OUTER LINEAR    1 s with limited iterations per step
  *
- * prints rows of CSV (without arguments: the header). Stretching stiffness in N/m. Error: |x - x*|
- * / |s - x*|, x* the minimum of E. Times are the shortest of several, the methods in turn; factors
- * and analyses are not in them. `plain` is what one writes first: classic Projective Dynamics in
- * plain C, springs one after the other, cholmod_solve2 with its defaults (`plain_simplicial`:
- * without supernodes, where the BLAS is slow). */
+ * Prints rows of CSV (without arguments: the header). Stretching stiffness in N/m. Error:
+ * |x - x*| / |s - x*|, x* the minimum of E. Times are the shortest of several runs, methods in
+ * turn, without analysis and factorisation. `plain` is the reference: classic Projective Dynamics
+ * in plain C, a loop over springs, cholmod_solve2 with its defaults (`plain_simplicial`: without
+ * supernodes, for a slow BLAS). */
 #include "base/clock.h"
 #include "objective/assembly.h"
 #include "step/sim.h"
@@ -53,7 +53,7 @@ static void step(pdyn_context *context, pdyn_sim *sim) {
     if (pdyn_step(sim, NULL) != PDYN_OK) die(pdyn_last_error(context));
 }
 
-/* The state of one simulation goes over to another, as if it were at its first step. */
+/* Copies the state of a simulation to another one, as if before its first step. */
 static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
     memcpy(to->x, from->x, objective_bytes(&from->objective));
     memcpy(to->v, from->v, objective_bytes(&from->objective));
@@ -137,7 +137,7 @@ static void plain_local(struct plain *p) {
             p->b[a * n + pin->column[e]] += pin->weight[e] * pin->p[3 * e + a];
 }
 
-/* A step from s, in ms; *error: how far it came. */
+/* Solves one step from s, in ms; *error: |x - x*| / |s - x*| after it. */
 static double plain_step(struct plain *p, const double *best, double start, double *error) {
     const double *s = p->sim->objective.s;
     int n = p->n;
@@ -169,7 +169,7 @@ static double plain_step(struct plain *p, const double *best, double start, doub
 struct trace { /* of one step */
     const double *best;
     double start;         /* |s - x*| */
-    double begin, paused; /* ms: the observer's own time does not count */
+    double begin, paused; /* ms; time of the observer is subtracted */
     int points, linear;
     struct point {
         double ms, error;
@@ -198,7 +198,7 @@ static void trace_step(pdyn_context *context, pdyn_sim *sim, const pdyn_sim *sta
     step(context, sim);
 }
 
-/* The first point at most so far from x*, or the last. */
+/* The first point with an error of at most `error`, or the last point. */
 static const struct point *reached(const struct trace *t, double error) {
     int k = 0;
     while (k + 1 < t->points && t->point[k].error > error) k++;
@@ -280,7 +280,8 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
 
 /* ---- a run ----------------------------------------------------------------------------------- */
 
-/* Every step cut short, and once more from the same state to its minimum: the mean error. */
+/* Runs with a fixed number of iterations per step; the mean error compares each step with its exact
+ * minimum from the same state. */
 static void run(pdyn_context *context, int n, double stiffness, int outer, int linear) {
     char cut[256];
     snprintf(cut, sizeof cut,

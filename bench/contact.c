@@ -1,7 +1,7 @@
-/* Contact in a scene: runs it for its duration and looks at every frame for triangles that
- * intersect, by the tests' own method. Prints a row of CSV: vertices, steps, frames, intersections,
- * mean elements in contact, mean outer iterations, step residual mean and largest, ms a step of
- * contact and of the rest, mm that the vertex which moved most has moved in the last half. */
+/* Contact in a scene: runs it and counts intersecting triangles in every frame (tests/intersect.h).
+ * Prints a row of CSV: vertices, steps, frames, intersections, mean elements in contact, mean outer
+ * iterations, mean and largest step residual, ms per step of contact and of everything else,
+ * largest displacement of a vertex in the second half, mm. */
 #include "../tests/intersect.h"
 
 #include "projdyn/vec3.h"
@@ -38,7 +38,7 @@ static int fail(const pdyn_context *context) {
     return EXIT_FAILURE;
 }
 
-/* The largest distance between two states, m. */
+/* Largest displacement of a vertex between two states, m. */
 static double most_moved(const double *a, const double *b, int particles) {
     double most = 0.0;
     for (int i = 0; i < particles; i++) most = fmax(most, vec3_distance(a + 3 * i, b + 3 * i));

@@ -1,11 +1,11 @@
-/* One step of a scene, solved by the projective and by the newton step from the same state, both
- * from s and without a warm start: the error after every outer iteration against the milliseconds
- * spent. Prints CSV:
+/* Convergence within one step of a scene: error after each outer iteration against the time spent,
+ * of the projective and the newton step from the same state, both from s without a warm start.
+ * Prints CSV:
  *
  *     step,iteration,ms,gap,residual,density_mean,density_max,distance
  *
- * gap: (E - E*) / (E(first) - E*); distance: |x - x*| / |s - x*|; x*, E* from a newton step run to
- * stagnation. Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]] */
+ * gap: (E - E*) / (E(first) - E*); distance: |x - x*| / |s - x*|; x* and E* from a newton step run
+ * to stagnation. Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]] */
 #include "base/clock.h"
 #include "step/sim.h"
 
@@ -24,7 +24,7 @@ struct trace {
     pdyn_sim *sim;
     int count, capacity;
     struct record *record;
-    double start, paused; /* ms: the observer's own time does not count */
+    double start, paused; /* ms; time of the observer is subtracted */
 };
 
 static void die(const char *what) {
@@ -50,8 +50,7 @@ static pdyn_sim *load(pdyn_context *context, const char *scene, int count, const
     return sim;
 }
 
-/* The state of one simulation of the scene goes over to another, but for what its last step
- * learned. */
+/* Copies the state of a simulation to another one of the same scene, without warm-start data. */
 static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
     size_t bytes = 3 * (size_t)from->objective.particles * sizeof(double);
     memcpy(to->x, from->x, bytes);
@@ -76,7 +75,7 @@ static struct trace solve(pdyn_context *context, const char *scene, const pdyn_s
     return t;
 }
 
-/* Mean and largest density error at x, over the bodies of particles. */
+/* Mean and largest density error at x, over all bodies of particles. */
 static void density_errors(pdyn_sim *sim, const double *x, double *mean, double *max) {
     double energy, count = 0.0;
     *mean = *max = 0.0;

@@ -1,7 +1,7 @@
-/* Fluid and cloth on each other against what is known. Each command writes CSV files into
+/* Coupled fluid and cloth against exact results. Each command writes CSV files into
  * DIRECTORY and prints a table as markdown:
  *
- *     coupling momentum DIRECTORY STEPS SECONDS      free water and cloth: what is conserved
+ *     coupling momentum DIRECTORY STEPS SECONDS      free water and cloth: conservation
  *     coupling basin DIRECTORY SECONDS MM...         at rest in a sheet; MM: particle spacing
  *     coupling lintearia DIRECTORY SECONDS MM...     the shape of a sheet that holds water
  *     coupling gate DIRECTORY MMxMPAxMS...           a rubber gate: spacing, modulus, step

@@ -1,4 +1,4 @@
-/* What the measurements of fluid and cloth as one system share. */
+/* Shared by the measurements of coupled fluid and cloth. */
 #ifndef COUPLING_H
 #define COUPLING_H
 
@@ -6,10 +6,11 @@
 
 static const double density = 1000.0; /* kg/m^3 */
 
-/* A scene from a text with ' for ", as printf has it. */
+/* Loads a scene from a printf format with ' for ". */
 pdyn_sim *load(pdyn_context *context, const char *format, ...) PDYN_PRINTF(2, 3);
 
-/* Each writes CSV files into a directory and prints a table as markdown. */
+/* The commands of coupling.c: each writes CSV files into a directory and prints a markdown table.
+ */
 void momentum(pdyn_context *context, const char *directory, int steps, double seconds);
 void basin(pdyn_context *context, const char *directory, double seconds, int count,
            char **spacings);

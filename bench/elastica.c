@@ -1,7 +1,7 @@
-/* The heavy elastica: a strip clamped horizontally bends under its own weight. Gamma = w L^3 / B
- * with w the weight per area. With the angle theta below the horizontal and the arc length s, B
- * theta'' = -w (L - s) cos(theta), theta(0) = 0, theta'(L) = 0 (Wang 1986). The strip's drop over
- * reach, H / W, against the solution of this equation. */
+/* Heavy elastica: a horizontally clamped strip bends under its weight. Gamma = w L^3 / B, w: weight
+ * per area. With the angle theta below the horizontal and the arc length s, B theta'' = -w (L - s)
+ * cos(theta), theta(0) = 0, theta'(L) = 0 (Wang 1986). Compared: drop over reach of the tip, H / W.
+ */
 #include "strip.h"
 #include "validation.h"
 
@@ -10,9 +10,9 @@
 
 /* ---- the solution ---------------------------------------------------------------------------- */
 
-static const double level = 1.57079632679489662; /* gap of a horizontal strip */
+static const double level = 1.57079632679489662; /* gap (pi/2 - angle) of a horizontal strip */
 
-struct tip { /* of a strip of length 1 */
+struct tip { /* of the tip of a strip of length 1 */
     double drop, reach;
 };
 
@@ -29,7 +29,7 @@ static struct point plus(struct point p, double h, struct point d) {
                           p.reach + h * d.reach};
 }
 
-/* From the tip to the clamp, or to where the strip is level before, by Runge and Kutta. */
+/* Integrates from the tip to the clamp, or to a horizontal tangent before it, by Runge-Kutta. */
 static struct point integrate(double gamma, double gap) {
     enum { STEPS = 20000 };
     double h = 1.0 / STEPS;
@@ -45,7 +45,8 @@ static struct point integrate(double gamma, double gap) {
     return p;
 }
 
-/* Shooting: the gap at the tip, by its logarithm, such that the strip is level at the clamp. */
+/* Shooting: bisects the logarithm of the gap at the tip until the strip is horizontal at the clamp.
+ */
 static struct tip exact(double gamma) {
     double low = -300.0, high = log(level);
     for (int k = 0; k < 100; k++) {
@@ -61,8 +62,8 @@ static struct tip exact(double gamma) {
 
 static const double length = 1.0, area_density = 0.2, stiffness = 2e4; /* m, kg/m^2, N/m */
 
-/* The clamp is in the middle between the first two rows, which are pinned. `last`: of the last
- * segment, times the first one. */
+/* The clamp lies in the middle between the first two rows, which are pinned. last: length of the
+ * last segment over that of the first. */
 static struct tip measure(pdyn_context *context, const char *directory, double gamma, int segments,
                           double last, bool irregular) {
     char constraints[512];

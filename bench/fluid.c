@@ -1,11 +1,11 @@
-/* Speed and error of the fluid alone: a cube of water, 1 m, collapses in a closed box.
+/* Speed and error of the fluid alone: a cube of water of 1 m collapses in a closed box.
  *
  *     fluid CELLS THREADS SETTING SECONDS
  *
- * prints one row of CSV (without arguments: the header). CELLS^3 particles; the step is 2.5 ms for
- * 29 cells and in proportion to the spacing otherwise, so that a particle travels the same part of
- * its size; the stiffness too, so that the error at rest stays the same. Times are means over all
- * steps, the errors mean over steps of mean and largest of the particles. */
+ * Prints one row of CSV (without arguments: the header). CELLS^3 particles. The step is 2.5 ms at
+ * 29 cells and proportional to the spacing: the displacement per step over the particle size stays
+ * the same. So is the stiffness: the density error at rest stays the same. Times are means over all
+ * steps; errors are means over the steps of the particles' mean and largest error. */
 #include "projdyn/projdyn.h"
 
 #include <math.h>

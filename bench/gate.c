@@ -1,6 +1,6 @@
-/* The elastic gate of Antoci, Gallati, Sibilla 2007: a rubber plate that hangs in the wall of a
- * tank lets the water out and bends. The plate is a sheet with its mass and rigidity, clamped by
- * two rows of pins whose middle is the clamp, in a slice some particles wide between walls. */
+/* Elastic gate (Antoci, Gallati, Sibilla 2007): a rubber plate in the wall of a tank bends and lets
+ * the water out. The plate is a sheet with the plate's mass and bending rigidity, clamped by two
+ * rows of pins (the clamp lies in their middle), in a slice a few particles wide. */
 #include "coupling.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@
 static const double gate = 0.079, thickness = 0.005, gate_density = 1100; /* m, m, kg/m^3 */
 static const double width = 0.1, depth = 0.14;                            /* m, of the water */
 
-/* Horizontal displacement of the tip in the experiment, s and m. */
+/* Measured horizontal displacement of the tip, s and m. */
 static const double experiment[][2] = {{0.040, 0.0125}, {0.080, 0.0340}, {0.119, 0.0440},
                                        {0.161, 0.0464}, {0.200, 0.0442}, {0.240, 0.0430},
                                        {0.281, 0.0412}, {0.321, 0.0400}, {0.360, 0.0374}};
@@ -20,7 +20,7 @@ struct mesh {
     int up, across;         /* segments */
 };
 
-/* Rows from the lowest one. */
+/* Rows from the lowest to the highest. */
 static void write_plane(const char *path, const struct mesh *m, double slice) {
     FILE *file = fopen(path, "w");
     if (!file) die("%s: cannot be written", path);
@@ -49,7 +49,7 @@ static const char scene[] =
     "[{'box': {'minimum': [-1, %.17g, -1], 'maximum': [1, 1, 1]}}]}]}], 'solids': [{'box': "
     "{'minimum': [0, 0, 0], 'maximum': [0.3, 0.2, %.17g]}, 'open': ['+x', '+y']}, {'mesh': '%s'}]}";
 
-/* The sheet lies 0.6 spacings beyond the water, as the samples of a wall do. */
+/* The sheet lies 0.6 spacings beyond the water, as the points of a wall do. */
 static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double d, double modulus,
                            double h, int *across) {
     char sheet[4096], wall[4096];
@@ -63,7 +63,7 @@ static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double 
     write_plane(wall, &m, slice);
     *across = m.across + 1;
     double pressure = density * g * depth;
-    double share = slice / (slice + 2.0 * d); /* of the plate in a width of the sheet */
+    double share = slice / (slice + 2.0 * d); /* mass of the plate over the sheet's width */
     double rigidity =
         share * modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
     return load(context, scene, h, 0.5 * d, width, depth, slice, 0.45 * pressure * d / 1e-3, sheet,
@@ -71,7 +71,7 @@ static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double 
                 gate - 0.6 * ds, slice, wall);
 }
 
-/* Mean x of the lowest row. */
+/* Mean x of the lowest row, m. */
 static double tip(const pdyn_sim *sim, int across) {
     const pdyn_state s = pdyn_get_state(sim);
     double sum = 0.0;
@@ -79,7 +79,7 @@ static double tip(const pdyn_sim *sim, int across) {
     return sum;
 }
 
-/* The displacements at the times of the experiment, and the largest. */
+/* Displacements at the times of the experiment, and the largest displacement, m. */
 static double run(pdyn_context *context, const char *directory, FILE *csv, double d, double modulus,
                   double h, double *at) {
     int across, k = 0;

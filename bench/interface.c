@@ -33,7 +33,7 @@
 struct command {
     const char *name, *arguments;
     void (*run)(const struct job *job);
-    int count; /* of arguments, at least */
+    int count; /* minimum number of arguments */
 };
 
 static const struct command commands[] = {
@@ -73,7 +73,7 @@ static void add_set(struct job *job, const char *text) {
         job->tolerance = atof(text + sizeof tolerance - 1);
 }
 
-/* Takes the options out of the arguments; returns how many are left. */
+/* Removes the options from the arguments; returns the number of the others. */
 static int take_options(struct job *job, int argc, char **argv, int *threads) {
     int left = 0;
     for (int k = 0; k < argc; k++) {

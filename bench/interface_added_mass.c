@@ -34,14 +34,14 @@ static void place(const void *user, double s, double t, double x[3]) {
     x[2] = m->middle[2] + (m->disc ? a * v * round : (0.5 * SLICE - 0.05) * m->d * v);
 }
 
-/* What is above the sheet starts a little higher, lest the sheet throws it up. */
+/* Water above the sheet starts a little higher, so that the sheet does not throw it up. */
 static bool keep(const void *user, double x[3]) {
     const struct moved *m = user;
     if (x[1] > m->middle[1]) x[1] += 2.0 * gap * m->d;
     return true;
 }
 
-/* Displacement, velocity, acceleration of the pins. */
+/* Displacement, velocity and acceleration of the pins. */
 static void motion(double time, double out[3]) {
     double omega = 2.0 * pi / period, t = fmax(0.0, time - rest);
     out[0] = 0.5 * height * (1.0 - cos(omega * t));
@@ -74,8 +74,8 @@ static pdyn_sim *load_moved(const struct job *job, struct moved *m, double conta
     return scene_load(job, &s);
 }
 
-/* Moves the sheet; fits its force, less weight and inertia, to 1, velocity and acceleration, each
- * step with its length for a weight. Returns the fit's root mean square error in N. */
+/* Moves the sheet; fits the force minus weight and inertia by 1, velocity and acceleration,
+ * weighted by the steps. Returns the RMS error of the fit, N. */
 static double fit(const struct job *job, FILE *csv, const struct moved *m, pdyn_sim *sim,
                   double c[TERMS]) {
     double mass = body_weight(sim, 1) / g, duration = 0.0, squares = 0.0;

@@ -1,6 +1,6 @@
-/* A closed bag, round at rest, with more water than it holds without tension, and no gravity. The
- * water should fill it, and its pressure be that of Laplace, p = 2 T / R: T the tension of the
- * membrane, K (l - 1) / l for a stretch l in both directions, R the radius of a ball as large. */
+/* A closed bag, a sphere at rest, with more water than its rest volume, without gravity. The water
+ * should fill it at the Laplace pressure p = 2 T / R: T = K (l - 1) / l the tension of the membrane
+ * at the stretch l in both directions, R the radius of a sphere of the same volume. */
 #include "interface.h"
 
 #include "projdyn/vec3.h"
@@ -11,13 +11,13 @@
 static const double stiffness = 500.0, area_density = 0.3; /* N/m, kg/m^2 */
 static const double pi = 3.14159265358979;
 static const double thick = 0.5; /* XSPH's viscosity */
-/* The lattice of the start is too dense and springs out: contact keeps it inside. */
+/* The initial lattice is too dense and expands: contact keeps it inside. */
 static const double contact = 0.001; /* m */
 
 struct bag {
     double d, radius, fill; /* m, m; volume of the water over that of the bag at rest */
     double middle[3];       /* m, of the lattice */
-    double lattice;         /* m, radius of what the lattice has of water */
+    double lattice;         /* radius of the lattice's part that is water, m */
 };
 
 static bool keep(const void *user, double x[3]) {
@@ -26,7 +26,7 @@ static bool keep(const void *user, double x[3]) {
     return vec3_length(r) < b->lattice;
 }
 
-/* The surface of a cube of n x n x n cells, blown up to a ball; as OBJ. */
+/* Writes OBJ of a sphere: the surface of a cube of n x n x n cells, projected. */
 static void write_bag(FILE *file, int n, double radius) {
     int m = n + 1, count = 0;
     int *number = calloc((size_t)(m * m * m), sizeof *number);
@@ -56,7 +56,7 @@ static void write_bag(FILE *file, int n, double radius) {
     fclose(file);
 }
 
-/* The lattice shrinks such that it is 0.7 spacings away from the bag. */
+/* The lattice is scaled to keep 0.7 spacings from the bag. */
 static pdyn_sim *load_bag(const struct job *job, struct bag *b) {
     char water[4096], mesh[4096];
     static struct scene s;
@@ -101,7 +101,7 @@ static void add_state(struct found *f, const struct bag *b, const pdyn_sim *sim,
     sample_add(&f->laplace, h, 2.0 * stiffness * (stretch - 1.0) / stretch / radius);
 }
 
-/* Particles outside of the bag: farther from its middle than the farthest vertex. */
+/* Number of particles outside the bag: farther from its centre than the farthest vertex. */
 static int lost(const pdyn_sim *sim) {
     const pdyn_state s = pdyn_get_state(sim);
     const pdyn_body_info w = pdyn_get_body(sim, 0), bag = pdyn_get_body(sim, 1);

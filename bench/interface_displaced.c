@@ -1,17 +1,17 @@
-/* How much water a sheet displaces: the pins that hold it under water carry its weight less that of
- * the water, so with A the sheet's area
+/* Water displaced by a submerged sheet: the pins carry its weight minus the buoyancy, so with the
+ * sheet's area A
  *
  *     thickness = (weight - vertical reaction of the pins) / (rho g A)
  *
- * which should be the sheet's own: 0, or what contact keeps. It includes what the sheet displaces
- * around its border. */
+ * The exact value is the sheet's own thickness: 0, or that of contact. It includes the water
+ * displaced around the border. */
 #include "interface.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double area_density = 0.1; /* kg/m^2 */
-static const double gap = 0.1;          /* spacings: more than half of one, at the start */
+static const double gap = 0.1;          /* initial distance beyond half a spacing, in spacings */
 enum { BESIDE = 4, ABOVE = 5 };         /* spacings of water around the sheet */
 
 enum shape { LEVEL, TILTED, CURVED, SHAPES };
@@ -34,8 +34,8 @@ static void place(const void *user, double s, double t, double x[3]) {
     else x[0] += p->radius * sin(turn), x[1] -= p->radius * (1.0 - cos(turn));
 }
 
-/* Half a spacing away from the sheet, or beside it. A layer right at half a spacing would be thrown
- * up if the sheet keeps it farther off: what is above a level sheet starts a little higher. */
+/* Keeps lattice points half a spacing from the sheet. Water above a level sheet starts a little
+ * higher: where the sheet keeps a larger distance, that layer would be thrown up. */
 static bool keep(const void *user, double at[3]) {
     const struct pinned *p = user;
     if (p->shape == LEVEL && at[1] > p->middle[1]) at[1] += 2.0 * gap * p->d;

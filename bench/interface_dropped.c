@@ -1,6 +1,5 @@
-/* A cloth is dropped flat on water: its height over the surface in time, and how much of it has
- * water above. Fibre of 1300 kg/m^3 sinks when it is wet, slowly: 0.3 kg/m^2 weigh 0.7 Pa in water.
- */
+/* A cloth is dropped flat on water: its height over the surface in time, and the fraction of it
+ * under water. Wet fibre of 1300 kg/m^3 sinks slowly: 0.3 kg/m^2 weigh 0.7 Pa in water. */
 #include "interface.h"
 
 #include "projdyn/vec3.h"
@@ -41,7 +40,7 @@ static pdyn_sim *load_drop(const struct job *job, struct drop *p, double contact
     return scene_load(job, &s);
 }
 
-/* A particle is above a point if it is within a spacing of its vertical, and up to three higher. */
+/* True if a particle lies above a point: within a spacing of its vertical, at most three higher. */
 static bool covered(const pdyn_state *s, const pdyn_body_info *water, const double x[3]) {
     double d = 2.0 * water->radius;
     for (int i = water->first; i < water->first + water->count; i++) {
@@ -53,7 +52,7 @@ static bool covered(const pdyn_state *s, const pdyn_body_info *water, const doub
     return false;
 }
 
-/* Share of the cloth's vertices that have water above. */
+/* Fraction of the cloth's vertices with water above. */
 static double wet(const pdyn_sim *sim) {
     const pdyn_state s = pdyn_get_state(sim);
     const pdyn_body_info water = pdyn_get_body(sim, 0), cloth = pdyn_get_body(sim, 1);

@@ -1,7 +1,7 @@
-/* Floating cubes, slabs (half as high as wide: these do not roll over) and balls: the share of
- * their volume that is under water, which should be their density over that of water, and the
- * period of their heave, from a draught 10 % too large. What is heavier than water is let go four
- * spacings above the floor: the gap that stays below it. */
+/* Floating cubes, slabs (half as high as wide: these do not roll over) and balls: the submerged
+ * volume fraction, which should be the density ratio to water, and the heave period after a release
+ * at 110 % of the draught. Bodies denser than water are released four spacings above the floor: the
+ * gap that remains below. */
 #include "interface.h"
 
 #include <math.h>
@@ -30,7 +30,8 @@ static bool keep(const void *user, double x[3]) {
     return fmax(r[0], r[2]) > half || r[1] > 0.5 * f->height + 0.499 * f->d;
 }
 
-/* Of a ball: submerged share = t^2 (3 - 2 t), t the draught over the diameter. */
+/* Draught over height in equilibrium. Ball: submerged fraction = t^2 (3 - 2 t), t: draught over
+ * diameter. */
 static double draught_over_height(const struct floater *f) {
     double share = fmin(1.0, f->density / density), low = 0.0, high = 1.0;
     if (f->shape != BALL) return share;
@@ -74,7 +75,7 @@ static pdyn_sim *load_floater(const struct job *job, const struct floater *f) {
     return scene_load(job, &s);
 }
 
-/* Beside the body. */
+/* The frame of the water surface beside the body. */
 static struct frame frame_of(const struct floater *f) {
     double inner = 0.75 * f->width, outer = (0.5 * f->cells[0] - 1.5) * f->d;
     return (struct frame){.middle = {f->middle[0], f->middle[2]},
@@ -83,15 +84,15 @@ static struct frame frame_of(const struct floater *f) {
                           .low = (f->cells[1] - 3) * f->d};
 }
 
-/* Submerged shares over time, and when the share passes through what it comes to. */
+/* Submerged fraction over time, and its zero crossings about equilibrium. */
 enum { STEPS = 100000, PASSES = 4 };
 struct heave {
     int steps;
     double time[STEPS], share[STEPS];
 };
 
-/* Period in s from the passes through `rest`, as long as it swings by a tenth of how it began; NAN
- * if there are fewer than two. */
+/* Period from the crossings of `rest`, s, while the amplitude exceeds a tenth of the first; NAN
+ * with fewer than two. */
 static double period(const struct heave *h, double rest) {
     double pass[PASSES], swing = 0.0, first = 0.0;
     int passes = 0;
@@ -107,7 +108,7 @@ static double period(const struct heave *h, double rest) {
     return passes < 2 ? NAN : 2.0 * (pass[passes - 1] - pass[0]) / (passes - 1);
 }
 
-/* Without the mass of the water that moves along. */
+/* Period without added mass, s. */
 static double bare_period(const struct floater *f) {
     double plane = f->width * f->width, volume = plane * f->height;
     if (f->shape == BALL) {

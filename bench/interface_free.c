@@ -1,6 +1,6 @@
-/* A free sheet under water, level: how far it drifts up or down, how many steps are not solved, and
- * what a step costs. It starts in the middle between two layers of the particles' lattice, in the
- * cavity that a layer leaves, or in water that came to rest around it while it was held. */
+/* A level free sheet under water: its drift, unsolved steps and the cost of a step. It starts
+ * between two layers of the particle lattice, in the cavity of a layer, or in water that settled
+ * around it while it was held. */
 #include "interface.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static void place(const void *user, double s, double t, double x[3]) {
     x[2] = f->middle[2] + (t - 0.5) * f->width;
 }
 
-/* Half a spacing away from the sheet, or beside it. */
+/* Keeps lattice points half a spacing from the sheet. */
 static bool keep(const void *user, double x[3]) {
     const struct free_sheet *f = user;
     double half = 0.5 * f->width;
@@ -30,7 +30,7 @@ static bool keep(const void *user, double x[3]) {
            fabs(x[2] - f->middle[2]) > half;
 }
 
-/* With the water of free.ply. */
+/* With the particles of free.ply. */
 static pdyn_sim *load(const struct job *job, const struct free_sheet *f, double contact,
                       double viscosity, const char *pin) {
     char water[4096], sheet[4096];
@@ -50,7 +50,7 @@ static pdyn_sim *load(const struct job *job, const struct free_sheet *f, double 
 }
 
 static pdyn_sim *load_free(const struct job *job, const struct free_sheet *f, double contact) {
-    const double rest = 1.5; /* s until the water is at rest */
+    const double rest = 1.5; /* time until the water is at rest, s */
     char water[4096];
     lattice_write(job_file(job, "free.ply", water), f->d, f->cells, keep, f);
     if (strcmp(f->start, "settled")) return load(job, f, contact, plain, "");

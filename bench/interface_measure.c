@@ -1,4 +1,4 @@
-/* What the measurements of the interface compute from a state. */
+/* Quantities of a state for the measurements of the interface. */
 #include "interface.h"
 
 #include "projdyn/vec3.h"
@@ -47,7 +47,7 @@ void body_middle(const pdyn_sim *sim, int body, double x[3]) {
     for (int i = 0; i < b.count; i++) vec3_add(x, 1.0 / b.count, s.x + 3 * (b.first + i));
 }
 
-/* The share of the interval x +- d/2 that is within +- half. */
+/* Fraction of the interval x +- d/2 within +- half. */
 static double share(double x, double d, double half) {
     if (half <= 0.0) return 0.0;
     return fmax(0.0, fmin(x + 0.5 * d, half) - fmax(x - 0.5 * d, -half)) / d;

@@ -1,6 +1,6 @@
-/* A clamped plate under a column of water: an aluminium floor 1 m long and 0.05 m thick under 2 m
- * of water, in a slice a few particles wide. In the middle it sinks by q L^4 / (384 D), q the load
- * of water and plate: 6.860e-5 m. */
+/* A clamped plate under water: aluminium, 1 m long, 0.05 m thick, under 2 m of water, in a slice a
+ * few particles wide. The deflection of its middle is q L^4 / (384 D) = 6.860e-5 m, q: load of
+ * water and plate. */
 #include "interface.h"
 
 #include <math.h>
@@ -15,8 +15,8 @@ struct plate {
     int segments;      /* of the free length */
 };
 
-/* Two rows at each end are pinned: the clamp is in their middle. Walls reach below the plate: at
- * its height, their lower borders would press water down along the walls. */
+/* Two rows at each end are pinned: the clamp lies in their middle. The walls extend below the
+ * plate: with borders at its height, water would be pressed down along them. */
 static void place(const void *user, double s, double t, double x[3]) {
     const struct plate *p = user;
     x[0] = s * (length + p->segment) - 0.5 * p->segment;
@@ -54,7 +54,7 @@ static pdyn_sim *load_plate(const struct job *job, struct plate *p) {
     return scene_load(job, &s);
 }
 
-/* How far the row in the middle is down, m: between the two next to it. */
+/* Deflection of the middle row relative to its neighbours, m. */
 static double sunk(const pdyn_sim *sim) {
     const pdyn_state s = pdyn_get_state(sim);
     const pdyn_body_info b = pdyn_get_body(sim, 1);

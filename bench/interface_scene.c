@@ -1,4 +1,4 @@
-/* Scenes of the measurements of the interface: JSON text and the files that it names. */
+/* Scenes of the interface measurements: JSON text and mesh files. */
 #include "interface.h"
 
 #include <stdarg.h>
@@ -67,7 +67,7 @@ FILE *job_file(const struct job *job, const char *name, char *path) {
     return file;
 }
 
-/* Calls `keep` for all points of the lattice; writes what it keeps, unless `file` is NULL. */
+/* Calls `keep` for every lattice point; writes the accepted ones unless `file` is NULL. */
 static int visit(FILE *file, double d, const int cells[3],
                  bool (*keep)(const void *user, double x[3]), const void *user) {
     int count = 0;

@@ -1,5 +1,4 @@
-/* Soft solids in a state: how much of them is under water, how far they have turned. And a mesh of
- * tetrahedra for a ball. */
+/* Soft solids in a state: submerged fraction and rotation; a tetrahedral mesh of a ball. */
 #include "interface.h"
 
 #include "projdyn/vec3.h"
@@ -8,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Integral of y over a triangle seen along y, with the sign of its normal: what it adds to the
- * volume of what it is the surface of. */
+/* Signed volume between a triangle and y = 0: the triangle's contribution to its surface's volume.
+ */
 static double below(const double *a, const double *b, const double *c) {
     double area = 0.5 * ((b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]));
     return area * (a[1] + b[1] + c[1]) / 3.0;
@@ -27,7 +26,7 @@ double body_volume(const pdyn_sim *sim, int body) {
     return fabs(sum);
 }
 
-/* What of a triangle is under y = 0: at most four corners. */
+/* Clips a triangle to y < 0: at most four corners. */
 static int clip(double corner[3][3], double out[4][3]) {
     int n = 0;
     for (int k = 0; k < 3; k++) {
@@ -104,7 +103,7 @@ static void write_nodes(FILE *file, int n) {
     fclose(file);
 }
 
-/* The tetrahedra of a cell share a diagonal that leads outward in every octant. */
+/* The tetrahedra of a cell share the diagonal that points outward in every octant. */
 static void write_cell(FILE *file, int n, const int cell[3], int *count) {
     int m = n + 1;
     for (int t = 0; t < 6; t++) {

@@ -1,5 +1,5 @@
-/* A square sheet with all vertices pinned is towed through water at rest, edge-on or broadside: the
- * force along the way in the second half of the way, after a start of constant acceleration. */
+/* A square sheet with all vertices pinned is towed through water at rest, edge-on or broadside:
+ * mean force along the path over its second half, after a start with constant acceleration. */
 #include "interface.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static void place(const void *user, double s, double t, double x[3]) {
     x[2] = w->middle[2] + (w->broadside ? u : 0.0);
 }
 
-/* The start takes a quarter of the way and twice the time that this takes at full speed. */
+/* The start takes a quarter of the path, in twice the time that it takes at full speed. */
 static double start_time(const struct tow *w) { return 0.5 * WAY * w->d / w->speed; }
 
 static double end_time(const struct tow *w) {
@@ -58,7 +58,7 @@ static pdyn_sim *load_tow(const struct job *job, struct tow *w, double contact) 
     return scene_load(job, &s);
 }
 
-/* Mean force in N; prints a row. */
+/* Mean force, N; prints a row. */
 static double run(const struct job *job, FILE *csv, struct tow *w, double contact) {
     pdyn_sim *sim = load_tow(job, w, contact);
     double area = body_area(sim, 1), end = end_time(w), steps = 0.0, unsolved = 0.0, ms = 0.0;

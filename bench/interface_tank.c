@@ -1,7 +1,6 @@
-/* Water at rest in a tank: its pressure inside, against rho g depth and how much it scatters, and
- * at floor, walls, edges and corners, in means over the last part of a run. Layers are a spacing
- * thick; what lies within a spacing of a wall is at the wall, what is farther than two from all is
- * inside. */
+/* Water at rest in a tank: mean pressure against rho g depth and its scatter inside, and at floor,
+ * walls, edges and corners, over the last part of a run. Layers are one spacing thick; "at a wall"
+ * is within a spacing of it, "inside" farther than two spacings from all. */
 #include "interface.h"
 
 #include <math.h>
@@ -10,26 +9,26 @@
 
 static const double d = 0.02; /* m, particle spacing */
 
-/* Sums over particles, of the last part of a run or of a state: number, height in m, pressure in
- * Pa, and this with rho g height added: the same in all of a layer. */
+/* Sums over particles of a state or a run: number, height in m, pressure in Pa, pressure + rho g
+ * height (constant over a layer at rest). */
 struct sums {
     double n, y, pressure, level, squares;
 };
 
 struct layer {
     struct sums inside, all; /* of the run */
-    double scatter[2];       /* inside, all: sums of (pressure - mean of the state's layer)^2 */
+    double scatter[2];       /* inside; all: sums of (pressure - mean of its layer)^2 */
 };
 
-/* At the floor: away from the walls, at one, at two. Above it: at one wall, at two. */
+/* At the floor: away from walls, at one wall, at two. Above it: at one wall, at two. */
 enum { FLOOR, FLOOR_EDGE, CORNER, WALL, EDGE, PLACES };
 
 struct rest {
     int cells[3];
     int layers;
     struct layer *layer;
-    struct sums *inside, *all; /* of the state: layers */
-    /* Of the run: pressures, and above the floor those inside at the same heights. */
+    struct sums *inside, *all; /* of a state: layers */
+    /* Over a run: pressures at the walls, and inside at the same heights. */
     double pressure[PLACES], expected[PLACES], n[PLACES];
 };
 
@@ -44,7 +43,7 @@ static void add(struct sums *s, double y, double pressure) {
     s->n++, s->y += y, s->pressure += pressure, s->level += level, s->squares += level * level;
 }
 
-/* Distance to the nearest walls across x and z. */
+/* Distances to the nearest walls in x and z, m. */
 static void to_walls(const struct rest *r, const double x[3], double distance[2]) {
     for (int k = 0; k < 2; k++) distance[k] = fmin(x[2 * k], r->cells[2 * k] * d - x[2 * k]);
 }
@@ -75,7 +74,8 @@ static void merge(struct sums *s, const struct sums *more) {
     s->n += more->n, s->y += more->y, s->pressure += more->pressure, s->level += more->level;
 }
 
-/* What is at walls, edges and corners; five spacings below the surface where above the floor. */
+/* Particles at walls, edges and corners; above the floor only those five spacings below the
+ * surface. */
 static void add_places(struct rest *r, const pdyn_state *s) {
     double deepest = (r->cells[1] - 5) * d;
     for (int i = 0; i < s->particles; i++) {
@@ -114,8 +114,8 @@ static pdyn_sim *load_tank(const struct job *job, const struct rest *r) {
     return scene_load(job, &s);
 }
 
-/* Writes the profile; returns the worst relative deviation of a layer four spacings and more from
- * floor and surface. Pressure that a particle's depth demands: from the weight above the layer. */
+/* Writes the profile; returns the largest relative deviation of a layer at least four spacings from
+ * floor and surface. Expected pressure: weight above the layer. */
 static double write_profile(const struct job *job, struct rest *r, double states,
                             double *floor_pressure) {
     double above = 0.0, worst = 0.0, full = states * r->cells[0] * r->cells[2];
@@ -138,7 +138,7 @@ static double write_profile(const struct job *job, struct rest *r, double states
     return worst;
 }
 
-/* Mean over the layers that are five spacings deep and more of deviation over mean. */
+/* Mean of deviation over mean, over layers at least five spacings deep. */
 static double scatter(const struct rest *r, bool all) {
     struct sample s = {0};
     for (int k = 0; k < r->cells[1] - 5; k++) {

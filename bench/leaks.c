@@ -1,6 +1,6 @@
-/* Does anything pass through a sheet? Water hits one, and a full bag is shaken. After
- * every step the triangles above each particle are counted, one by one and by nothing that the
- * library does: an even number of them means above the sheet, an odd one inside the bag. */
+/* Tightness of sheets: water hits a sheet, and a filled bag is shaken. After every step the
+ * triangles above each particle are counted, independent of the library: an even number means above
+ * the sheet, an odd number inside the bag. */
 #include "coupling.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@
 enum { BINS = 256 };
 static const double side = 1.2; /* m, of the sheet */
 
-struct shadow { /* triangles seen from above, by bins of a square grid */
+struct shadow { /* triangles projected to the horizontal plane, in bins of a square grid */
     const double *x;
     const int *triangle;
     double low[2], scale[2];
@@ -29,7 +29,7 @@ static const double *corner(const struct shadow *s, int triangle, int k) {
     return s->x + 3 * s->triangle[3 * triangle + k];
 }
 
-/* Adds a triangle to the bins that it overlaps: to their counts, or to their entries. */
+/* Adds a triangle to the counts, or to the entries, of the bins that it overlaps. */
 static void enter(struct shadow *s, int t, bool count) {
     int from[2], to[2];
     for (int a = 0; a < 2; a++) {
@@ -86,16 +86,16 @@ struct run {
     char name[16];
     int across, mesh; /* particles; vertices or cells of the sheet */
     double h, seconds;
-    int outer, linear; /* iterations at most */
-    double speed;      /* m/s, of the water, or of what shakes the bag */
+    int outer, linear; /* maximum number of iterations */
+    double speed;      /* of the water or the shaken bag, m/s */
 };
 
 struct watch {
     const pdyn_sim *sim;
     struct shadow shadow;
-    bool odd;      /* a bag */
-    bool *spilled; /* particles: beyond the border of the sheet in some iterate; these may come from
-                      below it */
+    bool odd;      /* the sheet is a bag */
+    bool *spilled; /* particles beyond the border of the sheet in some iterate: they may be below it
+                    */
 };
 
 static void see_spilled(void *user, const pdyn_iteration *iteration) {
@@ -107,7 +107,7 @@ static void see_spilled(void *user, const pdyn_iteration *iteration) {
     }
 }
 
-/* Particles on the wrong side. */
+/* Number of particles on the wrong side. */
 static int wrong_side(struct watch *watch) {
     struct shadow *s = &watch->shadow;
     const pdyn_state state = pdyn_get_state(watch->sim);
@@ -117,13 +117,15 @@ static int wrong_side(struct watch *watch) {
     cast(s, state.x, &sheet);
     for (int i = 0; i < water.count; i++) {
         const double *p = state.x + 3 * (water.first + i);
-        double beside[3] = {p[0] + 1.1e-9, p[1], p[2] + 0.7e-9}; /* of edges that symmetry hits */
+        double beside[3] = {
+            p[0] + 1.1e-9, p[1],
+            p[2] + 0.7e-9}; /* offset that avoids edges, which symmetric positions would hit */
         wrong += !watch->spilled[i] && (above(s, beside) % 2 != 0) != watch->odd;
     }
     return wrong;
 }
 
-/* Runs it, looks after every step, and prints a row of the table. */
+/* Runs the case, checks after every step and prints a row of the table. */
 static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct run *run, bool odd) {
     static struct watch watch;
     const pdyn_body_info water = pdyn_get_body(sim, 0), sheet = pdyn_get_body(sim, 1);
@@ -157,7 +159,7 @@ static void look(pdyn_context *context, pdyn_sim *sim, FILE *csv, const struct r
     "'solver': {'tolerance': 0.5, "                                                                \
     "'outer_iterations': %d, 'linear_iterations': %d}"
 
-/* A cube of 0.3 m and n^3 particles falls on the middle of a sheet. */
+/* A cube of water of 0.3 m and n^3 particles falls on the middle of a sheet. */
 static void impact(pdyn_context *context, FILE *csv, const struct run *run) {
     int n = run->across;
     double half = 0.15, d = 2.0 * half / n;
@@ -175,7 +177,7 @@ static void impact(pdyn_context *context, FILE *csv, const struct run *run) {
          csv, run, false);
 }
 
-/* A cube whose faces are grids, blown up to a ball. */
+/* Surface of a ball: a cube whose faces are grids, projected to the sphere. */
 static void write_ball(const char *path, double radius, int cells) {
     FILE *file = fopen(path, "w");
     if (!file) die("%s: cannot be written", path);
@@ -207,15 +209,15 @@ static void write_ball(const char *path, double radius, int cells) {
                     c[(face + 1) % 3] = i + (k == 1 || k == 2), c[(face + 2) % 3] = j + (k > 1);
                     v[k] = number[(c[0] * (cells + 1) + c[1]) * (cells + 1) + c[2]];
                 }
-                int b = face < 3 ? 3 : 1, d = face < 3 ? 1 : 3; /* all faces outwards */
+                int b = face < 3 ? 3 : 1, d = face < 3 ? 1 : 3; /* all faces outward */
                 fprintf(file, "f %d %d %d\nf %d %d %d\n", v[0], v[b], v[2], v[0], v[2], v[d]);
             }
     free(number);
     fclose(file);
 }
 
-/* A ball of 0.2 m, n particles across, held at its top and shaken by 0.1 m to each side, and up and
- * down by half of that, 40 ways. */
+/* A ball of 0.2 m, n particles across, held at its top and shaken 40 times by 0.1 m sideways, and
+ * by half of that up and down. */
 static void bag(pdyn_context *context, const char *directory, FILE *csv, const struct run *run) {
     char path[4096], way[4096] = "";
     double radius = 0.1, d = 2.0 * radius / run->across;

@@ -1,8 +1,8 @@
-/* The lintearia (Bernoulli 1692): a sheet between two horizontal bars holds water. Its tension T is
- * the same everywhere, and its curvature is rho g (depth) / T: an elastica, as far as it is wet,
- * and straight above. From the lowest point, with the arc length s and the angle a of the sheet, a'
- * = rho g max(0, H - y) / T; H and T follow from the length of the sheet and the area of the water.
- * In a slice some particles wide between walls. */
+/* Lintearia (Bernoulli 1692): a sheet between two horizontal bars holds water. Its tension T is
+ * constant and its curvature is rho g depth / T: an elastica below the water level, straight above.
+ * From the lowest point, with arc length s and angle a, a' = rho g max(0, H - y) / T; H and T
+ * follow from the length of the sheet and the area of the water. Simulated in a slice a few
+ * particles wide. */
 #include "coupling.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ static struct point plus(const struct point *p, double ds, const struct point *d
     return (struct point){p->x + ds * d->x, p->y + ds * d->y, p->angle + ds * d->angle};
 }
 
-/* By Runge and Kutta; a sheet under tension is longer by T / stiffness. */
+/* Integrates by Runge-Kutta; under tension the sheet is longer by the strain T / stiffness. */
 static void integrate(struct curve *c) {
     double ds = 0.5 * length * (1.0 + c->tension / stiffness) / STEPS;
     struct point p = {0};
@@ -50,7 +50,7 @@ static void integrate(struct curve *c) {
     }
 }
 
-/* The tension at which the sheet reaches from bar to bar, for this depth. */
+/* Tension at which the sheet reaches from bar to bar, for this depth, N/m. */
 static void reach(struct curve *c, double depth) {
     double low = log(1e-3), high = log(1e6);
     c->depth = depth;
@@ -75,8 +75,8 @@ static void solve(struct curve *c, double area) {
 
 /* ---- the sheet ------------------------------------------------------------------------------- */
 
-/* Where it begins: an arc of a circle between the bars, at the height 0. */
-static double arc_angle(void) { /* half of the arc's */
+/* Initial shape: an arc of a circle between the bars, which are at height 0. */
+static double arc_angle(void) { /* half the angle of the arc */
     double low = 0.1, high = 3.0;
     for (int k = 0; k < 60; k++) {
         double middle = 0.5 * (low + high);
@@ -86,14 +86,15 @@ static double arc_angle(void) { /* half of the arc's */
     return low;
 }
 
-static void arc_point(double s, double xy[2]) { /* s: m from the middle */
+static void arc_point(double s, double xy[2]) { /* s: from the middle, m */
     double half = arc_angle(), radius = 0.5 * length / half;
     xy[0] = radius * sin(s / radius), xy[1] = radius * (cos(half) - cos(s / radius));
 }
 
 struct slice {
     double spacing, width; /* m */
-    int along, across; /* segments of the sheet, which is wider than the slice by two spacings */
+    int along,
+        across; /* segments of the sheet across, which is two spacings wider than the slice */
 };
 
 static double row_arc(const struct slice *slice, int row) {
@@ -119,10 +120,10 @@ static void write_sheet(const struct slice *slice, const char *path) {
     fclose(file);
 }
 
-/* Columns of water on the arc, one particle wide, up to the level at which they have the area. */
+/* Columns of water on the arc, one particle wide, up to the level of the given area. */
 static void fill(const struct slice *slice, double area, char *text, size_t size) {
     double d = slice->spacing, radius = 0.5 * length / arc_angle();
-    double middle = radius * cos(arc_angle()); /* the centre is so far above the bars */
+    double middle = radius * cos(arc_angle()); /* height of the centre above the bars */
     int cells = (int)round(area / (d * d)), columns = (int)(span / d), used = 0, placed = 0;
     enum { MOST = 512 };
     int floor_of[MOST], top[MOST];
@@ -165,7 +166,7 @@ static pdyn_sim *load_slice(pdyn_context *context, const char *directory, const 
         h, 0.5 * d, boxes, 0.45 * pressure * d / 1e-3, path, area_density, stiffness, slice->width);
 }
 
-/* Mean position of a row. */
+/* Mean position of a row, m. */
 static void row_at(const pdyn_sim *sim, const struct slice *slice, int row, double xy[2]) {
     const pdyn_state s = pdyn_get_state(sim);
     int n = slice->across + 1, first = pdyn_get_body(sim, 1).first + row * n;
@@ -174,7 +175,7 @@ static void row_at(const pdyn_sim *sim, const struct slice *slice, int row, doub
         for (int a = 0; a < 2; a++) xy[a] += s.x[3 * (first + j) + a] / n;
 }
 
-/* RMS distance of the rows from where they should be, over the span. csv: NULL, or for the rows. */
+/* RMS distance of the rows from the exact curve over the span. csv: output of the rows, or NULL. */
 static double deviation(const pdyn_sim *sim, const struct slice *slice, const struct curve *c,
                         FILE *csv) {
     double sum = 0.0, bars = c->y[STEPS];

@@ -1,10 +1,10 @@
-/* The collapse of a column of water, twice as high as its base a, on a dry floor: the front against
- * Martin & Moyce (1952), at T = t sqrt(2 g / a) and Z = front / a.
+/* Collapse of a water column, twice as high as its base a, on a dry floor: the front against Martin
+ * & Moyce (1952), with T = t sqrt(2 g / a) and Z = front / a.
  *
- * The column stands free at t = 0; the experiment's was held by a paper diaphragm that a current
- * released. Walls have no friction, so a channel eight particles wide, four support radii, will do.
- * The front is where half a row across the channel, four particles, is ahead, and half a spacing
- * on: a spilled particle or three do not move it. */
+ * The column is free at t = 0; in the experiment a current released a paper diaphragm. Walls have
+ * no friction, so a channel of eight particles (four support radii) is wide enough. The front is
+ * the position with four particles ahead (half a row across the channel) plus half a spacing: it
+ * does not follow single spilled particles. */
 #include "validation.h"
 
 #include <math.h>
@@ -104,7 +104,7 @@ static void print_times(const struct experiment *e, const struct curve *run, int
     }
 }
 
-/* Mean of T by `of` less T by `from`, at the experiment's Z. */
+/* Mean difference of T (`of` minus `from`) at the Z of the experiment. */
 static double mean_delay(const struct experiment *e, const struct curve *of,
                          const struct curve *from) {
     double sum = 0.0;
@@ -115,7 +115,7 @@ static double mean_delay(const struct experiment *e, const struct curve *of,
     return sum / e->curve.count;
 }
 
-/* The largest deviation from the measured T where the run starts later by its lead. */
+/* Largest deviation from the measured T, with the run's start shifted by its lead. */
 static double deviation(const struct experiment *e, const struct curve *run) {
     double worst = 0.0, lead = mean_delay(e, NULL, run);
     for (int k = 0; k < e->curve.count; k++) {
@@ -125,7 +125,7 @@ static double deviation(const struct experiment *e, const struct curve *run) {
     return worst;
 }
 
-/* Slope of Z over T by least squares, at the experiment's Z. */
+/* Slope of Z over T by least squares, at the Z of the experiment. */
 static double speed(const struct experiment *e, const struct curve *run) {
     struct fit fit = {0};
     for (int k = 0; k < e->curve.count; k++) {

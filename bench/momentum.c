@@ -1,6 +1,6 @@
-/* A drop falls on a free sheet that lies at an angle; nothing else acts, not even gravity. Linear
- * momentum has to stay whatever a step was solved to, and angular momentum up to what implicit
- * Euler takes: at its exact minimum a step changes it by h sum m dv x v. */
+/* Conservation: a drop hits an inclined free sheet, without gravity. Linear momentum has to be
+ * conserved for any accuracy of the solve, angular momentum up to the loss of implicit Euler: at
+ * its exact minimum, a step changes it by h sum m dv x v. */
 #include "coupling.h"
 
 #include "projdyn/vec3.h"

@@ -1,4 +1,4 @@
-/* The same sheet on finer and finer meshes, hung by two corners: how far down it hangs. */
+/* Convergence under refinement: the lowest point of a sheet hung by two corners. */
 #include "strip.h"
 #include "validation.h"
 
@@ -6,14 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* m: what moves less in a step, is at rest. */
+/* m per step: below this displacement the sheet counts as at rest */
 static const double still = 2e-5;
 
-/* Vertices along a side. Wrinkles as fine as the triangles of irregular meshes beyond that take
- * hundreds of iterations a step of this length. */
+/* Vertices per side. Finer irregular meshes have wrinkles of the size of triangles, which take
+ * hundreds of iterations per step. */
 enum { MOST_IRREGULAR = 65 };
 
-/* m, of the lowest point. */
+/* Height of the lowest point, m. */
 static double lowest(pdyn_context *context, const char *directory, int vertices, bool irregular) {
     char constraints[512];
     snprintf(

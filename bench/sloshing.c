@@ -1,12 +1,11 @@
-/* The first mode of water in a rectangular tank, half as deep as long: its frequency against linear
- * theory, omega^2 = g k tanh(k D), k = pi / L, and its decay, against the length of the step, the
- * viscosity and the speed at the start.
+/* First sloshing mode of water in a rectangular tank, half as deep as long: frequency against
+ * linear theory, omega^2 = g k tanh(k D), k = pi / L, and decay, over the step, the viscosity and
+ * the initial speed.
  *
- * The water starts with a speed along the tank everywhere. The walls turn that into the odd
- * modes; the third one moves the centre of mass some 2 % as far as the first. Frequency and decay
- * come from the centre of mass along the tank: from the times when it passes the middle, and from
- * its farthest point in between, over the first swings. Later ones are so short that particles no
- * longer change places in them. */
+ * The water starts with a uniform speed along the tank, which excites the odd modes; the third one
+ * moves the centre of mass by some 2 % of the first. Frequency and decay are computed from the
+ * centre of mass along the tank, its zero crossings and the maxima in between, over the first
+ * swings: in later, smaller swings particles do not change places. */
 #include "validation.h"
 
 #include <math.h>
@@ -64,7 +63,7 @@ static struct swings swing(pdyn_context *context, const char *directory,
     return swings;
 }
 
-/* The whole swings' farthest points decay by exp(-rate t). */
+/* The maxima of the whole swings decay by exp(-rate t). */
 static void measure(const struct swings *s, double *omega, double *rate) {
     struct fit passages = {0}, decay = {0};
     for (int k = 0; k < s->count; k++) {

@@ -1,6 +1,6 @@
-/* Which solver for fluid and cloth. Each has a simulation of its own; they take their steps in
- * turn, all of them to the same residual. `solvers`: water in the middle of a sheet that is pinned
- * along its border; `sizes`: a scene's file with particles of other sizes. */
+/* Solvers compared on coupled scenes. One simulation per solver; they take steps in turn, all to
+ * the same residual. `solvers`: water in the middle of a sheet pinned along its border; `sizes`: a
+ * scene with particles of other sizes. */
 #include "coupling.h"
 
 #include <malloc.h>
@@ -25,9 +25,9 @@ static const char scene[] =
 
 struct course {
     const char *file; /* NULL: the scene above */
-    int n;            /* its vertices along an edge */
-    double value;     /* its stretching stiffness, N/m; with a file: radius of particles, mm */
-    double from;      /* s: steps before are not measured */
+    int n;            /* vertices along an edge of the sheet */
+    double value;     /* stretching stiffness, N/m; with a file: particle radius, mm */
+    double from;      /* s: measurements start here */
     int steps;
 };
 
@@ -41,7 +41,7 @@ static double bytes_in_use(void) {
     return (double)info.uordblks + (double)info.hblkhd;
 }
 
-/* These are for the projective step, which is cut short after 20 iterations. */
+/* For the projective step, limited to 20 iterations. */
 static bool is_direct(const char *name) { return !strcmp(name, "cholesky"); }
 
 static pdyn_sim *load_sheet(pdyn_context *context, const struct course *course, const char *name) {
@@ -52,8 +52,8 @@ static pdyn_sim *load_sheet(pdyn_context *context, const struct course *course, 
     return load(context, scene, settings, course->n, course->n, course->value);
 }
 
-/* The same stiffness at every size: by its `compression` that of the scene falls with the spacing.
- */
+/* Sets the same stiffness for each particle size: with `compression` it would fall with the
+ * spacing. */
 static const char stiffness[] =
     "bodies.water.constraints.fluid={\"type\": \"fluid\", \"stiffness\": 1e4, \"viscosity\": 0.2}";
 

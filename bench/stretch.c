@@ -1,6 +1,5 @@
-/* The modulus of a sheet, whatever its mesh: a strip hangs from its first row and grows longer by
- * w L^2 / (2 Y) under its own weight. Its middle becomes narrower by Poisson's ratio times the
- * strain there. */
+/* Modulus of a sheet on any mesh: a strip hung by its first row is extended by w L^2 / (2 Y) under
+ * its weight. At half its length it is narrower by Poisson's ratio times the strain there. */
 #include "strip.h"
 #include "validation.h"
 

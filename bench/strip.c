@@ -13,13 +13,13 @@ double strip_length(const struct strip *s, int n) {
     return s->segment * (s->growth == 1.0 ? n : (pow(s->growth, n) - 1.0) / (s->growth - 1.0));
 }
 
-/* In [-1, 1), the same on every machine. */
+/* Reproducible random numbers in [-1, 1). */
 static double random_number(uint64_t *state) {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
     return (double)(*state >> 11) * 0x1p-52 - 1.0;
 }
 
-/* Borders and the row next to a clamp stay straight. */
+/* Vertices of borders and of the row next to a clamp are not moved. */
 static void write_vertex(FILE *file, const struct strip *s, int i, int j, uint64_t *seed) {
     double dx = s->random * s->segment * random_number(seed);
     double dz = s->random * s->segment * random_number(seed);
@@ -69,7 +69,7 @@ pdyn_sim *strip_load(pdyn_context *context, const char *directory, const struct 
     return sim;
 }
 
-/* A swing stands still where it turns, so it takes some steps to be at rest. */
+/* A swinging strip is momentarily at rest at its turning points: rest has to last some steps. */
 void strip_settle(pdyn_context *context, pdyn_sim *sim, const struct strip *s, double still) {
     const pdyn_state state = pdyn_get_state(sim);
     for (int n = 0, quiet = 0; quiet < 5; n++) {

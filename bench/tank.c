@@ -1,13 +1,13 @@
-/* Water at rest in a tank: the pressure against rho g depth, the loss of volume, the kinetic
- * energy, and what a step at rest costs. */
+/* Water at rest in a tank: pressure against rho g depth, compression, kinetic energy, cost of a
+ * step. */
 #include "validation.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-struct layer { /* of particles, a spacing thick: sums over the last second */
+struct layer { /* of particles, one spacing thick: sums over the last second */
     double count, pressure, density;
-    double depth; /* m: of a column of water as heavy as what lies above the layer's middle */
+    double depth; /* height of a column of water with the weight above the layer's middle, m */
 };
 
 struct rest {
@@ -15,12 +15,13 @@ struct rest {
     char name[64];
     struct layer *layer;         /* water.cells[1] + 1, from the floor up */
     double surface;              /* m */
-    double steps, outer, linear; /* of the last second */
-    double kinetic, potential;   /* J, means over it */
+    double steps, outer, linear; /* means over the last second */
+    double kinetic, potential;   /* J, means over the last second */
     double density_error;        /* at the end */
 };
 
-/* Half a spacing above the middle one of as many particles as make a layer, from the top. */
+/* Surface height: half a spacing above the median of as many of the highest particles as a layer
+ * has. */
 static double surface_height(const struct rest *r, const pdyn_state *s) {
     int layer = r->water.cells[0] * r->water.cells[2];
     double *y = allocate((size_t)s->particles, sizeof *y);
@@ -79,13 +80,13 @@ static void settle(struct rest *r, pdyn_context *context, const char *directory)
     find_depths(r);
 }
 
-/* Far from surface and floor: two support radii, of two spacings each. */
+/* Far from surface and floor: at least two support radii, four spacings. */
 static bool inside(const struct rest *r, double depth) {
     double away = 4.0 * r->water.spacing;
     return depth > away && r->water.cells[1] * r->water.spacing - depth > away;
 }
 
-/* Writes the profile; returns the worst relative deviation of a layer's pressure inside. */
+/* Writes the profile; returns the largest relative pressure deviation of a layer inside. */
 static double write_profile(const struct rest *r, const char *directory) {
     double worst = 0.0;
     FILE *csv = open_csv(directory, r->name);
@@ -102,8 +103,7 @@ static double write_profile(const struct rest *r, const char *directory) {
     return worst;
 }
 
-/* Slope of the pressure with depth, by least squares over the particles' layers inside, over rho g.
- */
+/* Slope of the pressure with depth over rho g, by least squares over the layers inside. */
 static double relative_slope(const struct rest *r) {
     struct fit fit = {0};
     for (int k = 0; k <= r->water.cells[1]; k++) {

@@ -1,12 +1,12 @@
-/* Time integrators compared.
+/* Time integrators compared; prints markdown.
  *
  *     time_stepping order SCENE SECONDS FRAMES REFERENCE_MS "MS ..." [PATH=VALUE ...]
  *     time_stepping sloshing "MS ..."
  *
- * order: both integrators with steps of these lengths against BDF2 with the reference's: root mean
- * square distance of all particles over the frames, in m; the energy lost over the most that was
- * kinetic; milliseconds a step. sloshing: the decay of the first mode in a tank 1 m long, half as
- * deep, from 0.4 m/s, without viscosity. Both print markdown. */
+ * order: both integrators with these steps against BDF2 with the reference step: root mean square
+ * distance of all particles over the frames, m; energy loss over the largest kinetic energy; ms per
+ * step. sloshing: decay of the first mode in a tank of 1 m, half as deep, from 0.4 m/s, without
+ * viscosity. */
 #include "bench.h"
 
 #include <math.h>
@@ -36,7 +36,7 @@ static pdyn_context *one_thread(void) {
 struct course {
     double *x; /* frames x particles x 3 */
     size_t size;
-    double lost, ms; /* energy over the most that was kinetic; of a step */
+    double lost, ms; /* energy over its kinetic maximum; ms per step */
 };
 
 struct request {
@@ -119,7 +119,7 @@ static void order(const struct request *r, double reference_ms, char *steps) {
 
 enum { SWINGS = 5 };
 
-/* Decay of the farthest points of the centre of mass, 1/s. */
+/* Decay of the maxima of the centre of mass, 1/s. */
 static double decay(const char *integrator, double ms) {
     static const char tank[] =
         "{\"duration\": 100, \"frame_interval\": 100, \"time_step\": {\"fixed\": %.17g, "

@@ -1,5 +1,5 @@
-/* The fluid against what is known. Each command writes CSV files into DIRECTORY and prints a table
- * as markdown:
+/* The fluid against experiments and exact results. Each command writes CSV files into DIRECTORY and
+ * prints a table as markdown:
  *
  *     validation martin_moyce DIRECTORY CELLS...        dam break, CELLS particles across the base
  *     validation tank DIRECTORY SECONDS DEPTHxWIDTH...  at rest, so many particles deep and wide
