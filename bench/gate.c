@@ -63,7 +63,7 @@ static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double 
     write_plane(wall, &m, slice);
     *across = m.across + 1;
     double pressure = density * g * depth;
-    double share = slice / (slice + 2.0 * d); /* mass of the plate over the sheet's width */
+    double share = slice / (slice + 2.0 * d); /* width of the plate over the sheet's */
     double rigidity =
         share * modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
     return load(context, scene, h, 0.5 * d, width, depth, slice, 0.45 * pressure * d / 1e-3, sheet,

@@ -117,9 +117,8 @@ static int wrong_side(struct watch *watch) {
     cast(s, state.x, &sheet);
     for (int i = 0; i < water.count; i++) {
         const double *p = state.x + 3 * (water.first + i);
-        double beside[3] = {
-            p[0] + 1.1e-9, p[1],
-            p[2] + 0.7e-9}; /* offset that avoids edges, which symmetric positions would hit */
+        /* off the edges, which symmetric positions would hit */
+        double beside[3] = {p[0] + 1.1e-9, p[1], p[2] + 0.7e-9};
         wrong += !watch->spilled[i] && (above(s, beside) % 2 != 0) != watch->odd;
     }
     return wrong;

@@ -57,7 +57,7 @@ static double damping(const void *par) {
     return 0.01;
 }
 
-static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) ((double *)b->data)[e] = vec3_length(b->u + 3 * e);
 }
@@ -76,7 +76,7 @@ static const pdyn_constraint_type good = {.name = "edges",
                                           .project = project,
                                           .tangent = tangent,
                                           .damping = damping,
-                                          .damping_rest = hold};
+                                          .damping_rest = damping_rest};
 
 /* ---- looking for a fault --------------------------------------------------------------------- */
 
@@ -298,7 +298,7 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     return sum;
 }
 
-static void hold_nothing(const void *par, const pdyn_batch *b, int first, int last) {
+static void damping_rest_nothing(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par, (void)b, (void)first, (void)last;
 }
 
@@ -317,7 +317,7 @@ static void test_mathematics(void **state) {
     expect(t, "an eigenvalue outside of [0, 1]");
     t.rows = 2, t.width = 1, expect(t, "expected 1 as its tangent is axial");
     t = good, t.linear = linear, expect(t, "`linear` calls linear");
-    t = good, t.damping_rest = hold_nothing,
+    t = good, t.damping_rest = damping_rest_nothing,
     expect(t, "after damping_rest, u is not its own projection");
 }
 

@@ -44,8 +44,8 @@ REST_LENGTH_INLINE void rest_length_tangent(const void *params, const pdyn_batch
 }
 
 /* pdyn_constraint_type.damping_rest: the current length becomes the rest length. */
-REST_LENGTH_INLINE void rest_length_hold(const void *params, const pdyn_batch *b, int first,
-                                         int last) {
+REST_LENGTH_INLINE void rest_length_damping_rest(const void *params, const pdyn_batch *b, int first,
+                                                 int last) {
     double *length = (double *)b->data;
     (void)params;
     for (int e = first; e < last; e++) length[e] = vec3_length(b->u + 3 * e);

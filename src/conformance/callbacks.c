@@ -237,10 +237,10 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
 /* Checks damping_rest and begin. */
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
-    const struct call hold = {"damping_rest", t->damping_rest, 1u << DATA},
+    const struct call damping_rest = {"damping_rest", t->damping_rest, 1u << DATA},
                       begin = {"begin", t->begin, 1u << DATA | 1u << WEIGHT},
                       end = {"end", t->end, 1u << MEMORY};
-    if (t->damping_rest) check_call(check, a, b, &hold, 0);
+    if (t->damping_rest) check_call(check, a, b, &damping_rest, 0);
     if (t->begin) check_call(check, a, b, &begin, 0);
     if (t->end) check_call(check, a, b, &end, 1u << MEMORY);
 }

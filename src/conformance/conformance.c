@@ -6,7 +6,7 @@
  * need callbacks that write only where they may: without, they are skipped. */
 static void check_type_on(struct check *check) {
     static check_fn *const checks[] = {check_callbacks, check_projection, check_tangent,
-                                       check_gradient,  check_momentum,   check_hold,
+                                       check_gradient,  check_momentum,   check_damping_rest,
                                        check_bounds,    check_diagonal,   check_stiffness,
                                        check_tiers,     check_model};
     for (size_t k = 0; k < sizeof checks / sizeof *checks; k++) {

@@ -64,7 +64,7 @@ typedef void check_fn(struct check *check, struct trial *trial);
 
 check_fn check_callbacks;  /* callbacks.c: what they write; no state between calls */
 check_fn check_projection; /* mathematics.c */
-check_fn check_tangent, check_gradient, check_momentum, check_hold;
+check_fn check_tangent, check_gradient, check_momentum, check_damping_rest;
 check_fn check_bounds, check_diagonal;              /* H, mathematics.c */
 check_fn check_stiffness, check_tiers, check_model; /* tiers.c: two realisations, equal results */
 

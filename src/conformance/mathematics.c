@@ -37,7 +37,7 @@ void check_projection(struct check *check, struct trial *t) {
 }
 
 /* After damping_rest, u is its own projection. */
-void check_hold(struct check *check, struct trial *t) {
+void check_damping_rest(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     if (!check->type->damping_rest) return;
     batch_local(b, t->x, 0.0, t->y);

@@ -89,5 +89,5 @@ const pdyn_constraint_type pdyn_constraint_attachment = {
     .project = rest_length_project,
     .tangent_rank1 = rest_length_tangent,
     .damping = damping,
-    .damping_rest = rest_length_hold,
+    .damping_rest = rest_length_damping_rest,
 };

@@ -91,5 +91,5 @@ const pdyn_constraint_type pdyn_constraint_bending = {
     .tangent_rank1 = tangent_bends,
     .linear = linear,
     .damping = damping,
-    .damping_rest = rest_length_hold,
+    .damping_rest = rest_length_damping_rest,
 };

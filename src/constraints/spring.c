@@ -71,5 +71,5 @@ const pdyn_constraint_type pdyn_constraint_spring = {
     .project = project_springs,
     .tangent_rank1 = tangent_springs,
     .damping = damping,
-    .damping_rest = rest_length_hold,
+    .damping_rest = rest_length_damping_rest,
 };

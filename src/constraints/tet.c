@@ -226,7 +226,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
 
-static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         svd3 d = svd3_of(b->u + 9 * (size_t)e);
@@ -251,5 +251,5 @@ const pdyn_constraint_type pdyn_constraint_tet = {
     .project = project,
     .tangent = tangent,
     .damping = damping,
-    .damping_rest = hold,
+    .damping_rest = damping_rest,
 };

@@ -141,7 +141,7 @@ static void tangent(const void *par, const pdyn_batch *b, int first, int last, d
 
 static double damping(const void *par) { return ((const struct params *)par)->damping; }
 
-static void hold(const void *par, const pdyn_batch *b, int first, int last) {
+static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int t = first; t < last; t++) {
         struct range *range = (struct range *)b->data + t;
@@ -165,5 +165,5 @@ const pdyn_constraint_type pdyn_constraint_triangle = {
     .project = project,
     .tangent = tangent,
     .damping = damping,
-    .damping_rest = hold,
+    .damping_rest = damping_rest,
 };
