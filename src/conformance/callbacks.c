@@ -234,7 +234,7 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
         fault(check, "select gives other rows when it is called again");
 }
 
-/* Checks damping_rest and begin. */
+/* Checks damping_rest, begin and end. */
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
     const struct call damping_rest = {"damping_rest", t->damping_rest, 1u << DATA},
