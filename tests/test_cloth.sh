@@ -1,13 +1,13 @@
 #!/bin/sh
-# Cloth against exact solutions, small: test_cloth.sh VALIDATION. Every deviation in the tables that are named below
-# stays within its bound, in per cent; the moduli, too.
+# Validations of cloth on small meshes: test_cloth.sh VALIDATION. Deviations from exact solutions and moduli in the
+# tables have to stay within bounds, in per cent.
 set -eu
 validation=$1
 directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT
 failed=0
 
-# expect NAME LOWEST HIGHEST: the numbers on standard input, one a line, some at least
+# expect NAME LOWEST HIGHEST: checks numbers on standard input, one per line, at least one
 expect() {
     awk -v name="$1" -v low="$2" -v high="$3" '
         { count++; if (!($1 >= low && $1 <= high)) { print name ": " $1 ", expected " low " to " high; bad = 1 } }

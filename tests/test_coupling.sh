@@ -1,12 +1,12 @@
 #!/bin/sh
-# Fluid and cloth on each other against what is known, small: test_coupling.sh COUPLING.
+# Validations of coupled fluid and cloth on small scenes: test_coupling.sh COUPLING.
 set -eu
 coupling=$1
 directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT
 failed=0
 
-# expect NAME LOWEST HIGHEST: the numbers on standard input, one a line, some at least
+# expect NAME LOWEST HIGHEST: checks numbers on standard input, one per line, at least one
 expect() {
     awk -v name="$1" -v low="$2" -v high="$3" '
         { count++; if (!($1 >= low && $1 <= high)) { print name ": " $1 ", expected " low " to " high; bad = 1 } }

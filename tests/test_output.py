@@ -1,4 +1,4 @@
-"""Runs a scene for a moment and reads all that it wrote with readers that others made.
+"""Runs a scene for a few frames and reads its output files with independent readers.
 
 Usage: test_output.py PROJDYN SCENE.json
 """

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs that are killed, and go on. Arguments: the program, a scene.
+# Runs that are killed and resumed. Arguments: the program, a scene.
 program=$(realpath "$1") scene=$(realpath "$2")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
