@@ -3,11 +3,11 @@
  *     p = l u / |u|,     E = w/2 (|u| - l)^2,     l: rest length of the edge      (rest_length.h)
  *     w = sum over the one or two triangles of the edge of 3 Y A / (l_1^2 + l_2^2 + l_3^2)
  *
- * with Y the stretching stiffness, A a triangle's area and l_k its sides. Averaged over the
- * directions of a uniaxial strain, each triangle then stores the energy of a sheet of Young's
- * modulus times thickness Y and Poisson's ratio 1/3; equilateral triangles and square cells store
- * it in every direction. (The weight Y A / l^2 of Van Gelder 1998 makes square cells 1.2 Y stiff
- * along the axes and 0.75 Y along the diagonals.) */
+ * with Y the stretching stiffness, A a triangle's area and l_k its sides. In the mean over the
+ * directions of a strain, each triangle then stores the energy of a sheet of Young's modulus times
+ * thickness Y and Poisson's ratio 1/3; equilateral triangles and square cells store it for every
+ * direction. (The weight Y A / l^2 of Van Gelder 1998 makes square cells 1.2 Y stiff along the axes
+ * and 0.75 Y along the diagonals.) */
 #include "projdyn/simd.h"
 
 #include "projdyn/rest_length.h"
