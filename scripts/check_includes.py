@@ -17,12 +17,9 @@ ALLOWED = {
     "app": [],
 }
 EXEMPT = {
-    "constraints/bending.c": ["base"],
-    "constraints/spring.c": ["base"],
     "constraints/fluid.c": ["sph"],
     "constraints/fluid.h": ["sph"],
     "constraints/fluid_limit.c": ["geometry"],
-    "constraints/fluid_pairs.h": ["base"],
 }
 
 root = pathlib.Path(__file__).resolve().parent.parent

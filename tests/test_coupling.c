@@ -348,7 +348,7 @@ static void test_viscosity(void **state) {
 #define BELOW "{'box': {'minimum': [-0.11, -0.075, -0.11], 'maximum': [0.11, 0.005, 0.09]}}"
 #define LAYERS(fill)                                                                               \
     SCENE("'duration': 1, 'gravity': [0, 0, 0]",                                                   \
-          PAIR("{'name': 'water', 'particles': {'radius': 0.01, 'fill': [" fill                    \
+          PAIR("{'name': 'water', 'particles': {'radius': 0.01, 'overlap': 'keep', 'fill': [" fill \
                "]}, 'constraints': [{'type': 'fluid'}]}",                                          \
                GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "6, 6", "'area_density': 0.2",          \
                           PINS("'all': true"))),                                                   \

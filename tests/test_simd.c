@@ -2,7 +2,7 @@
  * fused multiply-add is recognised by its missing rounding. */
 #include "support.h"
 
-#include "base/simd.h"
+#include "projdyn/simd.h"
 
 #ifndef SIMD_PLAIN
 WIDE static void take_rest(double x, double square, double *rest) { *rest = x * x - square; }

@@ -119,8 +119,8 @@ static void test_factor_threads(void **state) {
     free(one);
 }
 
-/* On a hanging sheet the two-level preconditioner needs less than a third of the iterations of block
- * Jacobi alone, to the same place. */
+/* On a hanging sheet the two-level preconditioner needs less than a third of the iterations of
+ * block Jacobi alone, to the same place. */
 static void test_hybrid(void **state) {
     (void)state;
     pdyn_context *context = test_context(2);

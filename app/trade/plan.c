@@ -22,7 +22,8 @@ static void scale_viscosity(struct setting *setting, const json_t *scene, double
                     fmin(1.0, factor * scene_viscosity(fluid)));
 }
 
-/* Multiplies the step length by a factor. Defaults for missing keys are those of docs/guide/scene.md. */
+/* Multiplies the step length by a factor. Defaults for missing keys are those of
+ * docs/guide/scene.md. */
 static void scale_step(struct setting *setting, const json_t *scene, double factor) {
     const json_t *step = json_object_get(scene, "time_step");
     double fixed = scene_number(step, "fixed", 0.0);

@@ -64,7 +64,8 @@ static pdyn_status reserve_rhs(struct factor *f) {
 pdyn_status factor_analyse(struct factor *f, const pdyn_matrix *m, bool lasting) {
     cholmod_sparse A = sparse_view(m);
     f->dim = m->dim, f->size = m->size;
-    /* the factor of a sheet at dim 1 is too sparse for dense kernels, and solves with it dominate */
+    /* the factor of a sheet at dim 1 is too sparse for dense kernels, and solves with it dominate
+     */
     f->common.supernodal = m->dim == 1 ? CHOLMOD_SIMPLICIAL : CHOLMOD_AUTO;
     choose_orderings(&f->common, lasting);
     cholmod_free_factor(&f->factor, &f->common);

@@ -8,7 +8,8 @@
 /* The constraints and solvers of the library. */
 extern const pdyn_plugin registry_builtin;
 
-/* Types without a name in scenes: core makes them for "contact" and for "fluid_friction" of a body. */
+/* Types without a name in scenes: core makes them for "contact" and for "fluid_friction" of a body.
+ */
 extern const pdyn_constraint_type pdyn_constraint_contact, pdyn_constraint_friction,
     pdyn_constraint_slip;
 

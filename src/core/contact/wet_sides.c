@@ -142,8 +142,9 @@ static bool has_friction(const struct scene *scene) {
 }
 
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
-                             const pdyn_body *body, int particles, const struct surface_samples *samples,
-                             const pdyn_neighbours *lists, struct wet_sides **out) {
+                             const pdyn_body *body, int particles,
+                             const struct surface_samples *samples, const pdyn_neighbours *lists,
+                             struct wet_sides **out) {
     if (!has_friction(scene)) return PDYN_OK;
     struct wet_sides *d = *out = NEW_ARRAY(context, 1, struct wet_sides);
     if (!d) return PDYN_NO_MEMORY;

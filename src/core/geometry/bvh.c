@@ -1,7 +1,7 @@
 /* A bounding volume hierarchy by Morton order: build and box queries. */
 #include "bvh.h"
 
-#include "base/simd.h"
+#include "projdyn/simd.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* A uniform grid for neighbour searches: sorting points into cells, and queries. */
 #include "grid.h"
 
-#include "base/simd.h"
 #include "compress.h"
+#include "projdyn/simd.h"
 
 #include <math.h>
 #include <string.h>

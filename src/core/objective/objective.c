@@ -1,7 +1,7 @@
 #include "objective.h"
 
 #include "base/clock.h"
-#include "base/simd.h"
+#include "projdyn/simd.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>

@@ -32,21 +32,21 @@ struct objective {
     const double *x;  /* of the last local step */
     double eps;       /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
-    struct batch **batch;          /* capacity */
-    struct contact *contact;       /* NULL in a scene without contact */
-    struct wet_sides *wet_sides;   /* NULL where no surface has friction with a fluid */
-    struct neighbours *neighbours; /* NULL where no constraint needs them */
-    struct surface_samples *samples;       /* on surfaces, for SPH sums; NULL: none */
-    unsigned lists;                /* revision of the neighbour lists */
-    bool dynamic_rows;             /* some batch changes its elements from step to step */
+    struct batch **batch;            /* capacity */
+    struct contact *contact;         /* NULL in a scene without contact */
+    struct wet_sides *wet_sides;     /* NULL where no surface has friction with a fluid */
+    struct neighbours *neighbours;   /* NULL where no constraint needs them */
+    struct surface_samples *samples; /* on surfaces, for SPH sums; NULL: none */
+    unsigned lists;                  /* revision of the neighbour lists */
+    bool dynamic_rows;               /* some batch changes its elements from step to step */
     int bodies;
     struct objective_body *body; /* bodies, by first particle; together they have all particles */
     double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
 };
 
-/* Opens a step of effective length h from the state x, v: updates elements that come and go from step
- * to step. Before objective_begin. */
+/* Opens a step of effective length h from the state x, v: updates elements that come and go from
+ * step to step. Before objective_begin. */
 pdyn_status objective_open(struct objective *objective, const double *x, const double *v);
 
 /* Begins the step from x and v (the base of step/integrator.h). */

@@ -1,6 +1,6 @@
 #include "batch.h"
 
-#include "base/simd.h"
+#include "projdyn/simd.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -26,10 +26,11 @@ struct batch {
     pdyn_batch view;            /* what the type sees; arrays owned here */
     void *op;                   /* operator tier: the type's state */
     struct one_sided one_sided; /* operator tier: its constraints */
-    struct surface_samples *samples;    /* operator tier: vectors end with these samples; NULL: without */
-    double eps;                 /* damping of the current linearisation */
-    double energy;              /* J, at the last local step */
-    bool damper;                /* the second batch of pdyn_constraint_type.damping */
+    struct surface_samples
+        *samples;  /* operator tier: vectors end with these samples; NULL: without */
+    double eps;    /* damping of the current linearisation */
+    double energy; /* J, at the last local step */
+    bool damper;   /* the second batch of pdyn_constraint_type.damping */
 
     /* rows tier */
     int rows, entries;

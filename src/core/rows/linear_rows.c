@@ -1,7 +1,7 @@
 #include "linear_rows.h"
 
-#include "base/simd.h"
 #include "batch.h"
+#include "projdyn/simd.h"
 
 enum { GRAIN = 512 }; /* particles */
 

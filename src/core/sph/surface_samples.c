@@ -4,7 +4,7 @@
 #include "geometry/sampling.h"
 #include "neighbours.h"
 
-#include "base/simd.h"
+#include "projdyn/simd.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>

@@ -1,1 +1,0 @@
-#include "projdyn/simd.h"
