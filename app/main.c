@@ -28,7 +28,7 @@ static void print_usage(FILE *out) {
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
     fprintf(out, "\n'projdyn COMMAND --help' prints the options of a command; "
-                 "'projdyn --version' prints the version.\n");
+                 "'projdyn version' prints the version.\n");
 }
 
 /* Whether the edit distance (insertions, deletions, substitutions) of two words is at most
@@ -59,11 +59,11 @@ static int dispatch(int argc, char **argv) {
         print_usage(stderr);
         return EXIT_BAD_INPUT;
     }
-    if (!strcmp(argv[1], "--version")) {
+    if (!strcmp(argv[1], "version") || !strcmp(argv[1], "--version")) {
         printf("projdyn %s\n", pdyn_version());
         return EXIT_GOOD;
     }
-    if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
+    if (!strcmp(argv[1], "help") || !strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
         print_usage(stdout);
         return EXIT_GOOD;
     }

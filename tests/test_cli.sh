@@ -78,6 +78,8 @@ ends_at_frame() {
 expect "no command" 2 "Usage: projdyn COMMAND" "$program"
 expect "help" 0 "replay" "$program" --help
 expect "version" 0 "projdyn 0." "$program" --version
+expect "help as a command" 0 "replay" "$program" help
+expect "version as a command" 0 "projdyn 0." "$program" version
 expect "unknown command" 2 'did you mean "check"' "$program" chekc
 expect "unknown command lists all" 2 "  replay " "$program" chekc
 expect "command like no other" 1 "" sh -c "'$program' frobnicate 2>&1 | grep 'did you mean'"
