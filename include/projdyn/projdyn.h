@@ -27,6 +27,11 @@
 extern "C" {
 #endif
 
+/* Version of this header; pdyn_version() gives the version of the library that is linked. */
+#define PDYN_VERSION_MAJOR 0
+#define PDYN_VERSION_MINOR 1
+#define PDYN_VERSION_PATCH 0
+
 #if defined(__GNUC__)
 #define PDYN_API                __attribute__((visibility("default")))
 #define PDYN_PRINTF(text, args) __attribute__((format(printf, text, args)))
