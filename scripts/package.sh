@@ -50,7 +50,7 @@ build_with_pkg_config() { # KIND PKG-CONFIG-OPTIONS...
     kind=$1
     shift
     # shellcheck disable=SC2046
-    cc -o "$dir/package-$kind" tests/package/package.c $(PKG_CONFIG_PATH="$(dirname "$pc")" pkg-config \
+    ${CC:-cc} -o "$dir/package-$kind" tests/package/package.c $(PKG_CONFIG_PATH="$(dirname "$pc")" pkg-config \
         --define-variable=prefix="$prefix" "$@" --cflags --libs projdyn)
     [ "$(links "$dir/package-$kind")" = "$kind" ]
     LD_LIBRARY_PATH="$library" "$dir/package-$kind"
