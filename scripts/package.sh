@@ -42,7 +42,7 @@ echo "== cmake"
 build_with_cmake shared
 build_with_cmake static -Dprojdyn_USE_STATIC_LIBS=ON
 for version in 0.0 0.99 1.0; do
-    ! cmake -S tests/package -B "$dir/cmake-$version" -DCMAKE_PREFIX_PATH="$prefix" -DWANTED=$version >"$dir/said" 2>&1
+    cmake -S tests/package -B "$dir/cmake-$version" -DCMAKE_PREFIX_PATH="$prefix" -DWANTED=$version >"$dir/said" 2>&1 || true
     grep -q 'compatible with requested' "$dir/said" || { echo "version $version is not refused:" && cat "$dir/said" && exit 1; }
 done
 
