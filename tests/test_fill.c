@@ -476,6 +476,66 @@ static pdyn_status fill_in_three_ways(const void *fill) {
     return status;
 }
 
+/* ---- overlap -------------------------------------------------------------------------------- */
+
+/* A box of water, 10 x 10 x 10 particles of radius 0.05 m, with these keys of its particles, a
+ * solid and bodies beside it. Returns the number of particles; -1: it is refused. */
+static int fill_beside(const char *keys, const char *bodies, const char *solid) {
+    char text[2048];
+    struct scene scene;
+    snprintf(
+        text, sizeof text,
+        "{'duration': 1, 'bodies': [{'name': 'water', 'particles': {'radius': 0.05, %s 'fill': "
+        "[{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}]}}%s], 'solids': [%s]}",
+        keys, bodies, solid);
+    if (read_text(text, NULL, 0, &scene) != PDYN_OK) return -1;
+    int count = scene.body[0].start.count;
+    assert_int_equal(count, scene.body[0].start_v.count);
+    scene_free(context, &scene);
+    return count;
+}
+
+/* Lattice points farther than 0.25 + 0.05 m from the middle of the box. */
+static int outside_of_ball(void) {
+    int count = 0;
+    for (int k = 0; k < 1000; k++) {
+        double x = 0.1 * (k % 10) - 0.45, y = 0.1 * (k / 10 % 10) - 0.45,
+               z = 0.1 * (k / 100) - 0.45;
+        count += x * x + y * y + z * z > 0.3 * 0.3;
+    }
+    return count;
+}
+
+/* Particles in and close to a solid or a sheet are left out; kept ones are an error. */
+static void test_overlap(void **state) {
+    (void)state;
+    static const char ball[] = "{'name': 'ball', 'sphere': {'center': [0.5, 0.5, 0.5], 'radius': "
+                               "0.25}}";
+    assert_int_equal(fill_beside("", "", ball), outside_of_ball());
+    assert_int_equal(fill_beside("'overlap': 'keep',", "", ball), -1);
+    assert_non_null(strstr(pdyn_last_error(context), "particles overlap solid \"ball\""));
+    /* a moving solid, at time 0 out of the water */
+    assert_int_equal(
+        fill_beside(
+            "", "",
+            "{'sphere': {'center': [0.5, 0.5, 0.5], 'radius': 0.25}, 'motion': [{'time': 0, "
+            "'translate': [5, 0, 0]}, {'time': 1}]}"),
+        1000);
+    /* walls that touch the lattice, and one through it */
+    assert_int_equal(fill_beside("", "", "{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}"),
+                     1000);
+    assert_int_equal(
+        fill_beside("", "", "{'box': {'minimum': [-1, -1, -1], 'maximum': [2, 0.55, 2]}}"), 900);
+    /* a vessel: most particles are inside, those close to it are left out */
+    assert_int_equal(fill_beside("", "", "{'sphere': {'center': [0.5, 0.5, 0.5], 'radius': 5}}"),
+                     1000);
+    /* a sheet in a layer of particles; kept, it may be meant to be stretched */
+    static const char sheet[] = ", {'surface': {'grid': {'size': [3, 3], 'vertices': [4, 4]}, "
+                                "'translate': [0, 0.45, 0], 'area_density': 1}}";
+    assert_int_equal(fill_beside("", sheet, ""), 900);
+    assert_int_equal(fill_beside("'overlap': 'keep',", sheet, ""), 1000);
+}
+
 static void test_no_memory(void **state) {
     (void)state;
     const char *fill = "{'mesh': 'cube.obj'}, {'file': 'a.VTK'}, "
@@ -497,7 +557,7 @@ int main(void) {
         cmocka_unit_test(test_several_parts),  cmocka_unit_test(test_files),
         cmocka_unit_test(test_placed_file),    cmocka_unit_test(test_own_files),
         cmocka_unit_test(test_bad_files),      cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_overlap),        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests_name("fill", tests, scene_set_up, scene_tear_down);
 }

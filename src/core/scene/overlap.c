@@ -7,7 +7,7 @@
 
 enum { GRAIN = 1024 }; /* particles per parallel block */
 
-static const double max_overlap = 0.01; /* share of a body's particles that may overlap when kept */
+static const double max_overlap = 1e-3; /* share of a body's particles that may overlap when kept */
 
 struct obstacle { /* a solid or a body with triangles */
     const char *kind, *name;

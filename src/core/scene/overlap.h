@@ -10,7 +10,7 @@
  * radius to one. A closed solid that contains most particles of the body is a vessel: its inside
  * stays. A body that keeps its particles ("overlap": "keep", or particles from a file) is checked
  * instead. at: "particles" of the body. PDYN_BAD_INPUT: no particle is left; or a body that keeps
- * its particles has more than a hundredth of them inside of a solid or a volume, or closer to one
+ * its particles has more than a thousandth of them inside of a solid or a volume, or closer to one
  * than half a radius. */
 pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
                             struct scene_body *body);
