@@ -2,8 +2,16 @@
  *
  * Public functions for users: create a context, load a scene, step it, read its state, write
  * frames. Quantities are in SI units: metres, kilograms, seconds, newtons. Numbers are double
- * precision. A context and its simulations must be used by one thread at a time; different threads
- * may use different contexts at the same time.
+ * precision.
+ *
+ * Threads. Different contexts are independent. Within a context, different threads may load, step,
+ * read, write and free different simulations at the same time; each simulation and its writers
+ * belong to one thread at a time. The threads of the context work for one simulation at a time; a
+ * step of another one meanwhile runs on its caller's thread, with the same bits. Calls that register
+ * types need the context alone: pdyn_load_plugin, pdyn_register, loading a scene with "plugins"; so
+ * does pdyn_destroy. pdyn_last_error is the text of the last error of any thread. A log function and
+ * an allocator must be thread-safe. A forked child may go on with its copy of a simulation, on one
+ * thread.
  *
  *     pdyn_context *context = NULL;
  *     pdyn_sim *sim = NULL;

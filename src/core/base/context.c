@@ -54,7 +54,7 @@ pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
     memset(context, 0, sizeof *context);
     context->options = chosen;
     context->plugin[context->plugins++] = &registry_builtin;
-    pthread_mutex_init(&context->memory_lock, NULL);
+    pthread_mutex_init(&context->lock, NULL);
     context->pool = pool_create(chosen.threads);
     if (!context->pool) {
         pdyn_destroy(context);
@@ -67,7 +67,7 @@ pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
 void pdyn_destroy(pdyn_context *context) {
     if (!context) return;
     if (context->pool) pool_destroy(context->pool);
-    pthread_mutex_destroy(&context->memory_lock);
+    pthread_mutex_destroy(&context->lock);
     context->options.allocate(context->options.allocate_user, context, sizeof *context, 0);
 }
 
@@ -82,10 +82,10 @@ void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t
     void *moved = o->allocate(o->allocate_user, block, old_size, new_size);
     if (new_size && !moved) return NULL;
     if (new_size > old_size) memset((char *)moved + old_size, 0, new_size - old_size);
-    pthread_mutex_lock(&context->memory_lock);
+    pthread_mutex_lock(&context->lock);
     context->bytes += new_size - old_size;
     if (context->bytes > context->peak_bytes) context->peak_bytes = context->bytes;
-    pthread_mutex_unlock(&context->memory_lock);
+    pthread_mutex_unlock(&context->lock);
     return moved;
 }
 
@@ -124,7 +124,9 @@ bool context_arrays(pdyn_context *context, const struct array_entry *table, size
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...) {
     va_list args;
     va_start(args, format);
+    pthread_mutex_lock(&context->lock);
     vsnprintf(context->error, sizeof context->error, format, args);
+    pthread_mutex_unlock(&context->lock);
     va_end(args);
     return status;
 }

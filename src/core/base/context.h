@@ -14,7 +14,7 @@ enum { MAX_PLUGINS = 64 };
 struct pdyn_context {
     pdyn_options options;
     struct pool *pool;
-    pthread_mutex_t memory_lock;
+    pthread_mutex_t lock; /* of bytes, peak_bytes and error */
     size_t bytes, peak_bytes;
     char error[2048];
     int plugins;

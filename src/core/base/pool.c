@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 enum {
     SPINS = 2000
@@ -32,8 +33,10 @@ struct worker {
 
 struct pool {
     int threads;
-    struct worker *worker; /* threads - 1 workers: the calling thread works, too */
-    struct share *share;   /* one share per thread */
+    pthread_mutex_t caller; /* held by the thread whose job the workers run */
+    pid_t process;          /* a forked child has no workers */
+    struct worker *worker;  /* threads - 1 workers: the calling thread works, too */
+    struct share *share;    /* one share per thread */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
     atomic_uint job; /* number of the current job; workers wait for it to change */
@@ -109,23 +112,36 @@ static void wait_done(struct pool *pool) {
     pthread_mutex_unlock(&pool->lock);
 }
 
+static void run_alone(int count, int grain, pdyn_range_fn *fn, void *arg) {
+    int blocks = pool_blocks(count, grain);
+    for (int b = 0; b < blocks; b++)
+        fn(arg, b * grain, b + 1 < blocks ? (b + 1) * grain : count, b);
+}
+
 void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *arg) {
     int blocks = pool_blocks(count, grain);
-    if (pool->threads == 1 || blocks <= 1) {
-        for (int b = 0; b < blocks; b++)
-            fn(arg, b * grain, b + 1 < blocks ? (b + 1) * grain : count, b);
+    if (pool->threads == 1 || blocks <= 1 || pthread_mutex_trylock(&pool->caller)) {
+        run_alone(count, grain, fn, arg);
         return;
     }
     pool->count = count, pool->grain = grain, pool->blocks = blocks, pool->fn = fn, pool->arg = arg;
     start_job(pool);
     run_blocks(pool, 0);
     wait_done(pool);
+    pthread_mutex_unlock(&pool->caller);
+}
+
+void pool_check_process(struct pool *pool) {
+    if (pool->process == getpid()) return;
+    pool->threads = 1, pool->process = getpid();
 }
 
 struct pool *pool_create(int threads) {
     struct pool *pool = calloc(1, sizeof *pool);
     if (!pool) return NULL;
+    pool->process = getpid();
     pthread_mutex_init(&pool->lock, NULL);
+    pthread_mutex_init(&pool->caller, NULL);
     pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
     pool->threads = 1;
@@ -143,14 +159,14 @@ struct pool *pool_create(int threads) {
 }
 
 void pool_destroy(struct pool *pool) {
+    pool_check_process(pool);
     pool->stop = true, pool->blocks = 0;
     if (pool->threads > 1) start_job(pool);
     for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i].thread, NULL);
     pthread_cond_destroy(&pool->wake);
     pthread_cond_destroy(&pool->done);
     pthread_mutex_destroy(&pool->lock);
+    pthread_mutex_destroy(&pool->caller);
     free(pool->worker), free(pool->share);
     free(pool);
 }
-
-int pool_threads(const struct pool *pool) { return pool->threads; }

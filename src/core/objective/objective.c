@@ -163,12 +163,12 @@ void objective_apply(struct objective *sys, const double *u, double *y) {
 /* ---- the model along a direction ------------------------------------------------------------- */
 
 void objective_set_direction(struct objective *sys, const double *u) {
-    for (int b = 0; b < sys->batches; b++) batch_aim(sys->batch[b], u);
+    for (int b = 0; b < sys->batches; b++) batch_set_direction(sys->batch[b], u);
 }
 
 int objective_count_side_changes(struct objective *sys) {
     int turns = 0;
-    for (int b = 0; b < sys->batches; b++) turns += batch_turns(sys->batch[b]);
+    for (int b = 0; b < sys->batches; b++) turns += batch_count_side_changes(sys->batch[b]);
     return turns;
 }
 
@@ -208,7 +208,7 @@ static void scale_block(void *arg, int first, int last, int block) {
 int objective_step_along(struct objective *sys, double t, double *y) {
     int changed = 0;
     for_particles(sys, scale_block, NULL, NULL, y, t);
-    for (int b = 0; b < sys->batches; b++) changed += batch_go(sys->batch[b], t, y);
+    for (int b = 0; b < sys->batches; b++) changed += batch_step_along(sys->batch[b], t, y);
     return changed;
 }
 

@@ -353,20 +353,22 @@ void batch_force(struct batch *b, const double *multiplier, double *y) {
 
 static bool has_sides(const struct batch *b) { return b->op && b->eps < 1.0; }
 
-void batch_aim(struct batch *b, const double *u) {
-    if (has_sides(b)) one_sided_aim(&b->one_sided, extend(b, u));
+void batch_set_direction(struct batch *b, const double *u) {
+    if (has_sides(b)) one_sided_set_direction(&b->one_sided, extend(b, u));
 }
 
-int batch_turns(struct batch *b) { return has_sides(b) ? one_sided_turns(&b->one_sided) : 0; }
+int batch_count_side_changes(struct batch *b) {
+    return has_sides(b) ? one_sided_count_side_changes(&b->one_sided) : 0;
+}
 
 double batch_slope(struct batch *b, double t, double *curvature) {
     *curvature = 0.0;
     return b->op ? one_sided_slope(&b->one_sided, b->eps, t, curvature) : 0.0;
 }
 
-int batch_go(struct batch *b, double t, double *y) {
+int batch_step_along(struct batch *b, double t, double *y) {
     if (!b->op) return 0;
-    int changed = one_sided_go(&b->one_sided, b->eps, t, begin_output(b, y));
+    int changed = one_sided_step_along(&b->one_sided, b->eps, t, begin_output(b, y));
     end_output(b, y);
     return changed;
 }

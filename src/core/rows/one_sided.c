@@ -120,7 +120,7 @@ void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
 
 /* ---- along a direction ----------------------------------------------------------------------- */
 
-void one_sided_aim(struct one_sided *s, const double *u) {
+void one_sided_set_direction(struct one_sided *s, const double *u) {
     s->op->rate(s->self, s->possible, u, s->rate);
 }
 
@@ -135,7 +135,7 @@ static void count_turns(void *arg, int first, int last, int block) {
     c->s->partial[block] = turns;
 }
 
-int one_sided_turns(struct one_sided *s) {
+int one_sided_count_side_changes(struct one_sided *s) {
     for_all(s, s->at.count, count_turns, NULL, NULL, 0.0, 1.0);
     return sum_counts(s);
 }
@@ -177,7 +177,7 @@ static void change_sides(void *arg, int first, int last, int block) {
     s->partial[block] = changed;
 }
 
-int one_sided_go(struct one_sided *s, double eps, double t, double *y) {
+int one_sided_step_along(struct one_sided *s, double eps, double t, double *y) {
     if (eps == 1.0) return 0;
     for_all(s, s->at.count, change_sides, NULL, NULL, eps, t);
     int changed = sum_counts(s);

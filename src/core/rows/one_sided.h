@@ -21,10 +21,7 @@ struct one_sided {
     double *multiplier; /* count: scratch */
     bool *acts;         /* count: the constraint acts at d */
     bool *possible;     /* count: k_i > 0 */
-    int remembered;
-    double
-        *before; /* remembered: multipliers k_i C_i of the first constraints, a step earlier, N */
-    double *partial; /* two sums for each parallel block */
+    double *partial;    /* two sums for each parallel block */
 };
 
 /* Sets d = 0 after a local step. Allocates when the number of constraints grows. */
@@ -37,15 +34,15 @@ void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks);
 
 /* Sets the search direction u from d. */
-void one_sided_aim(struct one_sided *s, const double *u);
+void one_sided_set_direction(struct one_sided *s, const double *u);
 /* The number of constraints that change sides between d and d + u. */
-int one_sided_turns(struct one_sided *s);
+int one_sided_count_side_changes(struct one_sided *s);
 /* The first derivative of the constraints' energy at d + t u with respect to t; *curvature: the
  * second. */
 double one_sided_slope(struct one_sided *s, double eps, double t, double *curvature);
 /* d += t u. Adds to y the change of the gradient that t times the product of one_sided_apply does
  * not contain, because constraints change sides. Returns the number of those. */
-int one_sided_go(struct one_sided *s, double eps, double t, double *y);
+int one_sided_step_along(struct one_sided *s, double eps, double t, double *y);
 
 /* The part of a force, 0 to 1, that is an impact: the part of its impulse that stopped an approach,
  * times a factor that is near 1 if the step is too long to resolve the oscillation of the

@@ -448,6 +448,7 @@ static pdyn_status load(pdyn_context *context, const char *path, const char *tex
     sim = NEW_ARRAY(context, 1, struct pdyn_sim);
     if (!sim) return PDYN_NO_MEMORY;
     sim->context = context;
+    pool_check_process(context->pool);
     pdyn_status status = scene_read(context, path, text, set, count, &sim->scene);
     if (status == PDYN_OK) status = build(sim);
     if (status != PDYN_OK) {

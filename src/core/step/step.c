@@ -185,6 +185,7 @@ pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
     if (sim->failed)
         return context_fail(sim->context, PDYN_BAD_CALL,
                             "the simulation has failed before: no further step");
+    pool_check_process(sim->context->pool);
     pdyn_status status = step(sim, info ? info : &unused);
     sim->failed = status != PDYN_OK;
     return status;
