@@ -226,7 +226,18 @@ static void print(const struct row *r, int n, double stiffness, int threads) {
 /* Classic Projective Dynamics, after 10, 20 and 40 iterations. */
 enum { WAYS = 3 };
 static const char *const ways[WAYS] = {"projective", "chebyshev", "anderson"};
-static const char *const goals[] = {"newton_10%", "newton_1%", "newton_0.1%"};
+/* The newton step with the two-level preconditioner and with block Jacobi, until these errors. */
+static const char *const newton_solver[] = {"hybrid", "cg"};
+static const char *const newton_method[2][3] = {
+    {"newton_10%", "newton_1%", "newton_0.1%"},
+    {"newton_cg_10%", "newton_cg_1%", "newton_cg_0.1%"}};
+
+static pdyn_sim *load_newton(pdyn_context *context, int n, double stiffness, const char *solver) {
+    char settings[128];
+    snprintf(settings, sizeof settings,
+             "\"type\": \"%s\", \"tolerance\": 1e-7, \"outer_iterations\": 150", solver);
+    return load(context, n, stiffness, settings);
+}
 
 static pdyn_sim *load_classic(pdyn_context *context, int n, double stiffness, const char *way) {
     char settings[256];
@@ -239,10 +250,10 @@ static pdyn_sim *load_classic(pdyn_context *context, int n, double stiffness, co
 
 static void one_step(pdyn_context *context, int n, double stiffness, int threads, int repeat) {
     pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-3, \"outer_iterations\": 200");
-    pdyn_sim *newton =
-        load(context, n, stiffness, "\"tolerance\": 1e-7, \"outer_iterations\": 150");
-    pdyn_sim *classic[WAYS];
-    struct row row[2 + 3 + 3 * WAYS] = {{0}};
+    pdyn_sim *classic[WAYS], *solvers[2], *newton;
+    struct row row[2 + 6 + 3 * WAYS] = {{0}};
+    for (int q = 0; q < 2; q++) solvers[q] = load_newton(context, n, stiffness, newton_solver[q]);
+    newton = solvers[0];
     for (int q = 0; q < WAYS; q++) classic[q] = load_classic(context, n, stiffness, ways[q]);
     struct trace t = {.size = 3 * newton->objective.particles};
     double *best = allocate((size_t)t.size, sizeof *best);
@@ -251,8 +262,10 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
     step(context, newton);
     memcpy(best, newton->x, objective_bytes(&newton->objective));
     t.best = best, t.start = distance(newton->objective.s, best, t.size);
-    newton->scene.settings.tolerance = 0.0;
-    newton->scene.settings.outer_iterations = 30;
+    for (int q = 0; q < 2; q++) {
+        solvers[q]->scene.settings.tolerance = 0.0;
+        solvers[q]->scene.settings.outer_iterations = 30;
+    }
     struct plain *plain[2] = {plain_create(newton, CHOLMOD_AUTO),
                               plain_create(newton, CHOLMOD_SIMPLICIAL)};
     for (int k = 0; k < repeat; k++) {
@@ -261,20 +274,22 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
             p.ms = plain_step(plain[q], best, t.start, &p.error);
             keep(&row[q], q ? "plain_simplicial" : "plain", &p);
         }
-        trace_step(context, newton, state, &t);
-        for (int q = 0; q < 3; q++) keep(&row[2 + q], goals[q], reached(&t, pow(0.1, q + 1)));
+        for (int q = 0; q < 6; q++) {
+            if (q % 3 == 0) trace_step(context, solvers[q / 3], state, &t);
+            keep(&row[2 + q], newton_method[q / 3][q % 3], reached(&t, pow(0.1, q % 3 + 1)));
+        }
         for (int q = 0; q < WAYS; q++) {
             trace_step(context, classic[q], state, &t);
             for (int m = 0; k && m < 3; m++) { /* the first one factored */
                 int at = ITERATIONS << m;
-                keep(&row[5 + 3 * q + m], ways[q], &t.point[at < t.points ? at : t.points - 1]);
+                keep(&row[8 + 3 * q + m], ways[q], &t.point[at < t.points ? at : t.points - 1]);
             }
         }
     }
     for (size_t q = 0; q < sizeof row / sizeof *row; q++) print(&row[q], n, stiffness, threads);
     plain_free(plain[0]), plain_free(plain[1]);
     free(best);
-    pdyn_free(state), pdyn_free(newton);
+    pdyn_free(state), pdyn_free(solvers[0]), pdyn_free(solvers[1]);
     for (int q = 0; q < WAYS; q++) pdyn_free(classic[q]);
 }
 
