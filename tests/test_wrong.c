@@ -248,6 +248,33 @@ static void project_askew(const void *par, const pdyn_batch *b, int first, int l
     }
 }
 
+/* The sphere of project_askew, from one side only: beyond the length (tension), or below it. */
+static void project_askew_where(const void *par, const pdyn_batch *b, int first, int last,
+                                bool beyond) {
+    for (int e = first; e < last; e++)
+        if ((vec3_length(b->u + 3 * e) > length(b, e)) == beyond) project_askew(par, b, e, e + 1);
+        else memcpy(b->p + 3 * e, b->u + 3 * e, 3 * sizeof *b->p);
+}
+
+static void project_askew_tension(const void *par, const pdyn_batch *b, int first, int last) {
+    project_askew_where(par, b, first, last, true);
+}
+
+static void project_askew_compression(const void *par, const pdyn_batch *b, int first, int last) {
+    project_askew_where(par, b, first, last, false);
+}
+
+/* A limit that is out of reach: nothing is tried. */
+static void project_never(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    memcpy(b->p + 3 * first, b->u + 3 * first, 3 * (size_t)(last - first) * sizeof *b->p);
+}
+
+static void tangent_identity(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par, (void)b;
+    for (int e = first; e < last; e++, J += 9) J[0] = J[4] = J[8] = 1.0;
+}
+
 /* Selects one end: not invariant to translations. */
 static void select_one(const void *par, const pdyn_batch *b, int first, int last) {
     select_edges(par, b, first, last);
@@ -307,6 +334,10 @@ static void test_mathematics(void **state) {
     pdyn_constraint_type t = good;
     t.project = project_half_way, expect(t, "project is no projection");
     t.project = project_askew, expect(t, "is not that of the energy");
+    t.damping = NULL, t.damping_rest = NULL, t.tangent = NULL;
+    t.project = project_askew_tension, expect(t, "is not that of the energy");
+    t.project = project_askew_compression, expect(t, "is not that of the energy");
+    t.project = project_never, t.tangent = tangent_identity, expect(t, "not exercised");
     t = good, t.energy = energy, expect(t, "is not that of the energy");
     t = good, t.select = select_one, expect(t, "say PDYN_ANCHORED");
     t = good, t.tangent = tangent_transposed, expect(t, "an asymmetric J");

@@ -4,11 +4,11 @@
 
 /* Each check gets a trial of its own, so that faults do not affect later checks. The other checks
  * need callbacks that write only where they may: without, they are skipped. */
-static void check_type_on(struct check *check) {
-    static check_fn *const checks[] = {check_callbacks, check_projection, check_tangent,
-                                       check_gradient,  check_momentum,   check_damping_rest,
-                                       check_bounds,    check_diagonal,   check_stiffness,
-                                       check_tiers,     check_model};
+static void check_strain(struct check *check) {
+    static check_fn *const checks[] = {check_callbacks, check_activity,     check_projection,
+                                       check_tangent,   check_gradient,     check_momentum,
+                                       check_bounds,    check_damping_rest, check_diagonal,
+                                       check_stiffness, check_tiers,        check_model};
     for (size_t k = 0; k < sizeof checks / sizeof *checks; k++) {
         struct trial trial;
         if (!trial_start(&trial, check, check->type, "auto")) return;
@@ -16,9 +16,21 @@ static void check_type_on(struct check *check) {
         trial_finish(&trial, check);
         if (k == 0 && check->faults) return;
     }
-    int faults = check->faults;
+}
+
+static void check_type_on(struct check *check) {
+    check->active = 0;
+    for (int k = 0; k < STRAINS && !check->faults; k++) {
+        check->strain = (enum strain)k;
+        check_strain(check);
+    }
+    check->strain = COMPRESSED;
+    if (check->faults) return;
+    if (!check->active)
+        fault(check, "not exercised: no element pulls in any trial, compressed, stretched or "
+                     "sheared");
     check_solvers(check);
-    if (check->faults == faults) check_steps(check);
+    if (!check->faults) check_steps(check);
 }
 
 static void check_type(struct check *check) {

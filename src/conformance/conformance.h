@@ -8,6 +8,9 @@
 #include "projdyn/conformance.h"
 #include "step/sim.h"
 
+/* How the body of a trial is deformed: constraints of one side act in one of these states only. */
+enum strain { COMPRESSED, STRETCHED, SHEARED, STRAINS };
+
 enum body_kind { SURFACE, PARTICLES, VOLUME, BODY_KINDS };
 
 struct check {                /* the checks of one constraint type or one solver */
@@ -15,6 +18,8 @@ struct check {                /* the checks of one constraint type or one solver
     const pdyn_constraint_type *type;
     const pdyn_global_solver *solver;
     enum body_kind kind; /* of the trial's body */
+    enum strain strain;  /* of the trial's body */
+    int active;          /* elements that pulled in some trial: u differed from p */
     void (*tell)(void *user, const char *text);
     void *user;
     int faults;
@@ -25,7 +30,7 @@ void fault(struct check *check, const char *format, ...) PDYN_PRINTF(2, 3);
 
 /* ---- trials ---------------------------------------------------------------------------------- */
 
-struct trial { /* a scene at a random state */
+struct trial { /* a scene at a deformed, randomly disturbed state */
     pdyn_context *context;
     pdyn_sim *sim;
     struct batch *batch, *rows; /* the type's batch; rows: its rows, equal to batch unless the type
@@ -62,8 +67,8 @@ double trial_random(uint64_t *seed); /* in [-1, 1) */
 
 typedef void check_fn(struct check *check, struct trial *trial);
 
-check_fn check_callbacks;  /* callbacks.c: what they write; no state between calls */
-check_fn check_projection; /* mathematics.c */
+check_fn check_callbacks; /* callbacks.c: what they write; no state between calls */
+check_fn check_projection, check_activity; /* mathematics.c */
 check_fn check_tangent, check_gradient, check_momentum, check_damping_rest;
 check_fn check_bounds, check_diagonal;              /* H, mathematics.c */
 check_fn check_stiffness, check_tiers, check_model; /* tiers.c: two realisations, equal results */

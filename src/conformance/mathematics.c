@@ -36,6 +36,19 @@ void check_projection(struct check *check, struct trial *t) {
     FREE_ARRAY(t->context, once, 3 * (size_t)b->rows);
 }
 
+/* Counts the elements that pull at x: |u - p| is more than rounding. */
+void check_activity(struct check *check, struct trial *t) {
+    const struct batch *b = t->rows;
+    batch_local(t->rows, t->x, 0.0, t->y);
+    if (b->linear) check->active += b->energy > 0.0; /* p = 0; u is not computed */
+    for (int e = 0; e < b->view.elements && !b->linear; e++) {
+        int first = 3 * b->view.element_row[e], last = 3 * b->view.element_row[e + 1];
+        double size = trial_norm(b->view.u + first, last - first);
+        check->active +=
+            trial_distance(b->view.u + first, b->view.p + first, last - first) > 1e-12 * size;
+    }
+}
+
 /* After damping_rest, u is its own projection. */
 void check_damping_rest(struct check *check, struct trial *t) {
     struct batch *b = t->rows;

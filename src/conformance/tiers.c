@@ -37,8 +37,8 @@ static void compare(struct check *check, struct trial *t, struct batch *a, struc
 void check_tiers(struct check *check, struct trial *t) {
     if (!check->type->matrix_free) return;
     batch_local(t->batch, t->x, 0.0, t->y);
-    if (!(t->batch->energy > 0.0))
-        fault(check, "the operator has no energy at a state that the scene was disturbed to");
+    if (check->strain == COMPRESSED && !(t->batch->energy > 0.0))
+        fault(check, "the operator has no energy in a compressed trial");
     compare(check, t, t->batch, t->rows, "the operator and the rows that it stands for");
 }
 

@@ -121,13 +121,22 @@ pdyn_context *trial_context(const pdyn_context *like, int threads) {
     return context;
 }
 
-/* Random x near rest, v, s and direction u; then the local step at x. */
-static pdyn_status disturb(struct trial *t) {
+/* A deformation of space per strain: x -> F x, by rows. */
+static const double deformation[STRAINS][9] = {[COMPRESSED] = {0.97, 0, 0, 0, 0.97, 0, 0, 0, 0.97},
+                                               [STRETCHED] = {1.02, 0, 0, 0, 1.02, 0, 0, 0, 1.02},
+                                               [SHEARED] = {1, 0.08, -0.05, 0, 1, 0.06, 0, 0, 1}};
+
+static const double shift[STRAINS] = {[SHEARED] = -0.1}; /* m: through floors and out of pins */
+
+/* Deformed and disturbed x, random v, s and direction u; then the local step at x. */
+static pdyn_status disturb(struct trial *t, enum strain strain) {
     struct objective *sys = &t->sim->objective;
     uint64_t seed = 7;
     double energy;
     for (int k = 0; k < t->n; k++) {
-        t->x[k] = t->sim->x[k] * 0.97 + 0.002 * trial_random(&seed);
+        const double *row = deformation[strain] + 3 * (k % 3), *from = t->sim->x + 3 * (k / 3);
+        t->x[k] = row[0] * from[0] + row[1] * from[1] + row[2] * from[2] + shift[strain] +
+                  0.002 * trial_random(&seed);
         t->u[k] = trial_random(&seed);
         sys->s[k] = t->sim->x[k] + 0.01 * trial_random(&seed);
     }
@@ -139,7 +148,7 @@ static pdyn_status disturb(struct trial *t) {
     return objective_local(sys, t->x, &energy, t->gradient);
 }
 
-static pdyn_status load(struct trial *t, const char *scene) {
+static pdyn_status load(struct trial *t, enum strain strain, const char *scene) {
     pdyn_context *c = t->context;
     pdyn_status status = pdyn_load_text(c, scene, "a scene for this type", NULL, 0, &t->sim);
     if (status != PDYN_OK) return status;
@@ -150,7 +159,7 @@ static pdyn_status load(struct trial *t, const char *scene) {
         if (!(*vectors[k] = NEW_VECTOR(c, t->n / 3))) return PDYN_NO_MEMORY;
     t->da = NEW_ARRAY(c, 2 * (size_t)t->n, double), t->db = NEW_ARRAY(c, 2 * (size_t)t->n, double);
     if (!t->da || !t->db) return PDYN_NO_MEMORY;
-    status = disturb(t);
+    status = disturb(t, strain);
     if (status == PDYN_OK && t->batch->op)
         status = batch_create(c, t->batch->type, t->batch->params, t->batch->view.body, NULL,
                               neighbours_view(t->sim->neighbours), true, &t->rows);
@@ -174,7 +183,7 @@ bool trial_start(struct trial *t, struct check *check, const pdyn_constraint_typ
     *t = (struct trial){.context = trial_context(check->like, 1)};
     if (!t->context) return false;
     trial_scene(scene, type, check->kind, SMALL, solver, "newton");
-    pdyn_status status = load(t, scene);
+    pdyn_status status = load(t, check->strain, scene);
     if (status == PDYN_OK) return true;
     fault(check, "%s", pdyn_last_error(t->context));
     release(t);
