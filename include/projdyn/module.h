@@ -392,11 +392,9 @@ typedef struct pdyn_elements {
     bool constant;             /* B = weight x identity for any x and any eps */
 } pdyn_elements;
 
-typedef enum pdyn_part { /* of H */
-                         PDYN_WHOLE,
-                         PDYN_DYNAMIC, /* constraints that change from step to step: matrix-free
-                                          ones, and those whose elements come and go */
-} pdyn_part;
+/* Parts of H. PDYN_DYNAMIC: the constraints that change from step to step, which are the
+ * matrix-free ones and those whose elements come and go. */
+typedef enum pdyn_part { PDYN_WHOLE, PDYN_DYNAMIC } pdyn_part;
 
 /* The quadratic model of E around an iterate, 1/2 d.H d - b.d, with every one-sided constraint on a
  * fixed side. Vectors are particles x 3, with room for one number more. */
