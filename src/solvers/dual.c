@@ -29,7 +29,9 @@ static const double max_beyond = 0.05;
  * local step evaluates them again. */
 static const double max_room = 0.1;
 
-enum { GRAIN = 2048, SUMS = 4 };
+/* GRAIN: constraints or particles of a parallel block. SUMS: partial sums of a block.
+ * MAX_PER_PARTICLE: a saved state has at most so many multipliers for each particle. */
+enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
 
 struct dual {
     pdyn_model *model;
@@ -299,13 +301,26 @@ static void forget(void *self) {
     if (s->multiplier) memset(s->multiplier, 0, (size_t)s->count * sizeof *s->multiplier);
 }
 
+static pdyn_status fail_invalid(const struct dual *s, const char *message) {
+    const pdyn_services *services = s->model->services;
+    return services->set_error(services->core, PDYN_BAD_INPUT, message);
+}
+
 static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct dual *s = self;
     int count = s->count;
+    bool valid = true;
     snapshot->bytes(snapshot, &count, sizeof count);
+    if (snapshot->reading && (count < 0 || count / MAX_PER_PARTICLE > s->model->particles))
+        return fail_invalid(s, "not a saved state of this scene: the number of multipliers is out "
+                               "of range");
     if (snapshot->reading && reserve(s, count) != PDYN_OK) return PDYN_NO_MEMORY;
     if (count) snapshot->bytes(snapshot, s->multiplier, (size_t)count * sizeof *s->multiplier);
-    return PDYN_OK;
+    if (!snapshot->reading) return PDYN_OK;
+    for (int i = 0; i < count; i++) valid &= s->multiplier[i] >= 0.0 && isfinite(s->multiplier[i]);
+    return valid ? PDYN_OK
+                 : fail_invalid(s, "not a saved state of this scene: a multiplier is negative or "
+                                   "not finite");
 }
 
 const pdyn_global_solver pdyn_solver_dual = {

@@ -72,9 +72,11 @@ void pdyn_destroy(pdyn_context *context) {
 }
 
 const char *pdyn_last_error(const pdyn_context *context) { return context ? context->error : ""; }
-int pdyn_thread_count(const pdyn_context *context) { return context->options.threads; }
-size_t pdyn_bytes_in_use(const pdyn_context *context) { return context->bytes; }
-size_t pdyn_peak_bytes(const pdyn_context *context) { return context->peak_bytes; }
+int pdyn_thread_count(const pdyn_context *context) {
+    return context ? context->options.threads : 0;
+}
+size_t pdyn_bytes_in_use(const pdyn_context *context) { return context ? context->bytes : 0; }
+size_t pdyn_peak_bytes(const pdyn_context *context) { return context ? context->peak_bytes : 0; }
 
 void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t new_size) {
     if (!block && !new_size) return NULL;

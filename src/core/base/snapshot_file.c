@@ -2,6 +2,7 @@
 #include "snapshot_file.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -26,7 +27,11 @@ static void write_bytes(pdyn_snapshot *view, void *data, size_t size) {
 
 static void read_bytes(pdyn_snapshot *view, void *data, size_t size) {
     struct snapshot_file *a = (struct snapshot_file *)view;
-    if (a->status == PDYN_OK && fread(data, 1, size, a->in) != size)
+    bool complete = size <= a->left && fread(data, 1, size, a->in) == size;
+    a->left -= complete ? size : a->left;
+    if (complete && a->status == PDYN_OK) return;
+    memset(data, 0, size);
+    if (a->status == PDYN_OK)
         a->status = context_fail(a->context, PDYN_BAD_INPUT,
                                  "%.1024s: the state ends too early: it was saved by another scene "
                                  "or version",
@@ -43,6 +48,83 @@ void snapshot_file_expect(struct snapshot_file *a, uint64_t value, const char *w
     if (a->status == PDYN_OK && found != value)
         a->status = context_fail(a->context, PDYN_BAD_INPUT,
                                  "%.1024s: the state was saved with other %s", a->path, what);
+}
+
+/* ---- a state in memory ----------------------------------------------------------------------- */
+
+static void write_memory(pdyn_snapshot *view, void *data, size_t size) {
+    struct snapshot_file *a = (struct snapshot_file *)view;
+    unsigned char *moved = a->status == PDYN_OK
+                               ? context_grow(a->context, a->memory, &a->room, a->filled + size, 1)
+                               : NULL;
+    if (!moved) {
+        a->status = PDYN_NO_MEMORY;
+        return;
+    }
+    a->memory = moved;
+    memcpy(a->memory + a->filled, data, size);
+    a->filled += size;
+}
+
+static void read_memory(pdyn_snapshot *view, void *data, size_t size) {
+    struct snapshot_file *a = (struct snapshot_file *)view;
+    bool complete = a->status == PDYN_OK && size <= a->filled - a->taken;
+    if (complete) memcpy(data, a->memory + a->taken, size);
+    else memset(data, 0, size);
+    a->taken += complete ? size : 0;
+    snapshot_file_require(a, complete, "it ends too early");
+}
+
+void snapshot_memory_create(pdyn_context *context, struct snapshot_file *out) {
+    *out = (struct snapshot_file){.view = {.bytes = write_memory},
+                                  .context = context,
+                                  .path = "the state in memory",
+                                  .in_memory = true};
+}
+
+void snapshot_memory_rewind(struct snapshot_file *a) {
+    a->view = (pdyn_snapshot){.reading = true, .bytes = read_memory};
+    a->taken = 0;
+}
+
+/* ---- checks of what is read ------------------------------------------------------------------ */
+
+void snapshot_file_require(struct snapshot_file *a, bool valid, const char *what) {
+    if (valid || !a->view.reading || a->status != PDYN_OK) return;
+    a->status = context_fail(a->context, PDYN_BAD_INPUT,
+                             "%.1024s: not a saved state of this scene: %s", a->path, what);
+}
+
+void snapshot_file_numbers(struct snapshot_file *a, double *value, size_t count, const char *what) {
+    bool finite = true;
+    snapshot_file_bytes(a, value, count * sizeof *value);
+    for (size_t k = 0; a->view.reading && k < count; k++) finite &= isfinite(value[k]) != 0;
+    snapshot_file_require(a, finite, what);
+}
+
+/* A byte other than 0 and 1 must not be read as bool: bytes are checked first, and replaced. */
+void snapshot_file_flags(struct snapshot_file *a, bool *value, size_t count, const char *what) {
+    unsigned char *byte = (unsigned char *)value;
+    bool valid = true;
+    snapshot_file_bytes(a, value, count * sizeof *value);
+    for (size_t k = 0; a->view.reading && k < count * sizeof *value; k++) {
+        valid &= byte[k] <= 1;
+        byte[k] &= 1;
+    }
+    snapshot_file_require(a, valid, what);
+}
+
+void snapshot_file_long(struct snapshot_file *a, long *value, long max, const char *what) {
+    SNAPSHOT(a, *value);
+    snapshot_file_require(a, *value >= 0 && *value <= max, what);
+}
+
+void snapshot_file_count(struct snapshot_file *a, int *value, size_t size, const char *what) {
+    SNAPSHOT(a, *value);
+    size_t left = a->in_memory ? a->filled - a->taken : a->left;
+    bool valid = *value >= 0 && (size_t)*value <= left / size;
+    snapshot_file_require(a, valid, what);
+    if (a->view.reading && !valid) *value = 0;
 }
 
 /* ---- writing --------------------------------------------------------------------------------- */
@@ -87,7 +169,8 @@ static pdyn_status check_file(struct snapshot_file *a) {
         return damaged(a, "expected a state saved by this version of projdyn");
     if (fread(&mark, 1, sizeof mark, a->in) != sizeof mark || mark != order_mark)
         return damaged(a, "the state was saved on a machine with another byte order");
-    pdyn_status status = check_content(a, (size_t)info.st_size - HEAD - TAIL);
+    a->left = (size_t)info.st_size - HEAD - TAIL;
+    pdyn_status status = check_content(a, a->left);
     if (status == PDYN_OK && fseek(a->in, HEAD, SEEK_SET)) return damaged(a, "cannot be read");
     return status;
 }
@@ -106,6 +189,10 @@ pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct s
 }
 
 pdyn_status snapshot_file_close(struct snapshot_file *a) {
+    if (a->in_memory) {
+        FREE_ARRAY(a->context, a->memory, a->room);
+        return a->status;
+    }
     if (a->in) {
         fclose(a->in);
         return a->status;

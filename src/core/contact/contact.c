@@ -118,17 +118,36 @@ pdyn_status contact_take_back(struct contact *c, const double *x) {
     return contact_local(c, x);
 }
 
+/* Whether the regions contain their points and are as large as their reaches say, up to rounding. A
+ * wrong size would make the list of pairs incomplete, or much too long. */
+static bool regions_are_valid(const struct contact *c) {
+    bool valid = true;
+    for (int i = 0; i < c->points; i++) {
+        double far = 0.0, size = 0.0;
+        for (int a = 0; a < 3; a++) {
+            double low = c->built[3 * i + a] - c->region[i].min[a];
+            double high = c->region[i].max[a] - c->built[3 * i + a];
+            double side = fmax(low, high);
+            valid &= low >= 0.0 && high >= 0.0;
+            far += side * side, size += fabs(c->built[3 * i + a]);
+        }
+        double rounding = 1e-9 * (c->reach[i] + size + c->set->thickness);
+        valid &= fabs(sqrt(far) - c->reach[i]) <= rounding; /* false for NaN, too */
+    }
+    return valid;
+}
+
 /* After reading, the pairs are listed at the positions where they were listed before: their order
  * decides how sums are rounded. */
 void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
     snapshot_file_bytes(a, c->region, n * sizeof *c->region);
-    snapshot_file_bytes(a, c->reach, n * sizeof *c->reach);
-    snapshot_file_bytes(a, c->built, 3 * n * sizeof *c->built);
-    snapshot_file_bytes(a, c->at, 3 * n * sizeof *c->at);
-    SNAPSHOT(a, c->behind);
-    pdyn_status status = a->status;
-    if (status == PDYN_OK && a->view.reading) status = contact_list(c);
-    if (status == PDYN_OK && a->view.reading) status = contact_local(c, x);
-    if (a->status == PDYN_OK) a->status = status;
+    snapshot_file_numbers(a, c->reach, n, "a reach of contact is not finite");
+    snapshot_file_numbers(a, c->built, 3 * n, "a position of contact is not finite");
+    snapshot_file_numbers(a, c->at, 3 * n, "a position of contact is not finite");
+    snapshot_file_flags(a, &c->behind, 1, "the flag of solids is neither 0 nor 1");
+    if (!a->view.reading || a->status != PDYN_OK) return;
+    snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");
+    if (a->status == PDYN_OK) a->status = contact_list(c);
+    if (a->status == PDYN_OK) a->status = contact_local(c, x);
 }

@@ -3,17 +3,36 @@
 
 #include "step/live_particles.h"
 
+#include <stdio.h>
 #include <string.h>
 
+/* Largest number of frames and of steps: a double represents every smaller integer. */
+static const long max_count = 1L << 52;
+
+/* Time, and the lengths of the last steps. A step ends at the next frame at the latest. */
+static void persist_time(struct pdyn_sim *sim, struct snapshot_file *a) {
+    const double interval = sim->scene.settings.frame_interval, rounding = 1e-6 * interval;
+    snapshot_file_numbers(a, &sim->time, 1, "the time is not finite");
+    snapshot_file_long(a, &sim->frame, max_count, "the number of frames is out of range");
+    snapshot_file_long(a, &sim->steps, max_count, "the number of steps is out of range");
+    snapshot_file_numbers(a, &sim->last_h, 1, "the step length is not finite");
+    snapshot_file_numbers(a, &sim->history, 1, "the length of the history is not finite");
+    double since = sim->time - (double)sim->frame * interval;
+    snapshot_file_require(a, since >= -rounding && since <= interval + rounding,
+                          "time and number of frames do not belong together");
+    snapshot_file_require(a, sim->last_h >= 0.0 && sim->last_h <= interval + rounding,
+                          "the step length is out of range");
+    snapshot_file_require(a, sim->history == 0.0 || sim->history == sim->last_h,
+                          "the history is not as long as the last step");
+}
+
 static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
-    SNAPSHOT(a, sim->time);
-    SNAPSHOT(a, sim->frame);
-    SNAPSHOT(a, sim->steps);
-    SNAPSHOT(a, sim->last_h);
-    SNAPSHOT(a, sim->history);
+    persist_time(sim, a);
     SNAPSHOT(a, sim->damping);
-    SNAPSHOT(a, sim->unfinished);
-    SNAPSHOT(a, sim->warned);
+    snapshot_file_require(a, sim->damping >= 0.0 && sim->damping <= 1.0,
+                          "the damping is not between 0 and 1");
+    snapshot_file_flags(a, &sim->unfinished, 1, "a flag of the last step is neither 0 nor 1");
+    snapshot_file_flags(a, &sim->warned, 1, "the flag of the warning is neither 0 nor 1");
 }
 
 static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
@@ -22,36 +41,39 @@ static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
                          sim->v_before};
     double *numbers[] = {sim->density, sim->pressure, sim->pressure_before};
     for (size_t k = 0; k < sizeof vectors / sizeof *vectors && vectors[k]; k++)
-        snapshot_file_bytes(a, vectors[k], 3 * n * sizeof(double));
+        snapshot_file_numbers(a, vectors[k], 3 * n,
+                              "a position, velocity or acceleration is not finite");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        snapshot_file_bytes(a, numbers[k], n * sizeof(double));
+        snapshot_file_numbers(a, numbers[k], n, "a density or pressure is not finite");
 }
 
 /* Neighbour lists are built again at the positions of their last build, because the order of their
  * entries determines rounding errors of sums; then solids are moved to the current time. */
 static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *a) {
     if (!sim->neighbours) return;
-    if (a->view.reading) live_particles_update_lists(sim);
-    pdyn_status status = neighbours_persist(sim->neighbours, &a->view);
-    if (status == PDYN_OK && a->view.reading) status = objective_share_lists(&sim->objective);
-    if (a->view.reading) kinematic_move(sim, sim->time);
-    if (a->status == PDYN_OK) a->status = status;
+    if (a->view.reading && a->status == PDYN_OK) live_particles_update_lists(sim);
+    neighbours_persist(sim->neighbours, a);
+    if (!a->view.reading || a->status != PDYN_OK) return;
+    a->status = objective_share_lists(&sim->objective);
+    kinematic_move(sim, sim->time);
 }
 
+/* After an error no module is called: it would read zeros. */
 static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
-    for (int b = 0; b < sim->objective.batches; b++) {
+    for (int b = 0; b < sim->objective.batches && a->status == PDYN_OK; b++) {
         struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->persist)
             batch->type->matrix_free->persist(batch->op, &a->view);
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, a);
     }
-    if (!sim->solver->persist) return;
+    if (!sim->solver->persist || a->status != PDYN_OK) return;
     pdyn_status status = sim->solver->persist(sim->solver_state, &a->view);
     if (a->status == PDYN_OK) a->status = status;
 }
 
-pdyn_status snapshot_simulation(struct pdyn_sim *sim, struct snapshot_file *a) {
+/* Writes what identifies the scene, or reads it and compares. */
+static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
                          "versions of projdyn");
     snapshot_file_expect(a, sim->scene.fingerprint, "values in its scene");
@@ -62,7 +84,10 @@ pdyn_status snapshot_simulation(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_expect(a, (uint64_t)sim->objective.batches, "constraints");
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, sim->solver->name, strlen(sim->solver->name)),
                          "solvers");
-    if (a->status != PDYN_OK) return a->status;
+    return a->status;
+}
+
+static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) {
     persist_numbers(sim, a);
     persist_particles(sim, a);
     live_particles_persist(sim, a);
@@ -72,21 +97,66 @@ pdyn_status snapshot_simulation(struct pdyn_sim *sim, struct snapshot_file *a) {
     return a->status;
 }
 
+/* ---- writing and reading --------------------------------------------------------------------- */
+
+pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *a) {
+    pdyn_status status = persist_scene(sim, a);
+    return status == PDYN_OK ? persist_state(sim, a) : status;
+}
+
+/* Positions at which lists cannot be built make the search fail with PDYN_DIVERGED. */
+static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *a) {
+    pdyn_status status = persist_state(sim, a);
+    if (status != PDYN_DIVERGED) return status;
+    char why[512];
+    snprintf(why, sizeof why, "%s", pdyn_last_error(sim->context));
+    a->status = PDYN_OK;
+    snapshot_file_require(a, false, why);
+    return a->status;
+}
+
+pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *a,
+                          struct snapshot_file *before) {
+    *before = (struct snapshot_file){0};
+    pdyn_status status = persist_scene(sim, a);
+    if (status != PDYN_OK) return status;
+    snapshot_memory_create(sim->context, before);
+    status = persist_state(sim, before);
+    if (status == PDYN_OK) {
+        snapshot_memory_rewind(before);
+        solid_load_begin_step(sim);
+        return read_state(sim, a);
+    }
+    snapshot_file_close(before);
+    *before = (struct snapshot_file){0};
+    return a->status = status;
+}
+
+pdyn_status snapshot_end_read(struct pdyn_sim *sim, struct snapshot_file *before,
+                              pdyn_status status) {
+    if (!before->in_memory) return status;
+    if (status != PDYN_OK && persist_state(sim, before) != PDYN_OK) sim->failed = true;
+    snapshot_file_close(before);
+    return status;
+}
+
+/* ---- public functions ------------------------------------------------------------------------ */
+
 pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
     struct snapshot_file a;
     if (!sim || !path) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_create(sim->context, path, &a);
     if (status != PDYN_OK) return status;
-    snapshot_simulation(sim, &a);
+    snapshot_write(sim, &a);
     return snapshot_file_close(&a);
 }
 
 pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
-    struct snapshot_file a;
+    struct snapshot_file a, before;
     if (!sim || !path) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_open(sim->context, path, &a);
     if (status != PDYN_OK) return status;
-    solid_load_begin_step(sim);
-    snapshot_simulation(sim, &a);
-    return snapshot_file_close(&a);
+    status = snapshot_end_read(sim, &before, snapshot_read(sim, &a, &before));
+    snapshot_file_close(&a);
+    return status;
 }

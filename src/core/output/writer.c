@@ -5,6 +5,7 @@
 #include "snapshot.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -56,31 +57,43 @@ static pdyn_status make_directory(pdyn_writer *writer) {
 
 /* ---- saving and resuming --------------------------------------------------------------------- */
 
+/* Saves or reads the report. Its pointer is saved as zeros in place of the address. */
+static void persist_report(pdyn_writer *writer, struct snapshot_file *a) {
+    struct report *report = &writer->report;
+    struct report_stats *residual = report->residual;
+    report->residual = NULL;
+    SNAPSHOT(a, *report);
+    report->residual = residual;
+    snapshot_file_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
+    unsigned char flag[2];
+    memcpy(flag, &report->start.frame, 1), memcpy(flag + 1, &report->end.frame, 1);
+    snapshot_file_require(a, flag[0] <= 1 && flag[1] <= 1,
+                          "a flag of its report is neither 0 nor 1");
+    snapshot_file_require(a, report->steps >= 0 && report->unsolved >= 0,
+                          "a number of steps in its report is negative");
+}
+
 /* Saves or reads the state of the writer. */
 static void persist_writer(pdyn_writer *writer, struct snapshot_file *a) {
     struct report *report = &writer->report;
     double run_ms = clock_ms() - report->opened_ms;
     snapshot_file_expect(a, sizeof *report, "numbers in its report");
-    SNAPSHOT(a, writer->ply);
-    SNAPSHOT(a, writer->metrics_size);
-    SNAPSHOT(a, run_ms);
-    struct report_stats *residual = report->residual;
-    report->residual = NULL; /* saves zeros in place of the address */
-    SNAPSHOT(a, *report);
-    report->residual = residual;
-    snapshot_file_bytes(a, residual, (size_t)writer->sim->bodies * sizeof *residual);
-    SNAPSHOT(a, writer->frames);
+    snapshot_file_flags(a, &writer->ply, 1, "the flag of PLY files is neither 0 nor 1");
+    snapshot_file_long(a, &writer->metrics_size, LONG_MAX, "the size of metrics.csv is negative");
+    snapshot_file_numbers(a, &run_ms, 1, "the time of the run is not finite");
+    persist_report(writer, a);
+    snapshot_file_count(a, &writer->frames, sizeof *writer->time,
+                        "the number of its frames is out of range");
     report->opened_ms = clock_ms() - run_ms;
 }
 
-static pdyn_status persist_all(pdyn_writer *writer, struct snapshot_file *a) {
-    pdyn_status status = snapshot_simulation(writer->sim, a);
-    if (status != PDYN_OK) return status;
+static pdyn_status persist_output(pdyn_writer *writer, struct snapshot_file *a) {
     persist_writer(writer, a);
     if (a->view.reading && a->status == PDYN_OK)
         a->status = frames_reserve_times(writer, writer->frames);
     if (a->status == PDYN_OK)
-        snapshot_file_bytes(a, writer->time, (size_t)writer->frames * sizeof *writer->time);
+        snapshot_file_numbers(a, writer->time, (size_t)writer->frames,
+                              "the time of a frame is not finite");
     return a->status;
 }
 
@@ -91,27 +104,29 @@ pdyn_status pdyn_writer_save(pdyn_writer *writer) {
     pdyn_status status =
         snapshot_file_create(writer->context, writer_path(writer, "state.pdyn"), &a);
     if (status != PDYN_OK) return status;
-    persist_all(writer, &a);
+    if (snapshot_write(writer->sim, &a) == PDYN_OK) persist_output(writer, &a);
     status = snapshot_file_close(&a);
     writer->report.output_ms += clock_ms() - start;
     return status;
 }
 
-static pdyn_status load_state(pdyn_writer *writer) {
+/* Reads the states of simulation and writer; that of the simulation before goes to `before`. */
+static pdyn_status load_state(pdyn_writer *writer, struct snapshot_file *before) {
     struct snapshot_file a;
     pdyn_status status = snapshot_file_open(writer->context, writer_path(writer, "state.pdyn"), &a);
     if (status != PDYN_OK) return status;
-    persist_all(writer, &a);
+    if (snapshot_read(writer->sim, &a, before) == PDYN_OK) persist_output(writer, &a);
     return snapshot_file_close(&a);
 }
 
 static pdyn_status resume(pdyn_writer *writer, const char *directory) {
+    struct snapshot_file before = {0};
     pdyn_status status = store_directory(writer, directory);
-    if (status == PDYN_OK) status = load_state(writer);
+    if (status == PDYN_OK) status = load_state(writer, &before);
     if (status == PDYN_OK) status = metrics_reopen(writer);
     for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
         status = frames_write_series(writer, p, writer->frames);
-    return status;
+    return snapshot_end_read(writer->sim, &before, status);
 }
 
 /* ---- opening and closing --------------------------------------------------------------------- */

@@ -79,11 +79,17 @@ void row_memory_get(const struct row_memory *m, const uint64_t *key, void *block
 void row_memory_persist(pdyn_context *context, struct row_memory *m, size_t size,
                         struct snapshot_file *snapshot) {
     int count = m->count;
-    SNAPSHOT(snapshot, count);
+    bool ascending = true;
+    snapshot_file_count(snapshot, &count, sizeof m->entry->key + size,
+                        "the number of remembered elements is out of range");
     if (snapshot->status != PDYN_OK) return;
     if (snapshot->view.reading) snapshot->status = make_room(context, m, count, size);
     if (snapshot->status != PDYN_OK) return;
     m->count = count;
-    for (int k = 0; k < count; k++) SNAPSHOT(snapshot, m->entry[k].key);
+    for (int k = 0; k < count; k++) {
+        SNAPSHOT(snapshot, m->entry[k].key);
+        ascending &= !k || m->entry[k - 1].key <= m->entry[k].key;
+    }
+    snapshot_file_require(snapshot, ascending, "the keys of remembered elements are not ascending");
     snapshot_file_bytes(snapshot, m->block, (size_t)count * size);
 }

@@ -68,6 +68,6 @@ void visibility_store_lists(struct neighbours *neighbours, const double *x);
 /* Removes the pairs that surfaces separate from the new lists. */
 void visibility_filter_lists(struct neighbours *neighbours);
 
-void visibility_persist(struct neighbours *neighbours, pdyn_snapshot *snapshot);
+void visibility_persist(struct neighbours *neighbours, struct snapshot_file *snapshot);
 
 #endif

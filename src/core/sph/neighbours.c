@@ -303,17 +303,16 @@ pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     return PDYN_OK;
 }
 
-pdyn_status neighbours_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
-    bool built = n->built;
-    snapshot->bytes(snapshot, &built, sizeof built);
-    snapshot->bytes(snapshot, n->built_x, 3 * (size_t)n->view.particles * sizeof *n->built_x);
-    if (n->moving)
-        snapshot->bytes(snapshot, n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
-    visibility_persist(n, snapshot);
-    if (!snapshot->reading || !built) return PDYN_OK;
+void neighbours_persist(struct neighbours *n, struct snapshot_file *a) {
+    static const char what[] = "a position of its neighbour lists is not finite";
+    snapshot_file_flags(a, &n->built, 1, "the flag of its neighbour lists is neither 0 nor 1");
+    snapshot_file_numbers(a, n->built_x, 3 * (size_t)n->view.particles, what);
+    snapshot_file_numbers(a, n->built_moving_x, 3 * (size_t)n->moving, what);
+    visibility_persist(n, a);
+    if (!a->view.reading || !n->built || a->status != PDYN_OK) return;
     if (n->moving) memcpy(moving_x(n), n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
-    pdyn_status status = sort_boundary(n);
-    return status == PDYN_OK ? neighbours_build(n, n->built_x) : status;
+    a->status = sort_boundary(n);
+    if (a->status == PDYN_OK) a->status = neighbours_build(n, n->built_x);
 }
 
 /* ---- volumes of surface samples -------------------------------------------------------------- */

@@ -3,6 +3,7 @@
 #define PDYN_NEIGHBOURS_H
 
 #include "base/context.h"
+#include "base/snapshot_file.h"
 #include "occlusion.h"
 #include "projdyn/module.h"
 #include "surface_samples.h"
@@ -55,7 +56,7 @@ pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 
 /* Saves the positions of the last build, or reads them and builds the lists there. Before reading,
  * neighbours_set_live must have been called; after it, neighbours_move_boundary must be called. */
-pdyn_status neighbours_persist(struct neighbours *neighbours, pdyn_snapshot *snapshot);
+void neighbours_persist(struct neighbours *neighbours, struct snapshot_file *snapshot);
 
 /* Begins a step at x (system x 3, m), which must not change until the step ends. */
 void neighbours_begin_step(struct neighbours *neighbours, const double *x);

@@ -42,12 +42,14 @@ void visibility_free(struct neighbours *n) {
     FREE_ARRAY(n->context, previous->index, previous->capacity);
 }
 
-void visibility_persist(struct neighbours *n, pdyn_snapshot *snapshot) {
+void visibility_persist(struct neighbours *n, struct snapshot_file *a) {
     struct visibility *v = &n->visibility;
     if (!v->occlusion) return;
-    snapshot->bytes(snapshot, &v->frozen, sizeof v->frozen);
-    snapshot->bytes(snapshot, v->frozen_x, 3 * (size_t)n->system * sizeof *v->frozen_x);
-    snapshot->bytes(snapshot, v->granted, (size_t)n->view.particles * sizeof *v->granted);
+    snapshot_file_flags(a, &v->frozen, 1, "the flag of its visibility is neither 0 nor 1");
+    snapshot_file_numbers(a, v->frozen_x, 3 * (size_t)n->system,
+                          "a position of its visibility is not finite");
+    snapshot_file_numbers(a, v->granted, (size_t)n->view.particles,
+                          "a granted density is not finite");
 }
 
 /* ---- steps ----------------------------------------------------------------------------------- */

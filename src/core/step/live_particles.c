@@ -3,6 +3,7 @@
 
 #include "projdyn/vec3.h"
 
+#include <limits.h>
 #include <string.h>
 
 /* Smallest distance, in spacings, from an entering particle to others. The layers of an inlet are
@@ -92,11 +93,16 @@ static double spacing_of(const struct pdyn_sim *sim, const struct live_inlet *in
     return 2.0 * sim->body[inlet->body].radius;
 }
 
-/* Number of layers that should have entered by now. */
-static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+/* Number of layers that would have entered by the current time if the inlet never ended. */
+static double layers_without_end(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
     const struct scene_inlet *from = inlet->from;
     double travelled = (sim->time - from->start) * from->speed / spacing_of(sim, inlet) + 1e-9;
-    return travelled < 0.0 ? 0.0 : fmin(from->layers, floor(travelled) + 1.0);
+    return travelled < 0.0 ? 0.0 : floor(travelled) + 1.0;
+}
+
+/* Number of layers that should have entered by the current time. */
+static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    return fmin(inlet->from->layers, layers_without_end(sim, inlet));
 }
 
 /* Lists the live particles of the body close to a plane `distance` in front of the inlet. */
@@ -201,19 +207,57 @@ void live_particles_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->live, 1);
 }
 
+/* Whether the stack of body b lists each of its particles that are not live once. near: scratch,
+ * marks the particles that are listed. */
+static bool stack_is_valid(const struct pdyn_sim *sim, int b) {
+    const struct live_particles *p = sim->live;
+    const pdyn_body *body = &sim->body[b];
+    int vacant = 0, end = body->first + body->count;
+    for (int i = body->first; i < end; i++) vacant += !p->live[i], p->near[i] = 0;
+    if (p->vacant[b] != vacant) return false;
+    for (int k = body->first; k < body->first + vacant; k++) {
+        int i = p->slot[k];
+        if (i < body->first || i >= end || p->live[i] || p->near[i]++) return false;
+    }
+    return true;
+}
+
+/* An open inlet has emitted the layers that are due. The duration of the simulation, and with it
+ * the last layer, may differ from that of the saved one: a layer may be missing at the end of a
+ * shorter duration, and there may be further layers after the end of it. */
+static bool inlet_is_valid(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    double layers = inlet->layers;
+    if (!(layers >= 0.0 && layers == floor(layers))) return false;
+    if (layers > layers_without_end(sim, inlet)) return false;
+    return inlet->closed || layers_due(sim, inlet) - layers <= 1.0;
+}
+
+static void require_valid(struct pdyn_sim *sim, struct snapshot_file *a) {
+    struct live_particles *p = sim->live;
+    if (!a->view.reading || a->status != PDYN_OK) return;
+    for (int b = 0; b < sim->bodies; b++)
+        snapshot_file_require(a, stack_is_valid(sim, b),
+                              "its list of particles that are not live is wrong");
+    for (int k = 0; k < p->inlets; k++)
+        snapshot_file_require(a, inlet_is_valid(sim, &p->inlet[k]),
+                              "the number of layers of an inlet does not belong to its time");
+}
+
 void live_particles_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    static const char total[] = "the number of particles emitted or removed is out of range";
     struct live_particles *p = sim->live;
     if (!p) return;
     size_t n = (size_t)sim->objective.particles;
-    snapshot_file_bytes(a, p->live, n * sizeof *p->live);
+    snapshot_file_flags(a, p->live, n, "the flag of a live particle is neither 0 nor 1");
     snapshot_file_bytes(a, p->slot, n * sizeof *p->slot);
     snapshot_file_bytes(a, p->vacant, (size_t)sim->bodies * sizeof *p->vacant);
     for (int k = 0; k < p->inlets; k++) {
         SNAPSHOT(a, p->inlet[k].layers);
-        SNAPSHOT(a, p->inlet[k].closed);
+        snapshot_file_flags(a, &p->inlet[k].closed, 1, "the flag of an inlet is neither 0 nor 1");
     }
-    SNAPSHOT(a, p->emitted);
-    SNAPSHOT(a, p->removed);
+    snapshot_file_long(a, &p->emitted, LONG_MAX / 4, total);
+    snapshot_file_long(a, &p->removed, LONG_MAX / 4, total);
+    require_valid(sim, a);
 }
 
 void live_particles_update_lists(struct pdyn_sim *sim) {

@@ -103,7 +103,7 @@ pdyn_status solid_load_compute(const struct pdyn_sim *sim, const struct solid_lo
 }
 
 const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
-    return solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
+    return sim && solid >= 0 && solid < sim->scene.solids ? sim->scene.solid[solid].name : NULL;
 }
 
 pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {

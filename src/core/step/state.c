@@ -2,22 +2,28 @@
 #include "base/snapshot_file.h"
 #include "live_particles.h"
 
-double pdyn_time(const pdyn_sim *sim) { return sim->time; }
-double pdyn_duration(const pdyn_sim *sim) { return sim->scene.settings.duration; }
-double pdyn_frame_interval(const pdyn_sim *sim) { return sim->scene.settings.frame_interval; }
-const char *pdyn_solver_type(const pdyn_sim *sim) { return sim->solver->name; }
-const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim->solver_reason; }
-const char *pdyn_integrator(const pdyn_sim *sim) { return sim->scene.settings.integrator->name; }
+double pdyn_time(const pdyn_sim *sim) { return sim ? sim->time : 0.0; }
+double pdyn_duration(const pdyn_sim *sim) { return sim ? sim->scene.settings.duration : 0.0; }
+double pdyn_frame_interval(const pdyn_sim *sim) {
+    return sim ? sim->scene.settings.frame_interval : 0.0;
+}
+const char *pdyn_solver_type(const pdyn_sim *sim) { return sim ? sim->solver->name : ""; }
+const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim ? sim->solver_reason : ""; }
+const char *pdyn_integrator(const pdyn_sim *sim) {
+    return sim ? sim->scene.settings.integrator->name : "";
+}
 const char *pdyn_step_type(const pdyn_sim *sim) {
-    return sim->scene.settings.newton ? "newton" : "projective";
+    return !sim ? "" : sim->scene.settings.newton ? "newton" : "projective";
 }
 
 void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iteration *), void *user) {
+    if (!sim) return;
     sim->observer = observer;
     sim->observer_user = user;
 }
 
 pdyn_state pdyn_get_state(const pdyn_sim *sim) {
+    if (!sim) return (pdyn_state){0};
     return (pdyn_state){.particles = sim->objective.particles,
                         .x = sim->x,
                         .v = sim->v,
@@ -33,7 +39,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
 }
 
 pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
-    if (body < 0 || body >= sim->bodies) return (pdyn_body_info){0};
+    if (!sim || body < 0 || body >= sim->bodies) return (pdyn_body_info){0};
     const pdyn_body *b = &sim->body[body];
     return (pdyn_body_info){.name = b->name,
                             .first = b->first,
@@ -47,7 +53,7 @@ pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
 }
 
 pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
-    if (constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
+    if (!sim || constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
@@ -58,7 +64,7 @@ static bool has_value(const pdyn_param *p, const double *value) {
 }
 
 pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
-    if (constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
+    if (!sim || constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     for (const pdyn_param *p = b->type->params; p->name; p++) {
         const double *value = (const double *)((const char *)b->params + p->offset);
@@ -78,5 +84,6 @@ static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *ve
 }
 
 uint64_t pdyn_state_hash(const pdyn_sim *sim) {
+    if (!sim) return 0;
     return hash_vector(hash_vector(HASH_BEGIN, sim, sim->x), sim, sim->v);
 }

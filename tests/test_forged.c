@@ -1,0 +1,289 @@
+/* Forged states: the bytes of a saved state are changed and its checksum is corrected. Such a state
+ * is refused, and the simulation continues as before it, or is accepted and harmless. */
+#include "support.h"
+
+#include "base/snapshot_file.h"
+#include "step/live_particles.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STEPS = 12, FLIPS = 300 };
+
+static const char inlet[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'bodies': [{'name': "
+    "'water', 'particles': {'radius': 0.0125, 'inlets': [{'rectangle': {'center': [0, 0.2, 0], "
+    "'size': [0.1, 0.1]}, 'direction': [0, -1, 0], 'speed': 2}], 'budget': 400}, 'constraints': "
+    "[{'type': 'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, 0.1, -1], "
+    "'maximum': [1, 1, 1]}, 'outside': true}]}";
+
+static const char fluid[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'solver': {'type': "
+    "'dual'}, 'bodies': [{'name': 'water', 'particles': {'radius': 0.02, 'fill': [{'box': "
+    "{'minimum': [0, 0, 0], 'maximum': [0.16, 0.12, 0.16]}}]}, 'constraints': [{'type': "
+    "'fluid'}]}], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.28, 0.2, "
+    "0.2]}}, {'name': 'stirrer', 'sphere': {'center': [0.22, 0.1, 0.1], 'radius': 0.03}, 'motion': "
+    "[{'time': 0}, {'time': 1, 'translate': [0, 0.1, 0.1]}]}]}";
+
+/* The sheet touches the sphere: the state contains contacts and friction. */
+static const char cloth[] =
+    SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'contact': "
+          "{'thickness': 0.01, 'friction': 0.5}",
+          GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "9, 9",
+                     "'translate': [0.01, 0.12, 0], 'area_density': 0.5", SPRINGS("1000")),
+          ", 'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
+          "{'time': 1, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}]");
+
+/* ---- files of states ------------------------------------------------------------------------- */
+
+/* The file has HEAD bytes, the content, and TAIL bytes with the hash of the content. */
+enum { HEAD = 16, TAIL = 8 };
+struct file {
+    unsigned char data[1 << 20];
+    size_t size;
+};
+
+static void read_file(const char *path, struct file *out) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    out->size = fread(out->data, 1, sizeof out->data, file);
+    assert_true(out->size > HEAD + TAIL && out->size < sizeof out->data);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Writes the file with a correct checksum. */
+static void write_file(const char *path, struct file *file) {
+    uint64_t hash = hash_bytes(HASH_BEGIN, file->data + HEAD, file->size - HEAD - TAIL);
+    memcpy(file->data + file->size - TAIL, &hash, sizeof hash);
+    test_write_file(path, (const char *)file->data, file->size);
+}
+
+/* Replaces the int that `after` bytes of content follow. */
+static void replace_int(const char *path, size_t after, int expected, int value) {
+    static struct file file;
+    int found;
+    read_file(path, &file);
+    unsigned char *at = file.data + file.size - TAIL - after - sizeof found;
+    memcpy(&found, at, sizeof found);
+    assert_int_equal(found, expected);
+    memcpy(at, &value, sizeof value);
+    write_file(path, &file);
+}
+
+/* ---- random bytes ---------------------------------------------------------------------------- */
+
+static pdyn_sim *load_state(pdyn_context *context, const char *text) {
+    pdyn_sim *sim = test_load(context, text);
+    if (pdyn_restore(sim, "state") != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    return sim;
+}
+
+static void assert_finite(const pdyn_sim *sim) {
+    const pdyn_state s = pdyn_get_state(sim);
+    for (int k = 0; k < 3 * s.particles; k++) assert_true(isfinite(s.x[k]) && isfinite(s.v[k]));
+}
+
+/* Restores the forged state and takes a step. next: the hash after a step from the good state.
+ * Returns whether the state was refused. */
+static bool try_forged(pdyn_context *context, const char *text, uint64_t next) {
+    pdyn_sim *sim = load_state(context, text);
+    pdyn_status status = pdyn_restore(sim, "forged"), stepped = pdyn_step(sim, NULL);
+    bool refused = status != PDYN_OK;
+    if (refused) {
+        assert_int_equal(status, PDYN_BAD_INPUT);
+        if (!strstr(pdyn_last_error(context), "state")) fail_msg("%s", pdyn_last_error(context));
+        assert_int_equal(stepped, PDYN_OK);
+        assert_true(pdyn_state_hash(sim) == next);
+    }
+    assert_finite(sim);
+    pdyn_free(sim);
+    return refused;
+}
+
+/* Changes one random byte of the state at a time. */
+static void flip_bytes(const char *text, uint64_t seed) {
+    static struct file file;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    int refused = 0;
+    for (int k = 0; k < STEPS; k++) test_step(context, sim);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    test_step(context, sim);
+    uint64_t next = pdyn_state_hash(sim);
+    pdyn_free(sim);
+    read_file("state", &file);
+    for (int k = 0; k < FLIPS; k++) {
+        double part = 0.5 * (test_random(&seed) + 1.0), by = 128.0 * (test_random(&seed) + 1.0);
+        size_t at = HEAD + (size_t)(part * (double)(file.size - HEAD - TAIL));
+        file.data[at] ^= (unsigned char)by;
+        write_file("forged", &file);
+        file.data[at] ^= (unsigned char)by;
+        refused += try_forged(context, text, next);
+    }
+    assert_in_range(refused, 1, FLIPS - 1);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    test_remove_file("state"), test_remove_file("forged");
+}
+
+static void test_inlet_bytes(void **state) {
+    (void)state;
+    flip_bytes(inlet, 1);
+}
+static void test_fluid_bytes(void **state) {
+    (void)state;
+    flip_bytes(fluid, 2);
+}
+static void test_cloth_bytes(void **state) {
+    (void)state;
+    flip_bytes(cloth, 3);
+}
+
+/* ---- fields ---------------------------------------------------------------------------------- */
+
+static void vacant_too_many(pdyn_sim *sim) { sim->live->vacant[0] = 401; }
+static void vacant_negative(pdyn_sim *sim) { sim->live->vacant[0] = -1; }
+static void slot_out_of_range(pdyn_sim *sim) { sim->live->slot[0] = 1 << 20; }
+static void slot_negative(pdyn_sim *sim) { sim->live->slot[0] = -1; }
+static void slot_twice(pdyn_sim *sim) { sim->live->slot[0] = sim->live->slot[1]; }
+static void layers_negative(pdyn_sim *sim) { sim->live->inlet[0].layers = -1e300; }
+static void layers_behind(pdyn_sim *sim) { sim->live->inlet[0].layers -= 3.0; }
+static void layers_part(pdyn_sim *sim) { sim->live->inlet[0].layers -= 0.5; }
+static void live_flag(pdyn_sim *sim) { memset(sim->live->live, 2, 1); }
+static void emitted_negative(pdyn_sim *sim) { sim->live->emitted = -1; }
+static void time_late(pdyn_sim *sim) { sim->time = 1e300; }
+static void time_nan(pdyn_sim *sim) { sim->time = NAN; }
+static void frame_negative(pdyn_sim *sim) { sim->frame = -1; }
+static void steps_negative(pdyn_sim *sim) { sim->steps = -1; }
+static void step_long(pdyn_sim *sim) { sim->last_h = 1.0; }
+static void history_other(pdyn_sim *sim) { sim->history = 1e-9; }
+static void damping_large(pdyn_sim *sim) { sim->damping = 2.0; }
+static void flag_two(pdyn_sim *sim) { memset(&sim->unfinished, 2, 1); }
+static void position_nan(pdyn_sim *sim) { sim->x[4] = NAN; }
+static void pressure_infinite(pdyn_sim *sim) { sim->pressure[0] = INFINITY; }
+static void region_empty(pdyn_sim *sim) { sim->objective.contact->region[0].min[0] = 1e3; }
+static void region_large(pdyn_sim *sim) { sim->objective.contact->region[0].max[0] = 1e3; }
+static void contact_nan(pdyn_sim *sim) { sim->objective.contact->at[5] = NAN; }
+
+static const struct {
+    const char *text;
+    void (*forge)(pdyn_sim *sim);
+    const char *says;
+} field[] = {
+    {inlet, vacant_too_many, "not live"},
+    {inlet, vacant_negative, "not live"},
+    {inlet, slot_out_of_range, "not live"},
+    {inlet, slot_negative, "not live"},
+    {inlet, slot_twice, "not live"},
+    {inlet, layers_negative, "layers"},
+    {inlet, layers_behind, "layers"},
+    {inlet, layers_part, "layers"},
+    {inlet, live_flag, "flag of a live particle"},
+    {inlet, emitted_negative, "emitted"},
+    {fluid, time_late, "time"},
+    {fluid, time_nan, "time"},
+    {fluid, frame_negative, "frames"},
+    {fluid, steps_negative, "steps"},
+    {fluid, step_long, "step length"},
+    {fluid, history_other, "history"},
+    {fluid, damping_large, "damping"},
+    {fluid, flag_two, "flag"},
+    {fluid, position_nan, "position"},
+    {fluid, pressure_infinite, "pressure"},
+    {cloth, region_empty, "region"},
+    {cloth, region_large, "region"},
+    {cloth, contact_nan, "position of contact"},
+};
+
+/* Restores the file "forged": it must be refused with this text and leave the simulation usable. */
+static void refused(pdyn_context *context, const char *text, const char *says) {
+    pdyn_sim *sim = test_load(context, text);
+    test_step(context, sim);
+    uint64_t hash = pdyn_state_hash(sim);
+    assert_int_equal(pdyn_restore(sim, "forged"), PDYN_BAD_INPUT);
+    const char *error = pdyn_last_error(context);
+    if (!strstr(error, "not a saved state of this scene") || !strstr(error, says))
+        fail_msg("expected \"%s\", found \"%s\"", says, error);
+    assert_true(pdyn_state_hash(sim) == hash);
+    test_step(context, sim);
+    pdyn_free(sim);
+}
+
+static void test_fields(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    for (size_t k = 0; k < sizeof field / sizeof *field; k++) {
+        pdyn_sim *sim = test_load(context, field[k].text);
+        for (int n = 0; n < STEPS; n++) test_step(context, sim);
+        field[k].forge(sim);
+        assert_int_equal(pdyn_save(sim, "forged"), PDYN_OK);
+        pdyn_free(sim);
+        refused(context, field[k].text, field[k].says);
+    }
+    pdyn_destroy(context);
+    test_remove_file("forged");
+}
+
+/* The content of a state of the fluid ends with the number of multipliers and the multipliers. */
+static void test_multipliers(void **state) {
+    (void)state;
+    static const int wrong[] = {-1, INT32_MIN, INT32_MAX};
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, fluid);
+    test_step(context, sim);
+    int count = pdyn_get_state(sim).particles;
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(pdyn_save(sim, "forged"), PDYN_OK);
+        replace_int("forged", (size_t)count * sizeof(double), count, wrong[k]);
+        refused(context, fluid, "number of multipliers");
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("forged");
+}
+
+/* ---- the writer ------------------------------------------------------------------------------ */
+
+static void clean_up(void) {
+    static const char *const file[] = {"out/metrics.csv", "out/state.pdyn", "out/sheet.vtk.series",
+                                       "out/sheet_000000.vtk", "out"};
+    for (size_t k = 0; k < sizeof file / sizeof *file; k++) assert_int_equal(remove(file[k]), 0);
+}
+
+/* The content of a writer's state ends with the number of frames and their times. */
+static void test_writer(void **state) {
+    (void)state;
+    static const int wrong[] = {-1, 1000, INT32_MAX};
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, cloth);
+    pdyn_writer *writer = NULL, *resumed = NULL;
+    assert_int_equal(pdyn_writer_open(sim, "out", false, &writer), PDYN_OK);
+    test_step(context, sim);
+    assert_int_equal(pdyn_writer_frame(writer), PDYN_OK);
+    pdyn_sim *other = test_load(context, cloth);
+    uint64_t hash = pdyn_state_hash(other);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(pdyn_writer_save(writer), PDYN_OK);
+        replace_int("out/state.pdyn", sizeof(double), 1, wrong[k]);
+        assert_int_equal(pdyn_writer_resume(other, "out", &resumed), PDYN_BAD_INPUT);
+        assert_non_null(strstr(pdyn_last_error(context), "number of its frames"));
+        assert_null(resumed);
+        assert_true(pdyn_time(other) == 0.0 && pdyn_state_hash(other) == hash);
+    }
+    assert_int_equal(pdyn_writer_save(writer), PDYN_OK);
+    assert_int_equal(pdyn_writer_resume(other, "out", &resumed), PDYN_OK);
+    assert_true(pdyn_state_hash(other) == pdyn_state_hash(sim));
+    pdyn_writer_close(writer), pdyn_writer_close(resumed);
+    pdyn_free(sim), pdyn_free(other);
+    pdyn_destroy(context);
+    clean_up();
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_inlet_bytes), cmocka_unit_test(test_fluid_bytes),
+        cmocka_unit_test(test_cloth_bytes), cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_multipliers), cmocka_unit_test(test_writer),
+    };
+    return cmocka_run_group_tests_name("forged", tests, test_enter_directory, test_leave_directory);
+}
