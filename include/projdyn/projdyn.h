@@ -13,6 +13,9 @@
  * an allocator must be thread-safe. A forked child may go on with its copy of a simulation, on one
  * thread.
  *
+ * NULL where it is not allowed: functions with a status return PDYN_BAD_CALL, functions without one
+ * return zeros, "" or NULL, or do nothing.
+ *
  *     pdyn_context *context = NULL;
  *     pdyn_sim *sim = NULL;
  *     if (pdyn_create(NULL, &context) == PDYN_OK
@@ -240,7 +243,9 @@ PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double forc
 /* Save the state to a file, or restore it in a simulation loaded from the same scene, whose
  * duration may differ. The restored simulation continues with the same bits as without
  * interruption. The file appears complete or not at all. PDYN_BAD_INPUT: not a saved state, or of
- * another scene or version. PDYN_IO_FAILED, PDYN_NO_MEMORY. */
+ * another scene or version, or a field is not valid. PDYN_IO_FAILED, PDYN_NO_MEMORY. After a
+ * failure the simulation continues from its state before, but loads on solids may be zero until
+ * the next step; without memory to bring that state back, later steps fail with PDYN_BAD_CALL. */
 PDYN_API pdyn_status pdyn_save(pdyn_sim *sim, const char *path);
 PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
 

@@ -319,6 +319,8 @@ static pdyn_status parse(struct json_file *file) {
 pdyn_status json_file_open(pdyn_context *context, const char *name, const char *text,
                            const char *const *set, int sets, struct json_file *file) {
     *file = (struct json_file){.context = context, .name = name, .text = text, .set = set};
+    for (int i = 0; i < sets; i++)
+        if (!set[i]) return PDYN_BAD_CALL;
     if (text) file->size = strlen(text);
     pdyn_status status = text ? PDYN_OK : load(file);
     if (status == PDYN_OK) status = parse(file);

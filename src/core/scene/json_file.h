@@ -37,7 +37,7 @@ struct json_at {
 };
 
 /* Opens a JSON text; text NULL: reads the file `name`. set: `sets` overrides PATH=VALUE. After a
- * failure there is nothing to close. */
+ * failure there is nothing to close. PDYN_BAD_CALL: an override is NULL. */
 pdyn_status json_file_open(pdyn_context *context, const char *name, const char *text,
                            const char *const *set, int sets, struct json_file *file);
 void json_file_close(struct json_file *file);
