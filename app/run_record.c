@@ -1,5 +1,6 @@
 /* DIR/run.json, from which `projdyn run --resume DIR` reads scene, overrides and plug-ins. */
 #include "run_record.h"
+#include "new_file.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -7,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* DIRECTORY/run.json + ending; the caller frees it. NULL with a message if memory ran out. */
-static char *path_in(const char *directory, const char *ending) {
+/* DIRECTORY/run.json; the caller frees it. NULL with a message if memory ran out. */
+static char *path_in(const char *directory) {
     char *path;
-    if (asprintf(&path, "%s/run.json%s", directory, ending) >= 0) return path;
+    if (asprintf(&path, "%s/run.json", directory) >= 0) return path;
     report_no_memory();
     return NULL;
 }
@@ -39,22 +40,23 @@ static json_t *options_to_json(const struct scene_options *o) {
     return root;
 }
 
-static bool dump(const json_t *root, const char *temporary, const char *path) {
-    return !json_dump_file(root, temporary, JSON_INDENT(2)) && !rename(temporary, path);
+/* Writes the JSON object to a file; false with errno on failure. */
+static bool dump(const json_t *root, const char *path) {
+    char *temporary;
+    FILE *file = new_file_open(path, &temporary);
+    return file && new_file_close(file, temporary, path, !json_dumpf(root, file, JSON_INDENT(2)));
 }
 
 int run_record_write(const char *directory, const struct scene_options *options) {
-    char *path = path_in(directory, ""), *temporary = path_in(directory, ".tmp");
+    char *path = path_in(directory);
     json_t *root = options_to_json(options);
     errno = 0;
-    bool good = path && temporary && root && dump(root, temporary, path);
-    if (!good && path && temporary) {
+    bool good = path && root && dump(root, path);
+    if (!good && path)
         fprintf(stderr, "projdyn: %s: writing failed: %s\n", path,
                 errno ? strerror(errno) : "a name is not UTF-8");
-        remove(temporary);
-    }
     json_decref(root);
-    free(path), free(temporary);
+    free(path);
     return good ? EXIT_GOOD : EXIT_FAILED;
 }
 
@@ -79,7 +81,7 @@ static bool options_from_json(const json_t *root, struct scene_options *o) {
 
 int run_record_read(const char *directory, struct scene_options *options, void **record) {
     json_error_t error;
-    char *path = path_in(directory, "");
+    char *path = path_in(directory);
     if (!path) return EXIT_FAILED;
     json_t *root = *record = json_load_file(path, 0, &error);
     bool good = root && options_from_json(root, options);

@@ -2,6 +2,7 @@
 #include "sweep_table.h"
 #include "csv.h"
 #include "job_result.h"
+#include "new_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,20 +105,17 @@ static long count_good(const json_t *all) {
     return good;
 }
 
-/* Writes the table to a temporary file and renames it. all: as read_results() returns it. */
+/* all: as read_results() returns it */
 static int write_table(const struct jobs *jobs, const struct parameter_grid *grid, json_t *all,
                        const char *path) {
-    char temporary[JOB_PATH + 32];
+    char *temporary;
     json_t *columns = find_columns(all);
-    snprintf(temporary, sizeof temporary, "%s.tmp", path);
-    FILE *file = fopen(temporary, "we");
+    FILE *file = new_file_open(path, &temporary);
     if (!file) return report_write_error(path);
     put_header(file, grid, columns);
     for (long k = 0; k < jobs->count; k++)
         put_row(file, jobs, grid, k, json_array_get(all, (size_t)k), columns);
-    bool bad = ferror(file);
-    if (fclose(file) || bad || rename(temporary, path)) return report_write_error(path);
-    return EXIT_GOOD;
+    return new_file_close(file, temporary, path, true) ? EXIT_GOOD : report_write_error(path);
 }
 
 int sweep_table_write(const struct jobs *jobs, const struct parameter_grid *grid) {

@@ -1,45 +1,125 @@
 /* Writing files that appear complete or not at all: see file_out.h. */
 #include "file_out.h"
 
+#include <ctype.h>
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { CHUNK = 1024 }; /* numbers encoded per fwrite */
 
-static const char *target_of(const struct file_out *out) {
-    return out->temporary ? out->temporary : out->path;
+/* ---- names ----------------------------------------------------------------------------------- */
+
+/* The ending of a temporary file's name: a dot, RANDOM_DIGITS hexadecimal digits, ".tmp". */
+enum { RANDOM_DIGITS = 8, ENDING = 1 + RANDOM_DIGITS + 4 };
+
+static bool is_temporary(const char *name) {
+    size_t length = strlen(name);
+    if (length <= ENDING) return false;
+    const char *ending = name + length - ENDING;
+    for (int k = 1; k <= RANDOM_DIGITS; k++)
+        if (!isxdigit((unsigned char)ending[k])) return false;
+    return *ending == '.' && !strcmp(ending + 1 + RANDOM_DIGITS, ".tmp");
 }
+
+void file_out_remove_leftovers(const char *directory) {
+    DIR *entries = opendir(directory);
+    for (struct dirent *entry; entries && (entry = readdir(entries));)
+        if (is_temporary(entry->d_name)) unlinkat(dirfd(entries), entry->d_name, 0);
+    if (entries) closedir(entries);
+}
+
+/* Whether the path is a name of an open descriptor of the process. These names are symbolic links,
+ * which must be written through: a rename would replace /dev/stdout. */
+static bool is_descriptor(const char *path) {
+    return !strcmp(path, "/dev/stdout") || !strcmp(path, "/dev/stderr") ||
+           !strncmp(path, "/dev/fd/", 8) || !strncmp(path, "/proc/self/fd/", 14);
+}
+
+/* Whether the path itself is written: it is a device, a pipe or an open descriptor. Any other
+ * symbolic link is replaced by the new file, like a regular file. */
+static bool is_written_directly(const char *path) {
+    struct stat info;
+    return is_descriptor(path) ||
+           (lstat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISLNK(info.st_mode));
+}
+
+/* ---- opening and closing --------------------------------------------------------------------- */
 
 static void release(struct file_out *out) {
     text_end(&out->locale);
     FREE_ARRAY(out->context, out->temporary, out->temporary_size);
 }
 
-/* Uses lstat: a link like /dev/stdout must be written through, not replaced by a file. */
-static bool is_special(const char *path) {
-    struct stat info;
-    return lstat(path, &info) == 0 && !S_ISREG(info.st_mode);
+/* Creates a file PATH.RANDOM.tmp that did not exist. Returns its descriptor, or -1 with errno. */
+static int create_temporary(struct file_out *out) {
+    const int flags = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC;
+    for (int tries = 0; tries < 100; tries++) {
+        uint32_t random;
+        if (getrandom(&random, sizeof random, 0) != sizeof random) return -1;
+        snprintf(out->temporary, out->temporary_size, "%s.%08x.tmp", out->path, (unsigned)random);
+        int descriptor = open(out->temporary, flags, 0666);
+        if (descriptor >= 0 || errno != EEXIST) return descriptor;
+    }
+    return -1;
+}
+
+/* Opens the temporary file, or the path itself if it has none. Returns NULL with errno. */
+static FILE *open_stream(struct file_out *out) {
+    int flags = O_WRONLY | O_CLOEXEC | (is_descriptor(out->path) ? O_TRUNC : O_NOFOLLOW);
+    int descriptor = out->temporary ? create_temporary(out) : open(out->path, flags);
+    if (descriptor < 0) return NULL;
+    FILE *stream = fdopen(descriptor, "wb");
+    if (stream) return stream;
+    int error = errno;
+    close(descriptor);
+    if (out->temporary) unlink(out->temporary);
+    errno = error;
+    return NULL;
 }
 
 pdyn_status file_out_open(pdyn_context *context, const char *path, struct file_out *out) {
     *out = (struct file_out){.context = context, .path = path};
     if (!text_begin(&out->locale)) return context_no_memory(context);
-    if (!is_special(path)) {
-        out->temporary_size = strlen(path) + sizeof ".tmp";
+    if (!is_written_directly(path)) {
+        out->temporary_size = strlen(path) + ENDING + 1;
         out->temporary = NEW_ARRAY(context, out->temporary_size, char);
         if (!out->temporary) return text_end(&out->locale), PDYN_NO_MEMORY;
-        snprintf(out->temporary, out->temporary_size, "%s.tmp", path);
     }
-    out->stream = fopen(target_of(out), "wbe");
+    out->stream = open_stream(out);
     if (out->stream) return PDYN_OK;
     context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot create the file: %s", path,
                  strerror(errno));
     release(out);
     return PDYN_IO_FAILED;
 }
+
+pdyn_status file_open_in_place(pdyn_context *context, const char *path, int create,
+                               int *descriptor) {
+    struct stat info;
+    *descriptor =
+        open(path, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC | create, 0666);
+    if (*descriptor < 0 && errno != ELOOP)
+        return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot %s the file: %s", path,
+                            create ? "create" : "open", strerror(errno));
+    bool good = *descriptor >= 0 && fstat(*descriptor, &info) == 0 && S_ISREG(info.st_mode) &&
+                info.st_nlink == 1;
+    if (good) return PDYN_OK;
+    if (*descriptor >= 0) close(*descriptor);
+    *descriptor = -1;
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "%.1024s: expected a regular file with a single name, found a link or "
+                        "special file; remove it",
+                        path);
+}
+
+/* ---- content --------------------------------------------------------------------------------- */
 
 static void note_error(struct file_out *out) {
     if (!out->error) out->error = errno ? errno : EIO;

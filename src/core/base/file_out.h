@@ -1,6 +1,7 @@
-/* Writing a file that appears complete or not at all: the content goes to PATH.tmp, which is
- * renamed to PATH when everything was written. A path that exists and is no regular file (a device,
- * a pipe, a link) is written directly. */
+/* Writing a file that appears complete or not at all: the content goes to a new file
+ * PATH.RANDOM.tmp, which is renamed to PATH when everything was written. A symbolic or hard link at
+ * PATH is replaced, and the file that it leads to stays as it is. A device, a pipe and the names of
+ * open descriptors (/dev/stdout, /dev/stderr, /dev/fd/N, /proc/self/fd/N) are written directly. */
 #ifndef PDYN_FILE_OUT_H
 #define PDYN_FILE_OUT_H
 
@@ -12,7 +13,7 @@
 struct file_out {
     pdyn_context *context;
     const char *path; /* not copied: must stay valid until file_out_close */
-    char *temporary;  /* the name PATH.tmp, temporary_size bytes; NULL: `path` itself is written */
+    char *temporary;  /* temporary_size bytes: PATH.RANDOM.tmp; NULL: `path` itself is written */
     size_t temporary_size;
     FILE *stream;
     struct text_locale locale; /* makes printf write a decimal point in every locale */
@@ -34,8 +35,18 @@ void file_out_bytes(struct file_out *out, const void *data, size_t size);
 void file_out_reals(struct file_out *out, enum byte_order order, const double *value, size_t count);
 void file_out_ints(struct file_out *out, enum byte_order order, const int *value, size_t count);
 
-/* Closes the file and renames it to its path. PDYN_IO_FAILED: writing failed, and PATH.tmp was
- * removed. */
+/* Closes the file and renames it to its path. PDYN_IO_FAILED: writing failed, and the
+ * temporary file was removed. */
 pdyn_status file_out_close(struct file_out *out);
+
+/* Removes the temporary files that killed processes left in a directory. No process may write to
+ * the directory at the same time. */
+void file_out_remove_leftovers(const char *directory);
+
+/* Opens a regular file for reading and writing in place. `create`: O_CREAT, or 0 for a file that
+ * must exist. PDYN_BAD_INPUT: the path is a symbolic link, has a second hard link, or is no regular
+ * file, so that writing would change another file. PDYN_IO_FAILED: it cannot be opened. */
+pdyn_status file_open_in_place(pdyn_context *context, const char *path, int create,
+                               int *descriptor);
 
 #endif

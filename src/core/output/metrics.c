@@ -1,9 +1,11 @@
 /* The rows of metrics.csv, one per step. */
 #include "base/clock.h"
+#include "base/file_out.h"
 #include "base/text.h"
 #include "writer.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -16,23 +18,41 @@ static pdyn_status write_row(pdyn_writer *writer) {
         return PDYN_OK;
     }
     int error = errno;
-    if (ftruncate(fileno(writer->metrics), writer->metrics_size))
-        errno = error; /* no truncation: metrics is not a regular file */
+    bool cut = !ftruncate(fileno(writer->metrics), writer->metrics_size) &&
+               !fseek(writer->metrics, 0, SEEK_END);
     clearerr(writer->metrics);
-    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s",
-                        writer_path(writer, "metrics.csv"), strerror(error));
+    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s%s",
+                        writer_path(writer, "metrics.csv"), strerror(error),
+                        cut ? "" : "; the last row is incomplete");
+}
+
+/* Opens metrics.csv without following a link. `create`: O_CREAT or 0. */
+static pdyn_status open_stream(pdyn_writer *writer, int create) {
+    int descriptor;
+    const char *path = writer_path(writer, "metrics.csv");
+    pdyn_status status = file_open_in_place(writer->context, path, create, &descriptor);
+    if (status != PDYN_OK) return status;
+    writer->metrics = fdopen(descriptor, "r+b");
+    if (!writer->metrics) {
+        close(descriptor);
+        return context_no_memory(writer->context);
+    }
+    setvbuf(writer->metrics, NULL, _IONBF, 0);
+    return PDYN_OK;
+}
+
+static pdyn_status fail_cut(pdyn_writer *writer) {
+    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot be cut: %s",
+                        writer_path(writer, "metrics.csv"), strerror(errno));
 }
 
 pdyn_status metrics_open(pdyn_writer *writer) {
 #define STEP_HEADER(column, member) "," #column
     static const char header[] = STEP_NUMBERS(STEP_HEADER);
 #undef STEP_HEADER
-    const char *path = writer_path(writer, "metrics.csv");
-    writer->metrics = fopen(path, "wbe");
-    if (!writer->metrics)
-        return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot create the file: %s",
-                            path, strerror(errno));
-    setvbuf(writer->metrics, NULL, _IONBF, 0);
+    pdyn_status status = open_stream(writer, O_CREAT);
+    if (status != PDYN_OK) return status;
+    if (ftruncate(fileno(writer->metrics), 0)) return fail_cut(writer);
     *writer->row = '\0';
     text_append(writer->row, writer->row_size, "%s", header + 1);
     for (int b = 0; b < writer->sim->bodies; b++)
@@ -71,18 +91,14 @@ pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
 }
 
 pdyn_status metrics_reopen(pdyn_writer *writer) {
-    const char *path = writer_path(writer, "metrics.csv");
-    writer->metrics = fopen(path, "r+be");
-    if (!writer->metrics)
-        return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s",
-                            path, strerror(errno));
-    setvbuf(writer->metrics, NULL, _IONBF, 0);
+    pdyn_status status = open_stream(writer, 0);
+    if (status != PDYN_OK) return status;
     if (fseek(writer->metrics, 0, SEEK_END) || ftell(writer->metrics) < writer->metrics_size)
         return context_fail(writer->context, PDYN_BAD_INPUT,
-                            "%.1024s: the file is shorter than when the state was saved", path);
+                            "%.1024s: the file is shorter than when the state was saved",
+                            writer_path(writer, "metrics.csv"));
     if (ftruncate(fileno(writer->metrics), writer->metrics_size) ||
         fseek(writer->metrics, 0, SEEK_END))
-        return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: cannot be cut: %s", path,
-                            strerror(errno));
+        return fail_cut(writer);
     return PDYN_OK;
 }
