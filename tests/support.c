@@ -32,7 +32,7 @@ pdyn_context *test_warned_context(int threads, struct warnings *warnings) {
 const char *quoted(const char *text) {
     static char out[8192];
     assert_true(strlen(text) < sizeof out);
-    strcpy(out, text);
+    memmove(out, text, strlen(text) + 1); /* text may be the result of a call */
     for (char *c = out; *c; c++)
         if (*c == '\'') *c = '"';
     return out;

@@ -122,6 +122,7 @@ static pdyn_status load_state(pdyn_writer *writer, struct snapshot_file *before)
 static pdyn_status resume(pdyn_writer *writer, const char *directory) {
     struct snapshot_file before = {0};
     pdyn_status status = store_directory(writer, directory);
+    if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = load_state(writer, &before);
     if (status == PDYN_OK) status = metrics_reopen(writer);
     for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
@@ -147,6 +148,7 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     pdyn_status status = store_directory(writer, directory);
     if (status == PDYN_OK) status = make_directory(writer);
+    if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, "state.pdyn"));
     if (status == PDYN_OK) status = begin_boundary(writer);
     for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++) {
@@ -168,6 +170,7 @@ static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
     writer->sim = sim;
     writer->context = sim->context;
     writer->ply = ply;
+    writer->lock = -1;
     writer->row_size = METRICS_ROW + METRICS_ROW_BODY * (size_t)sim->bodies;
     writer->row = NEW_ARRAY(sim->context, writer->row_size, char);
     pdyn_status status = writer->row ? report_open(&writer->report, sim) : PDYN_NO_MEMORY;
@@ -196,6 +199,7 @@ void pdyn_writer_close(pdyn_writer *writer) {
     if (!writer) return;
     pdyn_context *context = writer->context;
     if (writer->metrics) fclose(writer->metrics);
+    run_unlock(writer);
     report_close(&writer->report, writer->sim);
     FREE_ARRAY(context, writer->row, writer->row_size);
     FREE_ARRAY(context, writer->time, writer->capacity);

@@ -1,5 +1,5 @@
 /* The output directory of a run, private: writer.c opens, saves and resumes it, frames.c writes
- * frames and their series, metrics.c writes metrics.csv. */
+ * frames and their series, metrics.c writes metrics.csv, run_lock.c keeps other runs out. */
 #ifndef PDYN_WRITER_H
 #define PDYN_WRITER_H
 
@@ -13,6 +13,7 @@ struct pdyn_writer {
     char *path; /* path_size bytes: the directory, followed by the file of the last writer_path */
     size_t path_size, directory;
     bool ply;
+    int lock;      /* descriptor of the locked file DIR/lock; -1: none */
     FILE *metrics; /* unbuffered, so that a row reaches the file at once */
     long metrics_size;
     char *row; /* row_size: the current row of metrics.csv */
@@ -24,6 +25,11 @@ struct pdyn_writer {
 
 /* DIR/FILE; valid until the next call. */
 const char *writer_path(pdyn_writer *writer, const char *format, ...) PDYN_PRINTF(2, 3);
+
+/* Locks the directory for this writer, and removes the temporary files of killed runs.
+ * PDYN_BAD_INPUT: another writer has the lock; the message has its process id. */
+pdyn_status run_lock(pdyn_writer *writer);
+void run_unlock(pdyn_writer *writer);
 
 /* Number of parts of a frame, one file each: the bodies, then the moving boundary points. */
 int frames_parts(const pdyn_writer *writer);
