@@ -2,8 +2,10 @@
 #include "app.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static const struct command {
     const char *name;
@@ -72,9 +74,23 @@ static int dispatch(int argc, char **argv) {
     return report_unknown(argv[1]);
 }
 
+/* Opens /dev/null in place of closed standard streams (`2>&-`): otherwise the next file that is
+ * opened gets the number of a closed stream, and messages are written into that file. The direction
+ * is the wrong one on purpose, so that reading stdin and writing stdout fail as on closed streams.
+ * Returns false if that is not possible. */
+static bool open_closed_streams(void) {
+    for (int descriptor = STDIN_FILENO; descriptor <= STDERR_FILENO; descriptor++) {
+        int direction = descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY;
+        if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", direction) != descriptor)
+            return false;
+    }
+    return true;
+}
+
 /* Output that cannot be flushed to stdout, for example on a full disk, turns success into
  * EXIT_FAILED. */
 int main(int argc, char **argv) {
+    if (!open_closed_streams()) return EXIT_FAILED;
     int code = dispatch(argc, argv);
     errno = 0;
     if (!fflush(stdout) && !ferror(stdout)) return code;

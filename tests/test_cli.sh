@@ -75,6 +75,14 @@ ends_at_frame() {
     awk -v a="$step" -v b="$frame" 'BEGIN { exit !(a > 0 && (a - b) ^ 2 < 1e-16) }' && echo "ends at a frame"
 }
 
+# plant FOLDER LN-OPTION: links to $dir/target at the names that a run writes by renaming
+plant() {
+    mkdir "$1" && echo mine >"$dir/target"
+    for name in run.json report.json state.pdyn boundary.vtk sheet.vtk.series water.vtk.series water_000000.vtk; do
+        ln $2 "$dir/target" "$1/$name" && ln $2 "$dir/target" "$1/$name.tmp"
+    done
+}
+
 expect "no command" 2 "Usage: projdyn COMMAND" "$program"
 expect "help" 0 "replay" "$program" --help
 expect "version" 0 "projdyn 0." "$program" --version
@@ -160,6 +168,23 @@ expect "compare in one way" 0 "cholesky" sh -c "'$program' compare $(echo $conte
 expect "compare needs two" 2 "two solvers or more" "$program" compare $contest --solver cg
 expect "compare of a solver that does not fit" 2 "does not fit" "$program" compare $contest --solver cg,dual
 expect "compare in no steps" 2 "from 1 to" "$program" compare $contest --solver cg,hybrid --steps 0
+for option in -s -n; do # symbolic and hard links
+    plant "$dir/planted$option" $option
+    expect "links ($option) at the names of files" 0 "" "$program" run "$scene" -o "$dir/planted$option" --time 0.02 --quiet
+    expect "their target is untouched ($option)" 0 "mine" sh -c "test \$(wc -c <'$dir/target') = 5 && cat '$dir/target'"
+    expect "the report is a file ($option)" 0 '"state_hash"' sh -c "test ! -L '$dir/planted$option/report.json' && cat '$dir/planted$option/report.json'"
+    for name in metrics.csv lock; do
+        rm -f "$dir/planted$option/metrics.csv" "$dir/planted$option/lock"
+        ln $option "$dir/target" "$dir/planted$option/$name"
+        expect "link ($option) at $name" 2 "$name: expected a regular file" "$program" run "$scene" -o "$dir/planted$option" --time 0.02
+        expect "its target is untouched ($option, $name)" 0 "mine" sh -c "test \$(wc -c <'$dir/target') = 5 && cat '$dir/target'"
+    done
+done
+expect "links to open descriptors are written through" 0 '"state_hash"' sh -c \
+    "'$program' run '$scene' -o '$dir/through' --time 0.02 --quiet --report /dev/stdout | cat"
+expect "closed standard error" 0 "written to" sh -c "'$program' run '$scene' -o '$dir/closed' --time 0.06 2>&-"
+expect "progress is in no file" 1 "" grep -r "wall time" "$dir/closed"
+expect "closed standard output" 1 "standard output" sh -c "'$program' list >&-"
 expect "replay of nothing" 2 "nothing-here" "$program" replay "$dir/nothing-here"
 expect "same bits for one thread and two" 0 "same" sh -c "
     for n in 1 2; do '$program' run '$scene' -o '$dir/t'\$n --time 0.1 --threads \$n --quiet; done
@@ -200,6 +225,19 @@ expect "replay of a jet" 0 "4 frames" "$program" replay "$dir/jet"
 expect "its particles come and go" 0 '"points":[0,6,6,6]' cat "$dir/jet/replay.html"
 expect "nothing yet" 0 "" "$program" run "$dir/jet.json" -o "$dir/jet" --time 0.04 --quiet
 expect "replay of nothing yet" 2 "at least one particle in some frame" "$program" replay "$dir/jet"
+"$program" run "$scene" -o "$dir/busy" --time 100 --quiet 2>"$dir/busy_said" &
+pid=$!
+for _ in $(seq 100); do
+    [ "$(cat "$dir/busy/metrics.csv" 2>/dev/null | wc -l)" -gt 2 ] && break
+    sleep 0.1
+done
+expect "two runs in one directory" 2 "another run writes to this directory: process $pid" "$program" run "$scene" -o "$dir/busy" --time 0.02
+expect "resume of a run that goes on" 2 "process $pid" "$program" run --resume "$dir/busy" --time 0.02
+kill -KILL $pid
+wait $pid 2>/dev/null
+: >"$dir/busy/state.pdyn.0123abcd.tmp" # as a killed run leaves it
+expect "the lock of a killed run is gone" 0 "" "$program" run "$scene" -o "$dir/busy" --time 0.02 --quiet
+expect "and its temporary files" 0 "all whole" whole_frames "$dir/busy"
 for signal in INT TERM; do
     stop_run "$dir/stop$signal" $signal --set frame_interval=0.1
     expect "$signal" 0 "130" echo $ended
