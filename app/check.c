@@ -92,9 +92,11 @@ static int check_plugins_in_child(const struct scene_options *options) {
 
 static const char usage[] =
     "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads N] [--plugin FILE]...\n"
+    "                     [--allow-plugins]\n"
     "       projdyn check --conformance PLUGIN\n"
     "\n"
     "Loads a scene and prints its bodies, constraints, solver and memory use.\n"
+    "With --allow-plugins: loads the plug-ins that the scene names.\n"
     "With --conformance: tests whether the constraint types and solvers of a plug-in obey the\n"
     "interface of projdyn/module.h and prints each fault; exit code 1 if there is one.\n";
 
@@ -102,6 +104,7 @@ static bool accept_option(struct scene_options *options, bool *conformance, int 
     *conformance |= option == 'c';
     if (option == 's') return scene_set(options, optarg);
     if (option == 't') return scene_threads(options, optarg);
+    if (option == 'A') return scene_allow_plugins();
     return (option == 'p' || option == 'c') && scene_plugin(options, optarg);
 }
 
@@ -116,10 +119,13 @@ static int check_scene(const struct scene_options *options) {
 }
 
 int check_main(int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"set", required_argument, NULL, 's'},    {"threads", required_argument, NULL, 't'},
-        {"plugin", required_argument, NULL, 'p'}, {"conformance", required_argument, NULL, 'c'},
-        {"help", no_argument, NULL, 'h'},         {0}};
+    static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"allow-plugins", no_argument, NULL, 'A'},
+                                                 {"plugin", required_argument, NULL, 'p'},
+                                                 {"conformance", required_argument, NULL, 'c'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     struct scene_options options = {0};
     bool conformance = false;
     int option, code = -1;

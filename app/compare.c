@@ -19,6 +19,7 @@ static const char usage[] =
     "      --solver A,B,...  solvers (see 'projdyn list')\n"
     "      --set PATH=VALUE  overrides a value of the scene\n"
     "      --plugin FILE     loads a plug-in before the scene\n"
+    "      --allow-plugins   loads the plug-ins that the scene names\n"
     "      --steps N         number of steps (default 20)\n"
     "      --rounds N        number of repetitions (default 4)\n"
     "      --threads N       worker threads (default 1); times are processor times with one\n"
@@ -64,6 +65,8 @@ static bool accept_option(struct compare *c, int option) {
         return scene_set(&c->benchmark.scene, optarg);
     case 'P':
         return scene_plugin(&c->benchmark.scene, optarg);
+    case 'A':
+        return scene_allow_plugins();
     case 'n':
         return parse_count("--steps", optarg, &c->benchmark.steps);
     case 'r':
@@ -79,15 +82,12 @@ static bool accept_option(struct compare *c, int option) {
 
 /* Parses the command line. Returns -1 if the benchmark can start, otherwise the exit code. */
 static int parse(struct compare *c, int argc, char **argv) {
-    static const struct option long_options[] = {{"solver", required_argument, NULL, 'o'},
-                                                 {"set", required_argument, NULL, 's'},
-                                                 {"steps", required_argument, NULL, 'n'},
-                                                 {"rounds", required_argument, NULL, 'r'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"csv", no_argument, NULL, 'c'},
-                                                 {"plugin", required_argument, NULL, 'P'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
+    static const struct option long_options[] = {
+        {"solver", required_argument, NULL, 'o'},  {"set", required_argument, NULL, 's'},
+        {"steps", required_argument, NULL, 'n'},   {"rounds", required_argument, NULL, 'r'},
+        {"threads", required_argument, NULL, 't'}, {"csv", no_argument, NULL, 'c'},
+        {"plugin", required_argument, NULL, 'P'},  {"allow-plugins", no_argument, NULL, 'A'},
+        {"help", no_argument, NULL, 'h'},          {0}};
     int option;
     while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
         if (option == 'h') {

@@ -23,6 +23,7 @@ static const char usage[] =
     "      --threads N       worker threads (default: one per core)\n"
     "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky\n"
     "      --plugin FILE     loads the constraint types and solvers of a plug-in before the scene\n"
+    "      --allow-plugins   loads the plug-ins that the scene or the resumed run names\n"
     "      --time S          simulates S seconds instead of the duration of the scene\n"
     "      --report FILE     writes the report to FILE instead of DIR/report.json\n"
     "      --ply             writes each frame as PLY in addition to VTK\n"
@@ -109,6 +110,8 @@ static bool accept_option(struct run_options *o, int option) {
         return scene_set(&o->scene, optarg);
     case 'P':
         return scene_plugin(&o->scene, optarg);
+    case 'A':
+        return scene_allow_plugins();
     case 'T':
         return parse_time(o, optarg);
     default:
@@ -129,24 +132,26 @@ static int read_resume_options(struct run_options *o, int scenes) {
     o->scene.sets = 0;
     int code = run_record_read(o->resume, &o->scene, &o->record);
     if (code != EXIT_GOOD) return code;
+    if (o->scene.plugins && !scene_plugins_allowed()) {
+        fprintf(stderr,
+                "projdyn: %s/run.json: plugins: %s runs code and is loaded only with "
+                "--allow-plugins, or PROJDYN_ALLOW_PLUGINS=1 in the environment\n",
+                o->resume, o->scene.plugin[0]);
+        return EXIT_BAD_INPUT;
+    }
     return !*o->duration || scene_set(&o->scene, o->duration) ? -1 : EXIT_FAILED;
 }
 
 /* Parses the command line. Returns -1 if the run can start, otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
-    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"set", required_argument, NULL, 's'},
-                                                 {"plugin", required_argument, NULL, 'P'},
-                                                 {"time", required_argument, NULL, 'T'},
-                                                 {"report", required_argument, NULL, 'r'},
-                                                 {"ply", no_argument, NULL, 'p'},
-                                                 {"no-frames", no_argument, NULL, 'n'},
-                                                 {"quiet", no_argument, NULL, 'q'},
-                                                 {"save", required_argument, NULL, 'S'},
-                                                 {"resume", required_argument, NULL, 'R'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
+    static const struct option long_options[] = {
+        {"output", required_argument, NULL, 'o'},  {"threads", required_argument, NULL, 't'},
+        {"set", required_argument, NULL, 's'},     {"plugin", required_argument, NULL, 'P'},
+        {"allow-plugins", no_argument, NULL, 'A'}, {"time", required_argument, NULL, 'T'},
+        {"report", required_argument, NULL, 'r'},  {"ply", no_argument, NULL, 'p'},
+        {"no-frames", no_argument, NULL, 'n'},     {"quiet", no_argument, NULL, 'q'},
+        {"save", required_argument, NULL, 'S'},    {"resume", required_argument, NULL, 'R'},
+        {"help", no_argument, NULL, 'h'},          {0}};
     int option;
     while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
         if (option == 'h') {
@@ -306,8 +311,9 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     if (interrupted)
         fprintf(stderr,
                 "projdyn: interrupted at %g s; results are in %s; to continue: projdyn run "
-                "--resume %s\n",
-                pdyn_time(sim), o->output, o->output);
+                "--resume %s%s\n",
+                pdyn_time(sim), o->output, o->output,
+                o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "");
     if (!o->quiet) print_summary(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
 }

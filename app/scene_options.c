@@ -3,6 +3,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool scene_threads(struct scene_options *options, const char *text) {
     long threads;
@@ -27,6 +28,18 @@ bool scene_plugin(struct scene_options *options, const char *file) {
     return append_text(&options->plugin, &options->plugins, file);
 }
 
+static const char allow_plugins[] = "PROJDYN_ALLOW_PLUGINS";
+
+bool scene_allow_plugins(void) {
+    if (!setenv(allow_plugins, "1", 1)) return true;
+    return report_no_memory(), false;
+}
+
+bool scene_plugins_allowed(void) {
+    const char *value = getenv(allow_plugins);
+    return value && !strcmp(value, "1");
+}
+
 void scene_options_free(struct scene_options *options) {
     free(options->set);
     free(options->plugin);
@@ -42,6 +55,7 @@ int scene_context(const struct scene_options *options, pdyn_context **context) {
     pdyn_options settings = pdyn_default_options();
     settings.threads = options->threads;
     settings.log = options->silent ? NULL : print_warning;
+    settings.refuse_scene_plugins = !scene_plugins_allowed();
     pdyn_status status = pdyn_create(&settings, context);
     for (int k = 0; k < options->plugins && status == PDYN_OK; k++)
         status = pdyn_load_plugin(*context, options->plugin[k]);

@@ -1,5 +1,6 @@
 /* Options that every command with a scene shares: the scene file and its overrides (--set),
- * plug-ins (--plugin) and worker threads (--threads). */
+ * plug-ins (--plugin), permission for plug-ins of the scene (--allow-plugins) and worker threads
+ * (--threads). */
 #ifndef SCENE_OPTIONS_H
 #define SCENE_OPTIONS_H
 
@@ -22,6 +23,14 @@ bool scene_threads(struct scene_options *options, const char *text);
  * false with a message if memory ran out. */
 bool scene_set(struct scene_options *options, const char *text);
 bool scene_plugin(struct scene_options *options, const char *file);
+
+/* Permission to load plug-ins that a scene or a run.json names: --allow-plugins calls
+ * scene_allow_plugins(), which sets PROJDYN_ALLOW_PLUGINS=1 in the environment, so that the runs
+ * that this process starts have the permission, too. scene_allow_plugins() returns false with a
+ * message if memory ran out. */
+bool scene_allow_plugins(void);
+bool scene_plugins_allowed(void);
+
 void scene_options_free(struct scene_options *options);
 
 /* Creates a context that prints warnings to stderr, and loads the plug-ins into it. Returns

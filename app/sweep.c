@@ -3,6 +3,7 @@
 #include "jobs.h"
 #include "parameter_grid.h"
 #include "sweep_table.h"
+#include "trade/scene_json.h"
 
 #include <getopt.h>
 #include <limits.h>
@@ -23,6 +24,7 @@ static const char usage[] =
     "      --jobs N            number of parallel runs (default: cores / threads)\n"
     "      --threads N         worker threads of each run (default 1)\n"
     "      --plugin FILE       loads a plug-in before the scene\n"
+    "      --allow-plugins     loads the plug-ins that the scene names\n"
     "      --frames            writes the frames of all runs\n"
     "      --print             prints one command for each run, for GNU parallel or a Slurm job\n"
     "                          array, instead of running it; afterwards use --collect\n"
@@ -49,6 +51,8 @@ static bool accept_option(struct sweep *s, int option) {
         return parameter_grid_add(&s->grid, optarg);
     case 'P':
         return scene_plugin(&s->jobs.scene, optarg);
+    case 'A':
+        return scene_allow_plugins();
     case 'o':
         return s->jobs.output = optarg, true;
     case 'j':
@@ -91,13 +95,19 @@ static int complete_options(struct sweep *s) {
 
 /* Parses the command line. Returns -1 if the sweep can start, otherwise the exit code. */
 static int parse(struct sweep *s, int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"set", required_argument, NULL, 's'},   {"output", required_argument, NULL, 'o'},
-        {"jobs", required_argument, NULL, 'j'},  {"threads", required_argument, NULL, 't'},
-        {"point", required_argument, NULL, 'k'}, {"frames", no_argument, NULL, 'f'},
-        {"print", no_argument, NULL, 'p'},       {"collect", no_argument, NULL, 'c'},
-        {"quiet", no_argument, NULL, 'q'},       {"plugin", required_argument, NULL, 'P'},
-        {"help", no_argument, NULL, 'h'},        {0}};
+    static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
+                                                 {"output", required_argument, NULL, 'o'},
+                                                 {"jobs", required_argument, NULL, 'j'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"point", required_argument, NULL, 'k'},
+                                                 {"frames", no_argument, NULL, 'f'},
+                                                 {"print", no_argument, NULL, 'p'},
+                                                 {"collect", no_argument, NULL, 'c'},
+                                                 {"quiet", no_argument, NULL, 'q'},
+                                                 {"allow-plugins", no_argument, NULL, 'A'},
+                                                 {"plugin", required_argument, NULL, 'P'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     int option;
     while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
         if (option == 'h') {
@@ -156,6 +166,7 @@ static int print_commands(const struct sweep *s) {
         print_grid(&s->grid);
         for (int p = 0; p < s->jobs.scene.plugins; p++)
             print_argument("--plugin", s->jobs.scene.plugin[p]);
+        if (scene_plugins_allowed()) printf(" --allow-plugins");
         print_argument("--output", s->jobs.output);
         printf("%s --threads %d --point %ld\n", s->frames ? " --frames" : "", s->jobs.threads, k);
     }
@@ -179,11 +190,26 @@ static bool make_jobs(struct sweep *s) {
     return s->jobs.job;
 }
 
+/* Refuses a scene with plug-ins without permission, before every job fails for this reason. Returns
+ * EXIT_GOOD, or another exit code after the message of the loader, which has line and column. */
+static int check_plugins(const struct scene_options *scene) {
+    json_t *json = NULL;
+    pdyn_context *context = NULL;
+    pdyn_sim *sim = NULL;
+    int code = scene_plugins_allowed() ? EXIT_GOOD : scene_json(scene, &json);
+    if (json_array_size(json_object_get(json, "plugins"))) code = scene_load(scene, &context, &sim);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    json_decref(json);
+    return code;
+}
+
 static int sweep(struct sweep *s) {
     if (!make_jobs(s)) return report_no_memory();
     int code = jobs_find_finished(&s->jobs);
     if (code != EXIT_GOOD || s->print) return code == EXIT_GOOD ? print_commands(s) : code;
-    if (!s->collect) code = jobs_run(&s->jobs);
+    if (!s->collect) code = check_plugins(&s->jobs.scene);
+    if (!s->collect && code == EXIT_GOOD) code = jobs_run(&s->jobs);
     return code == EXIT_GOOD && s->point < 0 ? sweep_table_write(&s->jobs, &s->grid) : code;
 }
 

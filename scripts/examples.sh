@@ -36,7 +36,7 @@ done
 echo "== scenes"
 for scene in plugin/*.json; do
     name=$(basename "$scene" .json)
-    "$program" run "$scene" --time 0.1 --quiet -o "$dir/out"
+    "$program" run "$scene" --allow-plugins --time 0.1 --quiet -o "$dir/out"
     echo "$name: ran; $("$program" check --conformance "plugin/$name.so")"
 done
 

@@ -12,7 +12,7 @@ cp -r examples/plugin "$dir/plugin"
 cp build/examples/*.so "$dir/plugin"
 
 picture() { # NAME SCENE TIME [HIDDEN]
-    build/app/projdyn run "$2" -o "$dir/$1" --time "$3" --quiet 2>/dev/null
+    build/app/projdyn run "$2" --allow-plugins -o "$dir/$1" --time "$3" --quiet 2>/dev/null
     build/app/projdyn replay "$dir/$1" >/dev/null
     rm -f "$dir/profile/SingletonLock"
     chromium --headless --no-sandbox --disable-gpu --use-gl=angle --use-angle=swiftshader \

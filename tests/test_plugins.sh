@@ -46,10 +46,25 @@ expect "conformance of no plug-in" 2 "not a plug-in" "$program" check --conforma
 # in the scene, found from its folder
 mkdir -p scenes/lib && cp "$good" scenes/lib/floor.so
 sed '2s|^|  "plugins": ["lib/floor.so"],\n|' sheet.json >scenes/sheet.json
-expect "in the scene" 0 "constraint floor" "$program" check scenes/sheet.json
-expect "bad parameter" 2 "expected a number from 0 to" "$program" check scenes/sheet.json --set bodies.sheet.constraints.floor.stiffness=-1
+expect "in the scene" 0 "constraint floor" "$program" check scenes/sheet.json --allow-plugins
+expect "in the scene, allowed by the environment" 0 "constraint floor" env PROJDYN_ALLOW_PLUGINS=1 "$program" check scenes/sheet.json
+for command in check run sweep compare trade; do
+    case $command in
+        sweep) options="--set duration=0.01" ;;
+        compare) options="--solver cg,hybrid --steps 1 --rounds 1" ;;
+        *) options="" ;;
+    esac
+    expect "$command without permission" 2 "scenes/sheet.json:2:14: plugins: plug-ins run code and are loaded from a scene only with permission: the option --allow-plugins" \
+        "$program" $command scenes/sheet.json $options
+    expect "$command has the option" 0 "--allow-plugins" "$program" $command --help
+done
+expect "without permission nothing is written" 0 "nothing" sh -c "test ! -e out && echo nothing"
+expect "compare with permission" 0 "hybrid" "$program" compare scenes/sheet.json --solver cg,hybrid --steps 1 --rounds 1 --allow-plugins
+expect "sweep hands the permission on" 0 "1 of 1 runs are good" "$program" sweep scenes/sheet.json -o swept --set duration=0.01 --allow-plugins
+expect "sweep prints the permission" 0 "--allow-plugins" "$program" sweep scenes/sheet.json --set duration=0.01 --print --allow-plugins
+expect "bad parameter" 2 "expected a number from 0 to" "$program" check scenes/sheet.json --allow-plugins --set bodies.sheet.constraints.floor.stiffness=-1
 sed 's|lib/floor.so|lib/roof.so|' scenes/sheet.json >scenes/roof.json
-expect "missing in the scene" 2 "scenes/roof.json:2:15: plugins[0]: scenes/lib/roof.so: the plug-in cannot be loaded" "$program" check scenes/roof.json
+expect "missing in the scene" 2 "scenes/roof.json:2:15: plugins[0]: scenes/lib/roof.so: the plug-in cannot be loaded" "$program" check scenes/roof.json --allow-plugins
 
 # the same bits with any number of threads, and after an interruption
 run="$program run sheet.json --plugin floor.so --quiet --set time_step.fixed=0.01 --set frame_interval=0.05
@@ -58,7 +73,9 @@ for solver in cg cholesky hybrid; do
     $run --time 0.3 -o one --threads 1 --set solver.type=$solver && $run --time 0.3 -o three --threads 3 --set solver.type=$solver
     expect "threads, $solver" 0 "state_hash" sh -c "a=\$(grep state_hash one/report.json) && [ \"\$a\" = \"\$(grep state_hash three/report.json)\" ] && echo \"\$a\""
 done
-$run --time 0.1 -o part --set solver.type=hybrid && "$program" run --resume part --time 0.3 --quiet
+$run --time 0.1 -o part --set solver.type=hybrid
+expect "resume without permission" 2 "part/run.json: plugins: $dir/floor.so runs code and is loaded only with --allow-plugins" "$program" run --resume part --time 0.3 --quiet
+"$program" run --resume part --time 0.3 --quiet --allow-plugins
 expect "the same bits when resumed" 0 "state_hash" sh -c "a=\$(grep state_hash part/report.json) && [ \"\$a\" = \"\$(grep state_hash one/report.json)\" ] && echo \"\$a\""
 
 # a built-in solver from its sources alone: fluid on a sheet, the same iterations and the same bits

@@ -35,6 +35,7 @@ static const char usage[] =
     "  -o, --output DIR      output directory (default out/trade-NAME for NAME.json)\n"
     "      --jobs N          number of parallel runs (default: one per core), one thread each\n"
     "      --plugin FILE     loads a plug-in before the scene\n"
+    "      --allow-plugins   loads the plug-ins that the scene names\n"
     "      --quiet           prints no progress\n"
     "  -h, --help            prints this text\n";
 
@@ -116,6 +117,8 @@ static bool accept_option(struct options *o, int option) {
         return scene_set(&o->scene, optarg);
     case 'P':
         return scene_plugin(&o->scene, optarg) && scene_plugin(&o->study.jobs.scene, optarg);
+    case 'A':
+        return scene_allow_plugins();
     case 'q':
         return o->study.jobs.quiet = true;
     default:
@@ -125,14 +128,21 @@ static bool accept_option(struct options *o, int option) {
 
 /* Parses the command line. Returns -1 if the study can start, otherwise the exit code. */
 static int parse(struct options *o, int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"error", required_argument, NULL, 'e'},   {"budget", required_argument, NULL, 'b'},
-        {"by", required_argument, NULL, 'y'},      {"write", required_argument, NULL, 'w'},
-        {"minutes", required_argument, NULL, 'm'}, {"window", required_argument, NULL, 'W'},
-        {"twin", required_argument, NULL, 't'},    {"set", required_argument, NULL, 's'},
-        {"output", required_argument, NULL, 'o'},  {"jobs", required_argument, NULL, 'j'},
-        {"plugin", required_argument, NULL, 'P'},  {"quiet", no_argument, NULL, 'q'},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    static const struct option long_options[] = {{"error", required_argument, NULL, 'e'},
+                                                 {"budget", required_argument, NULL, 'b'},
+                                                 {"by", required_argument, NULL, 'y'},
+                                                 {"write", required_argument, NULL, 'w'},
+                                                 {"minutes", required_argument, NULL, 'm'},
+                                                 {"window", required_argument, NULL, 'W'},
+                                                 {"twin", required_argument, NULL, 't'},
+                                                 {"set", required_argument, NULL, 's'},
+                                                 {"output", required_argument, NULL, 'o'},
+                                                 {"jobs", required_argument, NULL, 'j'},
+                                                 {"allow-plugins", no_argument, NULL, 'A'},
+                                                 {"plugin", required_argument, NULL, 'P'},
+                                                 {"quiet", no_argument, NULL, 'q'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     int option;
     while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
         if (option == 'h') {

@@ -81,6 +81,8 @@ typedef struct pdyn_options {
     void *allocate_user;
     void (*log)(void *user, pdyn_log_level level, const char *message); /* NULL: no messages */
     void *log_user;
+    /* A scene with "plugins" is refused (PDYN_BAD_INPUT); false: its plug-ins are loaded. */
+    bool refuse_scene_plugins;
 } pdyn_options;
 
 PDYN_API const char *pdyn_version(void);

@@ -136,6 +136,10 @@ static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int i
 static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
     int count;
     pdyn_status status = reader_count(array, "an array of plug-ins", &count);
+    if (status == PDYN_OK && count && r->context->options.refuse_scene_plugins)
+        return json_fail(array, "plug-ins run code and are loaded from a scene only with "
+                                "permission: the option --allow-plugins of projdyn, or "
+                                "PROJDYN_ALLOW_PLUGINS=1 in the environment");
     return status == PDYN_OK ? reader_each(r, array, read_plugin) : status;
 }
 
