@@ -3,9 +3,9 @@
 #include "jobs.h"
 #include "parameter_grid.h"
 #include "sweep_table.h"
-#include "trade/scene_json.h"
 
 #include <getopt.h>
+#include <jansson.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -190,17 +190,30 @@ static bool make_jobs(struct sweep *s) {
     return s->jobs.job;
 }
 
+/* Callback of pdyn_scene_text(): stores in *(bool *)user whether the scene names a plug-in. */
+static void find_plugins(void *user, const char *text) {
+    json_t *scene = json_loads(text, 0, NULL);
+    *(bool *)user = json_array_size(json_object_get(scene, "plugins")) > 0;
+    json_decref(scene);
+}
+
 /* Refuses a scene with plug-ins without permission, before every job fails for this reason. Returns
- * EXIT_GOOD, or another exit code after the message of the loader, which has line and column. */
+ * EXIT_GOOD, or another exit code after a message; that of the loader has line and column. */
 static int check_plugins(const struct scene_options *scene) {
-    json_t *json = NULL;
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    int code = scene_plugins_allowed() ? EXIT_GOOD : scene_json(scene, &json);
-    if (json_array_size(json_object_get(json, "plugins"))) code = scene_load(scene, &context, &sim);
+    bool named = false;
+    if (scene_plugins_allowed()) return EXIT_GOOD;
+    int code = scene_context(scene, &context);
+    if (code == EXIT_GOOD) {
+        pdyn_status status =
+            pdyn_scene_text(context, scene->scene, scene->set, scene->sets, find_plugins, &named);
+        if (status == PDYN_OK && named)
+            status = pdyn_load(context, scene->scene, scene->set, scene->sets, &sim);
+        if (status != PDYN_OK) code = report_status(context, status);
+    }
     pdyn_free(sim);
     pdyn_destroy(context);
-    json_decref(json);
     return code;
 }
 
