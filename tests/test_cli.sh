@@ -180,6 +180,10 @@ for option in -s -n; do # symbolic and hard links
         expect "its target is untouched ($option, $name)" 0 "mine" sh -c "test \$(wc -c <'$dir/target') = 5 && cat '$dir/target'"
     done
 done
+ln -sf "$dir/target" "$dir/out/replay.html"
+expect "link at the page of a replay" 0 "frames" "$program" replay "$dir/out"
+expect "the page replaces the link" 0 "mine" sh -c "test ! -L '$dir/out/replay.html' && cat '$dir/target'"
+expect "a page to standard output" 0 "</html>" sh -c "'$program' replay '$dir/out' -o /dev/stdout | cat"
 expect "links to open descriptors are written through" 0 '"state_hash"' sh -c \
     "'$program' run '$scene' -o '$dir/through' --time 0.02 --quiet --report /dev/stdout | cat"
 expect "closed standard error" 0 "written to" sh -c "'$program' run '$scene' -o '$dir/closed' --time 0.06 2>&-"

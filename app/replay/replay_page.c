@@ -1,12 +1,11 @@
 /* Writes the page: the template with its two placeholders replaced. */
 #include "replay_page.h"
+#include "new_file.h"
 #include "replay_planes.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* Metadata inside a <script> element, where '<' must not occur: it is written as \u003c, which
  * JSON allows in strings, the only place where JSON can have a '<'. */
@@ -48,24 +47,14 @@ static int report_errno(const char *path, const char *what) {
     return EXIT_FAILED;
 }
 
-/* The page is written to a temporary file and renamed, so that it appears complete or not at
- * all. A path that is no regular file, such as /dev/stdout, is written directly. */
+/* The page appears complete or not at all, see new_file.h. */
 int replay_write_page(const struct run *run, const char *path) {
     static struct stream stream; /* static: 48 KiB are too much for a stack */
-    char temporary[REPLAY_PATH];
-    struct stat info;
-    bool special = lstat(path, &info) == 0 && !S_ISREG(info.st_mode);
-    int length = snprintf(temporary, sizeof temporary, "%s%s", path, special ? "" : ".tmp");
-    if (length < 0 || length >= REPLAY_PATH) return replay_error("%s: the path is too long", path);
-    stream = (struct stream){.file = fopen(temporary, "wbe")};
-    if (!stream.file) return report_errno(temporary, "cannot create the file");
+    char *temporary;
+    stream = (struct stream){.file = new_file_open(path, &temporary)};
+    if (!stream.file) return report_errno(path, "cannot create the file");
     int code = write_page(run, &stream);
-    if (fflush(stream.file) || ferror(stream.file)) stream.failed = true;
-    if (code == EXIT_GOOD && stream.failed) code = report_errno(temporary, "writing failed");
-    if (fclose(stream.file) && code == EXIT_GOOD) code = report_errno(temporary, "writing failed");
-    if (special) return code;
-    if (code == EXIT_GOOD && rename(temporary, path))
-        code = report_errno(path, "cannot rename to it");
-    if (code != EXIT_GOOD) unlink(temporary);
-    return code;
+    bool good = code == EXIT_GOOD && !stream.failed;
+    if (new_file_close(stream.file, temporary, path, good) || code != EXIT_GOOD) return code;
+    return report_errno(path, "writing failed");
 }

@@ -2,6 +2,7 @@
 #include "pareto.h"
 #include "app.h"
 #include "csv.h"
+#include "new_file.h"
 
 #include <math.h>
 #include <spawn.h>
@@ -97,15 +98,15 @@ static void put_row(const struct trial_table *table, const struct trial *t, FILE
 
 static int write_table(const struct trial_table *table, const char *path) {
     const struct trial **sorted = sort_by_time(table);
-    FILE *file = fopen(path, "we");
-    if (!file || !sorted) return free(sorted), report_write_error(path);
+    char *temporary;
+    FILE *file = sorted ? new_file_open(path, &temporary) : NULL;
+    if (!file) return free(sorted), report_write_error(path);
     fprintf(file, "ms_per_frame,s_per_s,error");
     for (int m = 0; m < RUN_METRICS_COUNT; m++) fprintf(file, ",%s", run_metric_names[m]);
     fprintf(file, ",step_residual,on_front,name,settings\n");
     for (int k = 0; sorted[k]; k++) put_row(table, sorted[k], file);
     free(sorted);
-    bool bad = ferror(file);
-    return fclose(file) || bad ? report_write_error(path) : EXIT_GOOD;
+    return new_file_close(file, temporary, path, true) ? EXIT_GOOD : report_write_error(path);
 }
 
 static const char script[] =
@@ -129,12 +130,13 @@ static const char script[] =
 
 /* Writes the gnuplot script that draws trade.csv of the same directory. */
 static int write_script(const struct trial_table *table, const char *path, const char *directory) {
-    FILE *file = fopen(path, "we");
+    char *temporary;
+    FILE *file = new_file_open(path, &temporary);
     if (!file) return report_write_error(path);
     fprintf(file, "dir = \"%s\"\nmetric = \"%s\"\nreference_error = %.9g\n%s", directory,
             table->metric == TRIAL_MAX_ERROR ? "maximum" : run_metric_names[table->metric],
             fmax(table->reference_error[table->metric], 1e-12), script);
-    return fclose(file) ? report_write_error(path) : EXIT_GOOD;
+    return new_file_close(file, temporary, path, true) ? EXIT_GOOD : report_write_error(path);
 }
 
 /* Runs gnuplot on a script; false if it is not installed or fails. */
