@@ -7,11 +7,11 @@
  * Threads. Different contexts are independent. Within a context, different threads may load, step,
  * read, write and free different simulations at the same time; each simulation and its writers
  * belong to one thread at a time. The threads of the context work for one simulation at a time; a
- * step of another one meanwhile runs on its caller's thread, with the same bits. Calls that register
- * types need the context alone: pdyn_load_plugin, pdyn_register, loading a scene with "plugins"; so
- * does pdyn_destroy. pdyn_last_error is the text of the last error of any thread. A log function and
- * an allocator must be thread-safe. A forked child may go on with its copy of a simulation, on one
- * thread.
+ * step of another one meanwhile runs on its caller's thread, with the same bits. Calls that
+ * register types need the context alone: pdyn_load_plugin, pdyn_register, loading a scene with
+ * "plugins"; so does pdyn_destroy. pdyn_last_error is the text of the last error of any thread. A
+ * log function and an allocator must be thread-safe. A forked child may go on with its copy of a
+ * simulation, on one thread.
  *
  * NULL where it is not allowed: functions with a status return PDYN_BAD_CALL, functions without one
  * return zeros, "" or NULL, or do nothing.
