@@ -88,6 +88,7 @@ static pdyn_status reserve(struct dual *s, int count) {
     const pdyn_services *c = s->model->services;
     if (count == s->count) return PDYN_OK;
     release(s);
+    if (!count) return PDYN_OK;
     s->count = count;
     s->multiplier = NEW(c, count, double);
     s->g = NEW(c, count, double);
