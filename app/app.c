@@ -10,6 +10,19 @@
 
 /* ---- option arguments ------------------------------------------------------------------------ */
 
+int parse_options(int argc, char **argv, const char *letters, const struct option *options,
+                  const char *usage, bool (*accept)(void *self, int option), void *self) {
+    int option;
+    while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
+        if (option == 'h') {
+            fputs(usage, stdout);
+            return EXIT_GOOD;
+        }
+        if (!accept(self, option)) return EXIT_BAD_INPUT;
+    }
+    return -1;
+}
+
 bool parse_integer(const char *option, const char *text, long min, long max, long *out) {
     char *end;
     errno = 0;

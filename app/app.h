@@ -5,6 +5,8 @@
 
 #include "projdyn/projdyn.h"
 
+#include <getopt.h>
+
 enum { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_BAD_INPUT = 2, EXIT_INTERRUPTED = 130 };
 
 /* Entry points of the commands. argv[0] is the name of the command; the result is the exit code. */
@@ -19,6 +21,12 @@ int replay_main(int argc, char **argv);
 /* Default output directory: out/PREFIX + NAME for a scene file .../NAME.json. The caller frees
  * the text; NULL with a message if memory ran out. */
 char *default_output(const char *prefix, const char *scene);
+
+/* Reads the options of a command with getopt_long, letters and `options` as there; 'h' prints
+ * `usage`. accept: takes one option and optarg; false if it is refused, with a message. Returns -1
+ * if the command can go on, EXIT_GOOD after the usage, or EXIT_BAD_INPUT. */
+int parse_options(int argc, char **argv, const char *letters, const struct option *options,
+                  const char *usage, bool (*accept)(void *self, int option), void *self);
 
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
 bool parse_integer(const char *option, const char *text, long min, long max, long *out);

@@ -5,7 +5,6 @@
 #include "projdyn/conformance.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -100,8 +99,15 @@ static const char usage[] =
     "With --conformance: tests whether the constraint types and solvers of a plug-in obey the\n"
     "interface of projdyn/module.h and prints each fault; exit code 1 if there is one.\n";
 
-static bool accept_option(struct scene_options *options, bool *conformance, int option) {
-    *conformance |= option == 'c';
+struct check_options {
+    struct scene_options scene;
+    bool conformance;
+};
+
+static bool accept_option(void *self, int option) {
+    struct check_options *check = self;
+    struct scene_options *options = &check->scene;
+    check->conformance |= option == 'c';
     if (option == 's') return scene_set(options, optarg);
     if (option == 't') return scene_threads(options, optarg);
     if (option == 'A') return scene_allow_plugins();
@@ -126,20 +132,16 @@ int check_main(int argc, char **argv) {
                                                  {"conformance", required_argument, NULL, 'c'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
-    struct scene_options options = {0};
-    bool conformance = false;
-    int option, code = -1;
-    while (code < 0 && (option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == 'h') fputs(usage, stdout), code = EXIT_GOOD;
-        else if (!accept_option(&options, &conformance, option)) code = EXIT_BAD_INPUT;
-    }
-    if (code < 0 && argc - optind != !conformance) {
+    struct check_options check = {0};
+    int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &check);
+    if (code < 0 && argc - optind != !check.conformance) {
         fprintf(stderr, "projdyn: check: expected %s\n\n%s",
-                conformance ? "no scene file with --conformance" : "one scene file", usage);
+                check.conformance ? "no scene file with --conformance" : "one scene file", usage);
         code = EXIT_BAD_INPUT;
     }
-    options.scene = argv[optind];
-    if (code < 0) code = conformance ? check_plugins_in_child(&options) : check_scene(&options);
-    scene_options_free(&options);
+    check.scene.scene = argv[optind];
+    if (code < 0)
+        code = check.conformance ? check_plugins_in_child(&check.scene) : check_scene(&check.scene);
+    scene_options_free(&check.scene);
     return code;
 }

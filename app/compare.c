@@ -2,7 +2,6 @@
  * which factor, and after how many steps. */
 #include "solver_benchmark.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,7 +56,8 @@ static bool parse_solvers(struct compare *c, const char *text) {
     return true;
 }
 
-static bool accept_option(struct compare *c, int option) {
+static bool accept_option(void *self, int option) {
+    struct compare *c = self;
     switch (option) {
     case 'o':
         return parse_solvers(c, optarg);
@@ -88,14 +88,8 @@ static int parse(struct compare *c, int argc, char **argv) {
         {"threads", required_argument, NULL, 't'}, {"csv", no_argument, NULL, 'c'},
         {"plugin", required_argument, NULL, 'P'},  {"allow-plugins", no_argument, NULL, 'A'},
         {"help", no_argument, NULL, 'h'},          {0}};
-    int option;
-    while ((option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(usage, stdout);
-            return EXIT_GOOD;
-        }
-        if (!accept_option(c, option)) return EXIT_BAD_INPUT;
-    }
+    int code = parse_options(argc, argv, "h", long_options, usage, accept_option, c);
+    if (code >= 0) return code;
     if (argc - optind != 1 || c->benchmark.solvers < 2) {
         fprintf(stderr, "projdyn: compare: expected one scene file and two solvers or more\n\n%s",
                 usage);

@@ -2,7 +2,6 @@
  * that also parse a scene. */
 #include "scene_options.h"
 
-#include <getopt.h>
 #include <stdio.h>
 
 static const char usage[] =
@@ -13,16 +12,16 @@ static const char usage[] =
 
 static void print(void *user, const char *text) { fputs(text, user); }
 
+static bool accept_option(void *options, int option) {
+    return option == 'p' && scene_plugin(options, optarg);
+}
+
 int list_main(int argc, char **argv) {
     static const struct option long_options[] = {
         {"plugin", required_argument, NULL, 'p'}, {"help", no_argument, NULL, 'h'}, {0}};
     struct scene_options options = {0};
     pdyn_context *context = NULL;
-    int option, code = -1;
-    while (code < 0 && (option = getopt_long(argc, argv, "h", long_options, NULL)) != -1) {
-        if (option == 'h') fputs(usage, stdout), code = EXIT_GOOD;
-        else if (option != 'p' || !scene_plugin(&options, optarg)) code = EXIT_BAD_INPUT;
-    }
+    int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &options);
     if (code < 0 && argc - optind > 1) {
         fprintf(stderr, "projdyn: list: expected at most one type\n\n%s", usage);
         code = EXIT_BAD_INPUT;

@@ -2,7 +2,6 @@
 #include "run_record.h"
 #include "scene_options.h"
 
-#include <getopt.h>
 #include <limits.h>
 #include <math.h>
 #include <signal.h>
@@ -82,7 +81,8 @@ static bool parse_save(struct run_options *o, const char *text) {
     return true;
 }
 
-static bool accept_option(struct run_options *o, int option) {
+static bool accept_option(void *self, int option) {
+    struct run_options *o = self;
     switch (option) {
     case 'o':
         o->output = optarg;
@@ -152,14 +152,8 @@ static int parse(struct run_options *o, int argc, char **argv) {
         {"no-frames", no_argument, NULL, 'n'},     {"quiet", no_argument, NULL, 'q'},
         {"save", required_argument, NULL, 'S'},    {"resume", required_argument, NULL, 'R'},
         {"help", no_argument, NULL, 'h'},          {0}};
-    int option;
-    while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(usage, stdout);
-            return EXIT_GOOD;
-        }
-        if (!accept_option(o, option)) return EXIT_BAD_INPUT;
-    }
+    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, o);
+    if (code >= 0) return code;
     if (o->resume) return read_resume_options(o, argc - optind);
     if (argc - optind != 1) {
         fprintf(stderr, "projdyn: run: expected one scene file\n\n%s", usage);

@@ -4,7 +4,6 @@
 #include "parameter_grid.h"
 #include "sweep_table.h"
 
-#include <getopt.h>
 #include <jansson.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -43,7 +42,8 @@ struct sweep {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-static bool accept_option(struct sweep *s, int option) {
+static bool accept_option(void *self, int option) {
+    struct sweep *s = self;
     long number = 0;
     bool good = true;
     switch (option) {
@@ -108,14 +108,8 @@ static int parse(struct sweep *s, int argc, char **argv) {
                                                  {"plugin", required_argument, NULL, 'P'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
-    int option;
-    while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(usage, stdout);
-            return EXIT_GOOD;
-        }
-        if (!accept_option(s, option)) return EXIT_BAD_INPUT;
-    }
+    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, s);
+    if (code >= 0) return code;
     if (argc - optind != 1 || !s->grid.axes) {
         fprintf(stderr, "projdyn: sweep: expected one scene file and at least one --set\n\n%s",
                 usage);

@@ -2,7 +2,6 @@
 #include "replay_page.h"
 #include "replay_run.h"
 
-#include <getopt.h>
 #include <stdio.h>
 
 static const char usage[] =
@@ -29,25 +28,23 @@ static int replay(struct run *run, const char *output) {
     return code;
 }
 
+static bool accept_option(void *output, int option) {
+    if (option == 'o') *(const char **)output = optarg;
+    return option == 'o';
+}
+
 int replay_main(int argc, char **argv) {
     static const struct option long_options[] = {
         {"output", required_argument, NULL, 'o'}, {"help", no_argument, NULL, 'h'}, {0}};
     const char *output = NULL;
-    int option;
-    while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(usage, stdout);
-            return EXIT_GOOD;
-        }
-        if (option != 'o') return EXIT_BAD_INPUT;
-        output = optarg;
-    }
+    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &output);
+    if (code >= 0) return code;
     if (argc - optind != 1) {
         fprintf(stderr, "projdyn: replay: expected one directory\n\n%s", usage);
         return EXIT_BAD_INPUT;
     }
     struct run run = {.directory = argv[optind]};
-    int code = replay(&run, output);
+    code = replay(&run, output);
     replay_close(&run);
     return code;
 }

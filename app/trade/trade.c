@@ -4,7 +4,6 @@
 #include "pareto.h"
 #include "recommendation.h"
 
-#include <getopt.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -87,7 +86,8 @@ static const struct unit fractions[] = {{"", 1}, {"%", 0.01}, {0}};
 static const struct unit times[] = {{"ms", 1}, {"s", 1000}, {0}};
 static const struct unit no_unit[] = {{"", 1}, {0}};
 
-static bool accept_option(struct options *o, int option) {
+static bool accept_option(void *self, int option) {
+    struct options *o = self;
     double processes;
     switch (option) {
     case 'e':
@@ -143,14 +143,8 @@ static int parse(struct options *o, int argc, char **argv) {
                                                  {"quiet", no_argument, NULL, 'q'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
-    int option;
-    while ((option = getopt_long(argc, argv, "o:h", long_options, NULL)) != -1) {
-        if (option == 'h') {
-            fputs(usage, stdout);
-            return EXIT_GOOD;
-        }
-        if (!accept_option(o, option)) return EXIT_BAD_INPUT;
-    }
+    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, o);
+    if (code >= 0) return code;
     if (argc - optind != 1) {
         fprintf(stderr, "projdyn: trade: expected one scene file\n\n%s", usage);
         return EXIT_BAD_INPUT;
