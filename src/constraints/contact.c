@@ -1,10 +1,5 @@
-/* Contact: a barrier keeps surfaces, solids and the particles of fluids apart. Where the distance d
- * of a pair (pdyn_contact) is below its thickness T, it has the energy
- *
- *     b(d) = k (T - d)^3 / (2 d),    -b' = k/2 (T - d)^2 (T + 2 d) / d^2,    b'' = k (T^3/d^3 - 1),
- *
- * with two continuous derivatives at T; k is the stiffness of the scene's contact, N/m. */
-#include "projdyn/module.h"
+/* Contact: a barrier (contact_pair.h) keeps surfaces, solids and the particles of fluids apart. */
+#include "contact_pair.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -18,21 +13,7 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int e = first; e < last; e++) {
-        const pdyn_contact *contact = &b->contacts->contact[e];
-        memcpy(b->column + 4 * e, contact->particle, sizeof contact->particle);
-        memcpy(b->coefficient + 4 * e, contact->coefficient, sizeof contact->coefficient);
-    }
-}
-
-/* b'' at the distance at which the contact was found */
-static void weight(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) {
-        const pdyn_contact *contact = &b->contacts->contact[e];
-        double ratio = contact->thickness / contact->distance;
-        b->weight[e] = b->contacts->stiffness * (ratio * ratio * ratio - 1.0);
-    }
+    for (int e = first; e < last; e++) contact_select(b, e);
 }
 
 /* Returns d; n: the direction of the shortest vector, length 1. */
@@ -80,7 +61,7 @@ const pdyn_constraint_type pdyn_constraint_contact = {
     .rows = 1,
     .width = 4,
     .select = select,
-    .weight = weight,
+    .weight = contact_weight,
     .project = project,
     .tangent_rank1 = tangent_rank1,
     .energy = energy,

@@ -4,7 +4,7 @@
  * the step, so that the step minimises one function (lagged friction, Li et al. 2020). The stretch
  * of a spring stays with its pair to the next step, so that a pair that sticks does not creep
  * (Cundall & Strack 1979). */
-#include "projdyn/module.h"
+#include "contact_pair.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -28,12 +28,6 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     return b->contacts->count;
 }
 
-/* The force of contact.c, N: k/2 (T - d)^2 (T + 2 d) / d^2 */
-static double normal_force(double stiffness, double thickness, double d) {
-    double depth = thickness - d;
-    return 0.5 * stiffness * depth * depth * (thickness + 2.0 * d) / (d * d);
-}
-
 /* The anchor is behind the shortest vector by the stretch of the step before, of which the part
  * along the surface counts. */
 static void attach(const pdyn_batch *b, const pdyn_contact *contact, const double stretch[3],
@@ -43,27 +37,15 @@ static void attach(const pdyn_batch *b, const pdyn_contact *contact, const doubl
     double along = vec3_dot(stretch, spring->normal);
     for (int a = 0; a < 3; a++)
         spring->anchor[a] = contact->separation[a] - (stretch[a] - along * spring->normal[a]);
-    spring->limit =
-        b->contacts->friction * normal_force(b->contacts->stiffness, contact->thickness, d);
+    spring->limit = b->contacts->friction * contact_force(b, contact, d);
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
-        const pdyn_contact *contact = &b->contacts->contact[e];
-        memcpy(b->column + 4 * e, contact->particle, sizeof contact->particle);
-        memcpy(b->coefficient + 4 * e, contact->coefficient, sizeof contact->coefficient);
-        attach(b, contact, (const double *)b->memory + 3 * e, (struct spring *)b->data + e);
-    }
-}
-
-/* The stiffness of the contact across the surface: that of contact.c, b''. */
-static void weight(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) {
-        const pdyn_contact *contact = &b->contacts->contact[e];
-        double ratio = contact->thickness / contact->distance;
-        b->weight[e] = b->contacts->stiffness * (ratio * ratio * ratio - 1.0);
+        contact_select(b, e);
+        attach(b, &b->contacts->contact[e], (const double *)b->memory + 3 * e,
+               (struct spring *)b->data + e);
     }
 }
 
@@ -132,7 +114,7 @@ const pdyn_constraint_type pdyn_constraint_friction = {
     .rows = 1,
     .width = 4,
     .select = select,
-    .weight = weight,
+    .weight = contact_weight, /* as stiff across the contact as along it */
     .project = project,
     .tangent = tangent,
     .energy = energy,
