@@ -12,8 +12,8 @@ static const double max_overlap = 1e-3; /* share of a body's particles that may 
 struct obstacle { /* a solid or a body with triangles */
     const char *kind, *name;
     struct mesh mesh; /* at the start of the scene; vertices may be a copy */
-    bool closed;
-    bool sheet; /* water may be meant to stretch it */
+    bool walls;       /* of a box: they have no inside */
+    bool sheet;       /* water may be meant to stretch it */
 };
 
 /* Flags of a particle. */
@@ -88,41 +88,55 @@ static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *
                      o->name);
 }
 
+static struct box box_around(const double *x, int count) {
+    struct box box = box_empty;
+    for (int i = 0; i < count; i++) box_add(&box, x + 3 * (size_t)i);
+    return box;
+}
+
+/* Whether some particle may be inside the obstacle or closer to it than a radius. */
+static bool is_near(const struct scene_body *body, const struct obstacle *o) {
+    struct box water = box_around(body->start.x, body->start.count);
+    struct box obstacle = box_around(o->mesh.vertex, o->mesh.vertices);
+    for (int a = 0; a < 3; a++) water.min[a] -= body->radius, water.max[a] += body->radius;
+    return box_overlaps(&water, &obstacle);
+}
+
+static pdyn_status resolve_near(const struct json_at *at, struct scene_body *body,
+                                const struct obstacle *o, unsigned char *flag) {
+    pdyn_context *context = at->file->context;
+    struct mesh_query query;
+    pdyn_status closed = o->walls ? PDYN_BAD_INPUT : mesh_check_closed(context, &o->mesh, o->name);
+    if (closed == PDYN_NO_MEMORY) return closed;
+    pdyn_status status = mesh_query_create(context, &o->mesh, &query);
+    if (status != PDYN_OK) return status;
+    /* lattices that touch a surface have rounding errors */
+    double distance = body->keep_overlap ? 0.5 * body->radius : (1.0 - 1e-3) * body->radius;
+    struct search search = {&query, body->start.x, distance, closed == PDYN_OK, flag};
+    pool_for(context->pool, body->start.count, GRAIN, flag_particles, &search);
+    mesh_query_free(context, &query);
+    exempt_vessel(flag, body->start.count);
+    return resolve_flagged(at, body, o, flag);
+}
+
 static pdyn_status resolve_obstacle(const struct json_at *at, struct scene_body *body,
                                     const struct obstacle *o) {
     pdyn_context *context = at->file->context;
-    struct mesh_query query;
     int count = body->start.count;
+    if (!is_near(body, o)) return PDYN_OK;
     unsigned char *flag = NEW_ARRAY(context, count, unsigned char);
     if (!flag) return PDYN_NO_MEMORY;
-    pdyn_status status = mesh_query_create(context, &o->mesh, &query);
-    if (status == PDYN_OK) {
-        /* lattices that touch a surface have rounding errors */
-        double distance = body->keep_overlap ? 0.5 * body->radius : (1.0 - 1e-3) * body->radius;
-        struct search search = {&query, body->start.x, distance, o->closed, flag};
-        pool_for(context->pool, count, GRAIN, flag_particles, &search);
-        exempt_vessel(flag, count);
-        status = resolve_flagged(at, body, o, flag);
-        mesh_query_free(context, &query);
-    }
+    pdyn_status status = resolve_near(at, body, o, flag);
     FREE_ARRAY(context, flag, count);
     return status;
-}
-
-/* Finds out whether an obstacle has an inside. false: no memory. */
-static bool check_closed(pdyn_context *context, struct obstacle *o) {
-    pdyn_status status = mesh_check_closed(context, &o->mesh, o->name);
-    o->closed = status == PDYN_OK;
-    return status != PDYN_NO_MEMORY;
 }
 
 /* The solid as it stands at time 0. */
 static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *body,
                                  const struct scene_solid *solid) {
     pdyn_context *context = at->file->context;
-    struct obstacle o = {"solid", solid->name, solid->mesh, false, false};
+    struct obstacle o = {"solid", solid->name, solid->mesh, solid->is_box, false};
     size_t size = 3 * (size_t)solid->mesh.vertices;
-    if (!solid->is_box && !check_closed(context, &o)) return PDYN_NO_MEMORY;
     if (!solid->keys) return resolve_obstacle(at, body, &o);
     double *placed = NEW_ARRAY(context, size, double);
     o.mesh.vertex = NEW_ARRAY(context, size, double);
@@ -144,10 +158,8 @@ pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
         status = resolve_solid(at, body, &scene->solid[k]);
     for (int k = 0; k < scene->bodies && status == PDYN_OK && body->start.count; k++) {
         const struct scene_body *other = &scene->body[k];
-        if (!other->is_surface) continue;
-        struct obstacle o = {"body", other->name, other->mesh, false, !other->tets.count};
-        status =
-            check_closed(at->file->context, &o) ? resolve_obstacle(at, body, &o) : PDYN_NO_MEMORY;
+        const struct obstacle o = {"body", other->name, other->mesh, false, !other->tets.count};
+        if (other->is_surface) status = resolve_obstacle(at, body, &o);
     }
     return status;
 }
