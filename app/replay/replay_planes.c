@@ -70,7 +70,8 @@ static unsigned residual(const struct plane *plane, const struct predictor *p, i
     return wrapped < 0 ? 2U * (unsigned)-wrapped - 1U : 2U * (unsigned)wrapped;
 }
 
-/* Index of the predictor with the smallest sum of residuals, of those that have their frames. */
+/* Index of the predictor with the smallest sum of residuals. Predictors that need earlier frames
+ * than exist are left out. */
 static int best_predictor(const struct plane *plane, int count, int frame) {
     int best = 0;
     uint64_t least = UINT64_MAX;

@@ -21,7 +21,8 @@ void stream_text(struct stream *stream, const char *text, size_t size);
 /* Binary data: begin, any number of stream_bytes(), end. false if memory ran out. */
 bool stream_begin_data(struct stream *stream);
 void stream_bytes(struct stream *stream, const unsigned char *bytes, size_t size);
-/* finish: writes what is buffered; false: only releases memory. */
+/* Ends the data and frees its memory. finish: writes the buffered bytes first; otherwise they are
+ * discarded. */
 void stream_end_data(struct stream *stream, bool finish);
 
 #endif

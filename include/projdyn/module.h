@@ -353,9 +353,9 @@ typedef struct pdyn_constraint_type {
      * called after it, and not before the first step. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Memory of elements that come and go. `end` is called after every accepted step, with u and p
-     * of its end, and writes `memory` (memory_size bytes per element). In the next step, an element
-     * with the same key finds there what was written; a new element finds zeros. The keys of a
-     * batch differ from each other. Saved states contain the memory. Only with `update`; both or
+     * of its end, and writes `memory` (memory_size bytes per element). In the next step, `memory`
+     * of an element with the same key has these bytes; that of a new element has zeros. The keys of
+     * a batch differ from each other. Saved states contain the memory. Only with `update`; both or
      * none. */
     size_t memory_size;
     void (*end)(const void *params, const pdyn_batch *batch, int first, int last);

@@ -55,8 +55,6 @@ struct call {
     double *out;
 };
 
-static size_t blocks_of(int count) { return ((size_t)count + GRAIN - 1) / GRAIN; }
-
 static void release(void *self) {
     struct dual *s = self;
     if (!s->model) return;
@@ -67,7 +65,7 @@ static void release(void *self) {
     FREE(c, s->q, s->count);
     FREE(c, s->inverse, s->count);
     FREE(c, s->in, s->count);
-    FREE(c, s->sums, SUMS * blocks_of(s->count));
+    FREE(c, s->sums, SUMS * (size_t)block_count(s->count, GRAIN));
     s->count = 0;
 }
 
@@ -96,7 +94,7 @@ static pdyn_status reserve(struct dual *s, int count) {
     s->q = NEW(c, count, double);
     s->inverse = NEW(c, count, double);
     s->in = NEW(c, count, bool);
-    s->sums = NEW(c, SUMS * blocks_of(count), double);
+    s->sums = NEW(c, SUMS * (size_t)block_count(count, GRAIN), double);
     if (s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums) return PDYN_OK;
     release(s);
     return PDYN_NO_MEMORY;
@@ -112,7 +110,7 @@ static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, 
 
 static double sum_of(const struct dual *s, int which) {
     double sum = 0.0;
-    for (size_t b = 0; b < blocks_of(s->count); b++) sum += s->sums[SUMS * b + (size_t)which];
+    for (int b = 0; b < block_count(s->count, GRAIN); b++) sum += s->sums[SUMS * b + which];
     return sum;
 }
 

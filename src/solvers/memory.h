@@ -1,4 +1,5 @@
-/* Memory of a solver, by the services of its model: zeroed, and counted for the context. */
+/* Memory of a solver, by the services of its model: zeroed, and counted for the context; and the
+ * sizes of its arrays. */
 #ifndef PDYN_SOLVER_MEMORY_H
 #define PDYN_SOLVER_MEMORY_H
 
@@ -17,5 +18,8 @@
 static inline size_t vector_size(const pdyn_model *model) {
     return 3 * (size_t)model->particles + 1;
 }
+
+/* Blocks of a parallel loop, e.g. for one partial sum each. */
+static inline int block_count(int count, int grain) { return (count + grain - 1) / grain; }
 
 #endif

@@ -13,15 +13,13 @@ struct call {
     double scale;
 };
 
-static int blocks(const pdyn_model *model) { return (model->particles + GRAIN - 1) / GRAIN; }
-
 pdyn_status pcg_create(struct pcg *s, pdyn_model *model) {
     const pdyn_services *services = model->services;
     s->model = model;
     s->z = NEW(services, vector_size(model), double);
     s->p = NEW(services, vector_size(model), double);
     s->q = NEW(services, vector_size(model), double);
-    s->partial = NEW(services, blocks(model) + 1, double);
+    s->partial = NEW(services, block_count(model->particles, GRAIN) + 1, double);
     return s->z && s->p && s->q && s->partial ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
@@ -31,7 +29,7 @@ void pcg_free(struct pcg *s) {
     FREE(services, s->z, vector_size(s->model));
     FREE(services, s->p, vector_size(s->model));
     FREE(services, s->q, vector_size(s->model));
-    FREE(services, s->partial, blocks(s->model) + 1);
+    FREE(services, s->partial, block_count(s->model->particles, GRAIN) + 1);
 }
 
 /* p = z + scale p; partial: r . p */
@@ -63,7 +61,7 @@ static void for_particles(const struct pcg *s, pdyn_range_fn *fn, struct call *c
 static double update_direction(struct pcg *s, double *r, double scale) {
     double sum = 0.0;
     for_particles(s, pcg_update_direction, &(struct call){s, r, NULL, scale});
-    for (int b = 0; b < blocks(s->model); b++) sum += s->partial[b];
+    for (int b = 0; b < block_count(s->model->particles, GRAIN); b++) sum += s->partial[b];
     return sum;
 }
 

@@ -57,7 +57,7 @@ static void run_share(struct pool *pool, struct share *share) {
     }
 }
 
-/* Runs the thread's share of the blocks, then what is left of the other shares. */
+/* Runs the blocks of the thread's share, then blocks of other shares that no thread has begun. */
 static void run_blocks(struct pool *pool, int number) {
     for (int k = 0; k < pool->threads; k++)
         run_share(pool, &pool->share[(number + k) % pool->threads]);

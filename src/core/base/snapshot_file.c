@@ -87,7 +87,7 @@ void snapshot_memory_rewind(struct snapshot_file *a) {
     a->taken = 0;
 }
 
-/* ---- checks of what is read ------------------------------------------------------------------ */
+/* ---- checks of values that are read ---------------------------------------------------------- */
 
 void snapshot_file_require(struct snapshot_file *a, bool valid, const char *what) {
     if (valid || !a->view.reading || a->status != PDYN_OK) return;

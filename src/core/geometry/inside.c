@@ -56,14 +56,6 @@ static unsigned char *marks(const struct lattice *l, long j, long k) {
 
 /* ---- crossings of rows ----------------------------------------------------------------------- */
 
-/* Intersects an edge with layer k, which lies between its ends: (x, y) of the point. */
-static void cut_edge(const struct lattice *l, const double *p, const double *q, long k,
-                     double at[2]) {
-    const double *low = p[2] < q[2] ? p : q, *high = p[2] < q[2] ? q : p;
-    double t = (place(l, 2, k) - low[2]) / (high[2] - low[2]);
-    for (int a = 0; a < 2; a++) at[a] = low[a] + t * (high[a] - low[a]);
-}
-
 static void mark_layer(const struct lattice *l, const double *p, const double *q, long k) {
     const double *low = p[1] < q[1] ? p : q, *high = p[1] < q[1] ? q : p;
     long last = index_from(l, 1, high[1]);
@@ -87,7 +79,8 @@ static void mark_passed(const struct lattice *l, const double *const corner[3]) 
         int ends = 0;
         for (int c = 0; c < 3; c++) {
             int d = (c + 1) % 3;
-            if ((from[c] <= k) != (from[d] <= k)) cut_edge(l, corner[c], corner[d], k, end[ends++]);
+            if ((from[c] <= k) != (from[d] <= k))
+                mesh_cut_edge(corner[c], corner[d], place(l, 2, k), end[ends++]);
         }
         mark_layer(l, end[0], end[1], k);
     }
@@ -186,8 +179,7 @@ pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, d
     if (status != PDYN_OK) return status;
     for (int t = 0; lattice.mark && t < mesh->triangles; t++) {
         const double *corner[3];
-        for (int c = 0; c < 3; c++)
-            corner[c] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * (size_t)t + c];
+        mesh_corners(mesh, t, corner);
         mark_passed(&lattice, corner);
         mark_close(&lattice, corner,
                    radius * (1.0 - 1e-6)); /* the tolerance keeps particles that touch the mesh */

@@ -16,6 +16,20 @@ struct mesh {
     int *triangle; /* triangles x 3, indices of vertices */
 };
 
+/* The vertices of triangle t. */
+static inline void mesh_corners(const struct mesh *mesh, int t, const double *corner[3]) {
+    for (int c = 0; c < 3; c++)
+        corner[c] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * (size_t)t + (size_t)c];
+}
+
+/* Intersects edge pq, whose ends lie on different sides of z, with that plane: (x, y) of the point,
+ * with the same bits for qp. */
+static inline void mesh_cut_edge(const double *p, const double *q, double z, double at[2]) {
+    const double *low = p[2] < q[2] ? p : q, *high = p[2] < q[2] ? q : p;
+    double t = (z - low[2]) / (high[2] - low[2]);
+    for (int a = 0; a < 2; a++) at[a] = low[a] + t * (high[a] - low[a]);
+}
+
 /* Reads a triangle mesh; the ending of the name, .obj or .ply (ASCII, binary little or big endian),
  * chooses the format. Polygons become triangle fans. Ensures: coordinates are finite and at most
  * 1e12 m, indices are in range, no face uses a vertex twice, there is at least one triangle.

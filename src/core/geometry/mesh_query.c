@@ -9,11 +9,6 @@ struct search {
     bool found;    /* a triangle is closer; or: the number of crossings is odd */
 };
 
-static void corners_of(const struct mesh *mesh, int t, const double *corner[3]) {
-    for (int c = 0; c < 3; c++)
-        corner[c] = mesh->vertex + 3 * (size_t)mesh->triangle[3 * (size_t)t + (size_t)c];
-}
-
 pdyn_status mesh_query_create(pdyn_context *context, const struct mesh *mesh,
                               struct mesh_query *out) {
     *out = (struct mesh_query){.mesh = mesh, .bounds = box_empty};
@@ -26,7 +21,7 @@ pdyn_status mesh_query_create(pdyn_context *context, const struct mesh *mesh,
     }
     for (int t = 0; t < mesh->triangles; t++) {
         const double *corner[3];
-        corners_of(mesh, t, corner);
+        mesh_corners(mesh, t, corner);
         out->box[t] = box_empty;
         for (int c = 0; c < 3; c++) {
             box_add(&out->box[t], corner[c]);
@@ -47,7 +42,7 @@ static void visit_close(void *user, int t) {
     struct search *s = user;
     const double *corner[3];
     double c[4];
-    corners_of(s->query->mesh, t, corner);
+    mesh_corners(s->query->mesh, t, corner);
     const double *const points[4] = {s->x, corner[0], corner[1], corner[2]};
     s->found |= closest_vertex_face(points, c) < s->square;
 }
@@ -60,22 +55,15 @@ bool mesh_query_is_close(const struct mesh_query *query, const double x[3], doub
     return s.found;
 }
 
-/* Intersects an edge with the plane z = x[2] of the ray. */
-static void cut_edge(const double *p, const double *q, double z, double at[2]) {
-    const double *low = p[2] < q[2] ? p : q, *high = p[2] < q[2] ? q : p;
-    double t = (z - low[2]) / (high[2] - low[2]);
-    for (int a = 0; a < 2; a++) at[a] = low[a] + t * (high[a] - low[a]);
-}
-
 static void visit_crossing(void *user, int t) {
     struct search *s = user;
     const double *corner[3];
     double end[3][2];
     int ends = 0;
-    corners_of(s->query->mesh, t, corner);
+    mesh_corners(s->query->mesh, t, corner);
     for (int c = 0; c < 3; c++) {
         const double *p = corner[c], *q = corner[(c + 1) % 3];
-        if ((p[2] <= s->x[2]) != (q[2] <= s->x[2])) cut_edge(p, q, s->x[2], end[ends++]);
+        if ((p[2] <= s->x[2]) != (q[2] <= s->x[2])) mesh_cut_edge(p, q, s->x[2], end[ends++]);
     }
     if (ends < 2 || (end[0][1] <= s->x[1]) == (end[1][1] <= s->x[1])) return;
     double along = (s->x[1] - end[0][1]) / (end[1][1] - end[0][1]);
