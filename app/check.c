@@ -1,6 +1,7 @@
 /* projdyn check: loads a scene and prints its contents, or runs the conformance tests of a
  * plug-in. */
 #include "scene_options.h"
+#include "scene_summary.h"
 
 #include "projdyn/conformance.h"
 
@@ -9,41 +10,6 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-static void print_parameters(const pdyn_sim *sim, int constraint) {
-    pdyn_parameter_info p;
-    for (int k = 0; (p = pdyn_get_parameter(sim, constraint, k)).name; k++)
-        printf(", %s %.6g%s%s", p.name, p.value, strcmp(p.unit, "1") ? " " : "",
-               strcmp(p.unit, "1") ? p.unit : "");
-}
-
-static void print_scene(const pdyn_context *context, const pdyn_sim *sim) {
-    pdyn_state state = pdyn_get_state(sim);
-    for (int b = 0; b < state.bodies; b++) {
-        pdyn_body_info body = pdyn_get_body(sim, b);
-        if (body.triangles)
-            printf("body %s: %d vertices, %d triangles\n", body.name, body.count, body.triangles);
-        else if (body.live == body.count)
-            printf("body %s: %d particles of radius %g m\n", body.name, body.count, body.radius);
-        else
-            printf("body %s: %d particles of radius %g m, capacity for %d more\n", body.name,
-                   body.live, body.radius, body.count - body.live);
-    }
-    for (int k = 0; k < state.constraints; k++) {
-        pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);
-        printf("constraint %s on %s: %d elements", constraint.type, constraint.body,
-               constraint.elements);
-        print_parameters(sim, k);
-        putchar('\n');
-    }
-    printf("boundary: %d points", state.boundary);
-    printf(state.moving ? ", %d of them on moving solids\n" : "\n", state.moving);
-    printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
-           pdyn_solver_reason(sim));
-    printf("integrator %s\n", pdyn_integrator(sim));
-    printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));
-    printf("memory %.0f MB\n", 1e-6 * (double)pdyn_peak_bytes(context));
-}
 
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
@@ -91,34 +57,41 @@ static int check_plugins_in_child(const struct scene_options *options) {
 
 static const char usage[] =
     "Usage: projdyn check SCENE [--set PATH=VALUE]... [--threads N] [--plugin FILE]...\n"
-    "                     [--allow-plugins]\n"
+    "                     [--allow-plugins] [--strict]\n"
     "       projdyn check --conformance PLUGIN\n"
     "\n"
-    "Loads a scene and prints its bodies, constraints, solver and memory use.\n"
+    "Loads a scene and prints its bodies, constraints, solver and memory use; makes its first\n"
+    "steps and prints how long a run takes. Warnings tell what is surely not meant.\n"
+    "With --strict: exit code 1 if there is a warning.\n"
     "With --allow-plugins: loads the plug-ins that the scene names.\n"
     "With --conformance: tests whether the constraint types and solvers of a plug-in obey the\n"
     "interface of projdyn/module.h and prints each fault; exit code 1 if there is one.\n";
 
 struct check_options {
     struct scene_options scene;
-    bool conformance;
+    bool conformance, strict;
 };
 
 static bool accept_option(void *self, int option) {
     struct check_options *check = self;
     struct scene_options *options = &check->scene;
-    check->conformance |= option == 'c';
+    check->conformance |= option == 'c', check->strict |= option == 'S';
+    if (option == 'S') return true;
     if (option == 's') return scene_set(options, optarg);
     if (option == 't') return scene_threads(options, optarg);
     if (option == 'A') return scene_allow_plugins();
     return (option == 'p' || option == 'c') && scene_plugin(options, optarg);
 }
 
-static int check_scene(const struct scene_options *options) {
+static int check_scene(const struct check_options *check) {
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    int code = scene_load(options, &context, &sim);
-    if (code == EXIT_GOOD) print_scene(context, sim);
+    int code = scene_load(&check->scene, &context, &sim);
+    if (code == EXIT_GOOD) {
+        print_scene_summary(context, sim);
+        code = print_time_estimate(context, sim);
+    }
+    if (code == EXIT_GOOD) code = warnings_exit_code(sim, check->strict);
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;
@@ -130,6 +103,7 @@ int check_main(int argc, char **argv) {
                                                  {"allow-plugins", no_argument, NULL, 'A'},
                                                  {"plugin", required_argument, NULL, 'p'},
                                                  {"conformance", required_argument, NULL, 'c'},
+                                                 {"strict", no_argument, NULL, 'S'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
     struct check_options check = {0};
@@ -141,7 +115,7 @@ int check_main(int argc, char **argv) {
     }
     check.scene.scene = argv[optind];
     if (code < 0)
-        code = check.conformance ? check_plugins_in_child(&check.scene) : check_scene(&check.scene);
+        code = check.conformance ? check_plugins_in_child(&check.scene) : check_scene(&check);
     scene_options_free(&check.scene);
     return code;
 }

@@ -30,6 +30,7 @@ static const char usage[] =
     "      --save N          saves the state every N frames (default 10; 0: only at the end)\n"
     "      --resume DIR      continues the run in DIR from its saved state, with bit-identical\n"
     "                        results; --time S changes the end of the run\n"
+    "      --strict          exit code 1 at the end of the run if there are warnings\n"
     "      --quiet           prints no progress and no summary\n"
     "  -h, --help            prints this text\n"
     "\n"
@@ -42,7 +43,7 @@ struct run_options {
     void *record;         /* owns the texts of a resumed run, see run_record.h */
     char duration[64];    /* the override "duration=S" made from --time */
     int save_interval;    /* frames between two saved states; 0: only at the end */
-    bool ply, no_frames, quiet;
+    bool ply, no_frames, quiet, strict;
 };
 
 struct run_totals {
@@ -99,6 +100,9 @@ static bool accept_option(void *self, int option) {
     case 'q':
         o->quiet = true;
         return true;
+    case 'E':
+        o->strict = true;
+        return true;
     case 'R':
         o->resume = optarg;
         return true;
@@ -144,14 +148,21 @@ static int read_resume_options(struct run_options *o, int scenes) {
 
 /* Parses the command line. Returns -1 if the run can start, otherwise the exit code. */
 static int parse(struct run_options *o, int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"output", required_argument, NULL, 'o'},  {"threads", required_argument, NULL, 't'},
-        {"set", required_argument, NULL, 's'},     {"plugin", required_argument, NULL, 'P'},
-        {"allow-plugins", no_argument, NULL, 'A'}, {"time", required_argument, NULL, 'T'},
-        {"report", required_argument, NULL, 'r'},  {"ply", no_argument, NULL, 'p'},
-        {"no-frames", no_argument, NULL, 'n'},     {"quiet", no_argument, NULL, 'q'},
-        {"save", required_argument, NULL, 'S'},    {"resume", required_argument, NULL, 'R'},
-        {"help", no_argument, NULL, 'h'},          {0}};
+    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"set", required_argument, NULL, 's'},
+                                                 {"plugin", required_argument, NULL, 'P'},
+                                                 {"allow-plugins", no_argument, NULL, 'A'},
+                                                 {"time", required_argument, NULL, 'T'},
+                                                 {"report", required_argument, NULL, 'r'},
+                                                 {"ply", no_argument, NULL, 'p'},
+                                                 {"no-frames", no_argument, NULL, 'n'},
+                                                 {"quiet", no_argument, NULL, 'q'},
+                                                 {"save", required_argument, NULL, 'S'},
+                                                 {"resume", required_argument, NULL, 'R'},
+                                                 {"strict", no_argument, NULL, 'E'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, o);
     if (code >= 0) return code;
     if (o->resume) return read_resume_options(o, argc - optind);
@@ -204,6 +215,17 @@ static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struc
                 100.0 * info->density_error_mean, info->outer_iterations, info->linear_iterations);
 }
 
+/* Prints the warnings that have grown since they were printed first, in their last form. */
+static void print_warnings(const pdyn_sim *sim) {
+    pdyn_warning w;
+    int k = 0;
+    for (; (w = pdyn_get_warning(sim, k)).code; k++)
+        if (w.last > w.first)
+            printf("warning: %s%s%s, from %.4g to %.4g s [%s]\n", w.subject, *w.subject ? ": " : "",
+                   w.text, w.first, w.last, w.code);
+    if (k) puts("docs/guide/troubleshooting.md explains warnings by their codes");
+}
+
 static void print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *t) {
     double wall = wall_seconds() - t->start_s;
     printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
@@ -212,6 +234,7 @@ static void print_summary(const pdyn_sim *sim, const char *output, const struct 
     printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
            t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
            100.0 * t->density_error_max);
+    print_warnings(sim);
     printf("written to %s; next: projdyn replay %s\n", output, output);
 }
 
@@ -309,7 +332,7 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
                 pdyn_time(sim), o->output, o->output,
                 o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "");
     if (!o->quiet) print_summary(sim, o->output, &totals);
-    return interrupted ? EXIT_INTERRUPTED : EXIT_GOOD;
+    return interrupted ? EXIT_INTERRUPTED : warnings_exit_code(sim, o->strict);
 }
 
 /* Installs the handler of SIGINT and SIGTERM. Called after the scene is loaded: before that

@@ -72,3 +72,9 @@ int scene_load(const struct scene_options *options, pdyn_context **context, pdyn
     /* PDYN_IO_FAILED at load time means that a file named by the scene cannot be read. */
     return status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : code;
 }
+
+int warnings_exit_code(const pdyn_sim *sim, bool strict) {
+    if (!strict || !pdyn_get_warning(sim, 0).code) return EXIT_GOOD;
+    fprintf(stderr, "projdyn: --strict: there are warnings\n");
+    return EXIT_FAILED;
+}

@@ -41,4 +41,8 @@ int scene_context(const struct scene_options *options, pdyn_context **context);
  * another exit code after a message. The caller frees *sim and *context in both cases. */
 int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim);
 
+/* EXIT_FAILED, after a message, if the simulation has warnings and `strict` is set; otherwise
+ * EXIT_GOOD. */
+int warnings_exit_code(const pdyn_sim *sim, bool strict);
+
 #endif

@@ -215,7 +215,7 @@ cat >"$dir/jet.json" <<EOF
  "outlets": [{"box": {"minimum": [0.14, -1, -1], "maximum": [9, 1, 1]}}]}
 EOF
 expect "capacity for a jet" 0 "0 particles of radius 0.05 m, capacity for 18 more" "$program" check "$dir/jet.json"
-expect "jet" 0 "" "$program" run "$dir/jet.json" -o "$dir/jet" --ply --quiet
+expect "jet" 0 "unconstrained" "$program" run "$dir/jet.json" -o "$dir/jet" --ply --quiet
 for frame in 0:0 1:6 2:6 3:6; do # entering at 0.05, 0.15 and 0.25 s, leaving 0.14 s later
     expect "points of the jet, frame $frame" 0 "POINTS ${frame#*:} float" \
         grep -a POINTS "$dir/jet/jet_00000${frame%:*}.vtk"
@@ -227,7 +227,7 @@ expect "emitted" 0 '"emitted": 18' cat "$dir/jet/report.json"
 expect "removed" 0 '"removed": 12' cat "$dir/jet/report.json"
 expect "replay of a jet" 0 "4 frames" "$program" replay "$dir/jet"
 expect "its particles come and go" 0 '"points":[0,6,6,6]' cat "$dir/jet/replay.html"
-expect "nothing yet" 0 "" "$program" run "$dir/jet.json" -o "$dir/jet" --time 0.04 --quiet
+expect "nothing yet" 0 "frames" "$program" run "$dir/jet.json" -o "$dir/jet" --time 0.04 --quiet
 expect "replay of nothing yet" 2 "at least one particle in some frame" "$program" replay "$dir/jet"
 "$program" run "$scene" -o "$dir/busy" --time 100 --quiet 2>"$dir/busy_said" &
 pid=$!

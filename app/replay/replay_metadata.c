@@ -46,6 +46,21 @@ static json_t *facts_to_json(const struct run *run) {
     return facts;
 }
 
+/* The warnings of report.json that have the members the page shows; NULL if memory ran out. */
+static json_t *warnings_to_json(const struct run *run) {
+    json_t *list = json_array(), *one;
+    size_t k;
+    json_array_foreach(json_object_get(run->report, "warnings"), k, one) {
+        const char *code, *subject, *text;
+        double first;
+        if (json_unpack(one, "{s:s, s:s, s:s, s:F}", "code", &code, "subject", &subject, "text",
+                        &text, "first_s", &first))
+            continue;
+        if (json_array_append(list, one)) return json_decref(list), NULL;
+    }
+    return list;
+}
+
 json_t *replay_metadata(const struct run *run) {
     json_t *times = json_array(), *boundary = json_null(), *moving = json_null();
     for (int f = 0; f < run->frames; f++)
@@ -55,7 +70,8 @@ json_t *replay_metadata(const struct run *run) {
                              box_to_json(&run->boundary_box));
     if (run->part_count > run->body_count)
         moving = json_pack("{s:i}", "count", run->body[run->body_count].count);
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?}", "about", facts_to_json(run), "times",
-                     times, "box", box_to_json(&run->box), "bodies", bodies_to_json(run),
-                     "boundary", boundary, "moving", moving, "metrics", run->metrics);
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O?}", "about", facts_to_json(run),
+                     "times", times, "box", box_to_json(&run->box), "bodies", bodies_to_json(run),
+                     "boundary", boundary, "moving", moving, "warnings", warnings_to_json(run),
+                     "metrics", run->metrics);
 }

@@ -147,6 +147,7 @@ typedef struct pdyn_step_info {
     double pin_reaction[3]; /* N, gradient of all other terms at the pinned points */
     double ms_neighbours, ms_local, ms_global, ms_contact; /* wall-clock time */
     double ms_cpu; /* processor time of all threads of the process */
+    long leaked;   /* particles that are beyond a surface or solid which they passed through */
 } pdyn_step_info;
 
 /* Computes one step. info NULL: no results. PDYN_DIVERGED and other failures leave the state of the
@@ -221,6 +222,19 @@ typedef struct pdyn_parameter_info {
 /* The numeric parameters of a constraint, as the simulation uses them: given, default, or computed.
  * parameter: index from 0. All members 0: no such parameter. */
 PDYN_API pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter);
+
+/* A warning: a value of the scene that is legal but surely not meant, or something that went wrong
+ * in steps. docs/guide/troubleshooting.md explains each code. */
+typedef struct pdyn_warning {
+    const char *code;    /* for example "leak" */
+    const char *subject; /* name of the body or solid, "" for the whole scene */
+    const char *text;    /* what was found, with numbers */
+    long count;          /* number of steps or of particles, as the text says */
+    double first, last;  /* s, times of the first and of the last occurrence; 0 for the scene */
+} pdyn_warning;
+/* The warnings so far, those about the scene first. warning: index from 0. Texts are valid until
+ * the next step. All members 0: no such warning. */
+PDYN_API pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning);
 
 /* Name of a solid, in the order of the scene. NULL: no such solid. */
 PDYN_API const char *pdyn_solid_name(const pdyn_sim *sim, int solid);

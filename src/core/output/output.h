@@ -37,7 +37,8 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *pat
     X(ms_contact, ms_contact)                                                                      \
     X(retries, retries)                                                                            \
     X(ms_cpu, ms_cpu)                                                                              \
-    X(impacts, impacts)
+    X(impacts, impacts)                                                                            \
+    X(leaked, leaked)
 enum {
 #define STEP_INDEX(column, member) STEP_##column,
     STEP_NUMBERS(STEP_INDEX)

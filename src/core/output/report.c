@@ -222,16 +222,16 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
     const double *pin = end->pin_reaction;
     char hash[17];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:s}",
-                     "impacts", mean_max(report, STEP_impacts), "retries",
-                     real(report->stats[STEP_retries].sum), "outer_iterations",
-                     mean_max(report, STEP_outer_iterations), "linear_iterations",
-                     mean_max(report, STEP_linear_iterations), "density_error",
-                     density_error(report), "step_residual", mean_max(report, STEP_step_residual),
-                     "energy", "start", energy(start), "end", energy(end), "momentum", "start",
-                     vector(start->momentum), "end", vector(end->momentum), "pin_reaction_N",
-                     real(sqrt(pin[0] * pin[0] + pin[1] * pin[1] + pin[2] * pin[2])),
-                     "pin_reaction", vector(pin), "state_hash", hash);
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:{s:o, s:o}, s:{s:o, s:o}, s:o, s:o, s:I, s:s}", "impacts",
+        mean_max(report, STEP_impacts), "retries", real(report->stats[STEP_retries].sum),
+        "outer_iterations", mean_max(report, STEP_outer_iterations), "linear_iterations",
+        mean_max(report, STEP_linear_iterations), "density_error", density_error(report),
+        "step_residual", mean_max(report, STEP_step_residual), "energy", "start", energy(start),
+        "end", energy(end), "momentum", "start", vector(start->momentum), "end",
+        vector(end->momentum), "pin_reaction_N",
+        real(sqrt(pin[0] * pin[0] + pin[1] * pin[1] + pin[2] * pin[2])), "pin_reaction",
+        vector(pin), "leaked", (json_int_t)end->leaked, "state_hash", hash);
 }
 
 /* The load on a solid; null if it is unknown: no step was made, or the last one failed. */
@@ -253,6 +253,19 @@ static json_t *solids(const pdyn_sim *sim) {
     return list;
 }
 
+/* The warnings, as pdyn_get_warning gives them. */
+static json_t *warnings(const pdyn_sim *sim) {
+    json_t *list = json_array();
+    pdyn_warning w;
+    for (int k = 0; list && (w = pdyn_get_warning(sim, k)).code; k++) {
+        json_t *one = json_pack("{s:s, s:s, s:s, s:I, s:o, s:o}", "code", w.code, "subject",
+                                w.subject, "text", w.text, "count", (json_int_t)w.count, "first_s",
+                                real(w.first), "last_s", real(w.last));
+        if (json_array_append_new(list, one)) return json_decref(list), NULL;
+    }
+    return list;
+}
+
 /* Composes the report as JSON text. NULL: no memory. */
 static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
                      const char *failed) {
@@ -261,6 +274,7 @@ static char *compose(const struct report *report, const pdyn_sim *sim, bool inte
     char *dump = NULL;
     if (root && run && result && !json_object_update(root, run) &&
         !json_object_update(root, result) && !json_object_set_new(root, "solids", solids(sim)) &&
+        !json_object_set_new(root, "warnings", warnings(sim)) &&
         !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
         !json_object_set_new(root, "failed", text(sim->context, failed)))
         dump = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));

@@ -1,6 +1,7 @@
 /* Saved states: everything on which the next step of a simulation depends. */
 #include "snapshot.h"
 
+#include "step/crossings.h"
 #include "step/live_particles.h"
 
 #include <stdio.h>
@@ -32,7 +33,6 @@ static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_require(a, sim->damping >= 0.0 && sim->damping <= 1.0,
                           "the damping is not between 0 and 1");
     snapshot_file_flags(a, &sim->unfinished, 1, "a flag of the last step is neither 0 nor 1");
-    snapshot_file_flags(a, &sim->warned, 1, "the flag of the warning is neither 0 nor 1");
 }
 
 static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
@@ -89,6 +89,9 @@ static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) 
 
 static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) {
     persist_numbers(sim, a);
+    warnings_persist(&sim->warnings, a);
+    energy_budget_persist(sim, a);
+    crossings_persist(sim, a);
     persist_particles(sim, a);
     live_particles_persist(sim, a);
     persist_neighbours(sim, a);

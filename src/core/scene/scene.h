@@ -39,6 +39,7 @@ struct scene_body {
     struct tets tets; /* of a volume, whose surface is `mesh` */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     bool keep_overlap;                /* particles that overlap obstacles stay */
+    int left_out;                     /* number of particles that overlapped and were left out */
     double radius;                    /* m */
     double rest_density;              /* kg/m^3 */
     double area_density;              /* kg/m^2, of a surface */

@@ -1,11 +1,13 @@
 /* Construction of a simulation from a scene: particles, topology, boundary points, neighbour lists,
  * batches, solver. */
 #include "base/registry.h"
+#include "crossings.h"
 #include "geometry/sampling.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "solid_points.h"
 #include "sph/boundary.h"
+#include "warn.h"
 
 #include "projdyn/vec3.h"
 
@@ -97,10 +99,11 @@ static pdyn_status look_for_seams(struct pdyn_sim *sim, const struct scene_body 
     int doubles;
     pdyn_status status = mesh_count_duplicates(sim->context, &body->mesh, &doubles);
     if (status == PDYN_OK && doubles)
-        context_log(sim->context, PDYN_LOG_WARNING,
-                    "body \"%s\": %d of its vertices lie where another one does already; triangles "
-                    "that do not share a vertex are not joined",
-                    body->name, doubles);
+        warnings_say(sim->context,
+                     warnings_count(&sim->warnings, WARNING_SEAMS, body->name, 0.0, doubles, 0.0),
+                     "%d of its vertices lie where another one does already; triangles that do not "
+                     "share a vertex are not joined",
+                     doubles);
     return status;
 }
 
@@ -251,7 +254,7 @@ static pdyn_status make_limits(struct pdyn_sim *sim) {
 }
 
 /* Warns where particles coincide: constraints have no direction to separate them. */
-static void warn_coincident(const struct pdyn_sim *sim, const pdyn_body *fluid) {
+static void warn_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
     const pdyn_neighbours *view = neighbours_view(sim->neighbours);
     int count = 0;
     for (int i = fluid->first; i < fluid->first + fluid->count; i++)
@@ -263,10 +266,11 @@ static void warn_coincident(const struct pdyn_sim *sim, const pdyn_body *fluid) 
             break;
         }
     if (!count) return;
-    context_log(sim->context, PDYN_LOG_WARNING,
-                "body \"%s\": %d particles lie at the place of another one; nothing parts them: do "
-                "volumes of its fill overlap?",
-                fluid->name, count);
+    warnings_say(sim->context,
+                 warnings_count(&sim->warnings, WARNING_COINCIDENT, fluid->name, 0.0, count, 0.0),
+                 "%d particles lie at the place of another one; nothing parts them: do volumes of "
+                 "its fill overlap?",
+                 count);
 }
 
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
@@ -373,15 +377,16 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name) {
     return PDYN_OK;
 }
 
-static void warn_of_factors(const struct pdyn_sim *sim) {
+static void warn_of_factors(struct pdyn_sim *sim) {
     bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic_rows;
     if (!sim->solver->direct || !(dynamic || newton)) return;
-    context_log(sim->context, PDYN_LOG_WARNING,
-                "solver \"%s\": the matrix of this scene changes (%s), so it is factored in every "
-                "iteration, %s; \"cg\" needs no factor",
-                sim->solver->name, dynamic ? "constraints change every step" : "newton step",
-                newton ? "with 3 unknowns a particle"
-                       : "after a new analysis where neighbours change");
+    warnings_say(sim->context,
+                 warnings_count(&sim->warnings, WARNING_FACTOR, sim->solver->name, 0.0, 1, 0.0),
+                 "the matrix of this scene changes (%s), so it is factored in every iteration, %s; "
+                 "\"cg\" needs no factor",
+                 dynamic ? "constraints change every step" : "newton step",
+                 newton ? "with 3 unknowns a particle"
+                        : "after a new analysis where neighbours change");
 }
 
 static pdyn_status create_solver(struct pdyn_sim *sim) {
@@ -436,7 +441,11 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = create_solver(sim);
+    if (status == PDYN_OK) status = crossings_create(sim);
+    if (status == PDYN_OK) status = energy_budget_create(sim);
     if (status != PDYN_OK) return status;
+    sim->floor = warn_floor(sim);
+    warn_of_scene(sim);
     return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration,
                                &sim->objective);
 }
@@ -498,6 +507,8 @@ void pdyn_free(pdyn_sim *sim) {
     FREE_ARRAY(c, sim->pressure, sim->objective.particles);
     FREE_ARRAY(c, sim->pressure_before, sim->objective.particles);
     free_system(sim);
+    crossings_free(sim);
+    energy_budget_free(sim);
     live_particles_free(sim);
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);

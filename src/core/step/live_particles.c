@@ -142,10 +142,11 @@ static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
 
 static void close_inlet(struct pdyn_sim *sim, struct live_inlet *inlet) {
     inlet->closed = true;
-    context_log(sim->context, PDYN_LOG_WARNING,
-                "body \"%s\": its budget of %d particles is used up at %g s; inlet %d is closed",
-                sim->body[inlet->body].name, sim->scene.body[inlet->body].budget, sim->time,
-                inlet->number);
+    struct warning *w = warnings_count(&sim->warnings, WARNING_BUDGET, sim->body[inlet->body].name,
+                                       sim->time, 1, 0.0);
+    warnings_say(sim->context, w,
+                 "its budget of %d particles is used up at %g s; inlet %d is closed",
+                 sim->scene.body[inlet->body].budget, sim->time, inlet->number);
 }
 
 static void emit_due_layers(struct pdyn_sim *sim) {

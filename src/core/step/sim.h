@@ -5,6 +5,8 @@
 
 #include "accelerate.h"
 #include "base/context.h"
+#include "base/warnings.h"
+#include "energy_budget.h"
 #include "geometry/mesh.h"
 #include "geometry/sampling.h"
 #include "integrator.h"
@@ -20,7 +22,6 @@ struct pdyn_sim {
     pdyn_context *context;
     struct scene scene;
     bool failed; /* diverged: pdyn_step fails */
-    bool warned; /* the warning about a step that is too long was given */
 
     int bodies;
     pdyn_body *body;                 /* bodies as modules see them */
@@ -69,6 +70,11 @@ struct pdyn_sim {
     double time; /* s */
     long frame;  /* index of the last frame reached */
     long steps;
+
+    struct warning_list warnings;
+    struct energy_budget energy;
+    struct crossings *crossings; /* NULL: nothing can pass a surface */
+    double floor;                /* m: what is lower fell out of the scene */
 
     void (*observer)(void *user, const pdyn_iteration *iteration);
     void *observer_user;

@@ -74,6 +74,17 @@ pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int 
     return (pdyn_parameter_info){0};
 }
 
+pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning) {
+    if (!sim || warning < 0 || warning >= sim->warnings.count) return (pdyn_warning){0};
+    const struct warning *w = &sim->warnings.item[warning];
+    return (pdyn_warning){.code = warning_name(w->code),
+                          .subject = w->subject,
+                          .text = w->text,
+                          .count = w->count,
+                          .first = w->first,
+                          .last = w->last};
+}
+
 /* Hashes a vector over the live particles. */
 static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {
     size_t one = 3 * sizeof *vector;

@@ -1,12 +1,14 @@
 /* One time step: prediction (integrator.h), minimisation of E (minimise.c), new velocities
  * (velocities.h); shorter attempts after one that diverged. */
 #include "base/clock.h"
+#include "crossings.h"
 #include "live_particles.h"
 #include "measure.h"
 #include "minimise.h"
 #include "sim.h"
 #include "timestep.h"
 #include "velocities.h"
+#include "warn.h"
 
 #include "projdyn/vec3.h"
 
@@ -87,9 +89,11 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     if (status == PDYN_OK) status = predict(sim, h);
     if (status != PDYN_OK) return status;
     kinematic_move(sim, sim->objective.time);
-    status = minimise(sim, progress);
+    status = energy_budget_open(sim);
+    if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = restore_momentum(sim);
-    return status == PDYN_OK ? measure_check_finite(sim) : status;
+    if (status == PDYN_OK) status = measure_check_finite(sim);
+    return status == PDYN_OK ? energy_budget_check(sim, h) : status;
 }
 
 /* After a failed attempt: moves solids back and discards the history and the solver's state. */
@@ -156,6 +160,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     if (status != PDYN_OK) return status;
     measure_update_fluid(sim);
     sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, history_residual);
+    crossings_step(sim, end.h);
     accept(sim, end.h);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end.h, progress.residual);
@@ -170,8 +175,10 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
                              .linear_iterations = progress.linear,
                              .impacts = sim->impacts,
                              .retries = retries,
+                             .leaked = crossings_total(sim),
                              .step_residual = progress.residual};
     measure_step(sim, info);
+    warn_of_step(sim, info);
     info->ms_neighbours = sim->objective.ms_neighbours, info->ms_local = sim->objective.ms_local;
     info->ms_contact = sim->objective.contact ? sim->objective.contact->ms : 0.0;
     info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;

@@ -90,28 +90,27 @@ struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
 static void check_speed(struct pdyn_sim *sim, double h) {
     const struct scene_settings *set = &sim->scene.settings;
     double radius, distance = max_particle_speed(sim, 0.0, &radius) * h;
-    if (sim->warned || radius == 0.0 || distance <= 2.0 * set->cfl * radius) return;
-    sim->warned = true;
-    context_log(
-        sim->context, PDYN_LOG_WARNING,
-        "at %g s: a particle travels %.3g radii in the shortest step of %g s (\"minimum\"); "
-        "walls may not hold it",
-        sim->time, distance / radius, h);
+    if (radius == 0.0 || distance <= 2.0 * set->cfl * radius) return;
+    struct warning *w =
+        warnings_count(&sim->warnings, WARNING_SHORT_STEP, "", sim->time, 1, distance / radius);
+    warnings_say(sim->context, w,
+                 "a particle travels up to %.3g radii in the shortest step of %g s (\"minimum\"): "
+                 "walls may not hold it",
+                 w->worst, h);
 }
 
 void timestep_check(struct pdyn_sim *sim, double h, double residual) {
     const struct scene_settings *set = &sim->scene.settings;
     if (set->h_fixed == 0.0 && h <= set->h_min) check_speed(sim, h);
     bool solved = residual <= set->tolerance;
-    double limit =
-        set->h_fixed > 0.0 && !solved && !sim->warned ? rearrangement_limit(sim) : INFINITY;
+    double limit = set->h_fixed > 0.0 && !solved ? rearrangement_limit(sim) : INFINITY;
     if (h <= limit) return;
-    sim->warned = true;
-    context_log(sim->context, PDYN_LOG_WARNING,
-                "at %g s: the fixed step of %g s is longer than the %g s that the pressure allows, "
-                "and it was cut short (step residual %.2g): water this deep may be thrown about; "
-                "use \"maximum\" instead of \"fixed\", or more iterations",
-                sim->time, h, limit, residual);
+    struct warning *w =
+        warnings_count(&sim->warnings, WARNING_LONG_STEP, "", sim->time, 1, h / limit);
+    warnings_say(sim->context, w,
+                 "the fixed step of %g s is up to %.2g times as long as the pressure allows, and "
+                 "it is unsolved: water this deep may be thrown about",
+                 h, w->worst);
 }
 
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end) {

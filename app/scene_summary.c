@@ -1,0 +1,141 @@
+#include "scene_summary.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- sizes ----------------------------------------------------------------------------------- */
+
+struct size {              /* of a body */
+    double min[3], max[3]; /* m */
+    double mass;           /* kg */
+};
+
+static struct size size_of(const pdyn_state *state, const pdyn_body_info *body) {
+    struct size size = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0.0};
+    for (int i = body->first; i < body->first + body->count; i++) {
+        if (state->live && !state->live[i]) continue;
+        size.mass += state->mass[i];
+        for (int a = 0; a < 3; a++) {
+            size.min[a] = fmin(size.min[a], state->x[3 * i + a]);
+            size.max[a] = fmax(size.max[a], state->x[3 * i + a]);
+        }
+    }
+    return size;
+}
+
+static double edge_length(const pdyn_state *state, const pdyn_body_info *body, int from, int to) {
+    const double *a = state->x + 3 * (body->first + from), *b = state->x + 3 * (body->first + to);
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+/* Mean edge length of a surface, m. */
+static double mean_edge(const pdyn_state *state, const pdyn_body_info *body) {
+    double sum = 0.0;
+    for (int k = 0; k < 3 * body->triangles; k++) {
+        int next = k % 3 == 2 ? k - 2 : k + 1;
+        sum += edge_length(state, body, body->triangle[k], body->triangle[next]);
+    }
+    return sum / (3.0 * body->triangles);
+}
+
+/* ---- the parts of a scene -------------------------------------------------------------------- */
+
+/* Distance of particles in the body of particles, m; 0: there is none. */
+static double particle_spacing(const pdyn_sim *sim) {
+    pdyn_body_info body;
+    for (int b = 0; (body = pdyn_get_body(sim, b)).name; b++)
+        if (!body.triangles) return 2.0 * body.radius;
+    return 0.0;
+}
+
+static void print_surface(const pdyn_sim *sim, const pdyn_state *state,
+                          const pdyn_body_info *body) {
+    double edge = mean_edge(state, body), spacing = particle_spacing(sim);
+    printf("body %s: %d vertices, %d triangles, edges of %.3g m on average", body->name,
+           body->count, body->triangles, edge);
+    if (spacing > 0.0) printf(" (%.2g particle spacings)", edge / spacing);
+}
+
+static void print_particles(const pdyn_body_info *body) {
+    printf("body %s: %d particles of radius %g m", body->name, body->live, body->radius);
+    if (body->live < body->count) printf(", capacity for %d more", body->count - body->live);
+}
+
+static void print_body(const pdyn_sim *sim, const pdyn_state *state, const pdyn_body_info *body) {
+    struct size size = size_of(state, body);
+    if (body->triangles) print_surface(sim, state, body);
+    else print_particles(body);
+    printf(", %.4g kg", size.mass);
+    if (body->rest_density > 0.0) printf(", %.4g m^3", size.mass / body->rest_density);
+    if (size.mass > 0.0)
+        printf(", from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m", size.min[0], size.min[1],
+               size.min[2], size.max[0], size.max[1], size.max[2]);
+    putchar('\n');
+}
+
+static void print_constraint(const pdyn_sim *sim, int k) {
+    pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);
+    pdyn_parameter_info p;
+    printf("constraint %s on %s: %d elements", constraint.type, constraint.body,
+           constraint.elements);
+    for (int i = 0; (p = pdyn_get_parameter(sim, k, i)).name; i++)
+        printf(", %s %.6g%s%s", p.name, p.value, strcmp(p.unit, "1") ? " " : "",
+               strcmp(p.unit, "1") ? p.unit : "");
+    putchar('\n');
+}
+
+static void print_solids(const pdyn_sim *sim, const pdyn_state *state) {
+    const char *name;
+    for (int k = 0; (name = pdyn_solid_name(sim, k)); k++)
+        printf("%s%s", k ? ", " : "solids: ", name);
+    if (pdyn_solid_name(sim, 0)) putchar('\n');
+    printf("boundary: %d points", state->boundary);
+    printf(state->moving ? ", %d of them on moving solids\n" : "\n", state->moving);
+}
+
+void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
+    pdyn_state state = pdyn_get_state(sim);
+    for (int b = 0; b < state.bodies; b++) {
+        pdyn_body_info body = pdyn_get_body(sim, b);
+        print_body(sim, &state, &body);
+    }
+    for (int k = 0; k < state.constraints; k++) print_constraint(sim, k);
+    print_solids(sim, &state);
+    printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
+           pdyn_solver_reason(sim));
+    printf("integrator %s\n", pdyn_integrator(sim));
+    printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));
+    printf("memory %.0f MB\n", 1e-6 * (double)pdyn_peak_bytes(context));
+}
+
+/* ---- the time that a run takes --------------------------------------------------------------- */
+
+enum { TRIAL_STEPS = 5 };
+static const double trial_seconds = 2.0; /* no further step after this time */
+
+static void print_seconds(double seconds) {
+    if (seconds < 10.0) printf("%.2g s", seconds);
+    else if (seconds < 120.0) printf("%.0f s", seconds);
+    else if (seconds < 7200.0) printf("%.0f min", seconds / 60.0);
+    else printf("%.0f h", seconds / 3600.0);
+}
+
+int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
+    double start = wall_seconds();
+    int steps = 0;
+    while (steps < TRIAL_STEPS && wall_seconds() - start < trial_seconds) {
+        pdyn_status status = pdyn_step(sim, NULL);
+        if (status != PDYN_OK) return report_status(context, status);
+        steps++;
+    }
+    double per_step = (wall_seconds() - start) / steps, h = pdyn_time(sim) / steps;
+    printf("steps of %.3g s: %.0f per frame, %.0f in all, %.3g ms each on %d thread%s; a run takes "
+           "about ",
+           h, ceil(pdyn_frame_interval(sim) / h - 1e-6), pdyn_duration(sim) / h, 1e3 * per_step,
+           pdyn_thread_count(context), pdyn_thread_count(context) == 1 ? "" : "s");
+    print_seconds(per_step * pdyn_duration(sim) / h);
+    printf(", by the first %d step%s\n", steps, steps == 1 ? "" : "s");
+    return EXIT_GOOD;
+}

@@ -1,0 +1,218 @@
+#include "energy_budget.h"
+
+#include "live_particles.h"
+#include "measure.h"
+#include "sim.h"
+
+#include "projdyn/path.h"
+#include "projdyn/vec3.h"
+
+/* Mean density error of a fluid at rest on a lattice, at most. */
+static const double normal_density_error = 0.05;
+/* Water in front of a moving solid reaches several times its speed. */
+static const double jet_speed = 10.0;
+static const double slow_speed = 1e-3; /* m/s */
+/* Beyond all heights and energies, but finite. */
+static const double far = 1e300;
+/* Rises of the total energy that are worth a warning: a share of the energies in motion, and of the
+ * weight times the height of the scene. */
+static const double max_gain = 0.05, min_gain = 1e-3;
+
+struct energy_block { /* of a block of particles */
+    double kinetic, highest, lowest;
+};
+
+static double total_mass(const struct pdyn_sim *sim) {
+    double mass = 0.0;
+    for (int i = 0; i < sim->objective.particles; i++) mass += sim->objective.mass[i];
+    return mass;
+}
+
+/* Height of a particle, m: against gravity. */
+static double height_of(const struct pdyn_sim *sim, const double *x) {
+    const double *g = sim->scene.settings.gravity, length = vec3_length(g);
+    return length > 0.0 ? -vec3_dot(x, g) / length : 0.0;
+}
+
+/* ---- sources of energy ----------------------------------------------------------------------- */
+
+static bool has_path(const struct scene_constraint *c) {
+    for (const pdyn_param *p = c->type->params; p->name; p++)
+        if (p->kind == PDYN_PATH &&
+            ((const pdyn_path *)((const char *)c->params + p->offset))->count)
+            return true;
+    return false;
+}
+
+static bool is_source(const struct scene_constraint *c) {
+    return (c->type->flags & PDYN_LOSSY) || c->type->begin || c->type->update || has_path(c);
+}
+
+static bool has_sources(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].constraints; k++)
+            if (is_source(&sim->scene.body[b].constraint[k])) return true;
+    return false;
+}
+
+/* Kinetic energy that inlets and moving solids can give. */
+static double drive(const struct pdyn_sim *sim) {
+    double speed = jet_speed * kinematic_speed(&sim->motion, 0.0, sim->scene.settings.duration);
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].inlets; k++)
+            speed = fmax(speed, sim->scene.body[b].inlet[k].speed);
+    return 0.5 * sim->energy.mass * speed * speed;
+}
+
+/* ---- the start ------------------------------------------------------------------------------- */
+
+static int blocks(const struct pdyn_sim *sim) {
+    return pool_blocks(sim->objective.particles, PARTICLE_GRAIN);
+}
+
+pdyn_status energy_budget_create(struct pdyn_sim *sim) {
+    struct energy_budget *e = &sim->energy;
+    e->bounded = !has_sources(sim);
+    e->closed = e->bounded && !sim->live && !sim->motion.points;
+    e->mass = total_mass(sim);
+    e->block = NEW_ARRAY(sim->context, blocks(sim), struct energy_block);
+    return e->block || !blocks(sim) ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void energy_budget_free(struct pdyn_sim *sim) {
+    FREE_ARRAY(sim->context, sim->energy.block, blocks(sim));
+}
+
+/* Energy of linear constraints, which the scene may have on purpose. */
+static double elastic_energy(const struct pdyn_sim *sim) {
+    double sum = 0.0;
+    for (int b = 0; b < sim->constraints; b++)
+        if (!sim->objective.batch[b]->op) sum += sim->objective.batch[b]->energy;
+    return sum;
+}
+
+static double fluid_energy(const struct pdyn_sim *sim) {
+    double sum = 0.0;
+    for (int b = 0; b < sim->constraints; b++)
+        if (sim->objective.batch[b]->op) sum += sim->objective.batch[b]->energy;
+    return sum;
+}
+
+/* The energies at the start. Of the fluid's, only the part of a normal density error counts. */
+static void open(struct pdyn_sim *sim) {
+    struct energy_budget *e = &sim->energy;
+    pdyn_step_info start = {0};
+    for (int b = 0; b < sim->constraints; b++) {
+        const struct batch *batch = sim->objective.batch[b];
+        if (batch->op && batch->type->matrix_free->density)
+            batch->type->matrix_free->density(batch->op, sim->density);
+    }
+    measure_step(sim, &start);
+    double fluid = fluid_energy(sim), elastic = elastic_energy(sim);
+    double part = fmin(1.0, normal_density_error / fmax(start.density_error_mean, 1e-300));
+    e->start = start.kinetic_energy + drive(sim) + part * part * fluid;
+    e->potential = start.potential_energy;
+    e->stored = elastic, e->scale = elastic + fluid;
+    e->total = e->lowest = far, e->highest = -far;
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i))
+            e->highest = fmax(e->highest, height_of(sim, sim->x + 3 * (size_t)i));
+    e->opened = true;
+}
+
+pdyn_status energy_budget_open(struct pdyn_sim *sim) {
+    double energy;
+    if (sim->energy.opened || !sim->energy.bounded) return PDYN_OK;
+    pdyn_status status = objective_local(&sim->objective, sim->x, &energy, sim->gradient);
+    if (status == PDYN_OK) open(sim);
+    return status;
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+struct step_job {
+    const struct pdyn_sim *sim;
+    double h;
+};
+
+static void measure_block(void *arg, int first, int last, int block) {
+    const struct step_job *job = arg;
+    const struct pdyn_sim *sim = job->sim;
+    struct energy_block sum = {0.0, -far, far};
+    for (int i = first; i < last; i++) {
+        const double *x = sim->x_next + 3 * (size_t)i;
+        if (!particle_is_live(sim, i)) continue;
+        double speed = vec3_distance(x, sim->x + 3 * (size_t)i) / job->h;
+        double height = height_of(sim, x);
+        sum.kinetic += 0.5 * sim->objective.mass[i] * speed * speed;
+        sum.highest = fmax(sum.highest, height), sum.lowest = fmin(sum.lowest, height);
+    }
+    sim->energy.block[block] = sum;
+}
+
+/* Kinetic energy of the displacement of the step. Updates the heights. */
+static double kinetic_energy(struct pdyn_sim *sim, double h) {
+    struct energy_budget *e = &sim->energy;
+    struct step_job job = {sim, h};
+    double sum = 0.0;
+    pool_for(sim->context->pool, sim->objective.particles, PARTICLE_GRAIN, measure_block, &job);
+    e->lowest = far;
+    for (int k = 0; k < blocks(sim); k++) {
+        sum += e->block[k].kinetic;
+        e->highest = fmax(e->highest, e->block[k].highest);
+        e->lowest = fmin(e->lowest, e->block[k].lowest);
+    }
+    return sum;
+}
+
+/* J; 0 while no particle is live. */
+static double weight_times_height(const struct pdyn_sim *sim) {
+    const struct energy_budget *e = &sim->energy;
+    double height = e->highest > e->lowest ? e->highest - e->lowest : 0.0;
+    return e->mass * vec3_length(sim->scene.settings.gravity) * height;
+}
+
+/* Kinetic energy, J, of a motion that is too slow to be an error. */
+static double rest_energy(const struct pdyn_sim *sim) {
+    return 0.5 * sim->energy.mass * slow_speed * slow_speed;
+}
+
+pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
+    struct energy_budget *e = &sim->energy;
+    if (!e->bounded) return PDYN_OK;
+    double highest = e->highest, kinetic = kinetic_energy(sim, h);
+    e->stored = fmax(e->stored, elastic_energy(sim));
+    double budget = 2.0 * (e->start + e->stored + weight_times_height(sim)) + rest_energy(sim);
+    if (kinetic <= budget) return PDYN_OK;
+    e->highest = highest;
+    return context_fail(sim->context, PDYN_DIVERGED,
+                        "the kinetic energy rises to %.3g J, but gravity and everything else in "
+                        "the scene can give at most %.3g J: do bodies overlap at the start?",
+                        kinetic, budget);
+}
+
+void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
+    struct energy_budget *e = &sim->energy;
+    if (!e->closed) return;
+    double total = info->kinetic_energy + info->potential_energy + info->constraint_energy;
+    double fallen = fabs(info->potential_energy - e->potential);
+    e->scale = fmax(e->scale, fmax(fallen, fmax(info->kinetic_energy, info->constraint_energy)));
+    e->total = fmin(e->total, total);
+    double gain = total - e->total,
+           limit = max_gain * e->scale + min_gain * weight_times_height(sim);
+    if (!(gain > limit)) return;
+    struct warning *w = warnings_count(&sim->warnings, WARNING_ENERGY, "", sim->time, 1, gain);
+    warnings_say(sim->context, w,
+                 "the total energy rises by up to %.3g J, which is %.2g of the energy in motion; "
+                 "nothing in the scene gives energy",
+                 w->worst, w->worst / fmax(e->scale, 1e-300));
+}
+
+void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    struct energy_budget *e = &sim->energy;
+    double *numbers[] = {&e->start,  &e->stored, &e->potential, &e->highest,
+                         &e->lowest, &e->total,  &e->scale};
+    snapshot_file_flags(a, &e->opened, 1, "the flag of its energy is neither 0 nor 1");
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        snapshot_file_numbers(a, numbers[k], 1, "an energy or a height is not finite");
+}

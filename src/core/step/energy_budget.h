@@ -1,0 +1,51 @@
+/* The energy that a scene can have. A start in which particles overlap, or a step that failed,
+ * releases energy that nothing in the scene has given; the budget finds it.
+ *
+ *     kinetic <= 2 (kinetic + stored at the start + M g (highest - lowest height) + drive)
+ *
+ * stored: the largest energy of the linear constraints so far, and that of the fluid at the start,
+ * as far as it belongs to a density error of 5 %. drive: what inlets and moving solids can give.
+ * The factor 2 covers that velocities are measured from displacements. A scene with another source
+ * of energy (wind, moving pins, elements that come and go) has no such bound. */
+#ifndef PDYN_ENERGY_BUDGET_H
+#define PDYN_ENERGY_BUDGET_H
+
+#include "base/snapshot_file.h"
+
+#include "projdyn/projdyn.h"
+
+struct pdyn_sim;
+
+struct energy_budget {
+    bool bounded;     /* the sources of energy are known */
+    bool closed;      /* there is no source: the total energy can only fall */
+    bool opened;      /* the first step has begun: the numbers below are known */
+    double mass;      /* kg, of everything */
+    double start;     /* J: kinetic energy and energy of the fluid at the start, and drive */
+    double stored;    /* J: energy of the linear constraints, largest so far */
+    double potential; /* J, at the start */
+    double highest;   /* m, largest height so far, against gravity */
+    double lowest;    /* m, smallest height in the current step */
+    double total;     /* J: smallest total energy so far */
+    double scale;     /* J: largest kinetic or stored energy, or change of potential energy */
+    struct energy_block *block; /* partial results of the current step */
+};
+
+/* After a failure it is to be freed, too. */
+pdyn_status energy_budget_create(struct pdyn_sim *sim);
+void energy_budget_free(struct pdyn_sim *sim);
+
+/* Measures the energy stored at the start of the first step, before it is minimised. */
+pdyn_status energy_budget_open(struct pdyn_sim *sim);
+
+/* Checks the displacement of a step of length h, s, before it is accepted. PDYN_DIVERGED: the
+ * kinetic energy exceeds the budget. */
+pdyn_status energy_budget_check(struct pdyn_sim *sim, double h);
+
+/* Follows the energies of an accepted step; raises a warning if the total energy rises by more than
+ * 5 % in a closed scene. */
+void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info);
+
+void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
+
+#endif

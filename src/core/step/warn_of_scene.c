@@ -1,0 +1,170 @@
+/* Warnings about a scene: values that are legal but surely not meant. */
+#include "geometry/bvh.h"
+#include "sim.h"
+#include "warn.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdio.h>
+
+/* Ranges of values that occur in practice. */
+static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3 */
+static const double min_area_density = 1e-3, max_area_density = 100.0; /* kg/m^2 */
+static const double min_extent = 2e-3, max_extent = 500.0;             /* m */
+/* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
+static const double min_edge = 0.25, max_edge = 8.0;
+/* A sheet below this share of the mass of a layer of particles stays on the water. */
+static const double light_share = 0.02;
+/* Share of the particles that may be left out where they overlap with something. */
+static const double max_left_out = 0.5;
+
+#define WARN(sim, code, subject, ...)                                                              \
+    warnings_say((sim)->context,                                                                   \
+                 warnings_count(&(sim)->warnings, WARNING_##code, subject, 0.0, 1, 0.0),           \
+                 __VA_ARGS__)
+
+/* ---- properties of bodies -------------------------------------------------------------------- */
+
+static const pdyn_body *find_fluid(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        if (sim->body[b].radius > 0.0) return &sim->body[b];
+    return NULL;
+}
+
+static double mean_edge(const pdyn_body *body) {
+    double sum = 0.0;
+    for (int e = 0; e < body->edges; e++)
+        sum += vec3_distance(body->rest + 3 * (size_t)body->edge[2 * e],
+                             body->rest + 3 * (size_t)body->edge[2 * e + 1]);
+    return sum / fmax(1.0, body->edges);
+}
+
+/* Whether the surface has no border, as that of a bag or of a volume. */
+static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * body->triangles; }
+
+/* Whether a pin, or an attachment to another body, holds the body. */
+static bool is_held(const struct scene_body *body) {
+    for (int k = 0; k < body->constraints; k++) {
+        const struct scene_constraint *c = &body->constraint[k];
+        if (c->type->flags & (PDYN_ANCHORED | PDYN_SEVERAL)) return true;
+    }
+    return false;
+}
+
+/* ---- checks ---------------------------------------------------------------------------------- */
+
+static void check_constraints(struct pdyn_sim *sim, int b) {
+    if (sim->scene.body[b].constraints) return;
+    if (sim->body[b].triangles)
+        WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");
+    else
+        WARN(sim, UNCONSTRAINED, sim->body[b].name,
+             "its particles have no constraint and pass through each other; water needs "
+             "{\"type\": \"fluid\"}");
+}
+
+static void check_density(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    double density = body->rest_density > 0.0 ? body->rest_density : body->density;
+    double area = density > 0.0 ? 0.0 : body->area_density;
+    if (density > 0.0 && (density < min_density || density > max_density))
+        WARN(sim, DENSITY, body->name, "a density of %g kg/m^3 is unusual; water has 1000 kg/m^3",
+             density);
+    if (area > 0.0 && (area < min_area_density || area > max_area_density))
+        WARN(sim, DENSITY, body->name,
+             "an area density of %g kg/m^2 is unusual; cloth has 0.05 to 1 kg/m^2", area);
+}
+
+static void check_scale(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    struct box box = box_empty;
+    double extent = 0.0;
+    for (int i = body->first; i < body->first + body->count; i++)
+        box_add(&box, sim->x + 3 * (size_t)i);
+    for (int a = 0; a < 3; a++) extent = fmax(extent, box.max[a] - box.min[a]);
+    if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
+    WARN(sim, SCALE, body->name,
+         "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh", extent);
+}
+
+static void check_thickness(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
+    if (!body->triangles || thickness <= mean_edge(body)) return;
+    WARN(sim, THICKNESS, body->name,
+         "the contact thickness of %.3g m is above its mean edge length of %.3g m: contact acts "
+         "between neighbours, and the surface cannot fold",
+         thickness, mean_edge(body));
+}
+
+/* Open sheets that are too light to sink in this fluid. */
+static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+    const struct scene_body *body = &sim->scene.body[b];
+    double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
+    double displaced =
+        sim->scene.has_contact ? fluid->rest_density * sim->scene.contact.thickness : 0.0;
+    if (!sim->body[b].triangles || is_closed(&sim->body[b]) || is_held(body)) return;
+    if (body->area_density < light_share * layer)
+        WARN(sim, LIGHT_SHEET, body->name,
+             "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
+             "water, and its steps need many iterations",
+             body->area_density, body->area_density / layer, spacing);
+    else if (body->area_density < displaced)
+        WARN(
+            sim, LIGHT_SHEET, body->name,
+            "its %.3g kg/m^2 are less than the water of its contact thickness of %.3g m: it floats",
+            body->area_density, sim->scene.contact.thickness);
+}
+
+static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+    const pdyn_body *body = &sim->body[b];
+    double ratio = mean_edge(body) / (2.0 * fluid->radius);
+    if (!body->triangles || (ratio >= min_edge && ratio <= max_edge)) return;
+    WARN(sim, EDGE_LENGTH, body->name,
+         "its mean edge length is %.3g particle spacings; expected %g to %g", ratio, min_edge,
+         max_edge);
+}
+
+static void check_contact(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    if (sim->scene.has_contact || !body->triangles || is_held(&sim->scene.body[b])) return;
+    int surfaces = sim->scene.solids;
+    for (int k = 0; k < sim->bodies; k++) surfaces += k != b && sim->body[k].triangles;
+    if (surfaces)
+        WARN(sim, NO_CONTACT, body->name,
+             "the scene has no \"contact\": it passes through solids and other surfaces");
+}
+
+static void check_overlap(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    int count = sim->body[b].count + body->left_out;
+    if (body->left_out <= max_left_out * count) return;
+    WARN(sim, OVERLAP, body->name, "%d of %d particles overlap solids or surfaces and are left out",
+         body->left_out, count);
+}
+
+static void check_frames(struct pdyn_sim *sim) {
+    const struct scene_settings *set = &sim->scene.settings;
+    if (set->h_fixed > (1.0 + 1e-9) * set->frame_interval)
+        WARN(sim, FRAMES, "",
+             "the fixed step of %g s is longer than the frame interval of %g s: steps end at "
+             "frames and are shorter",
+             set->h_fixed, set->frame_interval);
+    if (set->duration < (1.0 - 1e-9) * set->frame_interval)
+        WARN(sim, FRAMES, "", "the duration of %g s is shorter than the frame interval of %g s",
+             set->duration, set->frame_interval);
+}
+
+void warn_of_scene(struct pdyn_sim *sim) {
+    const pdyn_body *fluid = find_fluid(sim);
+    check_frames(sim);
+    for (int b = 0; b < sim->bodies; b++) {
+        check_constraints(sim, b);
+        check_density(sim, b);
+        check_scale(sim, b);
+        check_thickness(sim, b);
+        check_contact(sim, b);
+        check_overlap(sim, b);
+        if (fluid) check_weight(sim, b, fluid), check_edges(sim, b, fluid);
+    }
+}

@@ -1,0 +1,96 @@
+/* Warnings about steps: unsolved, repeated, compressed, particles that passed a surface or fell. */
+#include "crossings.h"
+#include "energy_budget.h"
+#include "geometry/bvh.h"
+#include "live_particles.h"
+#include "sim.h"
+#include "warn.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdio.h>
+
+static const double max_density_error = 0.05; /* mean over the fluid */
+
+static void warn_unsolved(struct pdyn_sim *sim) {
+    double tolerance = sim->scene.settings.tolerance;
+    for (int b = 0; b < sim->bodies; b++) {
+        double residual = sim->objective.body[b].residual;
+        if (residual <= tolerance) continue;
+        struct warning *w = warnings_count(&sim->warnings, WARNING_UNSOLVED, sim->body[b].name,
+                                           sim->time, 1, residual);
+        warnings_say(sim->context, w,
+                     "%ld of %ld steps are unsolved: step residual up to %.2g, tolerance %.2g",
+                     w->count, sim->steps, w->worst, tolerance);
+    }
+}
+
+static void warn_retries(struct pdyn_sim *sim, int retries) {
+    if (!retries) return;
+    struct warning *w =
+        warnings_count(&sim->warnings, WARNING_RETRIES, "", sim->time, retries, retries);
+    warnings_say(sim->context, w,
+                 "%ld attempts at a step failed and were repeated with a shorter one", w->count);
+}
+
+static void warn_compressed(struct pdyn_sim *sim, double error) {
+    if (error <= max_density_error) return;
+    struct warning *w = warnings_count(&sim->warnings, WARNING_COMPRESSED, "", sim->time, 1, error);
+    warnings_say(sim->context, w,
+                 "the mean density error is above %g %% in %ld of %ld steps, up to %.3g %%",
+                 100.0 * max_density_error, w->count, sim->steps, 100.0 * w->worst);
+}
+
+/* ---- particles that fell out of the scene ---------------------------------------------------- */
+
+double warn_floor(const struct pdyn_sim *sim) {
+    struct box box = box_empty;
+    const double *g = sim->scene.settings.gravity;
+    double height = INFINITY, length = fmax(vec3_length(g), 1e-300);
+    for (int s = 0; s < sim->scene.solids; s++)
+        for (int i = 0; i < sim->scene.solid[s].mesh.vertices; i++)
+            box_add(&box, sim->scene.solid[s].mesh.vertex + 3 * (size_t)i);
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
+    for (int k = 0; k < 8; k++) {
+        double corner[3];
+        for (int a = 0; a < 3; a++) corner[a] = k >> a & 1 ? box.max[a] : box.min[a];
+        height = fmin(height, -vec3_dot(g, corner) / length);
+    }
+    return height - vec3_distance(box.min, box.max);
+}
+
+/* Particles of body b lower than `level`, m. */
+static int count_below(const struct pdyn_sim *sim, int b, double level) {
+    const double *g = sim->scene.settings.gravity;
+    const pdyn_body *body = &sim->body[b];
+    double limit = level * vec3_length(g);
+    int count = 0;
+    for (int i = body->first; i < body->first + body->count; i++)
+        count += particle_is_live(sim, i) && -vec3_dot(g, sim->x + 3 * (size_t)i) < limit;
+    return count;
+}
+
+/* Particles that nothing holds fall for ever, and make steps short. */
+static void warn_fallen(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) {
+        int count = count_below(sim, b, sim->floor);
+        if (!count) continue;
+        struct warning *w = warnings_count(&sim->warnings, WARNING_FELL_OUT, sim->body[b].name,
+                                           sim->time, 0, count);
+        w->count = count;
+        warnings_say(sim->context, w,
+                     "%d of %d particles are far below everything else and fall for ever: nothing "
+                     "holds them and no outlet removes them",
+                     count, sim->body[b].count);
+    }
+}
+
+void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
+    warn_unsolved(sim);
+    warn_retries(sim, info->retries);
+    warn_compressed(sim, info->density_error_mean);
+    crossings_warn(sim);
+    energy_budget_step(sim, info);
+    if (info->frame) warn_fallen(sim);
+}
