@@ -2,7 +2,8 @@
 # Runs the commands of the documents against an installed library: every ```sh block of README.md
 # and docs/, one document after the other; then the indented `projdyn` commands, shortened; then
 # doxygen for the reference. Checks first that every relative link of a document leads to a file, and
-# that the constraint of README.md builds and passes the conformance check.
+# that the constraint of README.md builds and passes the conformance check, and that the guide explains
+# every warning.
 # Arguments: the build folder, the source folder.
 set -eu
 build=$(realpath "$1") root=$(realpath "$2")
@@ -25,6 +26,12 @@ for document in $documents; do
     done
 done
 echo "ok links"
+
+# The guide explains every warning.
+for code in $(sed -n 's/^ *X([A-Z_]*, "\([a-z-]*\)").*/\1/p' "$root/src/core/base/warnings.h"); do
+    grep -q "^| .$code. |" docs/guide/troubleshooting.md || { echo "not ok warning $code: not in troubleshooting.md"; exit 1; }
+done
+echo "ok warnings"
 
 sed -n '/^```c$/,/^```$/{/^```/d;p}' README.md >readme.c
 cc -shared -fPIC $(pkg-config --cflags projdyn) -o readme.so readme.c -lm

@@ -1,6 +1,6 @@
 /* The shipped scenes: each runs for a while, some with coarser particles. Checks that steps are
- * solved, energies and heights within bounds, the exact momentum of free fall, and fluid within its
- * walls. PROJDYN_SHIPPED=1 prints the values. */
+ * solved, energies and heights within bounds, the exact momentum of free fall, fluid within its
+ * walls, and that there are no other warnings. PROJDYN_SHIPPED=1 prints the values. */
 #include "support.h"
 
 #include <string.h>
@@ -194,6 +194,14 @@ static double lowest_of(const pdyn_state *state) {
     return low;
 }
 
+/* Unsolved steps are counted by check(). */
+static void check_warnings(const struct shipped *s, const pdyn_sim *sim) {
+    pdyn_warning w;
+    for (int k = 0; (w = pdyn_get_warning(sim, k)).code; k++)
+        if (strcmp(w.code, "unsolved"))
+            fail_msg("%s: warning: %s: %s [%s]", s->name, w.subject, w.text, w.code);
+}
+
 static void run(const struct shipped *s, struct found *found) {
     pdyn_options options = pdyn_default_options();
     pdyn_context *context;
@@ -210,6 +218,7 @@ static void run(const struct shipped *s, struct found *found) {
         check_fall(s, &state, &start, &info);
     }
     check_walls(s, sim, &state);
+    check_warnings(s, sim);
     found->kinetic = info.kinetic_energy, found->lowest = lowest_of(&state);
     pdyn_free(sim);
     pdyn_destroy(context);

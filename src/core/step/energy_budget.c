@@ -8,7 +8,7 @@
 #include "projdyn/vec3.h"
 
 /* Mean density error of a fluid at rest on a lattice, at most. */
-static const double normal_density_error = 0.05;
+static const double normal_density_error = 0.02;
 /* Water in front of a moving solid reaches several times its speed. */
 static const double jet_speed = 10.0;
 static const double slow_speed = 1e-3; /* m/s */
@@ -112,6 +112,7 @@ static void open(struct pdyn_sim *sim) {
     double part = fmin(1.0, normal_density_error / fmax(start.density_error_mean, 1e-300));
     e->start = start.kinetic_energy + drive(sim) + part * part * fluid;
     e->potential = start.potential_energy;
+    e->density_error = start.density_error_mean;
     e->stored = elastic, e->scale = elastic + fluid;
     e->total = e->lowest = far, e->highest = -far;
     for (int i = 0; i < sim->objective.particles; i++)
@@ -211,7 +212,7 @@ void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
 void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct energy_budget *e = &sim->energy;
     double *numbers[] = {&e->start,  &e->stored, &e->potential, &e->highest,
-                         &e->lowest, &e->total,  &e->scale};
+                         &e->lowest, &e->total,  &e->scale,     &e->density_error};
     snapshot_file_flags(a, &e->opened, 1, "the flag of its energy is neither 0 nor 1");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         snapshot_file_numbers(a, numbers[k], 1, "an energy or a height is not finite");

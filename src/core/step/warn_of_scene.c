@@ -16,7 +16,7 @@ static const double min_edge = 0.25, max_edge = 8.0;
 /* A sheet below this share of the mass of a layer of particles stays on the water. */
 static const double light_share = 0.02;
 /* Share of the particles that may be left out where they overlap with something. */
-static const double max_left_out = 0.5;
+static const double max_left_out = 0.3;
 
 #define WARN(sim, code, subject, ...)                                                              \
     warnings_say((sim)->context,                                                                   \

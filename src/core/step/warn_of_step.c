@@ -33,7 +33,9 @@ static void warn_retries(struct pdyn_sim *sim, int retries) {
                  "%ld attempts at a step failed and were repeated with a shorter one", w->count);
 }
 
+/* After the first step, also if the fluid was compressed at the start. */
 static void warn_compressed(struct pdyn_sim *sim, double error) {
+    if (sim->steps == 1) error = fmax(error, sim->energy.density_error);
     if (error <= max_density_error) return;
     struct warning *w = warnings_count(&sim->warnings, WARNING_COMPRESSED, "", sim->time, 1, error);
     warnings_say(sim->context, w,

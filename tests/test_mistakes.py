@@ -1,0 +1,186 @@
+"""Mistakes that users make, and what `projdyn check` and `projdyn run` say about each. None is silent.
+
+Usage: test_mistakes.py PROJDYN [--table]
+
+--table prints the table instead of testing: mistake, what is said, exit codes.
+"""
+import copy
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+PROJDYN = os.path.abspath(sys.argv[1])
+TABLE = "--table" in sys.argv
+
+TANK = {"name": "tank", "box": {"minimum": [-0.2, 0, -0.2], "maximum": [0.2, 0.4, 0.2]}, "open": ["+y"]}
+WATER = {"name": "water",
+         "particles": {"radius": 0.02, "fill": [{"box": {"minimum": [-0.2, 0, -0.2], "maximum": [0.2, 0.12, 0.2]}}]},
+         "constraints": [{"type": "fluid"}]}
+SHEET = {"name": "sheet",
+         "surface": {"grid": {"size": [0.3, 0.3], "vertices": [9, 9]}, "translate": [0, 0.3, 0], "area_density": 0.2},
+         "constraints": [{"type": "spring", "stretching_stiffness": 1000},
+                         {"type": "pin", "vertices": {"vertices": [0, 8, 72, 80]}}]}
+SCENE = {"duration": 0.06, "frame_interval": 0.02, "time_step": {"maximum": 0.005},
+         "contact": {"thickness": 0.004}, "solids": [TANK], "bodies": [WATER, SHEET]}
+
+
+def change(*changes):
+    """The scene with values at paths replaced; None removes."""
+    scene = copy.deepcopy(SCENE)
+    for path, value in changes:
+        at = scene
+        *keys, last = [int(k) if k.isdigit() else k for k in path.split(".")]
+        for key in keys:
+            at = at[key]
+        if value is None:
+            del at[last]
+        elif isinstance(at, list) and last == len(at):
+            at.append(value)
+        else:
+            at[last] = value
+    return scene
+
+
+SQUARES = """v 0 0.3 0
+v 0.1 0.3 0
+v 0 0.3 0.1
+v 0.1 0.3 0
+v 0.1 0.3 0.1
+v 0 0.3 0.1
+f 1 2 3
+f 4 5 6
+"""
+ALL = {"box": {"minimum": [-9, -9, -9], "maximum": [9, 9, 9]}}
+FREE = ("bodies.1.constraints.1", None)
+JET = {"disc": {"center": [0, 0.2, 0], "radius": 0.05}, "direction": [0, -1, 0], "speed": 2}
+BALL = {"name": "ball", "sphere": {"center": [0, 0.06, 0], "radius": 0.05}}
+WATER_ONLY = (("bodies.1", None), ("contact", None))
+DUST = ("bodies.0.constraints", [])
+
+
+class Mistake:
+    """code: of the exit of check and run; check, run: texts that they print, "" if nothing is to be said."""
+
+    def __init__(self, name, scene, check="", run=None, codes=(0, 0), options=(), run_options=()):
+        self.name, self.scene, self.codes = name, scene, codes
+        self.said = (check, check if run is None else run)
+        self.options, self.run_options = list(options), list(run_options)
+
+
+MISTAKES = [
+    # legal, but surely not meant: known before the run
+    Mistake("water without a fluid constraint", change(DUST), "[unconstrained]"),
+    Mistake("cloth without constraints", change(("bodies.1.constraints", [])), "[unconstrained]"),
+    Mistake("rest density in g/cm^3", change(("bodies.0.particles.rest_density", 1)), "[density]"),
+    Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
+    Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
+            "[scale]"),
+    Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)), "[contact-thickness]"),
+    Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[light-sheet]"),
+    Mistake("cloth far coarser than the water",
+            change(("bodies.1.surface.grid", {"size": [0.7, 0.7], "vertices": [2, 2]}), ("solids", []),
+                   ("bodies.1.constraints.1.vertices", ALL)), "[edge-length]"),
+    Mistake("fixed step longer than a frame", change(("time_step", {"fixed": 0.05})), "[frames]"),
+    Mistake("duration shorter than a frame", change(("duration", 0.01)), "[frames]"),
+    Mistake("free cloth above a solid, no contact", change(FREE, ("contact", None)), "[no-contact]"),
+    Mistake("mesh with split vertices", change(("bodies.1.surface", {"mesh": "squares.obj", "area_density": 0.2}),
+                                               ("bodies.1.constraints.1.vertices", {"vertices": [0, 4]})), "[seams]"),
+    Mistake("Cholesky for a matrix that changes", change(("solver", {"type": "cholesky"}), ("bodies.0", None)), "[factor]"),
+    Mistake("water fills a place twice", change(("bodies.0.particles.fill.1", WATER["particles"]["fill"][0])), "[coincident]",
+            codes=(1, 1)),
+    Mistake("a third of the water inside a solid",
+            change(("solids.1", {"name": "block", "capsule": {"from": [0, 0, 0], "to": [0, 0.1, 0], "radius": 0.19}}),
+                   *WATER_ONLY), "[overlap]"),
+    # found in steps
+    Mistake("too few iterations", change(("solver", {"outer_iterations": 1, "linear_iterations": 2})), "[unsolved]"),
+    Mistake("nothing holds the cloth", change(("solids", []), ("bodies.0", None), ("bodies.0.constraints.1", None),
+                                              ("contact", None), ("duration", 0.6)), "", "[fell-out]"),
+    Mistake("dust falls through cloth", change(DUST, ("contact", None), ("bodies.0.particles.fill.0.box", {
+        "minimum": [-0.1, 0.31, -0.1], "maximum": [0.1, 0.38, 0.1]}), ("duration", 0.2)), "[unconstrained]", "particles passed through this body"),
+    Mistake("dust falls through the floor", change(DUST, *WATER_ONLY, ("duration", 0.3)), "[unconstrained]",
+            "particles passed through this solid"),
+    Mistake("cloth falls through the floor", change(FREE, ("contact", None), ("bodies.0", None),
+                                                    ("duration", 0.5)), "[no-contact]", "[leak]"),
+    Mistake("inlet without budget left", change(("bodies.0.particles", {"radius": 0.02, "budget": 5, "inlets": [JET]}),
+                                                *WATER_ONLY), "[budget]"),
+    Mistake("shortest step too long for a jet", change(("bodies.0.velocity", [0, -60, 0]), *WATER_ONLY,
+                                                       ("time_step", {"maximum": 0.005, "minimum": 0.005})), "[short-step]"),
+    Mistake("water compressed at the start", change(*WATER_ONLY, ("bodies.0.constraints.0.stiffness", 1),
+                                                    ("bodies.0.velocity", [0, -5, 0])), "[compressed]"),
+    # energy from nothing
+    Mistake("two blocks of water overlap",
+            change(*WATER_ONLY, ("bodies.0.particles.fill.1", {"box": {
+                "minimum": [-0.19, 0.01, -0.19], "maximum": [0.21, 0.13, 0.21]}})),
+            "the kinetic energy rises", codes=(1, 1)),
+    # refused
+    Mistake("water kept inside a solid", change(("solids.1", BALL), ("bodies.0.particles.overlap", "keep")),
+            'overlap solid "ball", the first at', codes=(2, 2)),
+    Mistake("water kept in a wall", change(("bodies.0.particles.overlap", "keep"), ("bodies.0.particles.fill.0.box.minimum",
+                                                                                  [-0.3, 0, -0.2])),
+            'overlap solid "tank"', codes=(2, 2)),
+    Mistake("unknown key", change(("gravitiy", [0, 0, 0])), 'did you mean "gravity"', codes=(2, 2)),
+    Mistake("unknown constraint", change(("bodies.0.constraints.0.type", "fluit")), 'did you mean "fluid"', codes=(2, 2)),
+    Mistake("unknown solver", change(("solver", {"type": "cgg"})), 'did you mean "cg"', codes=(2, 2)),
+    Mistake("solver that does not fit", change(("solver", {"type": "dual"}), ("bodies.0", None)), "does not fit this scene", codes=(2, 2)),
+    Mistake("negative stiffness", change(("bodies.1.constraints.0.stretching_stiffness", -1)), "expected", codes=(2, 2)),
+    Mistake("gravity as a number", change(("gravity", -9.81)), "expected", codes=(2, 2)),
+    Mistake("minimum above maximum", change(("time_step", {"minimum": 0.1, "maximum": 0.01})), "expected", codes=(2, 2)),
+    Mistake("missing mesh file", change(("bodies.1.surface", {"mesh": "no.obj", "area_density": 0.2})), "no.obj", codes=(2, 2)),
+    Mistake("pin that holds nothing", change(("bodies.1.constraints.1.vertices", {"box": {
+        "minimum": [5, 5, 5], "maximum": [6, 6, 6]}})), "selects none", codes=(2, 2)),
+    Mistake("vertex that does not exist", change(("bodies.1.constraints.1.vertices.vertices", [81])), "81", codes=(2, 2)),
+    Mistake("two bodies of one name", change(("bodies.1.name", "water")), '"water"', codes=(2, 2)),
+    Mistake("constraint on a wrong body", change(("bodies.0.constraints.1", {"type": "spring", "stretching_stiffness": 10})),
+            "spring", codes=(2, 2)),
+    Mistake("plug-in without permission", change(("plugins", ["mine.so"])), "--allow-plugins", codes=(2, 2)),
+    Mistake("no valid JSON", '{"bodies": [', "scene.json:1", codes=(2, 2)),
+    Mistake("override of nothing", SCENE, "bodies.pond", codes=(2, 2), options=["--set", "bodies.pond.name=x"]),
+    Mistake("thread count of zero", SCENE, "--threads", codes=(2, 2), options=["--threads", "0"]),
+    Mistake("output is a file", SCENE, "", "squares.obj", codes=(0, 2), run_options=["-o", "squares.obj"]),
+    Mistake("warnings with --strict", change(DUST), "--strict: there are warnings", codes=(1, 1), options=["--strict"]),
+]
+
+
+def said_by(command, mistake, folder):
+    more = mistake.run_options if command == "run" else []
+    if command == "run" and "-o" not in more:
+        more = more + ["-o", "out", "--no-frames"]
+    done = subprocess.run([PROJDYN, command, "scene.json", *mistake.options, *more], cwd=folder, capture_output=True,
+                          text=True, timeout=120)
+    return done.returncode, done.stdout + done.stderr
+
+
+def summary(text, output):
+    """The line that contains the text, without the name of the program and the totals at the end."""
+    lines = [line for line in output.splitlines() if text and text in line]
+    return lines[0].replace("projdyn: ", "") if lines else ""
+
+
+def test(mistake, folder):
+    scene = mistake.scene if isinstance(mistake.scene, str) else json.dumps(mistake.scene)
+    (folder / "scene.json").write_text(scene)
+    (folder / "squares.obj").write_text(SQUARES)
+    good = True
+    for command, code, text in zip(("check", "run"), mistake.codes, mistake.said):
+        got, output = said_by(command, mistake, folder)
+        if TABLE:
+            print(f"| {mistake.name} | {command} | {got} | {summary(text, output)} |")
+        elif got != code or text not in output:
+            good = False
+            print(f"not ok {mistake.name}: {command}: exit {got} (expected {code}), expected to read '{text}' in:")
+            print("    " + output.replace("\n", "\n    "))
+    return good
+
+
+def is_silent(mistake):
+    return not any(mistake.said)
+
+
+with tempfile.TemporaryDirectory() as name:
+    assert not any(is_silent(mistake) for mistake in MISTAKES)
+    failed = [mistake.name for mistake in MISTAKES if not test(mistake, pathlib.Path(name))]
+print(f"{len(MISTAKES) - len(failed)} of {len(MISTAKES)} mistakes are told")
+sys.exit(1 if failed else 0)

@@ -1,0 +1,187 @@
+/* Warnings: particles that pass surfaces, energy from nothing, saved states. */
+#include "step/crossings.h"
+#include "support.h"
+
+#include <string.h>
+
+/* A block of 6 x 6 x 6 particles without constraints; velocity: "x, y, z". */
+#define DUST(velocity)                                                                             \
+    "{'name': 'dust', 'velocity': [" velocity "], 'particles': {'radius': 0.01, 'fill': [{'box': " \
+    "{'minimum': [-0.06, 0.02, -0.06], 'maximum': [0.06, 0.14, 0.06]}}]}, 'constraints': []}"
+/* A sheet of 0.16 m at y = 0. */
+#define SHEET(constraints)                                                                         \
+    GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9", "'area_density': 0.2",                   \
+               SPRINGS("100") ", " constraints)
+#define HELD       SHEET(PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))
+#define BORDER     SHEET(PINS("'border': true"))
+#define STEPS      "'time_step': {'fixed': 0.01}, 'frame_interval': 0.01, 'duration': 1"
+#define WEIGHTLESS STEPS ", 'gravity': [0, 0, 0]"
+
+enum { DUST_COUNT = 216, LAYER = 36 };
+
+static pdyn_warning find_warning(const pdyn_sim *sim, const char *code, const char *subject) {
+    pdyn_warning w;
+    for (int k = 0; (w = pdyn_get_warning(sim, k)).code; k++)
+        if (!strcmp(w.code, code) && !strcmp(w.subject, subject)) return w;
+    return (pdyn_warning){0};
+}
+
+/* Number of particles that passed `subject` after so many steps. */
+static long leaks(const char *scene, const char *subject, int steps) {
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, scene);
+    pdyn_step_info info = {0};
+    for (int n = 0; n < steps; n++) info = test_step(context, sim);
+    pdyn_warning w = find_warning(sim, "leak", subject);
+    assert_true(info.leaked >= w.count || !w.code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return w.code ? w.count : 0;
+}
+
+/* All particles pass, through vertices and edges, too: the lattice lies on those of the mesh. */
+static void test_sheet(void **state) {
+    (void)state;
+    const char *fast = SCENE(WEIGHTLESS, PAIR(DUST("0, -2, 0"), HELD), "");
+    assert_int_equal(leaks(fast, "sheet", 1), 0);
+    assert_int_equal(leaks(fast, "sheet", 2), LAYER);
+    assert_int_equal(leaks(fast, "sheet", 8), DUST_COUNT);
+    assert_int_equal(leaks(SCENE(STEPS, PAIR(DUST("0, -1, 0"), BORDER), ""), "sheet", 40),
+                     DUST_COUNT);
+    assert_int_equal(leaks(SCENE(WEIGHTLESS, PAIR(DUST("0, 2, 0"), HELD), ""), "sheet", 8), 0);
+}
+
+/* Half of the block is beside the sheet. */
+static void test_border(void **state) {
+    (void)state;
+    const char *shifted =
+        SCENE(WEIGHTLESS,
+              PAIR(DUST("0, -2, 0"),
+                   GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",
+                              "'area_density': 0.2, 'translate': [0.08, 0, 0]",
+                              PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),
+              "");
+    assert_int_equal(leaks(shifted, "sheet", 8), DUST_COUNT / 2);
+}
+
+/* Dust that is thrown up through the sheet and falls back is on its side again. */
+static void test_return(void **state) {
+    (void)state;
+    const char *thrown =
+        SCENE(STEPS,
+              PAIR(DUST("0, 3, 0"),
+                   GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",
+                              "'area_density': 0.2, 'translate': [0, 0.3, 0]",
+                              PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),
+              "");
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, thrown);
+    long most = 0, last = 0;
+    for (int n = 0; n < 70; n++) {
+        last = test_step(context, sim).leaked;
+        most = last > most ? last : most;
+    }
+    assert_int_equal(most, DUST_COUNT);
+    assert_int_equal(last, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A box at rest, a plane at rest, a plane that rises through the dust, and cloth through a plane.
+ */
+static void test_solids(void **state) {
+    (void)state;
+    const char *box = SCENE(STEPS, DUST("0, -1, 0"),
+                            ", 'solids': [{'name': 'tank', 'box': {'minimum': [-0.07, 0, -0.07], "
+                            "'maximum': [0.07, 0.2, 0.07]}}]");
+    const char *rising =
+        SCENE(WEIGHTLESS, DUST("0, 0, 0"),
+              ", 'solids': [{'name': 'lift', 'plane': {'center': [0, 0, 0], 'normal': [0, 1, 0], "
+              "'size': 0.3}, 'motion': [{'time': 0, 'translate': [0, 0, 0]}, {'time': 0.1, "
+              "'translate': [0, 0.2, 0]}]}]");
+    assert_int_equal(leaks(box, "tank", 30), DUST_COUNT);
+    assert_int_equal(leaks(rising, "lift", 12), DUST_COUNT);
+}
+
+/* ---- energy ---------------------------------------------------------------------------------- */
+
+/* Two lattices in each other: one of the first steps fails, and the state is that before it. */
+static void test_overlap(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim =
+        test_load(context, "{'time_step': {'fixed': 0.001}, 'duration': 1, 'bodies': [{'name': "
+                           "'water', 'particles': {'radius': 0.01, 'fill': "
+                           "[{'box': {'minimum': [0, 0, 0], 'maximum': [0.1, 0.1, 0.1]}}, {'box': "
+                           "{'minimum': [0.01, 0.01, 0.01], 'maximum': [0.11, 0.11, 0.11]}}]}, "
+                           "'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}]}");
+    uint64_t hash = 0;
+    pdyn_status status = PDYN_OK;
+    for (int n = 0; n < 5 && status == PDYN_OK; n++) {
+        hash = pdyn_state_hash(sim);
+        status = pdyn_step(sim, NULL);
+    }
+    assert_int_equal(status, PDYN_DIVERGED);
+    assert_non_null(strstr(pdyn_last_error(context), "the kinetic energy rises to"));
+    assert_true(pdyn_state_hash(sim) == hash);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A stretched sheet releases the energy that the scene gives it. */
+static void test_stretched(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, SCENE(WEIGHTLESS ", 'solver': {'tolerance': 1e-4}",
+                                             GRID_SHEET("'name': 'sheet', ", "0.2, 0.2", "9, 9",
+                                                        "'area_density': 0.2", SPRINGS("1e3")),
+                                             ""));
+    for (int k = 0; k < sim->objective.particles; k++) sim->x[3 * k] *= 2.0;
+    double fastest = 0.0;
+    for (int n = 0; n < 20; n++) fastest = fmax(fastest, test_step(context, sim).kinetic_energy);
+    assert_true(fastest > 0.1);
+    assert_null(find_warning(sim, "energy", "").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- the list -------------------------------------------------------------------------------- */
+
+/* A restored simulation goes on counting; every step of this scene is unsolved. */
+static void test_saved(void **state) {
+    (void)state;
+    const char *scene = SCENE(STEPS ", 'solver': {'outer_iterations': 1, 'linear_iterations': 1}",
+                              PAIR(DUST("0, -1, 0"), BORDER), "");
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene), *other = test_load(context, scene);
+    for (int n = 0; n < 6; n++) test_step(context, sim);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    assert_int_equal(pdyn_restore(other, "state"), PDYN_OK);
+    for (int n = 0; n < 4; n++) test_step(context, other), test_step(context, sim);
+    for (int k = 0; k < 10; k++) {
+        pdyn_warning a = pdyn_get_warning(sim, k), b = pdyn_get_warning(other, k);
+        if (!a.code) break;
+        assert_string_equal(a.code, b.code);
+        assert_string_equal(a.text, b.text);
+        assert_int_equal(a.count, b.count);
+    }
+    assert_int_equal(find_warning(other, "unsolved", "sheet").count, 10);
+    assert_int_equal(find_warning(other, "leak", "sheet").count,
+                     find_warning(sim, "leak", "sheet").count);
+    assert_true(find_warning(other, "leak", "sheet").count > 0);
+    pdyn_free(other);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("state");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sheet),   cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),  cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_overlap), cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_saved),
+    };
+    return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
+                                       test_leave_directory);
+}
