@@ -37,7 +37,8 @@ echo "== scenes"
 for scene in plugin/*.json; do
     name=$(basename "$scene" .json)
     "$program" run "$scene" --allow-plugins --time 0.1 --quiet -o "$dir/out"
-    echo "$name: ran; $("$program" check --conformance "plugin/$name.so")"
+    said=$("$program" check --conformance "plugin/$name.so") || { echo "$name: $said" >&2; exit 1; }
+    echo "$name: ran; $said"
 done
 
 echo "== python"
