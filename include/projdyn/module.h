@@ -10,8 +10,9 @@
  *     H    = M/h^2 + sum w G' ((1 - eps) (I - J) + eps I) G,    eps = 1: classic Projective
  * Dynamics
  *
- * Callbacks work on a range of elements [first, last). They write only what belongs to these
- * elements, run on any thread and in any order, keep no state of their own, and cannot fail. */
+ * Callbacks work on a range of elements [first, last). They read only the u and p of these elements
+ * and write only what belongs to them, run on any thread and in any order, keep no state of their
+ * own, and cannot fail. */
 #ifndef PROJDYN_MODULE_H
 #define PROJDYN_MODULE_H
 
@@ -331,13 +332,13 @@ typedef struct pdyn_constraint_type {
                       int *width);
     /* Fills column, coefficient and data. */
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Fills weight. */
+    /* Fills weight, which must not depend on u. */
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Fills p from u. */
+    /* Fills p from u; finite for any u, also 0. */
     void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
     /* J of the elements, one after the other from J[0]: (3 rows)^2 numbers each, symmetric, with
      * eigenvalues in [0, 1] (clamp them: H must stay positive definite). J is zero on entry.
-     * NULL: J = 0. */
+     * Finite for any u, also 0. NULL: J = 0. */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
     /* Instead of `tangent`, for elements of one row with J = s I - a a', such as points on a plane
      * or a sphere: 4 numbers each, a and s. Takes less memory and time. */

@@ -1,138 +1,10 @@
-/* Checks of a constraint type's callbacks on arrays with guard bytes at both ends: a callback may
- * write only its own arrays, there only the entries of its elements, and must give the same result
- * for any range and order of elements. */
-#include "conformance.h"
+/* Checks of a constraint type's callbacks, one by one: a callback may write only its own arrays,
+ * there only the entries of its elements, and must give the same result for any range and order of
+ * elements. */
+#include "guarded.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
-
-enum { COLUMN, COEFFICIENT, U, P, WEIGHT, DATA, KEY, MEMORY, ARRAYS, GUARD = 256 /* bytes */ };
-
-static const char *const array_name[ARRAYS] = {"column", "coefficient", "u",   "p",
-                                               "weight", "data",        "key", "memory"};
-
-struct guarded { /* copy of a batch whose arrays have guard bytes */
-    const struct batch *from;
-    pdyn_batch view;
-    struct {
-        unsigned char *memory, *before; /* bytes + 2 GUARD each; before: content before a call */
-        size_t bytes;
-    } array[ARRAYS];
-};
-
-/* The byte range [*begin, *end) of an array that belongs to the elements [first, last). */
-static void byte_range(const struct guarded *g, int array, int first, int last, size_t *begin,
-                       size_t *end) {
-    const pdyn_batch *v = &g->from->view;
-    const pdyn_constraint_type *t = g->from->type;
-    size_t unit[ARRAYS] = {sizeof(int),
-                           sizeof(double),
-                           3 * sizeof(double),
-                           3 * sizeof(double),
-                           sizeof(double),
-                           t->data_size,
-                           t->memory_size ? sizeof(uint64_t) : 0,
-                           t->memory_size};
-    int from = first, to = last;
-    if (array < WEIGHT) from = v->element_row[first], to = v->element_row[last];
-    if (array == COLUMN || array == COEFFICIENT) from = v->row_entry[from], to = v->row_entry[to];
-    *begin = (size_t)from * unit[array], *end = (size_t)to * unit[array];
-}
-
-static void *inside(const struct guarded *g, int array) { return g->array[array].memory + GUARD; }
-
-static void guarded_free(struct guarded *g) {
-    for (int k = 0; k < ARRAYS; k++) {
-        FREE_ARRAY(g->from->context, g->array[k].memory, g->array[k].bytes + 2 * GUARD);
-        FREE_ARRAY(g->from->context, g->array[k].before, g->array[k].bytes + 2 * GUARD);
-    }
-}
-
-/* Copies the arrays of a batch. false: no memory. */
-static bool guarded_create(struct guarded *g, const struct batch *b) {
-    const pdyn_batch *v = &b->view;
-    const void *from[ARRAYS] = {v->column, v->coefficient, v->u,   v->p,
-                                v->weight, v->data,        v->key, v->memory};
-    *g = (struct guarded){.from = b, .view = b->view};
-    for (int k = 0; k < ARRAYS; k++) {
-        size_t begin, end;
-        byte_range(g, k, 0, b->view.elements, &begin, &end);
-        g->array[k].bytes = end;
-        g->array[k].memory = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
-        g->array[k].before = NEW_ARRAY(b->context, end + 2 * GUARD, unsigned char);
-        if (!g->array[k].memory || !g->array[k].before) return guarded_free(g), false;
-        memset(g->array[k].memory, 0xA5, end + 2 * GUARD);
-        if (end) memcpy(inside(g, k), from[k], end);
-    }
-    g->view.column = inside(g, COLUMN), g->view.coefficient = inside(g, COEFFICIENT);
-    g->view.weight = inside(g, WEIGHT), g->view.data = inside(g, DATA);
-    g->view.u = inside(g, U), g->view.p = inside(g, P);
-    g->view.key = inside(g, KEY), g->view.memory = inside(g, MEMORY);
-    return true;
-}
-
-/* ---- one call -------------------------------------------------------------------------------- */
-
-typedef void callback(const void *params, const pdyn_batch *batch, int first, int last);
-
-struct call {
-    const char *name;
-    callback *run;
-    unsigned writes; /* bit k: it may write array k */
-};
-
-/* Fills the arrays in the bit set `writes`, at the elements [first, last), with one byte. */
-static void fill(struct guarded *g, unsigned writes, int first, int last, int byte) {
-    for (int k = 0; k < ARRAYS; k++) {
-        size_t begin, end;
-        byte_range(g, k, first, last, &begin, &end);
-        if (writes & 1u << k) memset((unsigned char *)inside(g, k) + begin, byte, end - begin);
-    }
-}
-
-/* Calls for the elements [first, last). A write to any other place is a fault, and is undone. */
-static void call_guarded(struct check *check, struct guarded *g, const struct call *call, int first,
-                         int last) {
-    for (int k = 0; k < ARRAYS; k++)
-        memcpy(g->array[k].before, g->array[k].memory, g->array[k].bytes + 2 * GUARD);
-    call->run(g->from->params, &g->view, first, last);
-    for (int k = 0; k < ARRAYS; k++) {
-        size_t begin, end, all = g->array[k].bytes + 2 * GUARD;
-        const unsigned char *after = g->array[k].memory, *before = g->array[k].before;
-        byte_range(g, k, first, last, &begin, &end);
-        if (!(call->writes & 1u << k)) begin = end = 0;
-        if (memcmp(after, before, GUARD + begin) == 0 &&
-            memcmp(after + GUARD + end, before + GUARD + end, all - GUARD - end) == 0)
-            continue;
-        fault(check, "%s writes %s %s", call->name, array_name[k],
-              call->writes & 1u << k ? "outside of its elements" : "which is not its to write");
-        memcpy(g->array[k].memory, before, all);
-    }
-}
-
-static bool same(const struct guarded *a, const struct guarded *b, int array) {
-    return !memcmp(inside(a, array), inside(b, array), a->array[array].bytes);
-}
-
-/* Calls once for all elements, and for thirds of them in descending order on other initial content.
- * The arrays in the bit set `compared` must be equal afterwards. */
-static void check_call(struct check *check, struct guarded *a, struct guarded *b,
-                       const struct call *call, unsigned compared) {
-    int n = a->view.elements, faults = check->faults;
-    fill(a, call->writes & compared, 0, n, 0xFF), fill(b, call->writes & compared, 0, n, 0x11);
-    call_guarded(check, a, call, 0, n);
-    for (int k = 2; k >= 0 && check->faults == faults; k--)
-        call_guarded(check, b, call, k * n / 3, (k + 1) * n / 3);
-    for (int k = 0; k < ARRAYS && check->faults == faults; k++)
-        if ((compared & 1u << k) && !same(a, b, k))
-            fault(check,
-                  "%s gives another %s for the same elements in another range or order, or does "
-                  "not write all of it",
-                  call->name, array_name[k]);
-}
-
-/* ---- all calls ------------------------------------------------------------------------------- */
 
 static bool all_finite(const double *a, size_t n) {
     for (size_t k = 0; k < n; k++)
@@ -169,11 +41,18 @@ static bool selects_twice(const pdyn_batch *v, int r) {
     return false;
 }
 
+static bool has_equal_keys(const struct batch *b) {
+    for (int e = 0; e < b->view.elements && b->type->memory_size; e++)
+        for (int other = 0; other < e; other++)
+            if (b->view.key[e] == b->view.key[other]) return true;
+    return false;
+}
+
 /* True if the array holds the guard byte from element `first` on. */
 static bool is_filled(const struct guarded *g, int array, int first) {
     size_t begin, end;
-    byte_range(g, array, first, g->view.elements, &begin, &end);
-    const unsigned char *bytes = inside(g, array);
+    guarded_range(g, array, first, g->view.elements, &begin, &end);
+    const unsigned char *bytes = guarded_array(g, array);
     for (; begin < end + GUARD; begin++)
         if (bytes[begin] != 0xA5) return false;
     return true;
@@ -185,7 +64,7 @@ static void call_update(struct check *check, struct guarded *g, const struct tri
     bool always = b->type->flags & PDYN_EVERY_ITERATION;
     int n = b->view.elements, room[] = {n / 2, n};
     for (int k = 0; k < 2; k++) {
-        fill(g, 1u << DATA | 1u << KEY, 0, n, 0xA5);
+        guarded_fill(g, 1u << DATA | 1u << KEY, 0, n, 0xA5);
         int count = b->type->update(b->params, &g->view, always ? trial->x : trial->sim->x,
                                     always ? NULL : trial->sim->v, room[k]);
         if (count != n)
@@ -206,28 +85,83 @@ static void check_update(struct check *check, struct guarded *g, const struct tr
     b->type->select(b->params, &g->view, 0, b->view.elements);
     if (b->entries && memcmp(g->view.column, b->view.column, g->array[COLUMN].bytes))
         fault(check, "update gives other elements at the same positions");
+    if (b->view.key && memcmp(guarded_array(g, KEY), b->view.key, g->array[KEY].bytes))
+        fault(check,
+              "update gives other keys at the same positions, or does not write all of them");
+    if (has_equal_keys(b)) fault(check, "update gives two elements the same key");
     for (int r = 0; r < b->rows && check->faults == faults; r++)
         if (selects_twice(&b->view, r)) fault(check, "row %d selects one particle twice", r);
 }
 
-/* Checks project, weight and select. data is not compared after select: begin has changed it. */
-static void check_all(struct check *check, struct guarded *a, struct guarded *b) {
-    const pdyn_constraint_type *t = a->from->type;
-    unsigned rows = 1u << COLUMN | 1u << COEFFICIENT;
-    const struct call select = {"select", t->select, rows | 1u << DATA},
-                      weight = {"weight", t->weight, 1u << WEIGHT},
-                      project = {"project", t->project, 1u << P};
-    size_t points = 3 * (size_t)a->from->rows;
-    check_call(check, a, b, &project, 1u << P);
-    if (!all_finite(a->view.p, points)) fault(check, "project gives a p that is not finite");
-    check_call(check, a, b, &weight, 1u << WEIGHT);
+/* The callback of this name that writes these arrays alone. */
+static struct call call_of(const char *name, callback *plain, unsigned writes) {
+    return (struct call){.name = name, .plain = plain, .writes = writes};
+}
+
+static struct call tangent_call(const pdyn_constraint_type *t) {
+    return (struct call){.name = t->tangent ? "tangent" : "tangent_rank1",
+                         .tangent = t->tangent ? t->tangent : t->tangent_rank1,
+                         .writes = 1u << TANGENT,
+                         .zeroed = t->tangent != NULL};
+}
+
+static void check_finite(struct check *check, const struct guarded *g, const struct call *call,
+                         const char *where) {
+    int array = call->tangent ? TANGENT : P;
+    if (!all_finite(guarded_array(g, array), g->array[array].bytes / sizeof(double)))
+        fault(check, "%s gives a %s that is not finite%s", call->name, guarded_name[array], where);
+}
+
+/* Checks project and tangent, first at the u of the trial, then where u = 0. */
+static void check_maps(struct check *check, struct guarded *a, struct guarded *b) {
+    const pdyn_constraint_type *t = check->type;
+    const struct call map[] = {call_of("project", t->project, 1u << P), tangent_call(t)};
+    int faults = check->faults, maps = map[1].tangent ? 2 : 1, n = a->view.elements;
+    for (int k = 0; k < maps && check->faults == faults; k++) {
+        guarded_compare(check, a, b, &map[k], map[k].writes);
+        if (check->faults == faults) check_finite(check, a, &map[k], "");
+    }
+    if (check->faults != faults) return;
+    guarded_fill(a, 1u << U | 1u << TANGENT, 0, n, 0);
+    for (int k = 0; k < maps; k++) {
+        guarded_run(a, &map[k], 0, n);
+        check_finite(check, a, &map[k], " where u = 0");
+    }
+    guarded_restore_u(a);
+    guarded_run(a, &map[0], 0, n);
+}
+
+/* The energy of all elements is the sum of those of RANGES of them. */
+static void check_energy(struct check *check, const struct batch *b) {
+    double sum = 0.0;
+    int n = b->view.elements;
+    if (!b->type->energy) return;
+    double all = b->type->energy(b->params, &b->view, 0, n);
+    for (int k = 0; k < RANGES; k++)
+        sum += b->type->energy(b->params, &b->view, k * n / RANGES, (k + 1) * n / RANGES);
+    if (!(fabs(sum - all) <= 1e-9 * fabs(all)))
+        fault(check, "energy of all elements is %.6g J, but %.6g J as the sum of %d ranges", all,
+              sum, RANGES);
+}
+
+static void check_weight(struct check *check, struct guarded *a, struct guarded *b) {
+    const struct call weight = call_of("weight", a->from->type->weight, 1u << WEIGHT);
+    guarded_compare(check, a, b, &weight, 1u << WEIGHT);
+    if (memcmp(a->view.weight, a->from->view.weight, a->array[WEIGHT].bytes))
+        fault(check, "weight gives another weight at other positions");
     for (int e = 0; e < a->view.elements; e++)
         if (!(a->view.weight[e] >= 0.0 && isfinite(a->view.weight[e]))) {
             fault(check, "weight gives %g, expected a finite number of at least 0",
                   a->view.weight[e]);
             break;
         }
-    check_call(check, a, b, &select, rows);
+}
+
+/* data is not compared: begin has changed it. */
+static void check_select(struct check *check, struct guarded *a, struct guarded *b) {
+    unsigned rows = 1u << COLUMN | 1u << COEFFICIENT;
+    const struct call select = call_of("select", a->from->type->select, rows | 1u << DATA);
+    guarded_compare(check, a, b, &select, rows);
     if (!a->from->entries) return;
     if (memcmp(a->view.column, a->from->view.column, a->array[COLUMN].bytes) ||
         memcmp(a->view.coefficient, a->from->view.coefficient, a->array[COEFFICIENT].bytes))
@@ -237,22 +171,28 @@ static void check_all(struct check *check, struct guarded *a, struct guarded *b)
 /* Checks damping_rest, begin and end. */
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
-    const struct call damping_rest = {"damping_rest", t->damping_rest, 1u << DATA},
-                      begin = {"begin", t->begin, 1u << DATA | 1u << WEIGHT},
-                      end = {"end", t->end, 1u << MEMORY};
-    if (t->damping_rest) check_call(check, a, b, &damping_rest, 0);
-    if (t->begin) check_call(check, a, b, &begin, 0);
-    if (t->end) check_call(check, a, b, &end, 1u << MEMORY);
+    const struct call damping_rest = call_of("damping_rest", t->damping_rest, 1u << DATA),
+                      begin = call_of("begin", t->begin, 1u << DATA | 1u << WEIGHT),
+                      end = call_of("end", t->end, 1u << MEMORY);
+    if (t->damping_rest) guarded_compare(check, a, b, &damping_rest, 0);
+    if (t->begin) guarded_compare(check, a, b, &begin, 0);
+    if (t->end) guarded_compare(check, a, b, &end, 1u << MEMORY);
 }
 
 void check_callbacks(struct check *check, struct trial *trial) {
     struct guarded a, b;
-    if (!trial->rows->view.elements) fault(check, "no element on a body of this kind");
     batch_local(trial->rows, trial->x, 0.0, trial->y);
+    if (!trial->rows->view.elements) {
+        if (!check->type->update) fault(check, "no element on a body of this kind");
+        return;
+    }
     check_shape(check, trial->rows);
     if (!guarded_create(&a, trial->rows)) return;
     if (guarded_create(&b, trial->rows)) {
-        check_all(check, &a, &b);
+        check_energy(check, trial->rows);
+        check_maps(check, &a, &b);
+        check_weight(check, &a, &b);
+        check_select(check, &a, &b);
         check_others(check, &a, &b);
         check_update(check, &a, trial);
         guarded_free(&b);

@@ -5,10 +5,11 @@
 /* Each check gets a trial of its own, so that faults do not affect later checks. The other checks
  * need callbacks that write only where they may: without, they are skipped. */
 static void check_strain(struct check *check) {
-    static check_fn *const checks[] = {check_callbacks, check_activity,     check_projection,
-                                       check_tangent,   check_gradient,     check_momentum,
-                                       check_bounds,    check_damping_rest, check_diagonal,
-                                       check_stiffness, check_tiers,        check_model};
+    static check_fn *const checks[] = {
+        check_callbacks, check_activity, check_projection,   check_closest,
+        check_one_side,  check_tangent,  check_gradient,     check_work,
+        check_momentum,  check_bounds,   check_damping_rest, check_diagonal,
+        check_stiffness, check_tiers,    check_operator,     check_model};
     for (size_t k = 0; k < sizeof checks / sizeof *checks; k++) {
         struct trial trial;
         if (!trial_start(&trial, check, check->type, "auto")) return;
@@ -27,8 +28,8 @@ static void check_type_on(struct check *check) {
     check->strain = COMPRESSED;
     if (check->faults) return;
     if (!check->active)
-        fault(check, "not exercised: no element pulls in any trial, compressed, stretched or "
-                     "sheared");
+        fault(check, "not exercised: no element pulls in any trial, compressed, stretched, "
+                     "sheared or crumpled");
     check_solvers(check);
     if (!check->faults) check_steps(check);
 }

@@ -8,8 +8,9 @@
 #include "projdyn/conformance.h"
 #include "step/sim.h"
 
-/* How the body of a trial is deformed: constraints of one side act in one of these states only. */
-enum strain { COMPRESSED, STRETCHED, SHEARED, STRAINS };
+/* How the body of a trial is deformed: constraints of one side act in some of these states only.
+ * CRUMPLED: at random, by half of the distance of the points, so that limits far from rest act. */
+enum strain { COMPRESSED, STRETCHED, SHEARED, CRUMPLED, STRAINS };
 
 enum body_kind { SURFACE, PARTICLES, VOLUME, BODY_KINDS };
 
@@ -68,10 +69,11 @@ double trial_random(uint64_t *seed); /* in [-1, 1) */
 typedef void check_fn(struct check *check, struct trial *trial);
 
 check_fn check_callbacks; /* callbacks.c: what they write; no state between calls */
-check_fn check_projection, check_activity; /* mathematics.c */
-check_fn check_tangent, check_gradient, check_momentum, check_damping_rest;
-check_fn check_bounds, check_diagonal;              /* H, mathematics.c */
-check_fn check_stiffness, check_tiers, check_model; /* tiers.c: two realisations, equal results */
+check_fn check_projection, check_closest, check_one_side, check_activity; /* mathematics.c */
+check_fn check_tangent, check_gradient, check_work, check_momentum, check_damping_rest;
+check_fn check_bounds, check_diagonal; /* H, mathematics.c */
+check_fn check_stiffness, check_tiers; /* tiers.c: two realisations, equal results */
+check_fn check_operator, check_model;  /* operator.c */
 
 /* The checked type with every solver; the checked solver with every type (solvers.c). */
 void check_solvers(struct check *check);

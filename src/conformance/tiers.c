@@ -1,5 +1,4 @@
-/* Checks that two realisations of a type agree: operator and rows, linear rows and their matrix,
- * the operator's rate and force and its product. */
+/* Checks that two realisations of a type agree: operator and rows, linear rows and their matrix. */
 #include "conformance.h"
 
 #include <math.h>
@@ -50,31 +49,4 @@ void check_stiffness(struct check *check, struct trial *t) {
                      false, &rows) == PDYN_OK)
         compare(check, t, t->batch, rows, "the rows that `linear` calls linear and their matrix");
     batch_free(rows);
-}
-
-/* The one-sided constraints along a direction w: the change of the energy's slope from 0 to w is
- * the work of the change of the force. Scale 1e-10 keeps all constraints on their sides; then the
- * change of the force is H w. Scale 1 must change some sides. */
-void check_model(struct check *check, struct trial *t) {
-    if (!check->type->matrix_free) return;
-    for (double scale = 1e-10; scale < 10.0; scale *= 1e10) {
-        double unused;
-        for (int k = 0; k < t->n; k++) t->w[k] = scale * t->u[k];
-        clear(t);
-        batch_local(t->batch, t->x, 0.0, t->y);
-        if (batch_linearise(t->batch, 0.0) != PDYN_OK) return;
-        clear(t);
-        batch_apply(t->batch, t->w, t->z);
-        memcpy(t->y, t->z, (size_t)t->n * sizeof *t->y);
-        batch_set_direction(t->batch, t->w);
-        double from = batch_slope(t->batch, 0.0, &unused), to = batch_slope(t->batch, 1.0, &unused);
-        int changed = batch_step_along(t->batch, 1.0, t->y);
-        if (!(fabs(trial_dot(t->w, t->y, t->n) - (to - from)) <= 1e-9 * (fabs(from) + fabs(to))))
-            fault(check, "the operator's rate and force do not belong to one gradient");
-        if (!changed && differ(t->y, t->z, t->n, 1e-6))
-            fault(check, "the operator's force along a direction is not its product");
-        if ((changed == 0) != (scale < 0.5))
-            fault(check, "%d of the operator's constraints change sides on a way of %.0g m",
-                  changed, scale);
-    }
 }

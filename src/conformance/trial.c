@@ -71,11 +71,14 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
 #define SHEET(vertices)                                                                            \
     "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": " vertices "},"                  \
     " \"rotate\": [20, 30, 10], \"area_density\": 0.3}"
-/* A second body, for types with a PDYN_OTHER parameter. */
+/* The first body, so that the first particle of the checked one is not that of the system. OTHER:
+ * with a surface, for types with a PDYN_OTHER parameter; DROPS: for other types on particles. */
 #define OTHER                                                                                      \
-    ", {\"name\": \"other\", \"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [4, "    \
-    "3]},"                                                                                         \
+    "{\"name\": \"other\", \"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [4, 3]},"  \
     " \"rotate\": [20, 30, 10], \"translate\": [0, 0.3, 0], \"area_density\": 0.3}}"
+#define DROPS(radius)                                                                              \
+    "{\"name\": \"other\", \"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {"         \
+    "\"minimum\": [2, 0, 0], \"maximum\": [2.31, 0.21, 0.21]}}]}}"
 #define WATER(radius)                                                                              \
     "\"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"        \
     " \"maximum\": [0.41, 0.31, 0.31]}}]}"
@@ -96,17 +99,18 @@ void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_ki
         [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
         [PARTICLES] = {WATER("0.05"), WATER("0.0125")},
         [VOLUME] = {BLOCK("[2, 1, 2]"), BLOCK("[10, 10, 10]")}};
+    static const char *const drops[SIZES] = {DROPS("0.05"), DROPS("0.0125")};
     static const char *const effort[SIZES] = {
         "\"linear_tolerance\": 1e-12, \"tolerance\": 1e-6, \"linear_iterations\": 100000",
         "\"linear_iterations\": 20, \"outer_iterations\": 2"};
+    const char *first = kind == PARTICLES && !needs_other(type) ? drops[size] : OTHER;
     char params[2048] = "";
     write_params(params, sizeof params, type);
     snprintf(text, 4096,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
              " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
-             " \"bodies\": [{\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}%s]}",
-             solver, step, effort[size], bodies[kind][size], type->name, params,
-             needs_other(type) ? OTHER : "");
+             " \"bodies\": [%s, {\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}]}",
+             solver, step, effort[size], first, bodies[kind][size], type->name, params);
 }
 
 /* ---- trials ---------------------------------------------------------------------------------- */
@@ -124,9 +128,12 @@ pdyn_context *trial_context(const pdyn_context *like, int threads) {
 /* A deformation of space per strain: x -> F x, by rows. */
 static const double deformation[STRAINS][9] = {[COMPRESSED] = {0.97, 0, 0, 0, 0.97, 0, 0, 0, 0.97},
                                                [STRETCHED] = {1.02, 0, 0, 0, 1.02, 0, 0, 0, 1.02},
-                                               [SHEARED] = {1, 0.08, -0.05, 0, 1, 0.06, 0, 0, 1}};
+                                               [SHEARED] = {1, 0.08, -0.05, 0, 1, 0.06, 0, 0, 1},
+                                               [CRUMPLED] = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
 static const double shift[STRAINS] = {[SHEARED] = -0.1}; /* m: through floors and out of pins */
+
+static const double noise[STRAINS] = {0.002, 0.002, 0.002, [CRUMPLED] = 0.05}; /* m */
 
 /* Deformed and disturbed x, random v, s and direction u; then the local step at x. */
 static pdyn_status disturb(struct trial *t, enum strain strain) {
@@ -136,7 +143,7 @@ static pdyn_status disturb(struct trial *t, enum strain strain) {
     for (int k = 0; k < t->n; k++) {
         const double *row = deformation[strain] + 3 * (k % 3), *from = t->sim->x + 3 * (k / 3);
         t->x[k] = row[0] * from[0] + row[1] * from[1] + row[2] * from[2] + shift[strain] +
-                  0.002 * trial_random(&seed);
+                  noise[strain] * trial_random(&seed);
         t->u[k] = trial_random(&seed);
         sys->s[k] = t->sim->x[k] + 0.01 * trial_random(&seed);
     }
