@@ -10,7 +10,7 @@
 
 #include <stdio.h>
 
-static const double max_density_error = 0.05; /* mean over the fluid */
+static const double max_density_error = 0.1; /* mean over the fluid */
 
 static void warn_unsolved(struct pdyn_sim *sim) {
     double tolerance = sim->scene.settings.tolerance;
