@@ -18,7 +18,8 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
             fputs(usage, stdout);
             return EXIT_GOOD;
         }
-        if (!accept(self, option)) return EXIT_BAD_INPUT;
+        errno = 0;
+        if (!accept(self, option)) return errno == ENOMEM ? EXIT_FAILED : EXIT_BAD_INPUT;
     }
     return -1;
 }
@@ -58,6 +59,7 @@ double processor_seconds(void) { return clock_seconds(CLOCK_PROCESS_CPUTIME_ID);
 
 int report_no_memory(void) {
     fprintf(stderr, "projdyn: out of memory\n");
+    errno = ENOMEM;
     return EXIT_FAILED;
 }
 

@@ -24,15 +24,16 @@ char *default_output(const char *prefix, const char *scene);
 
 /* Reads the options of a command with getopt_long, letters and `options` as there; 'h' prints
  * `usage`. accept: takes one option and optarg; false if it is refused, with a message. Returns -1
- * if the command can go on, EXIT_GOOD after the usage, or EXIT_BAD_INPUT. */
+ * if the command can go on, EXIT_GOOD after the usage, EXIT_BAD_INPUT, or EXIT_FAILED if memory ran
+ * out. */
 int parse_options(int argc, char **argv, const char *letters, const struct option *options,
                   const char *usage, bool (*accept)(void *self, int option), void *self);
 
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
 bool parse_integer(const char *option, const char *text, long min, long max, long *out);
 
-/* Print a message to stderr and return EXIT_FAILED. report_write_error() appends the text of
- * errno. */
+/* Print a message to stderr and return EXIT_FAILED. report_no_memory() sets errno to ENOMEM;
+ * report_write_error() appends the text of errno. */
 int report_no_memory(void);
 int report_write_error(const char *path);
 

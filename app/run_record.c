@@ -49,8 +49,9 @@ static bool dump(const json_t *root, const char *path) {
 
 int run_record_write(const char *directory, const struct scene_options *options) {
     char *path = path_in(directory);
-    json_t *root = options_to_json(options);
     errno = 0;
+    json_t *root = options_to_json(options);
+    if (errno != ENOMEM) errno = 0;
     bool good = path && root && dump(root, path);
     if (!good && path)
         fprintf(stderr, "projdyn: %s: writing failed: %s\n", path,
@@ -83,15 +84,19 @@ int run_record_read(const char *directory, struct scene_options *options, void *
     json_error_t error;
     char *path = path_in(directory);
     if (!path) return EXIT_FAILED;
+    errno = 0;
     json_t *root = *record = json_load_file(path, 0, &error);
     bool good = root && options_from_json(root, options);
-    if (!root) fprintf(stderr, "projdyn: --resume: no run to continue: %s: %s\n", path, error.text);
+    bool no_memory = errno == ENOMEM;
+    if (no_memory) report_no_memory();
+    else if (!root)
+        fprintf(stderr, "projdyn: --resume: no run to continue: %s: %s\n", path, error.text);
     else if (!good)
         fprintf(stderr,
                 "projdyn: %s: expected a text \"scene\" and arrays \"set\" and \"plugins\"\n",
                 path);
     free(path);
-    return good ? EXIT_GOOD : EXIT_BAD_INPUT;
+    return no_memory ? EXIT_FAILED : good ? EXIT_GOOD : EXIT_BAD_INPUT;
 }
 
 void run_record_free(void *record) { json_decref(record); }

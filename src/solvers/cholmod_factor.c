@@ -22,8 +22,8 @@ void factor_end(struct factor *f) {
 static pdyn_status fail(struct factor *f, const char *what) {
     char message[128];
     bool memory = f->common.status == CHOLMOD_OUT_OF_MEMORY;
-    snprintf(message, sizeof message, "CHOLMOD could not %s a matrix of %d rows (status %d)", what,
-             f->size, f->common.status);
+    snprintf(message, sizeof message, "%sCHOLMOD could not %s a matrix of %d rows (status %d)",
+             memory ? "out of memory: " : "", what, f->size, f->common.status);
     return f->services->set_error(f->services->core, memory ? PDYN_NO_MEMORY : PDYN_SOLVER_FAILED,
                                   message);
 }

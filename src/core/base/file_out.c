@@ -94,10 +94,12 @@ pdyn_status file_out_open(pdyn_context *context, const char *path, struct file_o
     }
     out->stream = open_stream(out);
     if (out->stream) return PDYN_OK;
-    context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot create the file: %s", path,
-                 strerror(errno));
+    pdyn_status status = errno == ENOMEM ? context_no_memory(context)
+                                         : context_fail(context, PDYN_IO_FAILED,
+                                                        "%.1024s: cannot create the file: %s", path,
+                                                        strerror(errno));
     release(out);
-    return PDYN_IO_FAILED;
+    return status;
 }
 
 pdyn_status file_open_in_place(pdyn_context *context, const char *path, int create,

@@ -180,6 +180,7 @@ pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct s
                                   .context = context,
                                   .path = path,
                                   .in = fopen(path, "rbe")};
+    if (!out->in && errno == ENOMEM) return context_no_memory(context);
     if (!out->in)
         return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s", path,
                             strerror(errno));

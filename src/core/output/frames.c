@@ -110,8 +110,9 @@ pdyn_status frames_remove_listed(pdyn_writer *writer, const char *name) {
     const char *path = writer_path(writer, "%s.vtk.series", name);
     struct stat info;
     if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
+    errno = 0;
     json_t *series = json_load_file(path, 0, NULL), *files = json_object_get(series, "files");
-    pdyn_status status = PDYN_OK;
+    pdyn_status status = errno == ENOMEM ? context_no_memory(writer->context) : PDYN_OK;
     for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
         const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
         if (file && is_frame(file, name)) status = remove_frame(writer, file);

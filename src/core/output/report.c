@@ -2,6 +2,7 @@
 #include "base/clock.h"
 #include "base/file_out.h"
 #include "output.h"
+#include "scene/json_file.h"
 #include "step/live_particles.h"
 #include "step/measure.h"
 
@@ -277,7 +278,7 @@ static char *compose(const struct report *report, const pdyn_sim *sim, bool inte
         !json_object_set_new(root, "warnings", warnings(sim)) &&
         !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
         !json_object_set_new(root, "failed", text(sim->context, failed)))
-        dump = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+        dump = json_compose(root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
     json_decref(root);
     json_decref(run);
     json_decref(result);

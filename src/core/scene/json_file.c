@@ -4,11 +4,32 @@
 #include "base/file_in.h"
 #include "base/text.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { PLACE = 1400, VALUE = 64, KEYS = 32 };
+
+/* ---- jansson and memory ---------------------------------------------------------------------- */
+
+json_t *json_parse(const char *text, size_t size, size_t flags, json_error_t *error) {
+    errno = 0;
+    json_t *value = json_loadb(text, size, flags, error);
+    if (errno != ENOMEM) return value;
+    json_decref(value);
+    errno = ENOMEM;
+    return NULL;
+}
+
+char *json_compose(const json_t *value, size_t flags) {
+    errno = 0;
+    char *text = json_dumps(value, flags);
+    if (errno != ENOMEM) return text;
+    free(text);
+    errno = ENOMEM;
+    return NULL;
+}
 
 /* ---- position of a value in the text --------------------------------------------------------- */
 
@@ -275,8 +296,10 @@ static pdyn_status override_path(struct json_file *file, char *path, json_t *val
 
 static pdyn_status override_apply(struct json_file *file, const char *text) {
     struct json_override *o = &file->override[file->overrides++];
-    json_t *whole = json_string(text); /* NULL: not UTF-8 */
+    errno = 0;
+    json_t *whole = json_string(text); /* NULL: not UTF-8, or no memory */
     json_decref(whole);
+    if (!whole && errno == ENOMEM) return context_no_memory(file->context);
     const char *equals = strchr(text, '=');
     if (!whole || !equals)
         return fail_override(file, file->overrides - 1, "expected PATH=VALUE%s",
@@ -287,8 +310,8 @@ static pdyn_status override_apply(struct json_file *file, const char *text) {
     char *words = o->path + (equals - text);
     *words++ = '\0';
     json_t *value =
-        json_loadb(words, strlen(words), JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
-    if (!value) value = json_string(words);
+        json_parse(words, strlen(words), JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
+    if (!value && errno != ENOMEM) value = json_string(words);
     if (!value) return context_no_memory(file->context);
     pdyn_status status = override_path(file, o->path, value);
     json_decref(value);
@@ -306,10 +329,9 @@ static pdyn_status load(struct json_file *file) {
 static pdyn_status parse(struct json_file *file) {
     json_error_t error = {.text = ""};
     char text[JSON_ERROR_TEXT_LENGTH];
-    file->root = json_loadb(file->text, file->size, JSON_REJECT_DUPLICATES, &error);
+    file->root = json_parse(file->text, file->size, JSON_REJECT_DUPLICATES, &error);
     if (file->root) return PDYN_OK;
-    if (!*error.text || json_error_code(&error) == json_error_out_of_memory)
-        return context_no_memory(file->context);
+    if (errno == ENOMEM) return context_no_memory(file->context);
     text_clip(text, sizeof text, error.text);
     return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s",
                         file->name, error.line < 1 ? 1 : error.line,

@@ -27,6 +27,12 @@ struct json_file {
     struct json_override *override;
 };
 
+/* json_loadb and json_dumps, which ignore some failed allocations and then give an error of syntax
+ * or another text. NULL with errno ENOMEM: no memory. Other errors are in *error, which may be
+ * NULL. */
+json_t *json_parse(const char *text, size_t size, size_t flags, json_error_t *error);
+char *json_compose(const json_t *value, size_t flags);
+
 /* A value, or a missing value, and its path. Must not outlive its file and its parent. */
 struct json_at {
     const struct json_file *file;

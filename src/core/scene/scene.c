@@ -9,6 +9,7 @@
 #include "params.h"
 #include "reader.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -164,10 +165,12 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
 /* Hash of all values that change the simulation up to a given time (see scene.fingerprint). */
 static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
     static const char *const ignored_keys[] = {"$schema", "name", "duration"};
-    json_t *values = json_copy((json_t *)root);
+    errno = 0;
+    json_t *values = json_copy((json_t *)root); /* without memory it may lack values */
+    bool no_memory = errno == ENOMEM;
     for (size_t k = 0; values && k < sizeof ignored_keys / sizeof *ignored_keys; k++)
         json_object_del(values, ignored_keys[k]);
-    char *dump = values ? json_dumps(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
+    char *dump = values && !no_memory ? json_compose(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     json_decref(values);
     if (!dump) return context_no_memory(r->context);
     r->scene->fingerprint = hash_bytes(HASH_BEGIN, dump, strlen(dump));

@@ -12,7 +12,7 @@ pdyn_status pdyn_scene_text(pdyn_context *context, const char *path, const char 
     if (!text_begin(&locale)) return context_no_memory(context);
     pdyn_status status = json_file_open(context, path, NULL, set, count, &file);
     if (status == PDYN_OK) {
-        char *dump = json_dumps(file.root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
+        char *dump = json_compose(file.root, JSON_INDENT(2) | JSON_REAL_PRECISION(15));
         json_file_close(&file);
         if (dump) write(user, dump);
         else status = context_no_memory(context);
