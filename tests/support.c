@@ -61,7 +61,9 @@ static void *count_allocation(void *user, void *block, size_t old_size, size_t n
         return NULL;
     }
     long call = __atomic_add_fetch(&counter->calls, 1, __ATOMIC_RELAXED);
-    if (counter->last >= 0 && call > counter->last) return NULL;
+    long after = call - counter->last;
+    if (counter->last >= 0 && after > 0 && (counter->fails < 0 || after <= counter->fails))
+        return NULL;
     return realloc(block, new_size);
 }
 
@@ -70,12 +72,17 @@ pdyn_context *test_counting_context(int threads, struct counter *counter) {
     options.threads = threads;
     options.allocate = count_allocation;
     options.allocate_user = counter;
-    *counter = (struct counter){.last = -1};
+    *counter = (struct counter){.last = -1, .fails = -1};
     return create(&options);
 }
 
 void test_allow(struct counter *counter, long left) {
-    counter->last = left < 0 ? -1 : counter->calls + left;
+    counter->last = left < 0 ? -1 : counter->calls + left, counter->fails = -1;
+}
+
+void test_fail(struct counter *counter, long left, long fails) {
+    test_allow(counter, left);
+    counter->fails = fails;
 }
 
 long test_failing_allocations(pdyn_context *context, struct counter *counter, test_attempt *attempt,

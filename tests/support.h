@@ -34,11 +34,14 @@ pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim);
 
 /* An allocator that counts its calls. */
 struct counter {
-    long calls, last; /* all calls after number `last` fail; negative: none fails */
+    long calls, last; /* calls after number `last` fail; negative: none fails */
+    long fails;       /* this number of them; negative: all */
 };
 pdyn_context *test_counting_context(int threads, struct counter *counter); /* without a limit */
 void test_allow(struct counter *counter,
                 long left); /* `left` more calls succeed; negative: no limit */
+/* After `left` more calls, `fails` calls fail; negative: all. */
+void test_fail(struct counter *counter, long left, long fails);
 
 /* Calls attempt with 0, 1, 2, ... successful allocations until it succeeds; returns that number.
  * Asserts that each failure is "out of memory", and that no attempt leaves memory allocated. */

@@ -1,5 +1,6 @@
 /* Forged states: the bytes of a saved state are changed and its checksum is corrected. Such a state
  * is refused, and the simulation continues as before it, or is accepted and harmless. */
+#include "small_scenes.h"
 #include "support.h"
 
 #include "base/snapshot_file.h"
@@ -9,30 +10,6 @@
 #include <string.h>
 
 enum { STEPS = 12, FLIPS = 300 };
-
-static const char inlet[] =
-    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'bodies': [{'name': "
-    "'water', 'particles': {'radius': 0.0125, 'inlets': [{'rectangle': {'center': [0, 0.2, 0], "
-    "'size': [0.1, 0.1]}, 'direction': [0, -1, 0], 'speed': 2}], 'budget': 400}, 'constraints': "
-    "[{'type': 'fluid', 'stiffness': 1e5}]}], 'outlets': [{'box': {'minimum': [-1, 0.1, -1], "
-    "'maximum': [1, 1, 1]}, 'outside': true}]}";
-
-static const char fluid[] =
-    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'solver': {'type': "
-    "'dual'}, 'bodies': [{'name': 'water', 'particles': {'radius': 0.02, 'fill': [{'box': "
-    "{'minimum': [0, 0, 0], 'maximum': [0.16, 0.12, 0.16]}}]}, 'constraints': [{'type': "
-    "'fluid'}]}], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.28, 0.2, "
-    "0.2]}}, {'name': 'stirrer', 'sphere': {'center': [0.22, 0.1, 0.1], 'radius': 0.03}, 'motion': "
-    "[{'time': 0}, {'time': 1, 'translate': [0, 0.1, 0.1]}]}]}";
-
-/* The sheet touches the sphere: the state contains contacts and friction. */
-static const char cloth[] =
-    SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'contact': "
-          "{'thickness': 0.01, 'friction': 0.5}",
-          GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "9, 9",
-                     "'translate': [0.01, 0.12, 0], 'area_density': 0.5", SPRINGS("1000")),
-          ", 'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
-          "{'time': 1, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}]");
 
 /* ---- files of states ------------------------------------------------------------------------- */
 

@@ -51,8 +51,8 @@ extern "C" {
 #define PDYN_PRINTF(text, args)
 #endif
 
-/* Name, value, text. Positive: the call failed and had no effect. Negative: a step failed; the
- * simulation keeps the state of its last successful step. */
+/* Name, value, text. Positive: the call failed and had no effect. Negative: a step failed. After a
+ * failed step of either sign, see pdyn_step. */
 #define PDYN_STATUS_LIST(X)                                                                        \
     X(PDYN_OK, 0, "success")                                                                       \
     X(PDYN_BAD_INPUT, 1, "bad input")                                                              \
@@ -150,8 +150,10 @@ typedef struct pdyn_step_info {
     long leaked;   /* particles that are beyond a surface or solid which they passed through */
 } pdyn_step_info;
 
-/* Computes one step. info NULL: no results. PDYN_DIVERGED and other failures leave the state of the
- * last successful step; every later call then fails with PDYN_BAD_CALL. */
+/* Computes one step. info NULL: no results. After a failure (PDYN_DIVERGED, PDYN_SOLVER_FAILED,
+ * PDYN_NO_MEMORY) the simulation has the state of its last successful step, which can be read and
+ * saved; every later step fails with PDYN_BAD_CALL, after pdyn_restore, too. To continue, load the
+ * scene again and restore the saved state. */
 PDYN_API pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info);
 
 /* An iteration of a step, e.g. to study convergence: the observer is called after every

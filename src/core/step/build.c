@@ -23,7 +23,9 @@ static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn
     pool_for(((pdyn_context *)core)->pool, count, grain, fn, arg);
 }
 static void *service_allocate(pdyn_core *core, void *block, size_t old_size, size_t new_size) {
-    return context_resize((pdyn_context *)core, block, old_size, new_size);
+    void *moved = context_resize((pdyn_context *)core, block, old_size, new_size);
+    if (!moved && new_size) context_no_memory((pdyn_context *)core);
+    return moved;
 }
 static pdyn_status service_fail(pdyn_core *core, pdyn_status status, const char *message) {
     return context_fail((pdyn_context *)core, status, "%s", message);

@@ -1,0 +1,157 @@
+/* Failed allocations while six scenes are loaded, stepped, saved, restored and freed: every call
+ * returns PDYN_NO_MEMORY and keeps the promises of projdyn.h, and no memory stays allocated.
+ * PROJDYN_ALLOCATIONS=1 lets every allocation fail, instead of some of each scene. */
+#include "small_scenes.h"
+#include "support.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { STEPS = 3 };
+enum { SAMPLES = 8 }; /* places of failures, for each scene and kind of failure */
+
+/* Kinds of failures: one allocation, two in a row, all from one on. */
+static const long kind[] = {1, 2, -1};
+enum { KINDS = sizeof kind / sizeof *kind };
+
+struct walk {
+    pdyn_context *context;
+    struct counter counter;
+    const char *text;
+    uint64_t hash[STEPS + 2]; /* after 0, 1, 2 ... steps without a failure */
+};
+
+/* Whether the call succeeded. Every failure must be "out of memory". */
+static bool succeeded(const struct walk *w, pdyn_status status) {
+    static const char expected[] = "out of memory";
+    if (status == PDYN_OK) return true;
+    if (status != PDYN_NO_MEMORY ||
+        strncmp(pdyn_last_error(w->context), expected, strlen(expected)))
+        fail_msg("%s: %s", pdyn_status_text(status), pdyn_last_error(w->context));
+    return false;
+}
+
+/* A state saved now continues like the simulation without a failure after `steps` steps. */
+static void continues_from(struct walk *w, pdyn_sim *sim, int steps) {
+    assert_true(pdyn_state_hash(sim) == w->hash[steps]);
+    assert_true(succeeded(w, pdyn_save(sim, "saved")));
+    pdyn_sim *other = test_load(w->context, w->text);
+    assert_true(succeeded(w, pdyn_restore(other, "saved")));
+    assert_true(pdyn_state_hash(other) == w->hash[steps]);
+    test_step(w->context, other);
+    assert_true(pdyn_state_hash(other) == w->hash[steps + 1]);
+    pdyn_free(other);
+    test_remove_file("saved");
+}
+
+/* Takes up to STEPS steps; false if one failed: the state is that of the step before, and there is
+ * no further step. */
+static bool take_steps(struct walk *w, pdyn_sim *sim) {
+    for (int k = 0; k < STEPS; k++) {
+        if (!succeeded(w, pdyn_step(sim, NULL))) {
+            test_allow(&w->counter, -1);
+            assert_int_equal(pdyn_step(sim, NULL), PDYN_BAD_CALL);
+            continues_from(w, sim, k);
+            return false;
+        }
+        assert_true(pdyn_state_hash(sim) == w->hash[k + 1]);
+    }
+    return true;
+}
+
+/* Saves, and restores the state "one" after one step. After a failed restore, the simulation
+ * continues, or has no further step. */
+static void save_and_restore(struct walk *w, pdyn_sim *sim) {
+    if (succeeded(w, pdyn_save(sim, "saved"))) test_remove_file("saved");
+    else assert_int_not_equal(access("saved", F_OK), 0);
+    int steps = succeeded(w, pdyn_restore(sim, "one")) ? 1 : STEPS;
+    test_allow(&w->counter, -1);
+    pdyn_status status = pdyn_step(sim, NULL);
+    if (steps == STEPS && status == PDYN_BAD_CALL) return;
+    assert_int_equal(status, PDYN_OK);
+    assert_true(pdyn_state_hash(sim) == w->hash[steps + 1]);
+}
+
+static void walk(struct walk *w) {
+    pdyn_sim *sim = NULL;
+    bool loaded = succeeded(w, pdyn_load_text(w->context, quoted(w->text), "test", NULL, 0, &sim));
+    assert_true(loaded == (sim != NULL));
+    if (loaded && take_steps(w, sim)) save_and_restore(w, sim);
+    test_allow(&w->counter, -1);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(w->context), 0);
+}
+
+/* Computes the hashes, writes the state "one", and returns the number of allocations of a walk. */
+static long prepare(struct walk *w) {
+    pdyn_sim *sim = test_load(w->context, w->text);
+    w->hash[0] = pdyn_state_hash(sim);
+    for (int k = 1; k < STEPS + 2; k++) {
+        test_step(w->context, sim);
+        w->hash[k] = pdyn_state_hash(sim);
+        if (k == 1) assert_true(succeeded(w, pdyn_save(sim, "one")));
+    }
+    pdyn_free(sim);
+    long before = w->counter.calls;
+    walk(w);
+    return w->counter.calls - before;
+}
+
+static void test_scenes(void **state) {
+    (void)state;
+    long failures = 0;
+    for (int k = 0; k < SMALL_SCENES; k++) {
+        struct walk w = {.text = small_scenes[k]};
+        w.context = test_counting_context(1, &w.counter);
+        long count = prepare(&w), stride = getenv("PROJDYN_ALLOCATIONS") ? 1 : count / SAMPLES;
+        for (long left = 0; left < count; left += stride)
+            for (int m = 0; m < KINDS; m++, failures++) {
+                test_fail(&w.counter, left, kind[m]);
+                walk(&w);
+            }
+        test_remove_file("one");
+        pdyn_destroy(w.context);
+    }
+    if (getenv("PROJDYN_ALLOCATIONS")) printf("%ld failed allocations\n", failures);
+}
+
+/* ---- allocations of jansson ------------------------------------------------------------------ */
+
+static long json_left; /* number of allocations before one that fails */
+
+static void *json_allocate(size_t size) {
+    if (json_left-- != 0) return malloc(size);
+    errno = ENOMEM;
+    return NULL;
+}
+
+/* jansson gives an error of syntax, or another value, after some of its failed allocations. Words
+ * of this scene are at most 13 letters long: to grow its buffer for a word, jansson 2.14 needs
+ * memory, and without it reads beyond the buffer. */
+static void test_json(void **state) {
+    (void)state;
+    static const char scene[] =
+        SCENE("'duration': 1", FLUID_BOX("", "0.02", "0, 0, 0", "0.1, 0.1, 0.1", ""), "");
+    static const char *const set[] = {"duration=0.5", "bodies.0.name=water"};
+    struct walk w = {.context = test_context(1)};
+    bool failed = true;
+    json_set_alloc_funcs(json_allocate, free);
+    for (long left = 0; failed; left++) {
+        pdyn_sim *sim = NULL;
+        json_left = left;
+        failed = !succeeded(&w, pdyn_load_text(w.context, quoted(scene), "test", set, 2, &sim));
+        assert_true(failed == (json_left < 0));
+        pdyn_free(sim);
+        assert_int_equal(pdyn_bytes_in_use(w.context), 0);
+    }
+    json_set_alloc_funcs(malloc, free);
+    pdyn_destroy(w.context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_scenes), cmocka_unit_test(test_json)};
+    return cmocka_run_group_tests_name("allocations", tests, test_enter_directory,
+                                       test_leave_directory);
+}
