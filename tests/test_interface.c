@@ -7,6 +7,8 @@
 
 #include "projdyn/vec3.h"
 
+#include <string.h>
+
 static const double d = 0.1; /* particle spacing, m */
 
 /* lambda(z) = A (1 - q/d)^4, q^2 = z^2 + (d/10)^2. */
@@ -53,16 +55,25 @@ static void sum_over(int count, const double *x, const double *area, double *mea
     *mean = sum / PLACES, *spread = sqrt(squares / PLACES - *mean * *mean);
 }
 
-/* The areas of the points of a mesh sum to its area, and a plane's sum over them is nearly
- * constant.
- */
-static void test_areas(void **state) {
-    (void)state;
-    static const double vertex[] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
-    static const int triangle[] = {0, 1, 2, 0, 2, 3};
+/* A square of 2 m x 2 m, of strips of two triangles each. The areas of its points sum to its area,
+ * and a plane's sum over them is nearly constant. */
+static void check_areas(int strips) {
+    enum { STRIPS = 40 };
+    double vertex[6 * (STRIPS + 1)];
+    int triangle[6 * STRIPS];
     pdyn_context *context = test_context(1);
     struct surface_points points = {0};
-    assert_int_equal(sample_triangles(context, vertex, 2, triangle, 0.5 * d, &points), PDYN_OK);
+    for (int k = 0; k < 2 * (strips + 1); k++) {
+        const double at[3] = {k % 2 ? 2.0 : 0.0, 0.0, k / 2 * 2.0 / strips};
+        memcpy(vertex + 3 * k, at, sizeof at);
+    }
+    for (int k = 0; k < strips; k++) {
+        const int corner[6] = {2 * k, 2 * k + 1, 2 * k + 3, 2 * k, 2 * k + 3, 2 * k + 2};
+        memcpy(triangle + 6 * k, corner, sizeof corner);
+    }
+    assert_int_equal(
+        sample_triangles(context, "sheet", vertex, 2 * strips, triangle, 0.5 * d, &points),
+        PDYN_OK);
     double *x = malloc(3 * (size_t)points.count * sizeof *x),
            *area = malloc((size_t)points.count * sizeof *area);
     double all = 0.0, mean, spread;
@@ -78,6 +89,62 @@ static void test_areas(void **state) {
     free(x), free(area);
     surface_points_free(context, &points);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_areas(void **state) {
+    (void)state;
+    check_areas(1);
+    check_areas(40); /* long triangles */
+}
+
+/* The cost of a ribbon is that of its area and sides, and its points cover it. */
+static void test_ribbon(void **state) {
+    (void)state;
+    const double spacing = 0.01, length = 40.0, width = 0.02;
+    const double vertex[] = {0, 0, 0, length, 0, 0, length, 0, width, 0, 0, width};
+    static const int triangle[] = {1, 2, 0, 3, 0, 2};
+    pdyn_context *context = test_context(1);
+    struct surface_points points = {0};
+    assert_int_equal(sample_triangles(context, "ribbon", vertex, 2, triangle, spacing, &points),
+                     PDYN_OK);
+    assert_in_range(pdyn_peak_bytes(context), 0, 64 << 20);
+    double *x = malloc(3 * (size_t)points.count * sizeof *x), all = 0.0, least = INFINITY;
+    assert_non_null(x);
+    for (int k = 0; k < points.count; k++) {
+        surface_point_position(&points.point[k], vertex, triangle, x + 3 * k);
+        all += points.point[k].area;
+        for (int m = 0; m < k; m++) least = fmin(least, vec3_distance(x + 3 * k, x + 3 * m));
+    }
+    assert_true(fabs(all - length * width) < 1e-9);
+    assert_true(least > 0.75 * spacing * (1.0 - 1e-12));
+    uint64_t seed = 5;
+    for (int n = 0; n < 1000; n++) {
+        const double at[3] = {0.5 * length * (1.0 + test_random(&seed)), 0.0,
+                              0.5 * width * (1.0 + test_random(&seed))};
+        double nearest = INFINITY;
+        for (int k = 0; k < points.count; k++)
+            nearest = fmin(nearest, vec3_distance(at, x + 3 * k));
+        assert_true(nearest < 1.1 * spacing);
+    }
+    free(x);
+    surface_points_free(context, &points);
+    pdyn_destroy(context);
+}
+
+/* A surface that is too large is refused before memory is spent. */
+static void test_large_surface(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = NULL;
+    const char *scene =
+        SCENE("'duration': 1", FLUID_BOX("", "0.001", "0, 0, 0", "0.01, 0.01, 0.01", ""),
+              ", 'solids': [{'name': 'sea', 'plane': {'center': [0, 0, 0], "
+              "'normal': [0, 1, 0], 'size': 10}}]");
+    assert_int_equal(pdyn_load_text(context, quoted(scene), "test", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_non_null(
+        strstr(pdyn_last_error(context), "the surface of \"sea\" needs 3.2e+09 points"));
+    assert_in_range(pdyn_peak_bytes(context), 0, 1 << 20);
     pdyn_destroy(context);
 }
 
@@ -138,10 +205,9 @@ static void test_displaced(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel),
-        cmocka_unit_test(test_areas),
-        cmocka_unit_test(test_lattice),
-        cmocka_unit_test(test_displaced),
+        cmocka_unit_test(test_kernel),  cmocka_unit_test(test_areas),
+        cmocka_unit_test(test_ribbon),  cmocka_unit_test(test_large_surface),
+        cmocka_unit_test(test_lattice), cmocka_unit_test(test_displaced),
     };
     return cmocka_run_group_tests_name("interface", tests, NULL, NULL);
 }

@@ -60,6 +60,8 @@ struct surface_point { /* a point on a triangle */
     double area;      /* m^2, area of the surface that is nearer to this point than to any other */
 };
 
+enum { SURFACE_CANDIDATES = 100000000 }; /* of one body or solid; 150 bytes each */
+
 struct surface_points {
     int count;
     size_t capacity;
@@ -68,17 +70,20 @@ struct surface_points {
 
 /* Samples triangles with a Poisson-disk set in deterministic order (Akinci et al. 2012 sample
  * solids in this way): the distance between points is at least 0.75 spacing, and every place of the
- * surface is within about 1.1 spacing of a point. *out must be zeroed before; free it after a
- * failure, too. */
-pdyn_status sample_triangles(pdyn_context *context, const double *vertex, int triangles,
-                             const int *triangle, double spacing, struct surface_points *out);
+ * surface is within about 1.1 spacing of a point. Time and memory are proportional to area /
+ * spacing^2 + length of the sides / spacing. name: of the body or solid, for messages. *out must be
+ * zeroed before; free it after a failure, too. PDYN_BAD_INPUT: more than SURFACE_CANDIDATES points
+ * to choose from. */
+pdyn_status sample_triangles(pdyn_context *context, const char *name, const double *vertex,
+                             int triangles, const int *triangle, double spacing,
+                             struct surface_points *out);
 void surface_points_free(pdyn_context *context, struct surface_points *points);
 /* Computes the position of a point from the vertices of its triangle: x, 3 numbers, m. */
 void surface_point_position(const struct surface_point *point, const double *vertex,
                             const int *triangle, double *x);
 
 /* Samples a mesh as sample_triangles does and appends the points as boundary points. */
-pdyn_status sample_mesh_surface(pdyn_context *context, const struct mesh *mesh, double spacing,
-                                struct boundary_points *out);
+pdyn_status sample_mesh_surface(pdyn_context *context, const char *name, const struct mesh *mesh,
+                                double spacing, struct boundary_points *out);
 
 #endif

@@ -234,8 +234,8 @@ pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *b
     int count = 0;
     *out = NULL;
     for (int b = 0; b < bodies && status == PDYN_OK; count += points[b++].count)
-        status = sample_triangles(context, body[b].rest, body[b].triangles, body[b].triangle,
-                                  model->mesh_spacing * spacing, &points[b]);
+        status = sample_triangles(context, body[b].name, body[b].rest, body[b].triangles,
+                                  body[b].triangle, model->mesh_spacing * spacing, &points[b]);
     if (status == PDYN_OK && count) {
         *out = NEW_ARRAY(context, 1, struct surface_samples);
         if (!*out) status = PDYN_NO_MEMORY;

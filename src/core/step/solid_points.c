@@ -11,8 +11,8 @@ static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *
     const struct face_grid grid = {solid->open, model->grid * spacing, model->outside * spacing,
                                    model->beyond * spacing};
     if (!solid->is_box)
-        return sample_mesh_surface(sim->context, &solid->mesh, model->mesh_spacing * spacing,
-                                   &sim->boundary);
+        return sample_mesh_surface(sim->context, solid->name, &solid->mesh,
+                                   model->mesh_spacing * spacing, &sim->boundary);
     return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
 }
 
