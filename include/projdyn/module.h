@@ -266,8 +266,9 @@ typedef struct pdyn_operator {
     /* Changes the velocities v, m/s, after the step (viscosity), at the x of the last local step.
      * NULL: none. */
     void (*velocity)(void *self, double *v);
-    /* Writes or reads what the next step depends on. NULL: nothing. */
-    void (*persist)(void *self, pdyn_snapshot *snapshot);
+    /* Writes or reads what the next step depends on. PDYN_BAD_INPUT, with an error text: a value
+     * that was read is not valid. NULL: nothing. */
+    pdyn_status (*persist)(void *self, pdyn_snapshot *snapshot);
     /* Lowers way (particles and samples, m) to the distance that each may move from x without a
      * particle of the body passing a surface. No iterate moves farther at once. NULL: no limit. */
     void (*limit)(void *self, const double *x, double *way);
@@ -471,7 +472,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 9u
+#define PDYN_ABI 10u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

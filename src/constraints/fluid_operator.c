@@ -143,9 +143,20 @@ static void accept(void *self) {
     for_particles(f, f->particles, set_stiffness, NULL, NULL);
 }
 
-static void persist(void *self, pdyn_snapshot *snapshot) {
+/* Stiffness is 0 before the first step. */
+static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct fluid *f = self;
+    const double low = fluid_energy_stiffness(f->params.stiffness, INFINITY, f->spacing);
+    const double high = fluid_energy_stiffness(f->params.stiffness, 0.0, f->spacing);
+    bool valid = true;
     snapshot->bytes(snapshot, f->stiffness + f->first, (size_t)f->count * sizeof *f->stiffness);
+    for (int i = f->first; i < f->first + f->count; i++)
+        valid &= f->stiffness[i] == 0.0 || (f->stiffness[i] >= low && f->stiffness[i] <= high);
+    return valid || !snapshot->reading
+               ? PDYN_OK
+               : f->services->set_error(
+                     f->services->core, PDYN_BAD_INPUT,
+                     "not a saved state of this scene: a stiffness of the fluid is out of range");
 }
 
 const pdyn_operator fluid_operator = {

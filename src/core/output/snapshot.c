@@ -58,18 +58,22 @@ static void persist_neighbours(struct pdyn_sim *sim, struct snapshot_file *a) {
     kinematic_move(sim, sim->time);
 }
 
+/* Keeps the first error: that of the file, or that of a module. */
+static void note_status(struct snapshot_file *a, pdyn_status status) {
+    if (a->status == PDYN_OK) a->status = status;
+}
+
 /* After an error no module is called: it would read zeros. */
 static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
     for (int b = 0; b < sim->objective.batches && a->status == PDYN_OK; b++) {
         struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->persist)
-            batch->type->matrix_free->persist(batch->op, &a->view);
+            note_status(a, batch->type->matrix_free->persist(batch->op, &a->view));
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, a);
     }
     if (!sim->solver->persist || a->status != PDYN_OK) return;
-    pdyn_status status = sim->solver->persist(sim->solver_state, &a->view);
-    if (a->status == PDYN_OK) a->status = status;
+    note_status(a, sim->solver->persist(sim->solver_state, &a->view));
 }
 
 /* Writes what identifies the scene, or reads it and compares. */
