@@ -83,9 +83,10 @@ void energy_budget_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->energy.block, blocks(sim));
 }
 
-/* Energy of linear constraints, which the scene may have on purpose. */
+/* Energy of linear constraints and of contact, which the scene may have on purpose. */
 static double elastic_energy(const struct pdyn_sim *sim) {
-    double sum = 0.0;
+    const struct contact *contact = sim->objective.contact;
+    double sum = contact ? contact->current.batch->energy : 0.0;
     for (int b = 0; b < sim->constraints; b++)
         if (!sim->objective.batch[b]->op) sum += sim->objective.batch[b]->energy;
     return sum;
@@ -114,7 +115,7 @@ static void open(struct pdyn_sim *sim) {
     e->potential = start.potential_energy;
     e->density_error = start.density_error_mean;
     e->stored = elastic, e->scale = elastic + fluid;
-    e->total = e->lowest = far, e->highest = -far;
+    e->total = e->lowest = far, e->highest = e->top = -far;
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i))
             e->highest = fmax(e->highest, height_of(sim, sim->x + 3 * (size_t)i));
@@ -151,16 +152,16 @@ static void measure_block(void *arg, int first, int last, int block) {
     sim->energy.block[block] = sum;
 }
 
-/* Kinetic energy of the displacement of the step. Updates the heights. */
+/* Kinetic energy of the displacement of the attempt. Updates the heights of the attempt. */
 static double kinetic_energy(struct pdyn_sim *sim, double h) {
     struct energy_budget *e = &sim->energy;
     struct step_job job = {sim, h};
     double sum = 0.0;
     pool_for(sim->context->pool, sim->objective.particles, PARTICLE_GRAIN, measure_block, &job);
-    e->lowest = far;
+    e->top = -far, e->lowest = far;
     for (int k = 0; k < blocks(sim); k++) {
         sum += e->block[k].kinetic;
-        e->highest = fmax(e->highest, e->block[k].highest);
+        e->top = fmax(e->top, e->block[k].highest);
         e->lowest = fmin(e->lowest, e->block[k].lowest);
     }
     return sum;
@@ -169,7 +170,7 @@ static double kinetic_energy(struct pdyn_sim *sim, double h) {
 /* J; 0 while no particle is live. */
 static double weight_times_height(const struct pdyn_sim *sim) {
     const struct energy_budget *e = &sim->energy;
-    double height = e->highest > e->lowest ? e->highest - e->lowest : 0.0;
+    double highest = fmax(e->highest, e->top), height = fmax(0.0, highest - e->lowest);
     return e->mass * vec3_length(sim->scene.settings.gravity) * height;
 }
 
@@ -181,19 +182,22 @@ static double rest_energy(const struct pdyn_sim *sim) {
 pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     struct energy_budget *e = &sim->energy;
     if (!e->bounded) return PDYN_OK;
-    double highest = e->highest, kinetic = kinetic_energy(sim, h);
-    e->stored = fmax(e->stored, elastic_energy(sim));
-    double budget = 2.0 * (e->start + e->stored + weight_times_height(sim)) + rest_energy(sim);
+    double kinetic = kinetic_energy(sim, h);
+    e->elastic = elastic_energy(sim);
+    double stored = fmax(e->stored, e->elastic);
+    double budget = 2.0 * (e->start + stored + weight_times_height(sim)) + rest_energy(sim);
     if (kinetic <= budget) return PDYN_OK;
-    e->highest = highest;
     return context_fail(sim->context, PDYN_DIVERGED,
                         "the kinetic energy rises to %.3g J, but gravity and everything else in "
-                        "the scene can give at most %.3g J: do bodies overlap at the start?",
+                        "the scene can give at most %.3g J: bodies overlap at the start, or steps "
+                        "are unsolved",
                         kinetic, budget);
 }
 
 void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     struct energy_budget *e = &sim->energy;
+    if (!e->bounded) return;
+    e->highest = fmax(e->highest, e->top), e->stored = fmax(e->stored, e->elastic);
     if (!e->closed) return;
     double total = info->kinetic_energy + info->potential_energy + info->constraint_energy;
     double fallen = fabs(info->potential_energy - e->potential);
@@ -211,8 +215,8 @@ void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
 
 void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct energy_budget *e = &sim->energy;
-    double *numbers[] = {&e->start,  &e->stored, &e->potential, &e->highest,
-                         &e->lowest, &e->total,  &e->scale,     &e->density_error};
+    double *numbers[] = {&e->start, &e->stored, &e->potential,    &e->highest,
+                         &e->total, &e->scale,  &e->density_error};
     snapshot_file_flags(a, &e->opened, 1, "the flag of its energy is neither 0 nor 1");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         snapshot_file_numbers(a, numbers[k], 1, "an energy or a height is not finite");

@@ -3,10 +3,11 @@
  *
  *     kinetic <= 2 (kinetic + stored at the start + M g (highest - lowest height) + drive)
  *
- * stored: the largest energy of the linear constraints so far, and that of the fluid at the start,
- * as far as it belongs to a density error of 2 %. drive: what inlets and moving solids can give.
- * The factor 2 covers that velocities are measured from displacements. A scene with another source
- * of energy (wind, moving pins, elements that come and go) has no such bound. */
+ * stored: the largest energy of the linear constraints and of contact so far, and that of the fluid
+ * at the start, as far as it belongs to a density error of 2 %. drive: what inlets and moving
+ * solids can give. The factor 2 covers that velocities are measured from displacements. A scene
+ * with another source of energy (wind, moving pins, elements that come and go) has no such bound.
+ */
 #ifndef PDYN_ENERGY_BUDGET_H
 #define PDYN_ENERGY_BUDGET_H
 
@@ -22,14 +23,15 @@ struct energy_budget {
     bool opened;          /* the first step has begun: the numbers below are known */
     double mass;          /* kg, of everything */
     double start;         /* J: kinetic energy and energy of the fluid at the start, and drive */
-    double stored;        /* J: energy of the linear constraints, largest so far */
+    double stored;        /* J: energy of linear constraints and contact, largest so far */
     double potential;     /* J, at the start */
     double density_error; /* mean, at the start */
     double highest;       /* m, largest height so far, against gravity */
-    double lowest;        /* m, smallest height in the current step */
     double total;         /* J: smallest total energy so far */
     double scale;         /* J: largest kinetic or stored energy, or change of potential energy */
-    struct energy_block *block; /* partial results of the current step */
+    double top, lowest;   /* m, heights at the end of the current attempt */
+    double elastic;       /* J: energy of linear constraints and contact at that end */
+    struct energy_block *block; /* partial results of the current attempt */
 };
 
 /* After a failure it is to be freed, too. */
