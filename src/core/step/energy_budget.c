@@ -174,7 +174,7 @@ static double weight_times_height(const struct pdyn_sim *sim) {
     return e->mass * vec3_length(sim->scene.settings.gravity) * height;
 }
 
-/* Kinetic energy, J, of a motion that is too slow to be an error. */
+/* Kinetic energy, J, of a motion that is too slow to be an error or worth a warning. */
 static double rest_energy(const struct pdyn_sim *sim) {
     return 0.5 * sim->energy.mass * slow_speed * slow_speed;
 }
@@ -203,8 +203,8 @@ void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     double fallen = fabs(info->potential_energy - e->potential);
     e->scale = fmax(e->scale, fmax(fallen, fmax(info->kinetic_energy, info->constraint_energy)));
     e->total = fmin(e->total, total);
-    double gain = total - e->total,
-           limit = max_gain * e->scale + min_gain * weight_times_height(sim);
+    double gain = total - e->total;
+    double limit = max_gain * e->scale + min_gain * weight_times_height(sim) + rest_energy(sim);
     if (!(gain > limit)) return;
     struct warning *w = warnings_count(&sim->warnings, WARNING_ENERGY, "", sim->time, 1, gain);
     warnings_say(sim->context, w,
