@@ -386,7 +386,7 @@ def check_energy(result):
         return
     parts = zip(*map(result.column, ["kinetic_J", "potential_J", "constraint_J", "step_residual"]))
     start = result.report["energy"]["start"]
-    lowest, largest = math.inf if scene.stretched else start["total"], 0
+    lowest, largest = math.inf if scene.stretched else start["total"], start["kinetic"]
     for number, (kinetic, potential, stored, residual) in enumerate(parts, 1):
         total = kinetic + potential + stored
         largest = max(largest, kinetic + stored + abs(potential - start["potential"]))

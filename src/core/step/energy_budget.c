@@ -114,7 +114,7 @@ static void open(struct pdyn_sim *sim) {
     e->start = start.kinetic_energy + drive(sim) + part * part * fluid;
     e->potential = start.potential_energy;
     e->density_error = start.density_error_mean;
-    e->stored = elastic, e->scale = elastic + fluid;
+    e->stored = elastic, e->scale = start.kinetic_energy + elastic + fluid;
     e->total = e->lowest = far, e->highest = e->top = -far;
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i))
