@@ -12,6 +12,9 @@
 #define SHEET(constraints)                                                                         \
     GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9", "'area_density': 0.2",                   \
                SPRINGS("100") ", " constraints)
+#define SHEET_AT(name, height)                                                                     \
+    GRID_SHEET("'name': '" name "', ", "0.16, 0.16", "9, 9",                                       \
+               "'area_density': 0.2, 'translate': [0, " height ", 0]", SPRINGS("100"))
 #define HELD       SHEET(PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))
 #define BORDER     SHEET(PINS("'border': true"))
 #define STEPS      "'time_step': {'fixed': 0.01}, 'frame_interval': 0.01, 'duration': 1"
@@ -145,6 +148,37 @@ static void test_stretched(void **state) {
     pdyn_destroy(context);
 }
 
+/* Two sheets that begin at a fifth of the contact thickness release the energy of contact. */
+static void test_touching(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE(WEIGHTLESS, PAIR(SHEET_AT("lower", "0"), SHEET_AT("upper", "0.002")),
+                       ", 'contact': {'thickness': 0.01}"));
+    double fastest = 0.0;
+    for (int n = 0; n < 5; n++) fastest = fmax(fastest, test_step(context, sim).kinetic_energy);
+    assert_true(fastest > 1e-4);
+    assert_null(find_warning(sim, "energy", "").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A sheet at rest without gravity has the energies of rounding. */
+static void test_rounding(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE(WEIGHTLESS ", 'solver': {'tolerance': 1e-13, 'outer_iterations': 2}",
+                       GRID_SHEET("'name': 'sheet', ", "1, 1", "11, 11",
+                                  "'area_density': 0.3, 'rotate': [10, 20, 30]",
+                                  SPRINGS("1e6") ", {'type': 'bending', 'bending_rigidity': 0.1}"),
+                       ""));
+    for (int n = 0; n < 20; n++) test_step(context, sim);
+    assert_null(find_warning(sim, "energy", "").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- the list -------------------------------------------------------------------------------- */
 
 /* A restored simulation goes on counting; every step of this scene is unsolved. */
@@ -177,9 +211,10 @@ static void test_saved(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),   cmocka_unit_test(test_border),
-        cmocka_unit_test(test_return),  cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_overlap), cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_sheet),    cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),   cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_overlap),  cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_touching), cmocka_unit_test(test_rounding),
         cmocka_unit_test(test_saved),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
