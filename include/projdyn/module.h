@@ -435,6 +435,9 @@ typedef struct pdyn_model {
     /* rate_i = grad C_i . u, force += sum of multiplier_i grad C_i: as in pdyn_operator. */
     void (*rate)(struct pdyn_model *model, int k, const bool *which, const double *u, double *rate);
     void (*force)(struct pdyn_model *model, int k, const double *multiplier, double *force);
+    /* The same model without the one-sided constraints of matrix-free ones, whose product and
+     * diagonals are those of the rest of H. NULL in itself. */
+    struct pdyn_model *rest;
 } pdyn_model;
 
 typedef struct pdyn_stop { /* a solve ends at the first of these */

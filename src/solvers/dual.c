@@ -1,13 +1,15 @@
-/* Solver "dual": conjugate gradients on the multipliers (pressures), for scenes whose only
- * constraint is a matrix-free one. The rest of H, B = M/h^2 + eps held, is then diagonal. With G
- * the gradients of the constraints and K their stiffness, the model of E is minimal where
+/* Solver "dual": conjugate gradients on the multipliers (pressures) of one matrix-free constraint.
+ * With G the gradients of its constraints, K their stiffness and A the rest of H, the model of E is
+ * minimal where
  *
- *     d = B^-1 (b - G' (lambda - K max(0, C))),     b: with the forces of the last local step
+ *     d = A^-1 (b - G' (lambda - K max(0, C))),     b: with the forces of the last local step
  *
  *     C + G d - K^-1 lambda = 0, or less where lambda = 0,     lambda >= 0
  *
- * which is S lambda = rhs with S = K^-1 + G B^-1 G' and bounds: the pressure equation of
- * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K.
+ * which is S lambda = rhs with S = K^-1 + G A^-1 G' and bounds: the pressure equation of
+ * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K. Of a
+ * fluid alone, A = M/h^2 + eps held is diagonal. Beside rows (cloth, contact), A^-1 is an iteration
+ * of its own (rest_solve.h), to 0.3 of its residual within the iteration and to 0.1 at its ends.
  *
  * Multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
  * satisfy the equation of motion exactly, however early the iteration ends; what remains is an
@@ -18,6 +20,7 @@
  * it they are clipped, and conjugate directions start again. */
 #include "memory.h"
 #include "projdyn/module.h"
+#include "rest_solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -33,8 +36,18 @@ static const double max_room = 0.1;
  * MAX_PER_PARTICLE: a saved state has at most so many multipliers for each particle. */
 enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
 
+/* Beside rows: reduction of the residual of A at the ends of a solve and within it; reduction of
+ * the gradient's estimate in a solve, at least; and the largest number of iterations of a solve.
+ * The model changes from one outer iteration to the next, and more of these is worth more. */
+static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 0.1;
+enum { MAX_COUPLED = 10 };
+
 struct dual {
     pdyn_model *model;
+    bool coupled; /* there are rows beside the constraints: A is not diagonal */
+    struct rest_solve rest;
+    double *u, *rhs;       /* particles x 3: displacement by p; right side of a solve with A */
+    int products;          /* with A in this solve */
     pdyn_one_sided at;     /* the constraints */
     const pdyn_body *body; /* which they belong to */
     int count;
@@ -55,9 +68,7 @@ struct call {
     double *out;
 };
 
-static void release(void *self) {
-    struct dual *s = self;
-    if (!s->model) return;
+static void release_constraints(struct dual *s) {
     const pdyn_services *c = s->model->services;
     FREE(c, s->multiplier, s->count);
     FREE(c, s->g, s->count);
@@ -69,23 +80,38 @@ static void release(void *self) {
     s->count = 0;
 }
 
+static void release(void *self) {
+    struct dual *s = self;
+    if (!s->model) return;
+    release_constraints(s);
+    FREE(s->model->services, s->u, vector_size(s->model));
+    FREE(s->model->services, s->rhs, vector_size(s->model));
+    rest_solve_free(&s->rest);
+}
+
 static int suits(const pdyn_model *model, const char **reason) {
     bool alone = model->one_sided_count == 1 && !model->elements_count && !model->dynamic_count;
     *reason = "one matrix-free constraint acts alone: its pressures are the unknowns";
-    if (!alone) return 0;
-    return model->newton ? 40 : 1;
+    if (model->one_sided_count != 1) return 0;
+    return model->newton && alone ? 40 : 1;
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
-    ((struct dual *)self)->model = model;
-    return PDYN_OK;
+    struct dual *s = self;
+    s->model = model;
+    s->coupled = model->elements_count || model->dynamic_count;
+    if (!s->coupled) return PDYN_OK;
+    s->u = NEW(model->services, vector_size(model), double);
+    s->rhs = NEW(model->services, vector_size(model), double);
+    if (!s->u || !s->rhs) return PDYN_NO_MEMORY;
+    return rest_solve_create(&s->rest, model->rest);
 }
 
 /* The number of constraints is known after the first local step. After a failure there are none. */
 static pdyn_status reserve(struct dual *s, int count) {
     const pdyn_services *c = s->model->services;
     if (count == s->count) return PDYN_OK;
-    release(s);
+    release_constraints(s);
     if (!count) return PDYN_OK;
     s->count = count;
     s->multiplier = NEW(c, count, double);
@@ -96,7 +122,7 @@ static pdyn_status reserve(struct dual *s, int count) {
     s->in = NEW(c, count, bool);
     s->sums = NEW(c, SUMS * (size_t)block_count(count, GRAIN), double);
     if (s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums) return PDYN_OK;
-    release(s);
+    release_constraints(s);
     return PDYN_NO_MEMORY;
 }
 
@@ -117,7 +143,7 @@ static double sum_of(const struct dual *s, int which) {
 /* fmax without its rules for NaN, which make it a function call. */
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* B^-1 of a particle: its displacement per force, m/N. */
+/* A^-1 of a particle of a fluid alone: its displacement per force, m/N. */
 static double mobility(const struct dual *s, int i) {
     return 1.0 / (s->model->mass[i] / (s->model->h * s->model->h) + s->model->eps * s->at.held[i]);
 }
@@ -127,7 +153,7 @@ static double stiffness(const struct dual *s, int i) {
     return (1.0 - s->model->eps) * s->at.stiffness[i];
 }
 
-/* out = B^-1 (in - out), in: NULL for 0 */
+/* out = A^-1 (in - out) of a fluid alone, in: NULL for 0 */
 static void apply_mobility(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -138,12 +164,45 @@ static void apply_mobility(void *arg, int first, int last, int block) {
     }
 }
 
-/* d = B^-1 (b - G' multiplier), b: NULL for 0 */
-static void compute_displacement(struct dual *s, const double *b, const double *multiplier) {
+/* out = (b or 0) - out */
+static void subtract_from(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] = (c->in ? c->in[k] : 0.0) - c->out[k];
+}
+
+/* out += scale in */
+static void add_scaled(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->in[k];
+}
+
+/* d = A^-1 (b - G' multiplier), b: NULL for 0; to rel_tol */
+static void compute_displacement(struct dual *s, const double *b, const double *multiplier,
+                                 double rel_tol, double *d) {
     size_t n = 3 * (size_t)s->model->particles;
-    memset(s->d, 0, n * sizeof *s->d);
-    s->model->force(s->model, 0, multiplier, s->d);
-    for_all(s, s->model->particles, apply_mobility, 0.0, b, s->d);
+    double *force = s->coupled ? s->rhs : d;
+    memset(force, 0, n * sizeof *force);
+    s->model->force(s->model, 0, multiplier, force);
+    if (!s->coupled) {
+        for_all(s, s->model->particles, apply_mobility, 0.0, b, d);
+        return;
+    }
+    for_all(s, s->model->particles, subtract_from, 0.0, b, force);
+    s->products += rest_solve_apply(&s->rest, force, d, rel_tol);
+}
+
+/* d += A^-1 (b - G' multiplier - A d) */
+static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
+    size_t n = 3 * (size_t)s->model->particles;
+    memset(s->rhs, 0, n * sizeof *s->rhs);
+    s->model->force(s->model, 0, multiplier, s->rhs);
+    for_all(s, s->model->particles, subtract_from, 0.0, b, s->rhs);
+    s->rest.model->product(s->rest.model, s->d, s->u);
+    for_all(s, s->model->particles, add_scaled, -1.0, s->u, s->rhs);
+    s->products += rest_solve_apply(&s->rest, s->rhs, s->u, end_tolerance);
+    for_all(s, s->model->particles, add_scaled, 1.0, s->u, s->d);
 }
 
 /* lambda - K max(0, C): the change of the force of constraint i relative to the last local step. */
@@ -212,7 +271,7 @@ static void update_direction(void *arg, int first, int last, int block) {
     }
 }
 
-/* q, which is -G B^-1 G' p, becomes S p. Partial sums: g . p, p . q */
+/* q, which is -G A^-1 G' p, becomes S p. Partial sums: g . p, p . q */
 static void add_compliance(void *arg, int first, int last, int block) {
     struct dual *s = ((const struct call *)arg)->s;
     double gp = 0.0, pq = 0.0;
@@ -225,9 +284,16 @@ static void add_compliance(void *arg, int first, int last, int block) {
 
 /* q = S p */
 static void multiply(struct dual *s) {
-    compute_displacement(s, NULL, s->p);
-    s->model->rate(s->model, 0, s->in, s->d, s->q);
+    double *u = s->coupled ? s->u : s->d;
+    compute_displacement(s, NULL, s->p, inner_tolerance, u);
+    s->model->rate(s->model, 0, s->in, u, s->q);
     for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
+}
+
+/* lambda += scale p, and what follows from it. */
+static void advance(struct dual *s, double scale) {
+    for_all(s, s->count, step_along_direction, scale, NULL, NULL);
+    if (s->coupled) for_all(s, s->model->particles, add_scaled, scale, s->u, s->d);
 }
 
 /* p = the step from lambda to the bounds */
@@ -241,7 +307,7 @@ static void compute_clipping(void *arg, int first, int last, int block) {
 static void clip_multipliers(struct dual *s) {
     for_all(s, s->count, compute_clipping, 0.0, NULL, NULL);
     multiply(s);
-    for_all(s, s->count, step_along_direction, 1.0, NULL, NULL);
+    advance(s, 1.0);
 }
 
 /* p = change of the multipliers, clipped */
@@ -258,11 +324,12 @@ static void compute_change(void *arg, int first, int last, int block) {
 
 static void start(struct dual *s, const double *b) {
     for_all(s, s->count, start_constraints, 0.0, NULL, NULL);
-    compute_displacement(s, b, s->p);
+    compute_displacement(s, b, s->p, end_tolerance, s->d);
     s->model->rate(s->model, 0, s->in, s->d, s->q);
     for_all(s, s->count, compute_residual, 0.0, NULL, NULL);
     memset(s->q, 0, (size_t)s->count * sizeof *s->q);
     for_all(s, s->count, step_along_direction, 0.0, NULL, NULL);
+    if (s->coupled) s->target = fmin(s->target, max_reduction * sqrt(sum_of(s, 2)));
 }
 
 static void iterate(struct dual *s, int max_iterations, int *iterations) {
@@ -274,7 +341,7 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
         multiply(s);
         double curvature = sum_of(s, 1);
         if (!(curvature > 0.0)) return; /* g is 0, or not finite */
-        for_all(s, s->count, step_along_direction, sum_of(s, 0) / curvature, NULL, NULL);
+        advance(s, sum_of(s, 0) / curvature);
         ++*iterations;
         if (sum_of(s, 0) > max_beyond * sum_of(s, 1)) clip_multipliers(s), before = 0.0;
     }
@@ -287,11 +354,16 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     if (status != PDYN_OK) return status;
     s->d = y;
     s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));
-    *iterations = 0;
+    *iterations = s->products = 0;
+    if (s->coupled) rest_solve_update(&s->rest, stop->first_of_step);
     start(s, b);
-    iterate(s, stop->max_iterations, iterations);
+    int most =
+        s->coupled && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
+    iterate(s, most, iterations);
     for_all(s, s->count, compute_change, 0.0, NULL, NULL);
-    compute_displacement(s, b, s->p);
+    if (s->coupled) correct_displacement(s, b, s->p);
+    else compute_displacement(s, b, s->p, 0.0, s->d);
+    *iterations += s->products;
     return PDYN_OK;
 }
 
@@ -324,8 +396,8 @@ static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
 
 const pdyn_global_solver pdyn_solver_dual = {
     .name = "dual",
-    .summary = "conjugate gradients on the multipliers (pressures), kept from step to step; for "
-               "scenes of one fluid alone",
+    .summary = "conjugate gradients on the pressures of the fluid, kept from step to step; for a "
+               "fluid alone, and for stiff fluids beside cloth and solids",
     .dual = true,
     .state_size = sizeof(struct dual),
     .suits = suits,

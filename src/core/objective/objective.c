@@ -160,6 +160,11 @@ void objective_apply(struct objective *sys, const double *u, double *y) {
     for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
 }
 
+void objective_apply_rest(struct objective *sys, const double *u, double *y) {
+    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
+    for (int b = 0; b < sys->batches; b++) batch_apply_rest(sys->batch[b], u, y);
+}
+
 /* ---- the model along a direction ------------------------------------------------------------- */
 
 void objective_set_direction(struct objective *sys, const double *u) {
@@ -217,6 +222,19 @@ void objective_diagonal(struct objective *sys, double *blocks) {
     for (int i = 0; i < sys->particles; i++)
         blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
     for (int b = 0; b < sys->batches; b++) batch_diagonal(sys->batch[b], blocks);
+}
+
+void objective_rest_diagonal(struct objective *sys, double *blocks) {
+    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
+    for (int i = 0; i < sys->particles; i++)
+        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
+    for (int b = 0; b < sys->batches; b++) batch_rest_diagonal(sys->batch[b], blocks);
+}
+
+void objective_rest_dynamic_diagonal(struct objective *sys, double *blocks) {
+    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
+    for (int b = 0; b < sys->batches; b++)
+        if (!batch_is_static(sys->batch[b])) batch_rest_diagonal(sys->batch[b], blocks);
 }
 
 void objective_dynamic_diagonal(struct objective *sys, double *blocks) {

@@ -81,6 +81,11 @@ unsigned objective_revision(const struct objective *objective);
 /* y = H u */
 void objective_apply(struct objective *objective, const double *u, double *y);
 
+/* The same without the matrix-free constraints. */
+void objective_apply_rest(struct objective *objective, const double *u, double *y);
+void objective_rest_diagonal(struct objective *objective, double *blocks);
+void objective_rest_dynamic_diagonal(struct objective *objective, double *blocks);
+
 /* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
  * direction after the other. It is quadratic in pieces: one-sided constraints change sides. */
 

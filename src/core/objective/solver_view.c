@@ -33,6 +33,15 @@ static void diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
     else objective_diagonal(objective_of(model), blocks);
 }
 
+static void rest_product(pdyn_model *model, const double *u, double *y) {
+    objective_apply_rest(objective_of(model), u, y);
+}
+
+static void rest_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
+    if (part == PDYN_DYNAMIC) objective_rest_dynamic_diagonal(objective_of(model), blocks);
+    else objective_rest_diagonal(objective_of(model), blocks);
+}
+
 static double dot(pdyn_model *model, const double *a, const double *b) {
     return objective_dot(objective_of(model), a, b);
 }
@@ -109,6 +118,7 @@ static void force(pdyn_model *model, int k, const double *multiplier, double *ou
 
 static void update_view(struct solver_view *view) {
     view->model.h = view->objective->h, view->model.eps = view->objective->eps;
+    if (view->rest) update_view(view->rest);
 }
 
 pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bool newton,
@@ -136,12 +146,20 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .one_sided = one_sided,
                                .rate = rate,
                                .force = force};
+    view->rest = NEW_ARRAY(o->context, 1, struct solver_view);
+    if (!view->rest) return PDYN_NO_MEMORY;
+    *view->rest = (struct solver_view){.objective = o, .model = view->model};
+    view->rest->model.product = rest_product, view->rest->model.diagonal = rest_diagonal;
+    view->rest->model.one_sided_count = 0;
+    view->model.rest = &view->rest->model;
     update_view(view);
     return PDYN_OK;
 }
 
 void solver_view_free(struct solver_view *view) {
     if (!view->objective) return;
+    if (view->rest) matrix_free(&view->rest->graph);
+    FREE_ARRAY(view->objective->context, view->rest, 1);
     hessian_matrix_free(&view->hessian);
     matrix_free(&view->graph);
     FREE_ARRAY(view->objective->context, view->in_rows, view->objective->particles);

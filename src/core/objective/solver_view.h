@@ -9,6 +9,7 @@
 struct solver_view {
     pdyn_model model; /* first: callbacks get its address */
     struct objective *objective;
+    struct solver_view *rest;      /* the model without one-sided constraints */
     bool *in_rows;                 /* particles */
     struct hessian_matrix hessian; /* created when H is asked for first */
     struct matrix graph;

@@ -72,8 +72,7 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, a);
     }
-    if (!sim->solver->persist || a->status != PDYN_OK) return;
-    note_status(a, sim->solver->persist(sim->solver_state, &a->view));
+    if (a->status == PDYN_OK) solver_choice_persist(sim, a);
 }
 
 /* Writes what identifies the scene, or reads it and compares. */
@@ -86,8 +85,8 @@ static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) 
                          "positions at rest");
     snapshot_file_expect(a, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
     snapshot_file_expect(a, (uint64_t)sim->objective.batches, "constraints");
-    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, sim->solver->name, strlen(sim->solver->name)),
-                         "solvers");
+    const char *solver = pdyn_solver_type(sim);
+    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, solver, strlen(solver)), "solvers");
     return a->status;
 }
 

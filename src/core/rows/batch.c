@@ -342,6 +342,15 @@ void batch_apply(struct batch *b, const double *u, double *y) {
     batch_scatter(b, y);
 }
 
+void batch_apply_rest(struct batch *b, const double *u, double *y) {
+    if (!b->op) {
+        batch_apply(b, u, y);
+    } else if (b->eps > 0.0) {
+        one_sided_apply_held(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
+        end_output(b, y);
+    }
+}
+
 void batch_rate(struct batch *b, const bool *which, const double *u, double *rate) {
     b->type->matrix_free->rate(b->op, which, extend(b, u), rate);
 }
@@ -565,6 +574,16 @@ void batch_diagonal(struct batch *b, double *blocks) {
     } else if (b->op) one_sided_diagonal(&b->one_sided, b->eps, blocks);
     else if (b->linear) linear_rows_diagonal(b->linear, blocks);
     else for_range(b, b->touch_count, PARTICLES, diagonal_of(b), NULL, blocks, 0.0);
+}
+
+void batch_rest_diagonal(struct batch *b, double *blocks) {
+    if (!b->op) {
+        batch_diagonal(b, blocks);
+    } else if (b->samples) {
+        memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
+        one_sided_held_diagonal(&b->one_sided, b->eps, b->samples->blocks);
+        samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
+    } else one_sided_held_diagonal(&b->one_sided, b->eps, blocks);
 }
 
 void batch_mark_held(const struct batch *b, bool *held) {

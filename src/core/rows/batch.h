@@ -133,6 +133,10 @@ int batch_step_along(struct batch *batch, double t, double *y);
 /* Adds the 3 x 3 block diagonal of G' B G, packed xx xy xz yy yz zz, particles x 6. */
 void batch_diagonal(struct batch *batch, double *blocks);
 
+/* Products and diagonal without one-sided constraints: the part of H that always acts. */
+void batch_apply_rest(struct batch *batch, const double *u, double *y);
+void batch_rest_diagonal(struct batch *batch, double *blocks);
+
 /* Sets held[i] to true for each particle i that a row selects. */
 void batch_mark_held(const struct batch *batch, bool *held);
 

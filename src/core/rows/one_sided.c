@@ -77,7 +77,7 @@ static void add_held(void *arg, int first, int last, int block) {
         if (held[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * held[i], c->u + 3 * i);
 }
 
-static void damp(struct one_sided *s, double eps, const double *u, double *y) {
+void one_sided_apply_held(struct one_sided *s, double eps, const double *u, double *y) {
     if (eps > 0.0) for_all(s, s->particles, add_held, u, y, eps, 0.0);
 }
 
@@ -94,7 +94,7 @@ void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y
         for_all(s, s->at.count, multiply_stiffness, NULL, NULL, eps, 0.0);
         s->op->force(s->self, s->multiplier, y);
     }
-    damp(s, eps, u, y);
+    one_sided_apply_held(s, eps, u, y);
 }
 
 static void acting_stiffness(void *arg, int first, int last, int block) {
@@ -112,10 +112,14 @@ static void add_held_blocks(void *arg, int first, int last, int block) {
         for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.held[i];
 }
 
+void one_sided_held_diagonal(struct one_sided *s, double eps, double *blocks) {
+    if (eps > 0.0) for_all(s, s->particles, add_held_blocks, NULL, blocks, eps, 0.0);
+}
+
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
     for_all(s, s->at.count, acting_stiffness, NULL, NULL, eps, 0.0);
     s->op->diagonal(s->self, s->multiplier, blocks);
-    if (eps > 0.0) for_all(s, s->particles, add_held_blocks, NULL, blocks, eps, 0.0);
+    one_sided_held_diagonal(s, eps, blocks);
 }
 
 /* ---- along a direction ----------------------------------------------------------------------- */

@@ -32,6 +32,9 @@ void one_sided_free(struct one_sided *s);
 void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y);
 /* Adds the block diagonal of that matrix, packed xx xy xz yy yz zz, particles x 6. */
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks);
+/* The parts of these two that damping adds, without the constraints. */
+void one_sided_apply_held(struct one_sided *s, double eps, const double *u, double *y);
+void one_sided_held_diagonal(struct one_sided *s, double eps, double *blocks);
 
 /* Sets the search direction u from d. */
 void one_sided_set_direction(struct one_sided *s, const double *u);

@@ -354,58 +354,6 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     return status == PDYN_OK ? add_each(sim, add_damper) : status;
 }
 
-/* The solver that suits the scene best. */
-static const pdyn_global_solver *best_solver(struct pdyn_sim *sim, const char **reason) {
-    const pdyn_global_solver *best = NULL, *solver;
-    int highest = 0;
-    for (int k = 0; (solver = registry_solver_at(sim->context, k)); k++) {
-        const char *why = "";
-        int bid = solver->suits ? solver->suits(&sim->model.model, &why) : 1;
-        if (bid > highest) best = solver, highest = bid, *reason = why;
-    }
-    return best;
-}
-
-static pdyn_status find_solver(struct pdyn_sim *sim, const char *name) {
-    const char *reason = "";
-    sim->solver = registry_solver(sim->context, name);
-    sim->solver_reason = "as the scene asks";
-    if (!sim->solver)
-        return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
-    if (sim->solver->suits && !sim->solver->suits(&sim->model.model, &reason))
-        return context_fail(sim->context, PDYN_BAD_INPUT,
-                            "solver \"%s\" does not fit this scene: %s", name,
-                            sim->solver->summary);
-    return PDYN_OK;
-}
-
-static void warn_of_factors(struct pdyn_sim *sim) {
-    bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic_rows;
-    if (!sim->solver->direct || !(dynamic || newton)) return;
-    warnings_say(sim->context,
-                 warnings_count(&sim->warnings, WARNING_FACTOR, sim->solver->name, 0.0, 1, 0.0),
-                 "the matrix of this scene changes (%s), so it is factored in every iteration, %s; "
-                 "\"cg\" needs no factor",
-                 dynamic ? "constraints change every step" : "newton step",
-                 newton ? "with 3 unknowns a particle"
-                        : "after a new analysis where neighbours change");
-}
-
-static pdyn_status create_solver(struct pdyn_sim *sim) {
-    const struct scene_settings *set = &sim->scene.settings;
-    pdyn_status status =
-        solver_view_create(&sim->model, &sim->objective, set->newton, &sim->services);
-    if (status != PDYN_OK) return status;
-    if (strcmp(set->solver_type, "auto")) status = find_solver(sim, set->solver_type);
-    else sim->solver = best_solver(sim, &sim->solver_reason);
-    if (status != PDYN_OK) return status;
-    warn_of_factors(sim);
-    sim->solver_state = context_array(sim->context, 1, sim->solver->state_size);
-    if (!sim->solver_state) return PDYN_NO_MEMORY;
-    status = sim->solver->create(sim->solver_state, &sim->model.model);
-    return status == PDYN_NO_MEMORY ? context_no_memory(sim->context) : status;
-}
-
 /* ---- the life of a simulation ---------------------------------------------------------------- */
 
 static pdyn_status make_slip(struct pdyn_sim *sim) {
@@ -442,7 +390,10 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
-    if (status == PDYN_OK) status = create_solver(sim);
+    if (status == PDYN_OK)
+        status = solver_view_create(&sim->model, &sim->objective, sim->scene.settings.newton,
+                                    &sim->services);
+    if (status == PDYN_OK) status = solver_choice_create(sim);
     if (status == PDYN_OK) status = crossings_create(sim);
     if (status == PDYN_OK) status = energy_budget_create(sim);
     if (status != PDYN_OK) return status;
@@ -495,10 +446,7 @@ static void free_system(struct pdyn_sim *sim) {
 void pdyn_free(pdyn_sim *sim) {
     if (!sim) return;
     pdyn_context *c = sim->context;
-    if (sim->solver_state) {
-        sim->solver->free(sim->solver_state);
-        context_resize(c, sim->solver_state, sim->solver->state_size, 0);
-    }
+    solver_choice_free(sim);
     acceleration_free(&sim->acceleration);
     solver_view_free(&sim->model);
     double **vector[VECTORS];

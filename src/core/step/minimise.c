@@ -166,14 +166,15 @@ static double adapt_to_length(double eps, const struct line_step *step) {
 static pdyn_status iterate(struct pdyn_sim *sim, struct progress *p, bool *moved) {
     struct line_step taken = {0};
     double energy = p->energy;
-    bool first = sim->solver->dual && p->outer == 0;
+    bool first_solve = p->outer == 0 || sim->choice.fresh, first = sim->solver->dual && first_solve;
+    sim->choice.fresh = false;
     pdyn_status status = update_way(sim, sim->x_next);
     if (status == PDYN_OK)
-        status = global_step(sim, first ? 0.0 : sim->damping, p->outer == 0, &p->linear);
+        status = global_step(sim, first ? 0.0 : sim->damping, first_solve, &p->linear);
     if (status == PDYN_OK) status = search_accelerated(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
-    *moved = taken.length > 0.0 || sim->damping < 1.0;
+    *moved = first || taken.length > 0.0 || sim->damping < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
     if (!sim->solver->dual) sim->damping = adapt_to_length(sim->damping, &taken);
     else if (!first) sim->damping = adapt_to_slope(sim->damping, &taken);
@@ -314,8 +315,9 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     measure_weights(sim);
     pdyn_status status = update_way(sim, sim->x);
     if (status == PDYN_OK)
-        status = sim->solver->dual ? start_multipliers(sim, &p->energy)
-                                   : start_positions(sim, &p->energy);
+        status = solves_fluid_alone(sim) ? start_multipliers(sim, &p->energy)
+                                         : start_positions(sim, &p->energy);
+    if (sim->solver->dual && !solves_fluid_alone(sim)) sim->damping = 0.0;
     p->before = p->energy;
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
@@ -323,7 +325,8 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
         if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_not_finite(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;
-        if (!moved || is_solved(sim, p) || p->outer >= set->outer_iterations) break;
+        if (is_solved(sim, p) || p->outer >= set->outer_iterations) break;
+        if (!moved && !solver_choice_hand_over(sim)) break;
         status = iterate(sim, p, &moved);
         if (status == PDYN_OK) status = advance_solids(sim, &p->energy);
         p->outer++;

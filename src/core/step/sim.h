@@ -16,6 +16,7 @@
 #include "rows/batch.h"
 #include "scene/scene.h"
 #include "solid_load.h"
+#include "solver_choice.h"
 #include "sph/neighbours.h"
 
 struct pdyn_sim {
@@ -62,9 +63,9 @@ struct pdyn_sim {
     struct occlusion *occlusion; /* the same surfaces, which hide fluid particles from each other */
 
     struct solver_view model; /* the solver's view of the objective */
-    const pdyn_global_solver *solver;
+    struct solver_choice choice;
+    const pdyn_global_solver *solver; /* the one in use */
     void *solver_state;
-    const char *solver_reason;
     struct acceleration acceleration;
 
     double time; /* s */
@@ -79,6 +80,12 @@ struct pdyn_sim {
     void (*observer)(void *user, const pdyn_iteration *iteration);
     void *observer_user;
 };
+
+/* Whether the solver in use solves for the pressures of a fluid without other constraints. */
+static inline bool solves_fluid_alone(const struct pdyn_sim *sim) {
+    const pdyn_model *model = &sim->model.model;
+    return sim->solver->dual && !model->elements_count && !model->dynamic_count;
+}
 
 /* The functions that core offers to operators. */
 pdyn_services sim_services(pdyn_context *context);

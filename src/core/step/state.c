@@ -7,8 +7,10 @@ double pdyn_duration(const pdyn_sim *sim) { return sim ? sim->scene.settings.dur
 double pdyn_frame_interval(const pdyn_sim *sim) {
     return sim ? sim->scene.settings.frame_interval : 0.0;
 }
-const char *pdyn_solver_type(const pdyn_sim *sim) { return sim ? sim->solver->name : ""; }
-const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim ? sim->solver_reason : ""; }
+const char *pdyn_solver_type(const pdyn_sim *sim) {
+    return sim ? sim->choice.slot[0].solver->name : "";
+}
+const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim ? sim->choice.reason : ""; }
 const char *pdyn_integrator(const pdyn_sim *sim) {
     return sim ? sim->scene.settings.integrator->name : "";
 }

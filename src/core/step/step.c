@@ -100,7 +100,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
 static pdyn_status reject_attempt(struct pdyn_sim *sim) {
     kinematic_move(sim, sim->time);
     sim->history = 0.0;
-    if (sim->solver->forget) sim->solver->forget(sim->solver_state);
+    solver_choice_reject(sim);
     if (sim->scene.settings.newton) sim->damping = 1.0;
     return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
@@ -164,6 +164,7 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     accept(sim, end.h);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end.h, progress.residual);
+    solver_choice_step(sim, progress.linear, progress.residual <= sim->scene.settings.tolerance);
 
     timestep_advance(sim, &end);
     live_particles_step(sim);

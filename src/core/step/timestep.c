@@ -51,7 +51,7 @@ static const double max_rearrangement = 0.6; /* particle radii */
 
 static double rearrangement_limit(const struct pdyn_sim *sim) {
     double limit = INFINITY;
-    for (int b = 0; b < sim->bodies && sim->solver->dual; b++) {
+    for (int b = 0; b < sim->bodies && solves_fluid_alone(sim); b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->radius == 0.0) continue;
         double pressure =

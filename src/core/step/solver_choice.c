@@ -1,0 +1,177 @@
+#include "solver_choice.h"
+
+#include "base/registry.h"
+#include "sim.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+enum { SHORTEST_WAIT = 32, LONGEST_WAIT = 512 }; /* steps between trials */
+
+/* Steps with fewer products are not worth a trial. */
+static const double cheap = 30.0;
+
+/* Products of an iteration of a dual solver: it multiplies with the rows or with the constraints,
+ * which are parts of H. */
+static const double dual_share = 0.7;
+
+/* An unsolved step counts as so many times its iterations. */
+static const double unsolved_penalty = 4.0;
+
+/* ---- which solvers --------------------------------------------------------------------------- */
+
+static int bid_of(struct pdyn_sim *sim, const pdyn_global_solver *solver, const char **reason) {
+    return solver->suits ? solver->suits(&sim->model.model, reason) : 1;
+}
+
+/* The solver with the highest bid; `dual`: among the dual ones. */
+static const pdyn_global_solver *best_solver(struct pdyn_sim *sim, bool dual, const char **reason) {
+    const pdyn_global_solver *best = NULL, *solver;
+    int highest = 0;
+    for (int k = 0; (solver = registry_solver_at(sim->context, k)); k++) {
+        const char *why = "";
+        int bid = dual && !solver->dual ? 0 : bid_of(sim, solver, &why);
+        if (bid > highest) best = solver, highest = bid, *reason = why;
+    }
+    return best;
+}
+
+static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
+                               const pdyn_global_solver **out) {
+    const char *reason = "";
+    const pdyn_global_solver *solver = *out = registry_solver(sim->context, name);
+    if (!solver)
+        return context_fail(sim->context, PDYN_BAD_INPUT, "this build has no solver \"%s\"", name);
+    if (!bid_of(sim, solver, &reason))
+        return context_fail(sim->context, PDYN_BAD_INPUT,
+                            "solver \"%s\" does not fit this scene: %s", name, solver->summary);
+    return PDYN_OK;
+}
+
+static void warn_of_factors(struct pdyn_sim *sim) {
+    bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic_rows;
+    if (!sim->solver->direct || !(dynamic || newton)) return;
+    warnings_say(sim->context,
+                 warnings_count(&sim->warnings, WARNING_FACTOR, sim->solver->name, 0.0, 1, 0.0),
+                 "the matrix of this scene changes (%s), so it is factored in every iteration, %s; "
+                 "\"cg\" needs no factor",
+                 dynamic ? "constraints change every step" : "newton step",
+                 newton ? "with 3 unknowns a particle"
+                        : "after a new analysis where neighbours change");
+}
+
+static void activate(struct pdyn_sim *sim, int k) {
+    struct solver_choice *c = &sim->choice;
+    c->active = k, c->fresh = true;
+    sim->solver = c->slot[k].solver, sim->solver_state = c->slot[k].state;
+    if (k && sim->solver->forget) sim->solver->forget(sim->solver_state);
+}
+
+static pdyn_status create_slot(struct pdyn_sim *sim, const pdyn_global_solver *solver) {
+    struct solver_choice *c = &sim->choice;
+    struct solver_slot *slot = &c->slot[c->count++];
+    slot->solver = solver;
+    slot->state = context_array(sim->context, 1, solver->state_size);
+    if (!slot->state) return PDYN_NO_MEMORY;
+    pdyn_status status = solver->create(slot->state, &sim->model.model);
+    return status == PDYN_NO_MEMORY ? context_no_memory(sim->context) : status;
+}
+
+pdyn_status solver_choice_create(struct pdyn_sim *sim) {
+    struct solver_choice *c = &sim->choice;
+    const char *name = sim->scene.settings.solver_type, *unused = "";
+    const pdyn_global_solver *first = NULL, *second = NULL;
+    pdyn_status status = PDYN_OK;
+    c->reason = "as the scene asks";
+    if (strcmp(name, "auto")) status = find_solver(sim, name, &first);
+    else {
+        first = best_solver(sim, false, &c->reason);
+        if (!first->dual && sim->scene.settings.newton) second = best_solver(sim, true, &unused);
+    }
+    if (status == PDYN_OK) status = create_slot(sim, first);
+    if (status == PDYN_OK && second) status = create_slot(sim, second);
+    if (status != PDYN_OK) return status;
+    c->wait = SHORTEST_WAIT, c->next = SHORTEST_WAIT;
+    activate(sim, 0);
+    warn_of_factors(sim);
+    return PDYN_OK;
+}
+
+void solver_choice_free(struct pdyn_sim *sim) {
+    struct solver_choice *c = &sim->choice;
+    for (int k = 0; k < c->count; k++) {
+        struct solver_slot *slot = &c->slot[k];
+        if (!slot->state) continue;
+        slot->solver->free(slot->state);
+        context_resize(sim->context, slot->state, slot->solver->state_size, 0);
+    }
+}
+
+/* ---- from step to step ----------------------------------------------------------------------- */
+
+static void end_trial(struct pdyn_sim *sim) {
+    struct solver_choice *c = &sim->choice;
+    bool won = c->slot[c->active].cost < c->slot[!c->active].cost;
+    c->trial = false;
+    c->wait = won ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
+    c->next = sim->steps + c->wait;
+    if (!won) activate(sim, !c->active);
+    c->reference = c->slot[c->active].cost;
+}
+
+void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
+    struct solver_choice *c = &sim->choice;
+    if (c->count < 2) return;
+    if (c->handed_over) activate(sim, 1);
+    c->handed_over = false;
+    struct solver_slot *now = &c->slot[c->active];
+    now->cost = iterations * (c->active ? dual_share : 1.0) * (solved ? 1.0 : unsolved_penalty);
+    c->dual_steps += c->active;
+    if (c->trial) {
+        end_trial(sim);
+    } else if (now->cost > cheap && (sim->steps >= c->next || now->cost > 3.0 * c->reference)) {
+        c->trial = true;
+        activate(sim, !c->active);
+    }
+}
+
+bool solver_choice_hand_over(struct pdyn_sim *sim) {
+    struct solver_choice *c = &sim->choice;
+    if (!c->active) return false;
+    c->handed_over = true, sim->damping = 0.0;
+    activate(sim, 0);
+    return true;
+}
+
+void solver_choice_reject(struct pdyn_sim *sim) {
+    struct solver_choice *c = &sim->choice;
+    if (sim->solver->forget) sim->solver->forget(sim->solver_state);
+    if (!c->active) return;
+    c->trial = c->handed_over = false, c->next = sim->steps + c->wait;
+    activate(sim, 0);
+}
+
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static void persist_numbers(struct solver_choice *c, struct snapshot_file *a) {
+    snapshot_file_flags(a, &c->trial, 1, "the flag of a trial is neither 0 nor 1");
+    snapshot_file_long(a, &c->wait, LONGEST_WAIT, "the steps between trials are out of range");
+    snapshot_file_long(a, &c->next, LONG_MAX, "the step of the next trial is negative");
+    snapshot_file_long(a, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");
+    snapshot_file_numbers(a, &c->reference, 1, "the cost of a step is not finite");
+    for (int k = 0; k < c->count; k++)
+        snapshot_file_numbers(a, &c->slot[k].cost, 1, "the cost of a step is not finite");
+}
+
+void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    struct solver_choice *c = &sim->choice;
+    long active = c->active;
+    snapshot_file_long(a, &active, c->count - 1, "the solver in use is out of range");
+    persist_numbers(c, a);
+    if (a->view.reading && a->status == PDYN_OK) activate(sim, (int)active);
+    for (int k = 0; k < c->count && a->status == PDYN_OK; k++) {
+        const pdyn_global_solver *solver = c->slot[k].solver;
+        if (solver->persist) a->status = solver->persist(c->slot[k].state, &a->view);
+    }
+}

@@ -1,0 +1,53 @@
+/* The linear solvers of a simulation. A scene with a fluid beside other constraints has two that
+ * suit: one for positions (hybrid, cg) and one for the pressures of the fluid (dual). Which one
+ * costs less depends on the scene and on the moment: an impact of stiff water takes thousands of
+ * iterations in positions and some dozens in pressures, and calm water the other way round.
+ *
+ * Where the scene asks for "auto", steps are counted: the solver in use is the one whose last step
+ * took fewer products with H. The other one is tried for a step when the cost has doubled since
+ * the last trial, or after a number of steps, which grows with every trial that it loses. Counts
+ * decide, never times, so that results are the same on every machine. */
+#ifndef PDYN_SOLVER_CHOICE_H
+#define PDYN_SOLVER_CHOICE_H
+
+#include "base/snapshot_file.h"
+
+struct pdyn_sim;
+
+struct solver_slot {
+    const pdyn_global_solver *solver;
+    void *state; /* solver->state_size bytes */
+    double cost; /* products with H in its last step */
+};
+
+struct solver_choice {
+    struct solver_slot slot[2]; /* the best one by its bid, then a dual one */
+    int count, active;          /* number of slots; the slot in use: sim->solver */
+    const char *reason;         /* for the first one, in words */
+    bool trial;                 /* this step is a trial of the active one */
+    bool fresh;                 /* the active one has not solved in this step yet */
+    bool handed_over;           /* this step began with the second one and goes on with the first */
+    long wait, next;            /* steps between two trials; step of the next trial */
+    double reference;           /* cost after the last trial */
+    long dual_steps;            /* accepted steps with the second one */
+};
+
+/* Creates the solver that the scene names, or those that suit it. PDYN_BAD_INPUT: it does not
+ * exist, or cannot solve the scene. After a failure the choice is to be freed, too. */
+pdyn_status solver_choice_create(struct pdyn_sim *sim);
+void solver_choice_free(struct pdyn_sim *sim);
+
+/* Chooses the solver of the next step after a step that took so many linear iterations. */
+void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
+
+/* Where a dual solver makes no progress, continues the step in positions. Returns false if that is
+ * not possible. */
+bool solver_choice_hand_over(struct pdyn_sim *sim);
+
+/* After a failed attempt at a step: the solvers forget what they keep, and the next attempt is made
+ * in positions. */
+void solver_choice_reject(struct pdyn_sim *sim);
+
+void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
+
+#endif
