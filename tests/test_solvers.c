@@ -188,6 +188,34 @@ static void test_goes_on(void **state) {
     pdyn_destroy(context);
 }
 
+/* A right-hand side that is not finite leaves nothing to the solves of the next step. */
+static void test_not_finite(void **state) {
+    (void)state;
+    enum { N = 3 * 17 * 17 };
+    static const char *const settings[] = {"\"solver\": {\"type\": \"cg\"}",
+                                           "\"solver\": {\"type\": \"hybrid\"}"};
+    static const pdyn_stop stop = {.min_iterations = 1, .max_iterations = 2, .first_of_step = true};
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = hang(context, 17, settings[k]);
+        double b[N + 1], y[N + 1], before[N + 1], after[N + 1];
+        uint64_t seed = 1;
+        int iterations;
+        test_step(context, sim);
+        for (int i = 0; i < N; i++) b[i] = test_random(&seed);
+        assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
+        solve_in_parts(sim, 12, b, before);
+        for (int i = 0; i < N; i++) b[i] = NAN, y[i] = 0.0;
+        assert_int_equal(sim->solver->solve(sim->solver_state, b, y, &stop, &iterations), PDYN_OK);
+        seed = 1;
+        for (int i = 0; i < N; i++) b[i] = test_random(&seed);
+        solve_in_parts(sim, 12, b, after);
+        assert_memory_equal(before, after, N * sizeof *b);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 /* Steps of two lengths in turn, as before frames: an old factor still serves, and nothing is
  * allocated but for a new one. */
 static void test_changing_step(void **state) {
@@ -308,10 +336,15 @@ static void test_far_tank(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_factor),        cmocka_unit_test(test_factor_threads),
-        cmocka_unit_test(test_accelerations), cmocka_unit_test(test_far_tank),
-        cmocka_unit_test(test_hybrid),        cmocka_unit_test(test_goes_on),
-        cmocka_unit_test(test_changing_step), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_factor),
+        cmocka_unit_test(test_factor_threads),
+        cmocka_unit_test(test_accelerations),
+        cmocka_unit_test(test_far_tank),
+        cmocka_unit_test(test_hybrid),
+        cmocka_unit_test(test_goes_on),
+        cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_changing_step),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }

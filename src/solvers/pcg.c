@@ -32,12 +32,12 @@ void pcg_free(struct pcg *s) {
     FREE(services, s->partial, block_count(s->model->particles, GRAIN) + 1);
 }
 
-/* p = z + scale p; partial: r . p */
+/* p = z + scale p, or z, whatever p was, if scale is 0; partial: r . p */
 WIDE static void pcg_update_direction(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     const double *z = c->pcg->z;
-    double *p = c->pcg->p;
-    for (int k = 3 * first; k < 3 * last; k++) p[k] = z[k] + c->scale * p[k];
+    double *p = c->pcg->p, scale = c->scale;
+    for (int k = 3 * first; k < 3 * last; k++) p[k] = z[k] + (scale == 0.0 ? 0.0 : scale * p[k]);
     c->pcg->partial[block] = simd_dot(c->r + 3 * first, p + 3 * first, 3 * (last - first));
 }
 
