@@ -120,6 +120,33 @@ static void test_refused(void **state) {
     test_remove_file("state");
 }
 
+static pdyn_status fail_to_persist(void *self, pdyn_snapshot *snapshot) {
+    (void)self, (void)snapshot;
+    return PDYN_SOLVER_FAILED;
+}
+
+/* A module that cannot write makes the save fail, and the file of the last save stays. */
+static void test_failing_module(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, sheet);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    uint64_t hash = pdyn_state_hash(sim);
+    pdyn_global_solver failing = *sim->solver;
+    sim->solver = &failing, failing.persist = fail_to_persist;
+    step_often(context, sim, 3);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_SOLVER_FAILED);
+    assert_int_equal(pdyn_save(sim, "other"), PDYN_SOLVER_FAILED);
+    assert_int_equal(pdyn_restore(sim, "other"), PDYN_IO_FAILED);
+    failing.persist = NULL;
+    assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
+    assert_true(pdyn_state_hash(sim) == hash);
+    pdyn_free(sim);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    test_remove_file("state");
+}
+
 static pdyn_status load_and_restore(const void *what) {
     pdyn_context *context = *(pdyn_context *const *)what;
     pdyn_sim *sim = NULL;
@@ -147,6 +174,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_failing_module),
         cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,

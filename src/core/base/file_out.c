@@ -192,3 +192,9 @@ pdyn_status file_out_close(struct file_out *out) {
     release(out);
     return status;
 }
+
+void file_out_discard(struct file_out *out) {
+    fclose(out->stream);
+    if (out->temporary) remove(out->temporary);
+    release(out);
+}

@@ -2,6 +2,7 @@
 #include "snapshot_file.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -95,11 +96,17 @@ void snapshot_file_require(struct snapshot_file *a, bool valid, const char *what
                              "%.1024s: not a saved state of this scene: %s", a->path, what);
 }
 
-void snapshot_file_numbers(struct snapshot_file *a, double *value, size_t count, const char *what) {
-    bool finite = true;
+void snapshot_file_range(struct snapshot_file *a, double *value, size_t count, double max,
+                         const char *what) {
+    bool valid = true;
     snapshot_file_bytes(a, value, count * sizeof *value);
-    for (size_t k = 0; a->view.reading && k < count; k++) finite &= isfinite(value[k]) != 0;
-    snapshot_file_require(a, finite, what);
+    for (size_t k = 0; a->view.reading && k < count; k++)
+        valid &= fabs(value[k]) <= max; /* false for NaN */
+    snapshot_file_require(a, valid, what);
+}
+
+void snapshot_file_numbers(struct snapshot_file *a, double *value, size_t count, const char *what) {
+    snapshot_file_range(a, value, count, DBL_MAX, what);
 }
 
 /* A byte other than 0 and 1 must not be read as bool: bytes are checked first, and replaced. */
@@ -196,6 +203,10 @@ pdyn_status snapshot_file_close(struct snapshot_file *a) {
     }
     if (a->in) {
         fclose(a->in);
+        return a->status;
+    }
+    if (a->status != PDYN_OK) {
+        file_out_discard(&a->out);
         return a->status;
     }
     file_out_bytes(&a->out, &a->hash, sizeof a->hash);

@@ -31,7 +31,8 @@ struct snapshot_file {
 pdyn_status snapshot_file_create(pdyn_context *context, const char *path,
                                  struct snapshot_file *out);
 pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct snapshot_file *out);
-/* Closes the file; one that was written gets its checksum and its name. Returns the first error. */
+/* Closes the file. One that was written gets its checksum and its name, or is removed after an
+ * error. Returns the first error. */
 pdyn_status snapshot_file_close(struct snapshot_file *snapshot);
 
 /* A state in memory. snapshot_memory_create opens it for writing, snapshot_memory_rewind opens it
@@ -51,10 +52,13 @@ void snapshot_file_expect(struct snapshot_file *snapshot, uint64_t value, const 
  * this scene: WHAT". Does nothing while writing, and after an error. */
 void snapshot_file_require(struct snapshot_file *snapshot, bool valid, const char *what);
 
-/* Write or read, and require: finite numbers; bytes 0 or 1; a number in [0, max]; the number of
- * items of `size` bytes that follow in the file, which must be long enough for them. */
+/* Write or read, and require: finite numbers; numbers in [-max, max]; bytes 0 or 1; a number in
+ * [0, max]; the number of items of `size` bytes that follow in the file, which must be long enough
+ * for them. */
 void snapshot_file_numbers(struct snapshot_file *snapshot, double *value, size_t count,
                            const char *what);
+void snapshot_file_range(struct snapshot_file *snapshot, double *value, size_t count, double max,
+                         const char *what);
 void snapshot_file_flags(struct snapshot_file *snapshot, bool *value, size_t count,
                          const char *what);
 void snapshot_file_long(struct snapshot_file *snapshot, long *value, long max, const char *what);
