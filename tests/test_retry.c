@@ -67,10 +67,35 @@ static void test_used_up(void **state) {
     ends("solver.retries=3");
 }
 
+/* A particle that moves faster than STEP_MAX_SPEED, or beyond STEP_MAX_POSITION. */
+static void test_out_of_range(void **state) {
+    (void)state;
+    static const char falling[] = SCENE(
+        "'duration': 1, 'time_step': {'fixed': 0.01}",
+        GRID_SHEET("'name': 'sheet', ", "1, 1", "3, 3", "'area_density': 0.5", SPRINGS("1000")),
+        "");
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = test_load(context, falling);
+        int particles = pdyn_get_state(sim).particles;
+        for (int i = 0; i < particles; i++) {
+            if (k) sim->x[3 * i + 2] += 1.001 * STEP_MAX_POSITION;
+            else sim->v[3 * i + 2] = 1.001 * STEP_MAX_SPEED;
+        }
+        uint64_t hash = pdyn_state_hash(sim);
+        assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+        assert_non_null(strstr(pdyn_last_error(context), "beyond 1e+09 m or 1e+07 m/s"));
+        assert_true(pdyn_state_hash(sim) == hash);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shorter),
         cmocka_unit_test(test_used_up),
+        cmocka_unit_test(test_out_of_range),
     };
     return cmocka_run_group_tests_name("retry", tests, NULL, NULL);
 }

@@ -144,7 +144,8 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
     snapshot_file_bytes(a, c->region, n * sizeof *c->region);
     snapshot_file_numbers(a, c->reach, n, "a reach of contact is not finite");
     snapshot_file_numbers(a, c->built, 3 * n, "a position of contact is not finite");
-    snapshot_file_numbers(a, c->at, 3 * n, "a position of contact is not finite");
+    snapshot_file_range(a, c->at, 3 * n, STATE_MAX_POSITION,
+                        "a position of contact is out of range");
     snapshot_file_flags(a, &c->behind, 1, "the flag of solids is neither 0 nor 1");
     if (!a->view.reading || a->status != PDYN_OK) return;
     snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");

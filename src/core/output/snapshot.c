@@ -37,12 +37,14 @@ static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
 
 static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {
     size_t n = (size_t)sim->objective.particles;
-    double *vectors[] = {sim->x, sim->v, sim->constraint_acceleration, sim->x_before,
-                         sim->v_before};
+    double *states[][2] = {{sim->x, sim->v}, {sim->x_before, sim->v_before}};
     double *numbers[] = {sim->density, sim->pressure, sim->pressure_before};
-    for (size_t k = 0; k < sizeof vectors / sizeof *vectors && vectors[k]; k++)
-        snapshot_file_numbers(a, vectors[k], 3 * n,
-                              "a position, velocity or acceleration is not finite");
+    for (size_t k = 0; k < sizeof states / sizeof *states && states[k][0]; k++) {
+        snapshot_file_range(a, states[k][0], 3 * n, STATE_MAX_POSITION,
+                            "a position is out of range");
+        snapshot_file_range(a, states[k][1], 3 * n, STATE_MAX_SPEED, "a velocity is out of range");
+    }
+    snapshot_file_numbers(a, sim->constraint_acceleration, 3 * n, "an acceleration is not finite");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         snapshot_file_numbers(a, numbers[k], n, "a density or pressure is not finite");
 }

@@ -13,6 +13,13 @@
 enum { MAX_PARTICLES = 1 << 27 }; /* of a scene */
 #define SCENE_MAX_POSITION 1e6    /* m, largest coordinate of an object that a scene places */
 
+/* Bounds of a step: a coordinate beyond them, m, or one that changes faster, m/s, has diverged. The
+ * formulas of the integrators stay below ten times them, which a saved state may have. */
+#define STEP_MAX_POSITION  1e9
+#define STEP_MAX_SPEED     1e7
+#define STATE_MAX_POSITION (10.0 * STEP_MAX_POSITION)
+#define STATE_MAX_SPEED    (10.0 * STEP_MAX_SPEED)
+
 struct scene_inlet {         /* an inlet of particles: it emits layers one particle spacing apart */
     double direction[3];     /* unit vector of the flow */
     double speed;            /* m/s */

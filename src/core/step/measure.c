@@ -26,12 +26,14 @@ static void update_fluid(struct pdyn_sim *sim, const struct batch *b) {
     if (op && op->pressure) op->pressure(b->op, sim->pressure);
 }
 
-pdyn_status measure_check_finite(struct pdyn_sim *sim) {
-    const struct objective *sys = &sim->objective;
-    for (int k = 0; k < 3 * sys->particles; k++)
-        if (!isfinite(sim->x_next[k]))
-            return context_fail(sim->context, PDYN_DIVERGED, "particle %d has no finite position",
-                                k / 3);
+pdyn_status measure_check_range(struct pdyn_sim *sim, double h) {
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
+        double x = sim->x_next[k], way = fabs(x - sim->x[k]);
+        if (fabs(x) <= STEP_MAX_POSITION && way <= STEP_MAX_SPEED * h) continue; /* not NaN */
+        return context_fail(sim->context, PDYN_DIVERGED,
+                            "particle %d moves to %c = %.3g m with %.3g m/s, beyond %g m or %g m/s",
+                            k / 3, "xyz"[k % 3], x, way / h, STEP_MAX_POSITION, STEP_MAX_SPEED);
+    }
     return PDYN_OK;
 }
 

@@ -8,8 +8,8 @@
  * without gravity. Step residuals are relative to these. */
 void measure_weights(struct pdyn_sim *sim);
 
-/* PDYN_DIVERGED: x_next is not finite. */
-pdyn_status measure_check_finite(struct pdyn_sim *sim);
+/* PDYN_DIVERGED: a step of length h, s, to x_next exceeds STEP_MAX_POSITION or STEP_MAX_SPEED. */
+pdyn_status measure_check_range(struct pdyn_sim *sim, double h);
 
 /* Updates density and pressure from the operators; the last local step must have been at x_next. */
 void measure_update_fluid(struct pdyn_sim *sim);

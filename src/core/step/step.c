@@ -92,7 +92,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     status = energy_budget_open(sim);
     if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = restore_momentum(sim);
-    if (status == PDYN_OK) status = measure_check_finite(sim);
+    if (status == PDYN_OK) status = measure_check_range(sim, h);
     return status == PDYN_OK ? energy_budget_check(sim, h) : status;
 }
 
