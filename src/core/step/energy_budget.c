@@ -179,6 +179,21 @@ static double rest_energy(const struct pdyn_sim *sim) {
     return 0.5 * sim->energy.mass * slow_speed * slow_speed;
 }
 
+/* Name of the body with the largest kinetic energy in the displacement of the step. */
+static const char *fastest_body(const struct pdyn_sim *sim) {
+    double largest = -1.0;
+    const char *name = "";
+    for (int b = 0; b < sim->bodies; b++) {
+        double sum = 0.0;
+        for (int i = sim->body[b].first; i < sim->body[b].first + sim->body[b].count; i++) {
+            double moved = vec3_distance(sim->x_next + 3 * (size_t)i, sim->x + 3 * (size_t)i);
+            sum += sim->objective.mass[i] * moved * moved;
+        }
+        if (sum > largest) largest = sum, name = sim->body[b].name;
+    }
+    return name;
+}
+
 pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     struct energy_budget *e = &sim->energy;
     if (!e->bounded) return PDYN_OK;
@@ -187,11 +202,12 @@ pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     double stored = fmax(e->stored, e->elastic);
     double budget = 2.0 * (e->start + stored + weight_times_height(sim)) + rest_energy(sim);
     if (kinetic <= budget) return PDYN_OK;
-    return context_fail(sim->context, PDYN_DIVERGED,
-                        "the kinetic energy rises to %.3g J, but gravity and everything else in "
-                        "the scene can give at most %.3g J: bodies overlap at the start, or steps "
-                        "are unsolved",
-                        kinetic, budget);
+    return context_fail(
+        sim->context, PDYN_DIVERGED,
+        "the kinetic energy rises to %.3g J, most of it in body \"%s\", but gravity "
+        "and everything else in the scene can give at most %.3g J: bodies overlap "
+        "at the start, or steps are unsolved",
+        kinetic, fastest_body(sim), budget);
 }
 
 void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
