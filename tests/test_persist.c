@@ -132,8 +132,8 @@ static void test_failing_module(void **state) {
     pdyn_sim *sim = test_load(context, sheet);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     uint64_t hash = pdyn_state_hash(sim);
-    pdyn_global_solver failing = *sim->solver;
-    sim->solver = &failing, failing.persist = fail_to_persist;
+    pdyn_global_solver failing = *sim->choice.slot[0].solver;
+    sim->choice.slot[0].solver = &failing, failing.persist = fail_to_persist;
     step_often(context, sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_SOLVER_FAILED);
     assert_int_equal(pdyn_save(sim, "other"), PDYN_SOLVER_FAILED);

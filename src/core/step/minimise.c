@@ -326,7 +326,8 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (is_solved(sim, p) || p->outer >= set->outer_iterations) break;
-        if (!moved && !solver_choice_hand_over(sim)) break;
+        if (solver_choice_has_lost(sim, p->linear)) solver_choice_hand_over(sim);
+        else if (!moved && !(sim->solver->dual && solver_choice_hand_over(sim))) break;
         status = iterate(sim, p, &moved);
         if (status == PDYN_OK) status = advance_solids(sim, &p->energy);
         p->outer++;

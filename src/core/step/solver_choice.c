@@ -12,9 +12,9 @@ enum { SHORTEST_WAIT = 32, LONGEST_WAIT = 512 }; /* steps between trials */
 /* Steps with fewer products are not worth a trial. */
 static const double cheap = 30.0;
 
-/* Products of an iteration of a dual solver: it multiplies with the rows or with the constraints,
- * which are parts of H. */
-static const double dual_share = 0.7;
+/* Time of an iteration of a dual solver, relative to one in positions: it multiplies with the rows
+ * or with the constraints, which are parts of H, but has as many vectors. Measured: 0.7 to 1.3. */
+static const double dual_share = 0.9;
 
 /* An unsolved step counts as so many times its iterations. */
 static const double unsolved_penalty = 4.0;
@@ -120,13 +120,17 @@ static void end_trial(struct pdyn_sim *sim) {
     c->reference = c->slot[c->active].cost;
 }
 
+static double cost_of(const struct solver_choice *c, int iterations) {
+    return iterations * (c->active ? dual_share : 1.0);
+}
+
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     struct solver_choice *c = &sim->choice;
     if (c->count < 2) return;
-    if (c->handed_over) activate(sim, 1);
+    if (c->handed_over) activate(sim, !c->active);
     c->handed_over = false;
     struct solver_slot *now = &c->slot[c->active];
-    now->cost = iterations * (c->active ? dual_share : 1.0) * (solved ? 1.0 : unsolved_penalty);
+    now->cost = cost_of(c, iterations) * (solved ? 1.0 : unsolved_penalty);
     c->dual_steps += c->active;
     if (c->trial) {
         end_trial(sim);
@@ -136,11 +140,16 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     }
 }
 
+bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations) {
+    const struct solver_choice *c = &sim->choice;
+    return c->trial && !c->handed_over && cost_of(c, iterations) > c->slot[!c->active].cost;
+}
+
 bool solver_choice_hand_over(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
-    if (!c->active) return false;
+    if (c->count < 2 || c->handed_over) return false;
     c->handed_over = true, sim->damping = 0.0;
-    activate(sim, 0);
+    activate(sim, !c->active);
     return true;
 }
 

@@ -26,7 +26,7 @@ struct solver_choice {
     const char *reason;         /* for the first one, in words */
     bool trial;                 /* this step is a trial of the active one */
     bool fresh;                 /* the active one has not solved in this step yet */
-    bool handed_over;           /* this step began with the second one and goes on with the first */
+    bool handed_over;           /* this step goes on with the solver that did not begin it */
     long wait, next;            /* steps between two trials; step of the next trial */
     double reference;           /* cost after the last trial */
     long dual_steps;            /* accepted steps with the second one */
@@ -40,8 +40,11 @@ void solver_choice_free(struct pdyn_sim *sim);
 /* Chooses the solver of the next step after a step that took so many linear iterations. */
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 
-/* Where a dual solver makes no progress, continues the step in positions. Returns false if that is
- * not possible. */
+/* Whether the solver on trial has taken more products than the other one took in its last step. */
+bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations);
+
+/* The other solver continues the step: after a lost trial, or where a dual solver makes no
+ * progress. Returns false if there is no other one, or if it has handed over already. */
 bool solver_choice_hand_over(struct pdyn_sim *sim);
 
 /* After a failed attempt at a step: the solvers forget what they keep, and the next attempt is made
