@@ -100,7 +100,7 @@ static double fluid_energy(const struct pdyn_sim *sim) {
 }
 
 /* The energies at the start. Of the fluid's, only the part of a normal density error counts. */
-static void open(struct pdyn_sim *sim) {
+static void measure_start(struct pdyn_sim *sim) {
     struct energy_budget *e = &sim->energy;
     pdyn_step_info start = {0};
     for (int b = 0; b < sim->constraints; b++) {
@@ -126,7 +126,7 @@ pdyn_status energy_budget_open(struct pdyn_sim *sim) {
     double energy;
     if (sim->energy.opened || !sim->energy.bounded) return PDYN_OK;
     pdyn_status status = objective_local(&sim->objective, sim->x, &energy, sim->gradient);
-    if (status == PDYN_OK) open(sim);
+    if (status == PDYN_OK) measure_start(sim);
     return status;
 }
 

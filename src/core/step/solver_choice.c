@@ -156,9 +156,8 @@ bool solver_choice_hand_over(struct pdyn_sim *sim) {
 void solver_choice_reject(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     if (sim->solver->forget) sim->solver->forget(sim->solver_state);
-    if (!c->active) return;
     c->trial = c->handed_over = false, c->next = sim->steps + c->wait;
-    activate(sim, 0);
+    if (c->active) activate(sim, 0);
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */
