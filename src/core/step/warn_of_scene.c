@@ -46,7 +46,7 @@ static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * bod
 static bool is_held(const struct scene_body *body) {
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
-        if (c->type->flags & (PDYN_ANCHORED | PDYN_SEVERAL)) return true;
+        if (c->type->flags & (PDYN_REACTION | PDYN_SEVERAL)) return true;
     }
     return false;
 }
