@@ -220,7 +220,9 @@ static json_t *describe_run(const struct report *report, const pdyn_sim *sim) {
 }
 
 static json_t *describe_result(const struct report *report, const pdyn_sim *sim) {
-    const pdyn_step_info *start = &report->start, *end = &report->end;
+    pdyn_step_info start = report->start;
+    const pdyn_step_info *end = &report->end;
+    start.constraint_energy = sim->energy.constraints; /* known from the first step on */
     const double *pin = end->pin_reaction;
     char hash[17];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)pdyn_state_hash(sim));
@@ -229,8 +231,8 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
         mean_max(report, STEP_impacts), "retries", real(report->stats[STEP_retries].sum),
         "outer_iterations", mean_max(report, STEP_outer_iterations), "linear_iterations",
         mean_max(report, STEP_linear_iterations), "density_error", density_error(report),
-        "step_residual", mean_max(report, STEP_step_residual), "energy", "start", energy(start),
-        "end", energy(end), "momentum", "start", vector(start->momentum), "end",
+        "step_residual", mean_max(report, STEP_step_residual), "energy", "start", energy(&start),
+        "end", energy(end), "momentum", "start", vector(start.momentum), "end",
         vector(end->momentum), "pin_reaction_N",
         real(sqrt(pin[0] * pin[0] + pin[1] * pin[1] + pin[2] * pin[2])), "pin_reaction",
         vector(pin), "leaked", (json_int_t)end->leaked, "state_hash", hash);

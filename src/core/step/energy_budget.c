@@ -114,7 +114,8 @@ static void measure_start(struct pdyn_sim *sim) {
     e->start = start.kinetic_energy + drive(sim) + part * part * fluid;
     e->potential = start.potential_energy;
     e->density_error = start.density_error_mean;
-    e->stored = elastic, e->scale = start.kinetic_energy + elastic + fluid;
+    e->stored = elastic, e->constraints = elastic + fluid;
+    e->scale = start.kinetic_energy + e->constraints;
     e->total = e->lowest = far, e->highest = e->top = -far;
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i))
@@ -231,8 +232,8 @@ void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
 
 void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct energy_budget *e = &sim->energy;
-    double *numbers[] = {&e->start, &e->stored, &e->potential,    &e->highest,
-                         &e->total, &e->scale,  &e->density_error};
+    double *numbers[] = {&e->start, &e->stored, &e->potential,     &e->highest,
+                         &e->total, &e->scale,  &e->density_error, &e->constraints};
     snapshot_file_flags(a, &e->opened, 1, "the flag of its energy is neither 0 nor 1");
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         snapshot_file_numbers(a, numbers[k], 1, "an energy or a height is not finite");

@@ -25,6 +25,7 @@ struct energy_budget {
     double start;         /* J: kinetic energy and energy of the fluid at the start, and drive */
     double stored;        /* J: energy of linear constraints and contact, largest so far */
     double potential;     /* J, at the start */
+    double constraints;   /* J: energy of all constraints at the start */
     double density_error; /* mean, at the start */
     double highest;       /* m, largest height so far, against gravity */
     double total;         /* J: smallest total energy so far */
