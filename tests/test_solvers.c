@@ -148,7 +148,8 @@ static void test_hybrid(void **state) {
 /* Twelve linear iterations of a simulation with this solver, in parts of so many; adds up y. */
 static void solve_in_parts(pdyn_sim *sim, int part, const double *b, double *y) {
     size_t bytes = objective_bytes(&sim->objective), n = bytes / sizeof *y;
-    double *rest = malloc(bytes), *more = malloc(bytes), *product = malloc(bytes);
+    size_t room = bytes + sizeof *y; /* for a fourth number of the last particle */
+    double *rest = malloc(room), *more = malloc(room), *product = malloc(room);
     assert_true(rest && more && product);
     memcpy(rest, b, bytes);
     memset(y, 0, bytes);
