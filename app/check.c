@@ -61,7 +61,7 @@ static const char usage[] =
     "       projdyn check --conformance PLUGIN\n"
     "\n"
     "Loads a scene and prints its bodies, constraints, solver and memory use; makes its first\n"
-    "steps and prints how long a run takes. Warnings tell what is surely not meant.\n"
+    "steps and prints how long a run takes. Warnings name values that are legal but rarely meant.\n"
     "With --strict: exit code 1 if there is a warning.\n"
     "With --allow-plugins: loads the plug-ins that the scene names.\n"
     "With --conformance: tests whether the constraint types and solvers of a plug-in obey the\n"

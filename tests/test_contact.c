@@ -161,7 +161,7 @@ static void test_hessian(void **state) {
         last = quadratic;
     }
     assert_int_equal(objective_linearise(sys, 0.2), PDYN_OK);
-    objective_diagonal(sys, blocks);
+    objective_diagonal(sys, PDYN_WHOLE, blocks);
     for (int i = 0; i < t.n; i++) {
         memset(t.z, 0, (size_t)t.n * sizeof *t.z);
         t.z[i] = 1.0;

@@ -309,7 +309,7 @@ void check_bounds(struct check *check, struct trial *t) {
 void check_diagonal(struct check *check, struct trial *t) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     if (objective_linearise(&t->sim->objective, 0.3) != PDYN_OK) return;
-    objective_diagonal(&t->sim->objective, t->da);
+    objective_diagonal(&t->sim->objective, PDYN_WHOLE, t->da);
     for (int i = 0; i < t->n; i++) {
         memset(t->z, 0, (size_t)t->n * sizeof *t->z);
         t->z[i] = 1.0;

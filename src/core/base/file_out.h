@@ -38,7 +38,7 @@ void file_out_ints(struct file_out *out, enum byte_order order, const int *value
 /* Closes the file and renames it to its path. PDYN_IO_FAILED: writing failed, and the
  * temporary file was removed. */
 pdyn_status file_out_close(struct file_out *out);
-/* Closes the file without a rename: what was at its path stays. */
+/* Closes the file and removes it; a file that was at its path before stays. */
 void file_out_discard(struct file_out *out);
 
 /* Removes the temporary files that killed processes left in a directory. No process may write to

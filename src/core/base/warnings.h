@@ -48,7 +48,7 @@ struct warning {
 };
 
 struct warning_list {
-    int count; /* further ones are logged, but not kept */
+    int count; /* in a full list, a new warning replaces the last one */
     struct warning item[WARNINGS_MAX];
 };
 

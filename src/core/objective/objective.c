@@ -217,30 +217,24 @@ int objective_step_along(struct objective *sys, double t, double *y) {
     return changed;
 }
 
-void objective_diagonal(struct objective *sys, double *blocks) {
+typedef void add_diagonal_fn(struct batch *batch, double *blocks);
+
+/* The block diagonal of a part of H; add: adds that of a batch. */
+static void sum_diagonal(struct objective *sys, pdyn_part part, add_diagonal_fn *add,
+                         double *blocks) {
     memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
-    for (int i = 0; i < sys->particles; i++)
+    for (int i = 0; part == PDYN_WHOLE && i < sys->particles; i++)
         blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
-    for (int b = 0; b < sys->batches; b++) batch_diagonal(sys->batch[b], blocks);
-}
-
-void objective_rest_diagonal(struct objective *sys, double *blocks) {
-    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
-    for (int i = 0; i < sys->particles; i++)
-        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
-    for (int b = 0; b < sys->batches; b++) batch_rest_diagonal(sys->batch[b], blocks);
-}
-
-void objective_rest_dynamic_diagonal(struct objective *sys, double *blocks) {
-    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
     for (int b = 0; b < sys->batches; b++)
-        if (!batch_is_static(sys->batch[b])) batch_rest_diagonal(sys->batch[b], blocks);
+        if (part == PDYN_WHOLE || !batch_is_static(sys->batch[b])) add(sys->batch[b], blocks);
 }
 
-void objective_dynamic_diagonal(struct objective *sys, double *blocks) {
-    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
-    for (int b = 0; b < sys->batches; b++)
-        if (!batch_is_static(sys->batch[b])) batch_diagonal(sys->batch[b], blocks);
+void objective_diagonal(struct objective *sys, pdyn_part part, double *blocks) {
+    sum_diagonal(sys, part, batch_diagonal, blocks);
+}
+
+void objective_rest_diagonal(struct objective *sys, pdyn_part part, double *blocks) {
+    sum_diagonal(sys, part, batch_rest_diagonal, blocks);
 }
 
 /* ---- vectors --------------------------------------------------------------------------------- */

@@ -83,8 +83,7 @@ void objective_apply(struct objective *objective, const double *u, double *y);
 
 /* The same without the matrix-free constraints. */
 void objective_apply_rest(struct objective *objective, const double *u, double *y);
-void objective_rest_diagonal(struct objective *objective, double *blocks);
-void objective_rest_dynamic_diagonal(struct objective *objective, double *blocks);
+void objective_rest_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
 /* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
  * direction after the other. It is quadratic in pieces: one-sided constraints change sides. */
@@ -103,10 +102,8 @@ double objective_line_minimum(struct objective *objective, double descent, doubl
  * number of constraints that changed sides. */
 int objective_step_along(struct objective *objective, double t, double *y);
 
-/* The 3 x 3 block diagonal of H, packed xx xy xz yy yz zz: particles x 6. */
-void objective_diagonal(struct objective *objective, double *blocks);
-/* The same of constraints that change from step to step alone, without inertia. */
-void objective_dynamic_diagonal(struct objective *objective, double *blocks);
+/* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
+void objective_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
 /* a . b, the same bits for any number of threads. */
 double objective_dot(struct objective *objective, const double *a, const double *b);

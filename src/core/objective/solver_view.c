@@ -29,8 +29,7 @@ static void product(pdyn_model *model, const double *u, double *y) {
 }
 
 static void diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
-    if (part == PDYN_DYNAMIC) objective_dynamic_diagonal(objective_of(model), blocks);
-    else objective_diagonal(objective_of(model), blocks);
+    objective_diagonal(objective_of(model), part, blocks);
 }
 
 static void rest_product(pdyn_model *model, const double *u, double *y) {
@@ -38,8 +37,7 @@ static void rest_product(pdyn_model *model, const double *u, double *y) {
 }
 
 static void rest_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
-    if (part == PDYN_DYNAMIC) objective_rest_dynamic_diagonal(objective_of(model), blocks);
-    else objective_rest_diagonal(objective_of(model), blocks);
+    objective_rest_diagonal(objective_of(model), part, blocks);
 }
 
 static double dot(pdyn_model *model, const double *a, const double *b) {

@@ -566,24 +566,28 @@ static pdyn_range_fn *diagonal_of(const struct batch *b) {
     return b->type->tangent_rank1 && batch_has_blocks(b) ? diagonal_axes : diagonal_single;
 }
 
+typedef void one_sided_diagonal_fn(struct one_sided *s, double eps, double *blocks);
+
+/* Adds the diagonal of an operator; blocks of samples go to the particles of their triangles. */
+static void operator_diagonal(struct batch *b, one_sided_diagonal_fn *add, double *blocks) {
+    if (!b->samples) {
+        add(&b->one_sided, b->eps, blocks);
+        return;
+    }
+    memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
+    add(&b->one_sided, b->eps, b->samples->blocks);
+    samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
+}
+
 void batch_diagonal(struct batch *b, double *blocks) {
-    if (b->op && b->samples) {
-        memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
-        one_sided_diagonal(&b->one_sided, b->eps, b->samples->blocks);
-        samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
-    } else if (b->op) one_sided_diagonal(&b->one_sided, b->eps, blocks);
+    if (b->op) operator_diagonal(b, one_sided_diagonal, blocks);
     else if (b->linear) linear_rows_diagonal(b->linear, blocks);
     else for_range(b, b->touch_count, PARTICLES, diagonal_of(b), NULL, blocks, 0.0);
 }
 
 void batch_rest_diagonal(struct batch *b, double *blocks) {
-    if (!b->op) {
-        batch_diagonal(b, blocks);
-    } else if (b->samples) {
-        memset(b->samples->blocks, 0, 6 * (size_t)b->one_sided.particles * sizeof *blocks);
-        one_sided_held_diagonal(&b->one_sided, b->eps, b->samples->blocks);
-        samples_scatter_blocks(b->samples, b->samples->blocks, blocks);
-    } else one_sided_held_diagonal(&b->one_sided, b->eps, blocks);
+    if (b->op) operator_diagonal(b, one_sided_held_diagonal, blocks);
+    else batch_diagonal(b, blocks);
 }
 
 void batch_mark_held(const struct batch *b, bool *held) {

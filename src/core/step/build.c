@@ -189,8 +189,7 @@ static void forget_start(struct pdyn_sim *sim) {
 /* The body whose constraints work on SPH sums, or NULL. */
 static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
-        for (int k = 0; k < sim->scene.body[b].constraints; k++)
-            if (sim->scene.body[b].constraint[k].type->matrix_free) return &sim->body[b];
+        if (has_neighbour_lists(sim, b)) return &sim->body[b];
     return NULL;
 }
 

@@ -34,9 +34,9 @@ struct crossings {
     struct triangle_set resting, moving;
     bool fluid;  /* particles are tested */
     bool bodies; /* vertices of bodies are tested */
-    int *
-        passed; /* particles: in this step, 0 or s + 1 for surface s, negative against its normal */
-    int *beyond; /* particles: the same, of the surface that the particle is beyond */
+    /* particles: 0, or s + 1 for surface s, negative against its normal */
+    int *passed; /* the surface that the particle passed in this step */
+    int *beyond; /* the surface that the particle is beyond */
 };
 
 /* ---- creation -------------------------------------------------------------------------------- */
@@ -268,18 +268,12 @@ static void update_beyond(struct pdyn_sim *sim, int i) {
     c->surface[abs(passed) - 1].beyond += back ? -1 : 1;
 }
 
-static bool has_lists(const struct pdyn_sim *sim, int b) {
-    for (int k = 0; k < sim->scene.body[b].constraints; k++)
-        if (sim->scene.body[b].constraint[k].type->matrix_free) return true;
-    return false;
-}
-
 static void step_body(struct pdyn_sim *sim, int b) {
     const struct crossings *c = sim->crossings;
     const pdyn_body *body = &sim->body[b];
     struct search s = {.sim = sim, .body = body};
     if (body->triangles ? !c->bodies : !c->fluid) return;
-    if (has_lists(sim, b)) s.lists = neighbours_view(sim->neighbours);
+    if (has_neighbour_lists(sim, b)) s.lists = neighbours_view(sim->neighbours);
     if (body->triangles) s.first_surface = c->surfaces - c->solids;
     pool_for(sim->context->pool, body->count, GRAIN, find_passed, &s);
     for (int i = body->first; i < body->first + body->count; i++) update_beyond(sim, i);

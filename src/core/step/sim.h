@@ -75,7 +75,7 @@ struct pdyn_sim {
     struct warning_list warnings;
     struct energy_budget energy;
     struct crossings *crossings; /* NULL: nothing can pass a surface */
-    double floor;                /* m: what is lower fell out of the scene */
+    double floor;                /* m: a particle below this height fell out of the scene */
 
     void (*observer)(void *user, const pdyn_iteration *iteration);
     void *observer_user;
@@ -85,6 +85,14 @@ struct pdyn_sim {
 static inline bool solves_fluid_alone(const struct pdyn_sim *sim) {
     const pdyn_model *model = &sim->model.model;
     return sim->solver->dual && !model->elements_count && !model->dynamic_count;
+}
+
+/* Whether a constraint of body b works on neighbour lists. */
+static inline bool has_neighbour_lists(const struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    for (int k = 0; k < body->constraints; k++)
+        if (body->constraint[k].type->matrix_free) return true;
+    return false;
 }
 
 /* The functions that core offers to operators. */
