@@ -21,7 +21,7 @@ static const struct boundary_model boundary_models[] = {
      .outside = 1.01,
      .beyond = 0.35,
      .layer = 12.95,
-     .mesh_spacing = 0.5,
+     .mesh_spacing = 0.43,
      .support = 0.99498743710662}, /* q = d */
     {.name = "points",
      .summary = "boundary particles (Akinci et al. 2012): fluid rests at 0.7 spacings",

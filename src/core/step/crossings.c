@@ -1,5 +1,6 @@
 #include "crossings.h"
 
+#include "geometry/distance.h"
 #include "live_particles.h"
 #include "scene/poses.h"
 #include "sim.h"
@@ -14,6 +15,7 @@ enum { GRAIN = 512 }; /* particles per parallel block */
 struct surface { /* of a body or a solid */
     const char *name;
     const int *triangle; /* triangles x 3 */
+    const int *across;   /* triangles x 3: -1 for a side on the border; NULL for a solid */
     int triangles, vertices;
     const double *begin, *end;       /* vertices x 3, m: at the two ends of the step */
     const struct scene_solid *moves; /* the solid with prescribed motion, or NULL */
@@ -84,6 +86,7 @@ static pdyn_status list_surfaces(struct pdyn_sim *sim) {
         if (!body->triangles) continue;
         c->surface[c->surfaces++] = (struct surface){.name = body->name,
                                                      .triangle = body->triangle,
+                                                     .across = body->across,
                                                      .triangles = body->triangles,
                                                      .begin = sim->x + 3 * (size_t)body->first,
                                                      .end = sim->x_next + 3 * (size_t)body->first};
@@ -164,6 +167,7 @@ struct way { /* of a particle in the step */
     const struct crossings *crossings;
     const struct triangle_set *set;
     const double *begin, *end;
+    double radius;          /* of the particle, m */
     int first_surface;      /* surfaces before this one do not count */
     int surface, direction; /* the first one passed; sum of the directions, +1 along the normal */
 };
@@ -199,6 +203,19 @@ static bool is_inside(const double x[3], double corner[3][3], const double n[3])
     return true;
 }
 
+/* Closer to the border of the surface than the particle's radius: the particle goes around. */
+static bool is_on_border(const struct way *way, int k, const double x[3], double corner[3][3]) {
+    const int *across = way->crossings->surface[way->set->surface[k]].across;
+    for (int i = 0; across && i < 3; i++) {
+        const double *side[4] = {x, x, corner[(i + 1) % 3], corner[(i + 2) % 3]};
+        double weight[4];
+        if (across[3 * (size_t)way->set->triangle[k] + (size_t)i] < 0 &&
+            closest_edge_edge(side, weight) < way->radius * way->radius)
+            return true;
+    }
+    return false;
+}
+
 static void test_triangle(void *user, int k) {
     struct way *way = user;
     double corner[3][3], n[3], x[3];
@@ -209,7 +226,7 @@ static void test_triangle(void *user, int k) {
     double t = begin / (begin - end);
     plane_at(way, k, t, corner, n);
     for (int a = 0; a < 3; a++) x[a] = (1.0 - t) * way->begin[a] + t * way->end[a];
-    if (!is_inside(x, corner, n)) return;
+    if (!is_inside(x, corner, n) || is_on_border(way, k, x, corner)) return;
     if (!way->direction) way->surface = surface;
     if (surface == way->surface) way->direction += end > 0.0 ? 1 : -1;
 }
@@ -248,6 +265,7 @@ static void find_passed(void *arg, int first, int last, int block) {
         struct way way = {.crossings = c,
                           .begin = s->sim->x + 3 * (size_t)i,
                           .end = s->sim->x_next + 3 * (size_t)i,
+                          .radius = s->body->radius,
                           .first_surface = s->first_surface};
         c->passed[i] = 0;
         if (!particle_is_live(s->sim, i)) continue;
