@@ -100,6 +100,7 @@ static const struct shipped shipped[] = {
      .lowest = {-0.0134, 0.0266},
      .low = {-0.3, 0, -0.3},
      .high = {0.3, TOP, 0.3}},
+    {.name = "pool_in_cloth", .seconds = 0.2, .kinetic = {13.7, 34.1}, .lowest = {-0.207, -0.168}},
     {.name = "sinking_cloth",
      .seconds = 0.5,
      .kinetic = {0.00444, 0.0111},
