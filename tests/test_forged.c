@@ -248,9 +248,15 @@ static void test_multipliers(void **state) {
 /* ---- the writer ------------------------------------------------------------------------------ */
 
 static void clean_up(void) {
-    static const char *const file[] = {
-        "out/metrics.csv",      "out/state.pdyn", "out/sheet.vtk.series",
-        "out/sheet_000000.vtk", "out/lock",       "out"};
+    static const char *const file[] = {"out/metrics.csv",
+                                       "out/state.pdyn",
+                                       "out/sheet.vtk.series",
+                                       "out/sheet_000000.vtk",
+                                       "out/lock",
+                                       "out/solids/solid0.vtk.series",
+                                       "out/solids/solid0_000000.vtk",
+                                       "out/solids",
+                                       "out"};
     for (size_t k = 0; k < sizeof file / sizeof *file; k++) assert_int_equal(remove(file[k]), 0);
 }
 

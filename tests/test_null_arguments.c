@@ -148,7 +148,8 @@ static int set_up(void **state) {
 }
 
 static int tear_down(void **state) {
-    static const char *const file[] = {"out/metrics.csv", "out/sheet.vtk.series", "out"};
+    static const char *const file[] = {"out/metrics.csv",       "out/sheet.vtk.series", "out/lock",
+                                       "out/solids/solid0.vtk", "out/solids",           "out"};
     pdyn_writer_close(writer);
     pdyn_free(sim);
     pdyn_destroy(context);

@@ -41,6 +41,12 @@ momentum.end pin_reaction_N pin_reaction solids peak_memory_bytes peak_rss_bytes
 time_step.mean time_step.max leaked warnings interrupted failed""".split()
 CELL = {"particles": (1, "vertex"), "surface": (5, "triangle")}  # VTK's number, meshio's name
 
+SOLIDS = {  # kind, triangles, bounds
+    "tank": ("box", 10, [-0.6, 0, -0.6], [0.6, 0.4, 0.6]),
+    "ball": ("sphere", 3968, [-0.5, 1.5, -0.5], [0.5, 2.5, 0.5]),
+    "floor": ("plane", 2, [-2, -1, -2], [2, -1, 2]),
+}
+
 
 def run(directory, *options, limit=None):
     """limit: bytes that a file may have."""
@@ -210,7 +216,7 @@ class Output(unittest.TestCase):
         names = [solid["name"] for solid in json.loads(pathlib.Path(SCENE).read_text())["solids"]]
         self.assertEqual([load["name"] for load in self.report["solids"]], names)
         for load in self.report["solids"]:
-            self.assertEqual(sorted(load), ["force_N", "moment_Nm", "name"])
+            self.assertEqual(sorted(load), ["file", "force_N", "kind", "moment_Nm", "moving", "name"])
             self.assertEqual((len(load["force_N"]), len(load["moment_Nm"])), (3, 3))
 
     def test_boundary(self):
@@ -253,6 +259,54 @@ class Output(unittest.TestCase):
                 self.assertEqual(run(name, "--time", str(TIME)).returncode, 0)
                 left = {path.name for path in directory.glob("boundary*")}
                 self.assertEqual(left, {"boundary.vtk"})
+
+    def check_solid(self, directory, report, path, displacement, name):
+        solid = next(solid for solid in report["solids"] if solid["name"] == name)
+        points, cells, types, arrays = read_vtk(path)
+        self.assertEqual((types, arrays), ({5}, {}))
+        self.assertEqual((solid["kind"], len(cells)), SOLIDS[name][:2])
+        low, high = SOLIDS[name][2:]
+        self.assertLess(np.abs(points.min(axis=0) - low - displacement).max(), 1e-6)
+        self.assertLess(np.abs(points.max(axis=0) - high - displacement).max(), 1e-6)
+        a, b, c = (points[cells[:, k]] for k in range(3))
+        normal = np.cross(b - a, c - a)
+        middle = points.mean(axis=0) if name != "floor" else points.mean(axis=0) - [0, 1, 0]
+        self.assertTrue((((a + b + c) / 3 - middle) * normal).sum(axis=1).min() > 0, "faces outwards")
+
+    def check_solids(self, directory, moving):
+        report = json.loads((directory / "report.json").read_text())
+        wanted = set()
+        for solid in report["solids"]:
+            name = solid["name"]
+            self.assertIs(solid["moving"], name in moving)
+            path = directory / solid["file"]
+            wanted.add(path.name)
+            if name not in moving:
+                self.assertEqual(solid["file"], f"solids/{name}.vtk")
+                self.check_solid(directory, report, path, [0, 0, 0], name)
+                continue
+            self.assertEqual(solid["file"], f"solids/{name}.vtk.series")
+            files = json.loads(path.read_text())["files"]
+            body = self.series(self.report["bodies"][0])["files"]
+            self.assertEqual([f["time"] for f in files], [f["time"] for f in body])
+            for file in files:
+                wanted.add(file["name"])
+                self.check_solid(directory, report, path.parent / file["name"], [file["time"], 0, 0], name)
+        self.assertEqual({path.name for path in (directory / "solids").iterdir()}, wanted)
+
+    def test_solids(self):
+        tank = json.loads(pathlib.Path(SCENE).read_text())["solids"][0]
+        ball = {"name": "ball", "sphere": {"center": [0, 2, 0], "radius": 0.5}}
+        floor = {"name": "floor", "plane": {"center": [0, -1, 0], "normal": [0, 1, 0], "size": 4}}
+        motion = {"motion": [{"time": 0}, {"time": 1, "translate": [1, 0, 0]}]}
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name)
+            for moving in ({"ball", "floor"}, {"tank"}, set()):
+                with self.subTest(moving=moving):
+                    solids = [s | (motion if s["name"] in moving else {}) for s in (tank, ball, floor)]
+                    done = run(name, "--time", str(TIME), "--set", f"solids={json.dumps(solids)}")
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.check_solids(directory, moving)
 
     def test_metrics(self):
         with open(self.directory / "metrics.csv", newline="") as file:

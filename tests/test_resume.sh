@@ -21,8 +21,8 @@ hash_of() { grep state_hash "$1/report.json"; }
 numbers_of() { cut -d, -f1-17 "$1/metrics.csv"; } # without times
 same() { [ "$(hash_of whole)" = "$(hash_of "$1")" ] && [ "$(numbers_of whole)" = "$(numbers_of "$1")" ]; }
 same_frames() {
-    for file in whole/*.vtk whole/*.vtk.series; do cmp "$file" "$1/${file#whole/}" || return 1; done
-    [ "$(ls whole)" = "$(ls "$1")" ]
+    for file in whole/*.vtk whole/*.vtk.series whole/solids/*; do cmp "$file" "$1/${file#whole/}" || return 1; done
+    [ "$(cd whole && ls -R)" = "$(cd "$1" && ls -R)" ]
 }
 kill_often() { # DIR TIMES: kills a run, later and later, and lets it go on
     "$program" run "$scene" --quiet --save 2 -o "$1" &

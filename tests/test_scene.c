@@ -107,7 +107,7 @@ static void check_full(const struct scene *scene) {
     assert_ptr_equal(sheet->constraint[2].type, registry_constraint(context, "pin"));
     assert_true(stiffness_of(scene, 1) == 1000.0);
     assert_int_equal(scene->solids, 3);
-    assert_true(scene->solid[0].is_box && scene->solid[0].box.max[1] == 2.0);
+    assert_true(scene->solid[0].kind == SOLID_BOX && scene->solid[0].box.max[1] == 2.0);
     assert_int_equal(scene->solid[0].open, 1 << 3 | 1 << 4);
     assert_string_equal(scene->solid[1].name, "solid1");
     assert_int_equal(scene->solid[1].mesh.triangles, 1);

@@ -10,37 +10,60 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-int frames_parts(const pdyn_writer *writer) {
-    return writer->sim->bodies + (writer->sim->motion.points > 0);
+/* ---- parts ----------------------------------------------------------------------------------- */
+
+/* A part of a frame, one file: of a body, the moving boundary points, or a moving solid. */
+struct part {
+    const char *folder, *name; /* folder: "" or SOLIDS_FOLDER; name NULL: the part is at rest */
+    int body, solid;           /* index; -1: none */
+};
+
+static int count_parts(const pdyn_writer *writer) {
+    return writer->sim->bodies + 1 + writer->sim->scene.solids;
 }
 
-const char *frames_part_name(const pdyn_writer *writer, int part) {
-    return part < writer->sim->bodies ? pdyn_get_body(writer->sim, part).name : "boundary";
+static struct part part_of_frame(const pdyn_writer *writer, int part) {
+    const pdyn_sim *sim = writer->sim;
+    int solid = part - sim->bodies - 1;
+    if (part < sim->bodies) return (struct part){"", pdyn_get_body(sim, part).name, part, -1};
+    if (solid < 0) return (struct part){"", sim->motion.points ? "boundary" : NULL, -1, -1};
+    const struct scene_solid *s = &sim->scene.solid[solid];
+    return (struct part){SOLIDS_FOLDER, s->keys ? s->name : NULL, -1, solid};
 }
 
-pdyn_status frames_write_series(pdyn_writer *writer, int part, int frames) {
-    const char *name = frames_part_name(writer, part);
+static pdyn_status write_series(pdyn_writer *writer, struct part part, int frames) {
     struct file_out file;
-    pdyn_status status =
-        file_out_open(writer->context, writer_path(writer, "%s.vtk.series", name), &file);
+    if (!part.name) return PDYN_OK;
+    pdyn_status status = file_out_open(
+        writer->context, writer_path(writer, "%s%s.vtk.series", part.folder, part.name), &file);
     if (status != PDYN_OK) return status;
     file_out_print(&file, "{\"file-series-version\": \"1.0\", \"files\": [");
     for (int f = 0; f < frames; f++)
         file_out_print(&file, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}", f ? "," : "",
-                       name, f, writer->time[f]);
+                       part.name, f, writer->time[f]);
     file_out_print(&file, "]}\n");
     return file_out_close(&file);
 }
 
-static pdyn_status write_part(pdyn_writer *writer, int part) {
-    const char *name = frames_part_name(writer, part);
-    const char *path = writer_path(writer, "%s_%06d.vtk", name, writer->frames);
-    if (part == writer->sim->bodies) return vtk_write_boundary(writer->sim, true, path);
-    pdyn_status status = vtk_write_body(writer->sim, part, path);
-    if (status != PDYN_OK || !writer->ply) return status;
-    return ply_write_body(writer->sim, part,
-                          writer_path(writer, "%s_%06d.ply", name, writer->frames));
+pdyn_status frames_write_series(pdyn_writer *writer, int frames) {
+    pdyn_status status = PDYN_OK;
+    for (int p = 0; p < count_parts(writer) && status == PDYN_OK; p++)
+        status = write_series(writer, part_of_frame(writer, p), frames);
+    return status;
 }
+
+static pdyn_status write_part(pdyn_writer *writer, struct part part) {
+    if (!part.name) return PDYN_OK;
+    const char *path = writer_path(writer, "%s%s_%06d.vtk", part.folder, part.name, writer->frames);
+    if (part.solid >= 0) return vtk_write_solid(writer->sim, part.solid, path);
+    if (part.body < 0) return vtk_write_boundary(writer->sim, true, path);
+    pdyn_status status = vtk_write_body(writer->sim, part.body, path);
+    if (status != PDYN_OK || !writer->ply) return status;
+    return ply_write_body(writer->sim, part.body,
+                          writer_path(writer, "%s_%06d.ply", part.name, writer->frames));
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames) {
     size_t size = (size_t)writer->capacity * sizeof(double);
@@ -64,10 +87,9 @@ static pdyn_status append_time(pdyn_writer *writer) {
  * file. */
 static pdyn_status write_frame(pdyn_writer *writer) {
     pdyn_status status = append_time(writer);
-    for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
-        status = write_part(writer, p);
-    for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
-        status = frames_write_series(writer, p, writer->frames + 1);
+    for (int p = 0; p < count_parts(writer) && status == PDYN_OK; p++)
+        status = write_part(writer, part_of_frame(writer, p));
+    if (status == PDYN_OK) status = frames_write_series(writer, writer->frames + 1);
     if (status == PDYN_OK) writer->frames++;
     return status;
 }
@@ -97,17 +119,18 @@ pdyn_status frames_remove_file(pdyn_writer *writer, const char *path) {
                         strerror(errno));
 }
 
-static pdyn_status remove_frame(pdyn_writer *writer, const char *file) {
+static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const char *file) {
     static const char *const endings[] = {"vtk", "ply"};
     int stem = (int)(strlen(file) - strlen("vtk"));
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 2 && status == PDYN_OK; k++)
-        status = frames_remove_file(writer, writer_path(writer, "%.*s%s", stem, file, endings[k]));
+        status = frames_remove_file(
+            writer, writer_path(writer, "%s%.*s%s", folder, stem, file, endings[k]));
     return status;
 }
 
-pdyn_status frames_remove_listed(pdyn_writer *writer, const char *name) {
-    const char *path = writer_path(writer, "%s.vtk.series", name);
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name) {
+    const char *path = writer_path(writer, "%s%s.vtk.series", folder, name);
     struct stat info;
     if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
     errno = 0;
@@ -115,7 +138,7 @@ pdyn_status frames_remove_listed(pdyn_writer *writer, const char *name) {
     pdyn_status status = errno == ENOMEM ? context_no_memory(writer->context) : PDYN_OK;
     for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
         const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
-        if (file && is_frame(file, name)) status = remove_frame(writer, file);
+        if (file && is_frame(file, name)) status = remove_frame(writer, folder, file);
     }
     json_decref(series);
     return status;

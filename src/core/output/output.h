@@ -1,8 +1,10 @@
-/* Output of a run: files of bodies and boundary points (VTK, PLY), metrics and report. */
+/* Output of a run: files of bodies, boundary points and solids (VTK, PLY), metrics and report. */
 #ifndef PDYN_OUTPUT_H
 #define PDYN_OUTPUT_H
 
 #include "step/sim.h"
+
+#define SOLIDS_FOLDER "solids/" /* of the files of solids, in the directory of a run */
 
 /* Writes the current state of a body to a file, numbers as 32-bit floats: positions, velocities,
  * and the triangles of a surface or density and pressure of particles. PDYN_IO_FAILED: no file is
@@ -11,6 +13,8 @@ pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
 /* Writes the boundary points on solids at rest, or on those that move. */
 pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path);
+/* Writes the vertices of a solid at the current time, and its triangles. */
+pdyn_status vtk_write_solid(const pdyn_sim *sim, int solid, const char *path);
 
 /* The numbers of a step: X(column of metrics.csv, member of pdyn_step_info). */
 #define STEP_NUMBERS(X)                                                                            \

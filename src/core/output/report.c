@@ -238,21 +238,23 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
         vector(pin), "leaked", (json_int_t)end->leaked, "state_hash", hash);
 }
 
-/* The load on a solid; null if it is unknown: no step was made, or the last one failed. */
-static json_t *solid(const char *name, const struct solid_load *load) {
+/* A solid, the file of its mesh and the load on it; null where the load is unknown: no step was
+ * made, or the last one failed. */
+static json_t *solid(const struct scene_solid *s, const struct solid_load *load) {
     static const struct solid_load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
     if (!load) load = &unknown;
-    return json_pack("{s:s, s:o, s:o}", "name", name, "force_N", vector(load->force), "moment_Nm",
-                     vector(load->moment));
+    return json_pack("{s:s, s:s, s:b, s:s++, s:o, s:o}", "name", s->name, "kind",
+                     scene_solid_kinds[s->kind], "moving", s->keys > 0, "file", SOLIDS_FOLDER,
+                     s->name, s->keys ? ".vtk.series" : ".vtk", "force_N", vector(load->force),
+                     "moment_Nm", vector(load->moment));
 }
 
-/* Loads on all solids at the end of the run. */
 static json_t *solids(const pdyn_sim *sim) {
     const struct solid_load *loads;
     if (solid_load_compute(sim, &loads) != PDYN_OK) return NULL;
     json_t *list = json_array();
     for (int k = 0; list && k < sim->scene.solids; k++)
-        if (json_array_append_new(list, solid(pdyn_solid_name(sim, k), loads ? loads + k : NULL)))
+        if (json_array_append_new(list, solid(&sim->scene.solid[k], loads ? loads + k : NULL)))
             return json_decref(list), NULL;
     return list;
 }

@@ -51,6 +51,7 @@ pdyn_status run_lock(pdyn_writer *writer) {
     }
     if (!write_holder(writer->lock)) return fail_lock(writer, path);
     file_out_remove_leftovers(writer_path(writer, "%s", ""));
+    file_out_remove_leftovers(writer_path(writer, SOLIDS_FOLDER));
     return PDYN_OK;
 }
 

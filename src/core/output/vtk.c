@@ -1,6 +1,7 @@
 /* Legacy VTK files, version 4.2, binary (big endian): unstructured grids of points and cells. */
 #include "base/file_out.h"
 #include "output.h"
+#include "scene/poses.h"
 #include "step/live_particles.h"
 
 enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
@@ -87,4 +88,28 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *pat
     write_vertices(&file, count);
     file_out_print(&file, "\n");
     return file_out_close(&file);
+}
+
+static pdyn_status write_solid(const pdyn_sim *sim, const struct scene_solid *solid,
+                               const double *vertex, const char *path) {
+    struct file_out file;
+    pdyn_status status = file_out_open(sim->context, path, &file);
+    if (status != PDYN_OK) return status;
+    write_head(&file, solid->name, pdyn_time(sim), solid->mesh.vertices);
+    file_out_reals(&file, order, vertex, 3 * (size_t)solid->mesh.vertices);
+    write_triangles(&file, solid->mesh.triangle, solid->mesh.triangles);
+    file_out_print(&file, "\n");
+    return file_out_close(&file);
+}
+
+pdyn_status vtk_write_solid(const pdyn_sim *sim, int k, const char *path) {
+    const struct scene_solid *solid = &sim->scene.solid[k];
+    size_t n = 3 * (size_t)solid->mesh.vertices;
+    if (!solid->keys) return write_solid(sim, solid, solid->mesh.vertex, path);
+    double *x = NEW_ARRAY(sim->context, n, double);
+    if (!x) return PDYN_NO_MEMORY;
+    pose_place_mesh(solid, pdyn_time(sim), x);
+    pdyn_status status = write_solid(sim, solid, x, path);
+    FREE_ARRAY(sim->context, x, n);
+    return status;
 }

@@ -20,12 +20,15 @@ const char *writer_path(pdyn_writer *writer, const char *format, ...) {
     return writer->path;
 }
 
+static size_t max_size(size_t a, size_t b) { return a > b ? a : b; }
+
 static pdyn_status store_directory(pdyn_writer *writer, const char *directory) {
     size_t longest = strlen("boundary.vtk");
-    for (int b = 0; b < writer->sim->bodies; b++) {
-        size_t length = strlen(frames_part_name(writer, b));
-        if (length > longest) longest = length;
-    }
+    for (int b = 0; b < writer->sim->bodies; b++)
+        longest = max_size(longest, strlen(pdyn_get_body(writer->sim, b).name));
+    for (int s = 0; s < writer->sim->scene.solids; s++)
+        longest =
+            max_size(longest, strlen(SOLIDS_FOLDER) + strlen(writer->sim->scene.solid[s].name));
     writer->directory = strlen(directory) + 1;
     writer->path_size = writer->directory + longest + sizeof "_0123456789.vtk.series";
     writer->path = NEW_ARRAY(writer->context, writer->path_size, char);
@@ -125,8 +128,7 @@ static pdyn_status resume(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = load_state(writer, &before);
     if (status == PDYN_OK) status = metrics_reopen(writer);
-    for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++)
-        status = frames_write_series(writer, p, writer->frames);
+    if (status == PDYN_OK) status = frames_write_series(writer, writer->frames);
     return snapshot_end_read(writer->sim, &before, status);
 }
 
@@ -140,9 +142,32 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
     pdyn_status status = state.boundary > state.moving
                              ? vtk_write_boundary(writer->sim, false, path)
                              : frames_remove_file(writer, path);
-    if (status == PDYN_OK) status = frames_remove_listed(writer, "boundary");
+    if (status == PDYN_OK) status = frames_remove_listed(writer, "", "boundary");
     if (status != PDYN_OK || state.moving) return status;
     return frames_remove_file(writer, writer_path(writer, "boundary.vtk.series"));
+}
+
+/* Writes a solid at rest, once. Removes the files of a solid of this name in a previous run. */
+static pdyn_status begin_solid(pdyn_writer *writer, int s) {
+    const struct scene_solid *solid = &writer->sim->scene.solid[s];
+    pdyn_status status = frames_remove_listed(writer, SOLIDS_FOLDER, solid->name);
+    if (status != PDYN_OK) return status;
+    if (solid->keys)
+        return frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk", solid->name));
+    status =
+        frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk.series", solid->name));
+    if (status != PDYN_OK) return status;
+    return vtk_write_solid(writer->sim, s,
+                           writer_path(writer, SOLIDS_FOLDER "%s.vtk", solid->name));
+}
+
+static pdyn_status begin_solids(pdyn_writer *writer) {
+    int solids = writer->sim->scene.solids;
+    if (!solids) return PDYN_OK;
+    writer_path(writer, SOLIDS_FOLDER);
+    pdyn_status status = make_directory(writer);
+    for (int s = 0; s < solids && status == PDYN_OK; s++) status = begin_solid(writer, s);
+    return status;
 }
 
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
@@ -151,10 +176,10 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, "state.pdyn"));
     if (status == PDYN_OK) status = begin_boundary(writer);
-    for (int p = 0; p < frames_parts(writer) && status == PDYN_OK; p++) {
-        status = frames_remove_listed(writer, frames_part_name(writer, p));
-        if (status == PDYN_OK) status = frames_write_series(writer, p, 0);
-    }
+    if (status == PDYN_OK) status = begin_solids(writer);
+    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
+        status = frames_remove_listed(writer, "", pdyn_get_body(writer->sim, b).name);
+    if (status == PDYN_OK) status = frames_write_series(writer, 0);
     return status == PDYN_OK ? metrics_open(writer) : status;
 }
 

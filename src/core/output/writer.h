@@ -31,18 +31,15 @@ const char *writer_path(pdyn_writer *writer, const char *format, ...) PDYN_PRINT
 pdyn_status run_lock(pdyn_writer *writer);
 void run_unlock(pdyn_writer *writer);
 
-/* Number of parts of a frame, one file each: the bodies, then the moving boundary points. */
-int frames_parts(const pdyn_writer *writer);
-const char *frames_part_name(const pdyn_writer *writer, int part);
-
-/* Writes the file NAME.vtk.series, which lists the first `frames` frames of a part. */
-pdyn_status frames_write_series(pdyn_writer *writer, int part, int frames);
+/* Writes the file NAME.vtk.series of each body, of the moving boundary points and of each moving
+ * solid: a list of the first `frames` frames. */
+pdyn_status frames_write_series(pdyn_writer *writer, int frames);
 /* Makes room for the times of so many frames. */
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames);
 
-/* Removes the frames of a previous run that the series NAME.vtk.series lists. A series that cannot
- * be read lists nothing. */
-pdyn_status frames_remove_listed(pdyn_writer *writer, const char *name);
+/* Removes the frames of a previous run that the series FOLDER/NAME.vtk.series lists. A series that
+ * cannot be read lists nothing. */
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name);
 /* Removes a file, if it exists. */
 pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
 

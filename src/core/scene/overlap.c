@@ -136,18 +136,13 @@ static pdyn_status resolve_obstacle(const struct json_at *at, struct scene_body 
 static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *body,
                                  const struct scene_solid *solid) {
     pdyn_context *context = at->file->context;
-    struct obstacle o = {"solid", solid->name, solid->mesh, solid->is_box, false};
+    struct obstacle o = {"solid", solid->name, solid->mesh, solid->kind == SOLID_BOX, false};
     size_t size = 3 * (size_t)solid->mesh.vertices;
     if (!solid->keys) return resolve_obstacle(at, body, &o);
-    double *placed = NEW_ARRAY(context, size, double);
     o.mesh.vertex = NEW_ARRAY(context, size, double);
-    pdyn_status status = placed && o.mesh.vertex ? PDYN_OK : PDYN_NO_MEMORY;
-    if (status == PDYN_OK) {
-        for (size_t k = 0; k < size; k++) placed[k] = solid->mesh.vertex[k] - solid->pivot[k % 3];
-        pose_place(solid, placed, solid->mesh.vertices, 0.0, o.mesh.vertex);
-        status = resolve_obstacle(at, body, &o);
-    }
-    FREE_ARRAY(context, placed, size);
+    if (!o.mesh.vertex) return PDYN_NO_MEMORY;
+    pose_place_mesh(solid, 0.0, o.mesh.vertex);
+    pdyn_status status = resolve_obstacle(at, body, &o);
     FREE_ARRAY(context, o.mesh.vertex, size);
     return status;
 }

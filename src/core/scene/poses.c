@@ -41,9 +41,16 @@ void pose_place(const struct scene_solid *solid, const double *placed, int count
     double axes[9];
     rotated_axes(&pose.at, axes);
     for (int i = 0; i < count; i++, x += 3, placed += 3) {
+        const double from_pivot[3] = {placed[0], placed[1], placed[2]};
         memcpy(x, pose.at.translate, sizeof pose.at.translate);
-        for (int a = 0; a < 3; a++) vec3_add(x, placed[a], axes + 3 * a);
+        for (int a = 0; a < 3; a++) vec3_add(x, from_pivot[a], axes + 3 * a);
     }
+}
+
+void pose_place_mesh(const struct scene_solid *solid, double time, double *x) {
+    const struct mesh *mesh = &solid->mesh;
+    for (int k = 0; k < 3 * mesh->vertices; k++) x[k] = mesh->vertex[k] - solid->pivot[k % 3];
+    pose_place(solid, x, mesh->vertices, time, x);
 }
 
 void pose_turning_axis(const struct pose *pose, double axis[3]) {

@@ -18,9 +18,12 @@ struct pose pose_between(const struct scene_solid *solid, int k, double time);
 int pose_key_before(const struct scene_solid *solid, double time);
 
 /* Computes the positions x, count x 3, m, at `time`, s, of points given relative to the pivot in
- * the initial placement. */
+ * the initial placement. x may be `placed`. */
 void pose_place(const struct scene_solid *solid, const double *placed, int count, double time,
                 double *x);
+
+/* Computes the positions x, 3 per vertex, m, of a solid's mesh at `time`, s. */
+void pose_place_mesh(const struct scene_solid *solid, double time, double *x);
 
 /* Angular velocity, rad/s, from the rates of the three angles: a later rotation turns the axis of
  * an earlier one. */

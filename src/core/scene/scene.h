@@ -68,9 +68,12 @@ struct scene_key {       /* a key of the motion of a solid, relative to its init
 
 extern const pdyn_param scene_key_params[]; /* ends with a NULL name */
 
+enum solid_kind { SOLID_BOX, SOLID_MESH, SOLID_SPHERE, SOLID_CAPSULE, SOLID_PLANE, SOLID_KINDS };
+extern const char *const scene_solid_kinds[SOLID_KINDS]; /* "box", "mesh", ...: keys of a scene */
+
 struct scene_solid {
     char *name;
-    bool is_box;
+    int kind; /* enum solid_kind */
     struct scene_box box;
     unsigned open; /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
     struct mesh mesh;      /* world space, m; for solids of every shape */

@@ -29,7 +29,6 @@ static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
     struct json_at open = json_member(owner, "open");
     int sides;
     struct scene_box *walls = &r->solid->box;
-    r->solid->is_box = true;
     pdyn_status status = params_box(box, walls);
     for (int a = 0; a < 3; a++) r->solid->pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
     if (status == PDYN_OK) status = reader_count(&open, "an array of sides like \"+y\"", &sides);
@@ -69,22 +68,22 @@ static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
     return primitive_read_plane(plane, &r->solid->mesh, r->solid->pivot);
 }
 
-enum { SHAPES = 5, BOX = 0, MESH = 1 };
-static const char *const shape_names[SHAPES] = {"box", "mesh", "sphere", "capsule", "plane"};
-static pdyn_status (*const shape_readers[SHAPES])(struct reader *r, const struct json_at *owner,
-                                                  const struct json_at *shape) = {
+const char *const scene_solid_kinds[SOLID_KINDS] = {"box", "mesh", "sphere", "capsule", "plane"};
+static pdyn_status (*const shape_readers[SOLID_KINDS])(struct reader *r,
+                                                       const struct json_at *owner,
+                                                       const struct json_at *shape) = {
     read_walls, read_placed, read_sphere, read_capsule, read_plane};
 
 static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
     struct json_at open = json_member(owner, "open");
-    int kind;
-    pdyn_status status = reader_one_of(owner, shape_names, SHAPES, &kind);
-    if (status == PDYN_OK && kind != BOX && open.value)
+    int *kind = &r->solid->kind;
+    pdyn_status status = reader_one_of(owner, scene_solid_kinds, SOLID_KINDS, kind);
+    if (status == PDYN_OK && *kind != SOLID_BOX && open.value)
         status = json_fail_at_key(&open, "\"open\" needs a \"box\"");
-    if (status == PDYN_OK && kind != MESH) status = transform_refuse(owner, "a \"mesh\"");
+    if (status == PDYN_OK && *kind != SOLID_MESH) status = transform_refuse(owner, "a \"mesh\"");
     if (status != PDYN_OK) return status;
-    struct json_at shape = json_member(owner, shape_names[kind]);
-    return shape_readers[kind](r, owner, &shape);
+    struct json_at shape = json_member(owner, scene_solid_kinds[*kind]);
+    return shape_readers[*kind](r, owner, &shape);
 }
 
 const pdyn_param scene_key_params[] = {
