@@ -17,6 +17,7 @@ int trade_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
+int render_main(int argc, char **argv);
 
 /* Default output directory: out/PREFIX + NAME for a scene file .../NAME.json. The caller frees
  * the text; NULL with a message if memory ran out. */

@@ -20,6 +20,7 @@ static const struct command {
     {"check", check_main, "load a scene and print its contents; or test a plug-in"},
     {"list", list_main, "print constraint types and solvers with their parameters and units"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},
+    {"render", render_main, "draw a run to a picture or a film, with Chromium and ffmpeg"},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };

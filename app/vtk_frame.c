@@ -256,7 +256,7 @@ int vtk_frame_read(const char *path, struct vtk_frame *frame) {
     return read_frame(path, true, frame);
 }
 
-int vtk_frame_read_boundary(const char *path, struct vtk_frame *frame) {
+int vtk_frame_read_geometry(const char *path, struct vtk_frame *frame) {
     return read_frame(path, false, frame);
 }
 

@@ -11,18 +11,18 @@ struct vtk_frame {
     int count;       /* points */
     int triangles;   /* triangles of a surface; 0: the file has one vertex cell per point */
     float *x;        /* positions, m,       count x 3 */
-    float *velocity; /* m/s,                count x 3; NULL in a file of boundary points */
+    float *velocity; /* m/s,                count x 3; NULL in a file without data */
     float *density;  /* kg/m^3,             count; NULL for a surface */
     float *pressure; /* Pa,                 count; NULL for a surface */
     int *triangle;   /* corner indices,     triangles x 3 */
 };
 
-/* Reads a body's points with their data; vtk_frame_read_boundary() reads a file of points
- * without data. Memory is bounded by the size of the file. Both return EXIT_GOOD; or print a
- * message with the file, the byte offset and the expected content, leave nothing to be freed and
- * return EXIT_BAD_INPUT (EXIT_FAILED: out of memory). */
+/* Reads a body's points with their data; vtk_frame_read_geometry() reads a file without data, of
+ * boundary points or a solid. Memory is bounded by the size of the file. Both return EXIT_GOOD; or
+ * print a message with the file, the byte offset and the expected content, leave nothing to be
+ * freed and return EXIT_BAD_INPUT (EXIT_FAILED: out of memory). */
 int vtk_frame_read(const char *path, struct vtk_frame *frame);
-int vtk_frame_read_boundary(const char *path, struct vtk_frame *frame);
+int vtk_frame_read_geometry(const char *path, struct vtk_frame *frame);
 
 void vtk_frame_free(struct vtk_frame *frame);
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes the pictures of docs/guide/gallery.md: runs the scenes of the plug-ins and a few others (minutes), and
-# takes a picture of the replay page's last frame. Usage: gallery.sh [NAME...]
+# draws the last frame of each. Usage: gallery.sh [NAME...]
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh >/dev/null
@@ -13,12 +13,7 @@ cp build/examples/*.so "$dir/plugin"
 
 picture() { # NAME SCENE TIME [HIDDEN]
     build/app/projdyn run "$2" --allow-plugins -o "$dir/$1" --time "$3" --quiet 2>/dev/null
-    build/app/projdyn replay "$dir/$1" >/dev/null
-    rm -f "$dir/profile/SingletonLock"
-    chromium --headless --no-sandbox --disable-gpu --use-gl=angle --use-angle=swiftshader \
-        --enable-unsafe-swiftshader --hide-scrollbars --user-data-dir="$dir/profile" --window-size=640,400 \
-        --virtual-time-budget=10000 --screenshot="docs/gallery/$1.png" \
-        "file://$dir/$1/replay.html#frame=100000&play=0&hide=${4:-}" >/dev/null 2>&1
+    build/app/projdyn render "$dir/$1" -o "docs/gallery/$1.png" --size 640x400 --view "hide=${4:-}" >/dev/null
     echo "docs/gallery/$1.png"
 }
 if [ $# = 0 ]; then

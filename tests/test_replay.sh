@@ -1,12 +1,9 @@
 #!/bin/sh
-# Runs a scene for a moment, makes the replay page and looks at it in a browser.
-# Usage: test_replay.sh PROJDYN SCENE.json
+# Runs a scene for a moment, makes the replay page, and compares pictures that `projdyn render` draws
+# of it with and without each part. Usage: test_replay.sh PROJDYN SCENE.json
 set -eu
 projdyn=$1 scene=$2
-browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome) || {
-    echo "skipped: chromium is not installed"
-    exit 77
-}
+here=$(cd "$(dirname "$0")" && pwd)
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
@@ -15,131 +12,87 @@ fail() {
     exit 1
 }
 
-# expect_error EXIT-CODE WORDS ARGUMENTS...: the code, and the words in the message
+# expect_error EXIT-CODE WORDS COMMAND ARGUMENTS...: the code, and the words in the message
 expect_error() {
     expected=$1 words=$2 code=0
     shift 2
-    "$projdyn" replay "$@" >"$folder/out" 2>&1 || code=$?
-    [ "$code" -eq "$expected" ] || fail "replay $*: exit code $code, expected $expected"
-    grep -qF -- "$words" "$folder/out" || fail "replay $*: no \"$words\" in: $(cat "$folder/out")"
+    "$projdyn" "$@" >"$folder/out" 2>&1 || code=$?
+    [ "$code" -eq "$expected" ] || fail "$*: exit code $code, expected $expected: $(cat "$folder/out")"
+    grep -qF -- "$words" "$folder/out" || fail "$*: no \"$words\" in: $(cat "$folder/out")"
 }
 
-screenshot() { # PAGE HASH PICTURE
-    timeout 120 "$browser" --headless --no-sandbox --disable-gpu --use-gl=angle \
-        --use-angle=swiftshader --enable-unsafe-swiftshader --disable-quic --no-first-run \
-        --disable-background-networking --disable-component-update --disable-sync \
-        --hide-scrollbars --user-data-dir="$folder/profile" --window-size=1280,720 \
-        --virtual-time-budget=10000 --screenshot="$3" "file://$1#$2" >"$folder/browser" 2>&1 ||
-        fail "the browser: $(tail -n 5 "$folder/browser")"
-    [ -s "$3" ] || fail "the browser made no picture: $(tail -n 5 "$folder/browser")"
-}
-
-# Counts the pixels of water (blue to green) and of cloth (orange) in the middle of the view, where
-# nothing lies over the scene.
-count_colours() { # PICTURE
-    python3 - "$1" <<'PYTHON'
-import struct
-import sys
-import zlib
-
-data = open(sys.argv[1], "rb").read()
-assert data[:8] == b"\x89PNG\r\n\x1a\n", "no PNG"
-at, packed = 8, b""
-while at < len(data):
-    size, kind = struct.unpack(">I4s", data[at:at + 8])
-    body = data[at + 8:at + 8 + size]
-    if kind == b"IHDR":
-        width, height, depth, colour, _, _, interlaced = struct.unpack(">IIBBBBB", body)
-    if kind == b"IDAT":
-        packed += body
-    at += 12 + size
-assert depth == 8 and colour in (2, 6) and not interlaced, "unexpected kind of PNG"
-channels = 3 if colour == 2 else 4
-stride = width * channels
-raw = zlib.decompress(packed)
-
-
-def paeth(a, b, c):
-    p = a + b - c
-    distance = abs(p - a), abs(p - b), abs(p - c)
-    return (a, b, c)[distance.index(min(distance))]
-
-
-predict = [lambda a, b, c: 0, lambda a, b, c: a, lambda a, b, c: b,
-           lambda a, b, c: (a + b) // 2, paeth]
-row, water, cloth = bytearray(stride), 0, 0
-for y in range(height):
-    line = raw[y * (stride + 1):(y + 1) * (stride + 1)]
-    above, row, guess = row, bytearray(line[1:]), predict[line[0]]
-    for i in range(stride):
-        left = i >= channels
-        row[i] = (row[i] + guess(row[i - channels] if left else 0, above[i],
-                                 above[i - channels] if left else 0)) & 255
-    if 0.27 < y / height < 0.9:
-        for x in range(int(0.05 * width), int(0.65 * width)):
-            r, g, b = row[x * channels:x * channels + 3]
-            water += b > 90 and g > r + 25 and b > r + 40
-            cloth += r > 90 and r > g + 35 and g > b + 5
-print(water, cloth)
-PYTHON
-}
-
-expect_pixels() { # PICTURE
-    counts=$(count_colours "$1")
-    echo "$(basename "$1"): pixels of water and cloth: $counts"
-    [ "${counts% *}" -ge 1500 ] || fail "$1: expected at least 1500 pixels of water"
-    [ "${counts#* }" -ge 1500 ] || fail "$1: expected at least 1500 pixels of cloth"
-}
-
+# A box of glass, a ball of stone and a wall that moves.
 run=$folder/run
-"$projdyn" run "$scene" -o "$run" --time 0.1 --quiet
+"$projdyn" run "$scene" -o "$run" --time 0.2 --quiet --set 'solids=[
+    {"name": "tank", "box": {"minimum": [-0.6, 0, -0.6], "maximum": [0.6, 0.4, 0.6]}, "open": ["+y"]},
+    {"name": "ball", "sphere": {"center": [0.45, 0.15, 0.45], "radius": 0.12}},
+    {"name": "rod", "capsule": {"from": [-0.5, 0.1, 0.5], "to": [-0.2, 0.1, 0.5], "radius": 0.05},
+     "motion": [{"time": 0}, {"time": 0.2, "translate": [0, 0.3, 0]}]}]'
 "$projdyn" replay "$run" -o "$folder/replay.html"
 grep -qE '(src|href)=|https?://' "$folder/replay.html" && fail "the page refers to something else"
-screenshot "$folder/replay.html" "frame=3&play=0" "$folder/third.png"
-expect_pixels "$folder/third.png"
-
-# Without the report everything is still shown.
-mv "$run/report.json" "$folder/report.json"
-"$projdyn" replay "$run" 2>"$folder/out"
-grep -q "no report.json" "$folder/out" || fail "no word about the missing report"
-screenshot "$run/replay.html" "frame=1&play=0" "$folder/first.png"
-expect_pixels "$folder/first.png"
-mv "$folder/report.json" "$run/report.json"
-
-# Solids that move are drawn where they are in a frame, with a report or without.
-"$projdyn" run "$scene" -o "$folder/moving" --time 0.1 --quiet \
-    --set 'solids.tank.motion=[{"time": 0}, {"time": 1, "translate": [0, -1, 0]}]'
-for report in told missing; do
-    "$projdyn" replay "$folder/moving" 2>"$folder/out"
-    grep -q '"moving":{"count":' "$folder/moving/replay.html" || fail "nothing moves in the page"
-    screenshot "$folder/moving/replay.html" "frame=3&play=0" "$folder/moving_$report.png"
-    expect_pixels "$folder/moving_$report.png"
-    rm -f "$folder/moving/report.json"
-done
 
 # Bad input names the file and leaves no page.
 water=$run/water_000003.vtk
-rm "$run/replay.html"
 cp "$water" "$folder/water.vtk"
 head -c 5000 "$folder/water.vtk" >"$water"
-expect_error 2 "water_000003.vtk: byte 100: truncated: expected 2400 numbers of POINTS, found 1225" "$run"
+expect_error 2 "water_000003.vtk: byte 100: truncated: expected 2400 numbers of POINTS, found 1225" replay "$run"
 echo "solid cube" >"$water"
-expect_error 2 "expected the line \"# vtk DataFile Version 4.2\", found \"solid cube\"" "$run"
+expect_error 2 "expected the line \"# vtk DataFile Version 4.2\", found \"solid cube\"" replay "$run"
 cp "$run/sheet_000003.vtk" "$water"
-expect_error 2 "expected 800 points and 0 triangles as in the first frame, found 625" "$run"
+expect_error 2 "expected 800 points and 0 triangles as in the first frame, found 625" replay "$run"
 { cat "$folder/water.vtk"; echo more; } >"$water"
-expect_error 2 "expected the end of the file, found 5 more bytes" "$run"
+expect_error 2 "expected the end of the file, found 5 more bytes" replay "$run"
 rm "$water"
-expect_error 2 "water_000003.vtk: cannot open" "$run"
+expect_error 2 "water_000003.vtk: cannot open" replay "$run"
 cp "$folder/water.vtk" "$water"
 cp "$run/metrics.csv" "$folder/metrics.csv"
 echo "0.5,oops" >>"$run/metrics.csv"
-expect_error 2 "expected 27 cells, found 2" "$run"
+expect_error 2 "expected 27 cells, found 2" replay "$run"
 cp "$folder/metrics.csv" "$run/metrics.csv"
+mv "$run/solids/ball.vtk" "$folder/ball.vtk"
+expect_error 2 "solids/ball.vtk: cannot open" replay "$run"
+mv "$folder/ball.vtk" "$run/solids/ball.vtk"
 mkdir "$folder/empty"
-expect_error 2 "expected the output of a run" "$folder/empty"
-expect_error 2 "cannot read the directory" "$folder/nowhere"
-expect_error 2 "expected one directory"
-expect_error 1 "cannot create the file" "$run" -o "$folder/nowhere/replay.html"
+expect_error 2 "expected the output of a run" replay "$folder/empty"
+expect_error 2 "cannot read the directory" replay "$folder/nowhere"
+expect_error 2 "expected one directory" replay
+expect_error 1 "cannot create the file" replay "$run" -o "$folder/nowhere/replay.html"
 [ ! -e "$run/replay.html" ] && [ ! -e "$run/replay.html.tmp" ] || fail "a bad run left a page"
+expect_error 2 "expected one directory and -o FILE" render "$run"
+expect_error 2 "ends with .png, .mp4, .webm or .gif" render "$run" -o "$folder/film.avi"
+expect_error 2 "--size 99x100: expected WIDTHxHEIGHT" render "$run" -o "$folder/a.png" --size 99x100
+expect_error 2 "--frame 11: expected at most 10" render "$run" -o "$folder/a.png" --frame 11
+PATH=$folder "$projdyn" render "$run" -o "$folder/a.png" 2>"$folder/out" && fail "a picture without a browser"
+grep -q "apt-get install chromium" "$folder/out" || fail "no word about the missing browser: $(cat "$folder/out")"
+[ ! -e "$folder/a.png" ] || fail "a picture without a browser"
+
+command -v chromium >/dev/null || command -v chromium-browser >/dev/null || command -v google-chrome >/dev/null || {
+    echo "skipped: chromium is not installed"
+    exit 77
+}
+
+picture() { # NAME VIEW [DIRECTORY]
+    "$projdyn" render "${3:-$run}" -o "$folder/$1.png" --size 480x300 --view "$2" >"$folder/out" 2>&1 ||
+        fail "render: $(cat "$folder/out")"
+}
+picture all ""
+for part in water sheet tank ball rod; do picture "no_$part" "hide=$part"; done
+picture particles "look=particles"
+for view in surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0; do
+    picture "$view" "$view"
+done
+
+# Without the report, the bodies are still shown.
+mv "$run/report.json" "$folder/report.json"
+picture no_report ""
+grep -q "no report.json" "$folder/out" || fail "no word about the missing report"
+mv "$folder/report.json" "$run/report.json"
+"${PYTHON:-python3}" "$here/compare_pictures.py" "$folder"
+
+# Films.
+if command -v ffmpeg >/dev/null; then
+    "$projdyn" render "$run" -o "$folder/film.mp4" --size 64x48 >/dev/null
+    grep -aq ftypisom "$folder/film.mp4" || fail "no film"
+    [ ! -e "$folder/film.mp4.tmp" ] || fail "a temporary film is left"
+fi
 echo "all checks passed"

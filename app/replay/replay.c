@@ -14,13 +14,7 @@ static const char usage[] =
 
 static int replay(struct run *run, const char *output) {
     char path[REPLAY_PATH];
-    int code = replay_open(run);
-    if (code == EXIT_GOOD && !run->report)
-        fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
-              "not shown\n",
-              stderr);
-    if (code == EXIT_GOOD) code = replay_read_metrics(run);
-    if (code == EXIT_GOOD) code = replay_find_ranges(run);
+    int code = replay_load(run);
     if (code == EXIT_GOOD && !output && !replay_path(path, run, "replay", ".html"))
         code = replay_error("%s: the path is too long", run->directory);
     if (code == EXIT_GOOD) code = replay_write_page(run, output ? output : path);

@@ -6,28 +6,39 @@ static json_t *box_to_json(const struct box *box) {
                      box->max[1], box->max[2]);
 }
 
-static json_t *frame_points_to_json(const struct run *run, const struct body *body) {
+static json_t *frame_points_to_json(const struct run *run, const struct part *part) {
     json_t *points = json_array();
-    for (int f = 0; f < run->frames; f++)
-        json_array_append_new(points, json_integer(body->frame_points[f]));
+    for (int f = 0; f < replay_frames(run, part); f++)
+        json_array_append_new(points, json_integer(part->frame_points[f]));
     return points;
 }
 
-/* Array of the bodies; NULL if memory ran out. */
-static json_t *bodies_to_json(const struct run *run) {
-    json_t *bodies = json_array();
+/* Largest values of a part's channels, by the names that the page has for them. */
+static json_t *most_to_json(const struct part *part) {
+    static const char *const names[CHANNELS] = {"speed", "error", "pressure", "filled"};
+    json_t *most = json_object();
+    for (int c = 0; c < part->channels; c++)
+        json_object_set_new(most, names[c], json_real(part->most[c]));
+    return most;
+}
+
+static json_t *part_to_json(const struct run *run, const struct part *part) {
+    return json_pack("{s:s, s:s?, s:b, s:b, s:i, s:o, s:i, s:o, s:f, s:o}", "name", part->name,
+                     "kind", part->shape, "rest", part->rest, "fluid",
+                     part->fluid && !part->triangles, "count", part->count, "points",
+                     frame_points_to_json(run, part), "triangles", part->triangles, "box",
+                     box_to_json(&part->box), "radius", part->radius, "most", most_to_json(part));
+}
+
+/* Array of the parts of one kind; NULL if memory ran out. */
+static json_t *parts_to_json(const struct run *run, enum part_kind kind) {
+    json_t *parts = json_array();
     int failed = 0;
-    for (int b = 0; b < run->body_count; b++) {
-        const struct body *body = &run->body[b];
-        failed |= json_array_append_new(
-            bodies,
-            json_pack("{s:s, s:i, s:o, s:i, s:f, s:b, s:f, s:f}", "name", body->name, "count",
-                      body->count, "points", frame_points_to_json(run, body), "triangles",
-                      body->triangles, "radius", body->radius, "density", body->rest_density > 0.0,
-                      "max_speed", body->max_speed, "max_error", body->max_error));
-    }
-    if (!failed) return bodies;
-    json_decref(bodies);
+    for (int p = 0; p < run->parts; p++)
+        if (run->part[p].kind == kind)
+            failed |= json_array_append_new(parts, part_to_json(run, &run->part[p]));
+    if (!failed) return parts;
+    json_decref(parts);
     return NULL;
 }
 
@@ -62,16 +73,11 @@ static json_t *warnings_to_json(const struct run *run) {
 }
 
 json_t *replay_metadata(const struct run *run) {
-    json_t *times = json_array(), *boundary = json_null(), *moving = json_null();
+    json_t *times = json_array();
     for (int f = 0; f < run->frames; f++)
-        json_array_append_new(times, json_real(replay_time(&run->body[0], f)));
-    if (run->boundary.count)
-        boundary = json_pack("{s:i, s:o}", "count", run->boundary.count, "box",
-                             box_to_json(&run->boundary_box));
-    if (run->part_count > run->body_count)
-        moving = json_pack("{s:i}", "count", run->body[run->body_count].count);
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:O?}", "about", facts_to_json(run),
-                     "times", times, "box", box_to_json(&run->box), "bodies", bodies_to_json(run),
-                     "boundary", boundary, "moving", moving, "warnings", warnings_to_json(run),
+        json_array_append_new(times, json_real(replay_time(&run->part[0], f)));
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?}", "about", facts_to_json(run), "times",
+                     times, "bodies", parts_to_json(run, BODY), "solids", parts_to_json(run, SOLID),
+                     "boundary", parts_to_json(run, BOUNDARY), "warnings", warnings_to_json(run),
                      "metrics", run->metrics);
 }

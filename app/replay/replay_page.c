@@ -30,7 +30,6 @@ static int write_metadata(struct stream *stream, const struct run *run) {
 /* Writes the template; replaces @META@ by the metadata and @DATA@ by the data. */
 static int write_page(const struct run *run, struct stream *stream) {
     static const char meta[] = "@META@", data[] = "@DATA@";
-    const char *end = replay_template + replay_template_size();
     const char *at_meta = strstr(replay_template, meta), *at_data = strstr(replay_template, data);
     stream_text(stream, replay_template, (size_t)(at_meta - replay_template));
     int code = write_metadata(stream, run);
@@ -38,7 +37,7 @@ static int write_page(const struct run *run, struct stream *stream) {
     stream_text(stream, at_meta, (size_t)(at_data - at_meta));
     if (code == EXIT_GOOD) code = replay_write_data(run, stream);
     at_data += sizeof data - 1;
-    stream_text(stream, at_data, (size_t)(end - at_data));
+    stream_text(stream, at_data, strlen(at_data));
     return code;
 }
 

@@ -8,13 +8,12 @@
  * it is EXIT_GOOD. */
 int replay_write_page(const struct run *run, const char *path);
 
-/* Metadata for the placeholder @META@: bodies, times, boxes, facts about the run, columns for
- * the plots. The caller releases the object; NULL if memory ran out. */
+/* Metadata for the placeholder @META@: times, parts, facts about the run, columns for the plots.
+ * The caller releases the object; NULL if memory ran out. */
 json_t *replay_metadata(const struct run *run);
 
-/* replay.html as embedded at build time, NUL-terminated, with the placeholders @META@ and
- * @DATA@. */
+/* The page as joined at build time from the files of page/ (embed_page.py), NUL-terminated, with
+ * the placeholders @META@ and @DATA@. */
 extern const char replay_template[];
-size_t replay_template_size(void);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLANES = 5 }; /* x, y, z, speed, density error */
+enum { PLANES = 3 + CHANNELS }; /* x, y, z, and the channels */
 
 /* One quantised number per point, in the current frame and in the two frames before it. */
 struct plane {
@@ -21,10 +21,10 @@ static uint16_t quantise(double value, double min, double max, double levels) {
 
 /* ---- memory ---------------------------------------------------------------------------------- */
 
-static int plane_count(const struct body *body) { return body->has_channels ? PLANES : 3; }
+static int plane_count(const struct part *part) { return 3 + part->channels; }
 
 static void free_planes(const struct run *run, struct plane (*plane)[PLANES]) {
-    for (int b = 0; b < run->part_count && plane; b++)
+    for (int b = 0; b < run->parts && plane; b++)
         for (int p = 0; p < PLANES; p++) {
             free(plane[b][p].now);
             free(plane[b][p].previous);
@@ -33,13 +33,13 @@ static void free_planes(const struct run *run, struct plane (*plane)[PLANES]) {
     free(plane);
 }
 
-/* Planes of every body, zeroed; NULL if memory ran out. */
+/* Planes of every part, zeroed; NULL if memory ran out. */
 static struct plane (*make_planes(const struct run *run))[PLANES] {
-    struct plane(*planes)[PLANES] = calloc((size_t)run->part_count, sizeof *planes);
+    struct plane(*planes)[PLANES] = calloc((size_t)run->parts, sizeof *planes);
     bool good = planes;
-    for (int b = 0; b < run->part_count && good; b++) {
-        size_t count = (size_t)run->body[b].count + 1; /* + 1: a body may never have had points */
-        for (int p = 0; p < plane_count(&run->body[b]) && good; p++) {
+    for (int b = 0; b < run->parts && good; b++) {
+        size_t count = (size_t)run->part[b].count + 1; /* + 1: a part may never have had points */
+        for (int p = 0; p < plane_count(&run->part[b]) && good; p++) {
             struct plane *plane = &planes[b][p];
             plane->wide = p < 3;
             plane->now = calloc(count, sizeof *plane->now);
@@ -106,66 +106,51 @@ static void write_plane(struct stream *stream, struct plane *plane, int count, i
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* Positions are quantised linearly in the box of the run, speed and density error by their
- * square root: a few large values set the range, and the root keeps small values distinct.
- * Points that a frame does not have are zero. */
-static void quantise_frame(const struct run *run, const struct body *body, struct plane *plane,
+/* Positions are quantised linearly in the box of the part, channels by their square root: a few
+ * large values set the range, and the root keeps small values distinct. Points that a frame does
+ * not have are zero. */
+static void quantise_frame(const struct part *part, struct plane *plane,
                            const struct vtk_frame *frame) {
-    for (int p = 0; p < plane_count(body); p++)
-        memset(plane[p].now, 0, (size_t)body->count * sizeof *plane[p].now);
+    for (int p = 0; p < plane_count(part); p++)
+        memset(plane[p].now, 0, (size_t)part->count * sizeof *plane[p].now);
     for (int i = 0; i < frame->count; i++) {
         for (int k = 0; k < 3; k++)
             plane[k].now[i] =
-                quantise(frame->x[3 * i + k], run->box.min[k], run->box.max[k], 65535.0);
-        if (!frame->density) continue;
-        plane[3].now[i] = quantise(sqrt(replay_speed(frame, i)), 0.0, sqrt(body->max_speed), 255.0);
-        plane[4].now[i] =
-            quantise(sqrt(replay_density_error(body, frame, i)), 0.0, sqrt(body->max_error), 255.0);
+                quantise(frame->x[3 * i + k], part->box.min[k], part->box.max[k], 65535.0);
+        for (int c = 0; c < part->channels; c++)
+            plane[3 + c].now[i] = quantise(sqrt(replay_value(part, frame, (enum channel)c, i)), 0.0,
+                                           sqrt(part->most[c]), 255.0);
     }
 }
 
-/* plane: PLANES of body[b] */
-static int write_frame(const struct run *run, struct stream *stream, struct plane *plane, int b,
-                       int f) {
-    const struct body *body = &run->body[b];
+static int write_frame(const struct run *run, const struct part *part, struct stream *stream,
+                       struct plane *plane, int f) {
     char path[REPLAY_PATH];
     struct vtk_frame frame;
-    int code = replay_read_frame(run, b, f, path, &frame);
+    int code = replay_read_frame(run, part, f, path, &frame);
     if (code != EXIT_GOOD) return code;
-    code = replay_check_frame(body, &frame, path);
-    if (code == EXIT_GOOD && frame.count != body->frame_points[f])
+    code = replay_check_frame(part, &frame, path);
+    if (code == EXIT_GOOD && frame.count != part->frame_points[f])
         code = replay_error("%s: the file changed during the replay: expected %d points, found %d",
-                            path, body->frame_points[f], frame.count);
-    unsigned char *scratch = malloc(2 * (size_t)body->count + 1);
+                            path, part->frame_points[f], frame.count);
+    unsigned char *scratch = malloc(2 * (size_t)part->count + 1);
     if (code == EXIT_GOOD && !scratch) code = report_no_memory();
     if (code == EXIT_GOOD) {
-        quantise_frame(run, body, plane, &frame);
-        for (int p = 0; p < plane_count(body); p++)
-            write_plane(stream, &plane[p], body->count, f, scratch);
+        quantise_frame(part, plane, &frame);
+        for (int p = 0; p < plane_count(part); p++)
+            write_plane(stream, &plane[p], part->count, f, scratch);
     }
     free(scratch);
     vtk_frame_free(&frame);
     return code;
 }
 
-/* ---- data that do not change ----------------------------------------------------------------- */
-
 /* Corner indices, 32 bits, little endian as in the typed arrays of JavaScript. */
-static void write_triangles(struct stream *stream, const struct body *body) {
-    for (int i = 0; i < 3 * body->triangles; i++) {
-        unsigned corner = (unsigned)body->triangle[i];
+static void write_triangles(struct stream *stream, const struct part *part) {
+    for (int i = 0; i < 3 * part->triangles; i++) {
+        unsigned corner = (unsigned)part->triangle[i];
         unsigned char bytes[4] = {(unsigned char)corner, (unsigned char)(corner >> 8),
                                   (unsigned char)(corner >> 16), (unsigned char)(corner >> 24)};
-        stream_bytes(stream, bytes, sizeof bytes);
-    }
-}
-
-/* Positions of the fixed boundary points, 16 bits, little endian. */
-static void write_boundary(struct stream *stream, const struct run *run) {
-    const struct box *box = &run->boundary_box;
-    for (int i = 0; i < 3 * run->boundary.count; i++) {
-        unsigned value = quantise(run->boundary.x[i], box->min[i % 3], box->max[i % 3], 65535.0);
-        unsigned char bytes[2] = {(unsigned char)value, (unsigned char)(value >> 8)};
         stream_bytes(stream, bytes, sizeof bytes);
     }
 }
@@ -178,11 +163,11 @@ int replay_write_data(const struct run *run, struct stream *stream) {
         return report_no_memory();
     }
     int code = EXIT_GOOD;
-    for (int b = 0; b < run->body_count; b++) write_triangles(stream, &run->body[b]);
-    write_boundary(stream, run);
+    for (int p = 0; p < run->parts; p++) write_triangles(stream, &run->part[p]);
     for (int f = 0; f < run->frames && code == EXIT_GOOD && !stream->failed; f++)
-        for (int b = 0; b < run->part_count && code == EXIT_GOOD; b++)
-            code = write_frame(run, stream, plane[b], b, f);
+        for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
+            if (f < replay_frames(run, &run->part[p]))
+                code = write_frame(run, &run->part[p], stream, plane[p], f);
     stream_end_data(stream, code == EXIT_GOOD);
     free_planes(run, plane);
     return code;

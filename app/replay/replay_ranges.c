@@ -1,11 +1,11 @@
 /* Reads all frames of a run for the ranges of their values: bounding boxes, numbers of points,
- * largest speed and density error. */
+ * largest values of the channels. */
 #include "replay_run.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { RADIUS_SAMPLES = 64 }; /* particles, see estimate_radius() */
 
@@ -21,14 +21,17 @@ static void extend_box(struct box *box, const struct vtk_frame *frame) {
         }
 }
 
-double replay_speed(const struct vtk_frame *frame, int i) {
+static double speed(const struct vtk_frame *frame, int i) {
     const float *v = frame->velocity + 3 * i;
     return sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
 }
 
-double replay_density_error(const struct body *body, const struct vtk_frame *frame, int i) {
-    if (body->rest_density <= 0.0) return 0.0;
-    return fmin(1e9, fmax(0.0, frame->density[i] / body->rest_density - 1.0));
+double replay_value(const struct part *part, const struct vtk_frame *frame, enum channel channel,
+                    int i) {
+    if (channel == SPEED) return speed(frame, i);
+    if (channel == PRESSURE) return fmax(0.0, frame->pressure[i]);
+    double ratio = part->rest_density > 0.0 ? frame->density[i] / part->rest_density : 1.0;
+    return channel == FILLED ? fmin(1.0, fmax(0.0, ratio)) : fmin(1e9, fmax(0.0, ratio - 1.0));
 }
 
 static int compare_doubles(const void *a, const void *b) {
@@ -58,86 +61,92 @@ static double estimate_radius(const struct vtk_frame *frame) {
     return isfinite(radius) && radius > 0.0 ? radius : 0.01;
 }
 
-/* Takes the mesh from the first frame of a body. */
-static int init_body(struct body *body, struct vtk_frame *frame, int frames) {
-    body->triangles = frame->triangles;
-    body->triangle = frame->triangle;
-    body->count = frame->count;
+/* Takes the mesh from the first frame of a part. */
+static int init_part(struct part *part, struct vtk_frame *frame, int frames) {
+    part->triangles = frame->triangles;
+    part->triangle = frame->triangle;
+    part->count = frame->count;
     frame->triangle = NULL;
-    body->has_channels = frame->density || !frame->count;
-    body->frame_points = calloc((size_t)frames, sizeof *body->frame_points);
-    return body->frame_points ? EXIT_GOOD : report_no_memory();
+    if (part->kind == BODY) part->channels = part->triangles ? SPEED + 1 : CHANNELS;
+    part->frame_points = calloc((size_t)frames, sizeof *part->frame_points);
+    return part->frame_points ? EXIT_GOOD : report_no_memory();
 }
 
-int replay_check_frame(const struct body *body, const struct vtk_frame *frame, const char *path) {
-    bool other_count = body->triangles && frame->count != body->count;
-    if (other_count || frame->triangles != body->triangles)
+int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path) {
+    bool other_count = part->triangles && frame->count != part->count;
+    if (other_count || frame->triangles != part->triangles)
         return replay_error("%s: expected %d points and %d triangles as in the first frame, "
                             "found %d and %d",
-                            path, body->count, body->triangles, frame->count, frame->triangles);
+                            path, part->count, part->triangles, frame->count, frame->triangles);
     size_t size = 3 * (size_t)frame->triangles * sizeof *frame->triangle;
-    if (size && memcmp(frame->triangle, body->triangle, size))
+    if (size && memcmp(frame->triangle, part->triangle, size))
         return replay_error("%s: expected the same triangles as in the first frame", path);
     return EXIT_GOOD;
 }
 
-/* Checks the number of points against "count" in report.json: equal for a mesh, at most "count"
- * for particles. */
-static int check_point_count(const struct run *run, int b, const struct vtk_frame *frame,
-                             const char *path) {
-    json_t *count = json_object_get(json_array_get(run->body_list, (size_t)b), "count");
+/* Checks the number of points of a body against "count" in report.json: equal for a mesh, at most
+ * "count" for particles. */
+static int check_point_count(const struct run *run, const struct part *part,
+                             const struct vtk_frame *frame, const char *path) {
+    json_t *count =
+        json_object_get(json_array_get(run->body_list, (size_t)(part - run->part)), "count");
     long long most = json_integer_value(count), least = frame->triangles ? most : 0;
-    if (!run->report || b == run->body_count || (frame->count >= least && frame->count <= most))
+    if (!run->report || part->kind != BODY || (frame->count >= least && frame->count <= most))
         return EXIT_GOOD;
     return replay_error("%s: expected %s%lld points (\"count\" in report.json), found %d", path,
                         frame->triangles ? "" : "at most ", most, frame->count);
 }
 
-/* Updates the ranges with frame f of body[b]. */
-static int add_frame(struct run *run, int b, struct vtk_frame *frame, int f, const char *path) {
-    struct body *body = &run->body[b];
-    int code = f ? replay_check_frame(body, frame, path) : EXIT_GOOD;
-    if (code == EXIT_GOOD) code = check_point_count(run, b, frame, path);
-    if (code == EXIT_GOOD && !f) code = init_body(body, frame, run->frames);
+/* Updates the ranges of a part with frame f. */
+static int add_frame(const struct run *run, struct part *part, struct vtk_frame *frame, int f,
+                     const char *path) {
+    int code = f ? replay_check_frame(part, frame, path) : EXIT_GOOD;
+    if (code == EXIT_GOOD) code = check_point_count(run, part, frame, path);
+    if (code == EXIT_GOOD && !f) code = init_part(part, frame, run->frames);
     if (code != EXIT_GOOD) return code;
-    body->frame_points[f] = frame->count;
-    if (frame->count > body->count) body->count = frame->count;
-    if (frame->density && frame->count && !(body->radius > 0.0))
-        body->radius = estimate_radius(frame);
-    extend_box(&run->box, frame);
-    for (int i = 0; i < frame->count && frame->density; i++) {
-        body->max_speed = fmax(body->max_speed, replay_speed(frame, i));
-        body->max_error = fmax(body->max_error, replay_density_error(body, frame, i));
+    part->frame_points[f] = frame->count;
+    if (frame->count > part->count) part->count = frame->count;
+    if (frame->density && frame->count && !(part->radius > 0.0))
+        part->radius = estimate_radius(frame);
+    extend_box(&part->box, frame);
+    for (int c = 0; c < part->channels; c++)
+        for (int i = 0; i < frame->count; i++)
+            part->most[c] = fmax(part->most[c], replay_value(part, frame, (enum channel)c, i));
+    return EXIT_GOOD;
+}
+
+int replay_read_frame(const struct run *run, const struct part *part, int f, char path[REPLAY_PATH],
+                      struct vtk_frame *frame) {
+    json_t *entry = json_array_get(part->files, (size_t)f);
+    const char *name = json_string_value(json_object_get(entry, "name"));
+    int length = snprintf(path, REPLAY_PATH, "%s/%s%s", run->directory, part->folder, name);
+    if (length >= REPLAY_PATH) return replay_error("%s: the path is too long", name);
+    return part->kind == BODY ? vtk_frame_read(path, frame) : vtk_frame_read_geometry(path, frame);
+}
+
+static int find_part_ranges(const struct run *run, struct part *part) {
+    char path[REPLAY_PATH];
+    part->box = empty_box;
+    for (int f = 0; f < replay_frames(run, part); f++) {
+        struct vtk_frame frame;
+        int code = replay_read_frame(run, part, f, path, &frame);
+        if (code != EXIT_GOOD) return code;
+        code = add_frame(run, part, &frame, f, path);
+        vtk_frame_free(&frame);
+        if (code != EXIT_GOOD) return code;
     }
     return EXIT_GOOD;
 }
 
-int replay_read_frame(const struct run *run, int b, int f, char path[REPLAY_PATH],
-                      struct vtk_frame *frame) {
-    json_t *entry = json_array_get(run->body[b].files, (size_t)f);
-    const char *name = json_string_value(json_object_get(entry, "name"));
-    if (!replay_path(path, run, name, "")) return replay_error("%s: the path is too long", name);
-    return b < run->body_count ? vtk_frame_read(path, frame) : vtk_frame_read_boundary(path, frame);
-}
-
 int replay_find_ranges(struct run *run) {
-    char path[REPLAY_PATH];
-    int code = EXIT_GOOD;
-    run->box = run->boundary_box = empty_box;
-    for (int f = 0; f < run->frames; f++)
-        for (int b = 0; b < run->part_count; b++) {
-            struct vtk_frame frame;
-            code = replay_read_frame(run, b, f, path, &frame);
-            if (code != EXIT_GOOD) return code;
-            code = add_frame(run, b, &frame, f, path);
-            vtk_frame_free(&frame);
-            if (code != EXIT_GOOD) return code;
-        }
-    if (run->box.min[0] > run->box.max[0])
-        return replay_error("%s: expected at least one particle in some frame, found none",
-                            run->directory);
-    if (replay_path(path, run, "boundary", ".vtk") && access(path, F_OK) == 0)
-        code = vtk_frame_read_boundary(path, &run->boundary);
-    extend_box(&run->boundary_box, &run->boundary);
-    return code;
+    bool seen = false;
+    for (int p = 0; p < run->parts; p++) {
+        int code = find_part_ranges(run, &run->part[p]);
+        if (code != EXIT_GOOD) return code;
+        seen |= run->part[p].kind == BODY && run->part[p].count;
+        if (!run->part[p].count) run->part[p].box = (struct box){0};
+    }
+    if (seen) return EXIT_GOOD;
+    return replay_error("%s: expected at least one particle in some frame, found none",
+                        run->directory);
 }

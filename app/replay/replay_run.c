@@ -1,4 +1,4 @@
-/* Finds bodies and frames in the output directory of a run. */
+/* Finds parts and frames in the output directory of a run. */
 #include "replay_run.h"
 #include "read_file.h"
 
@@ -47,7 +47,7 @@ static int load_json(const char *path, json_t **out) {
     return EXIT_GOOD;
 }
 
-/* ---- the bodies ------------------------------------------------------------------------------ */
+/* ---- names and files ------------------------------------------------------------------------- */
 
 static int compare_names(const struct dirent **a, const struct dirent **b) {
     return strcmp((*a)->d_name, (*b)->d_name);
@@ -62,7 +62,7 @@ static int is_series(const struct dirent *entry) {
 }
 
 /* Bodies of a run without report.json (a killed run): each .vtk.series file but that of the
- * boundary. */
+ * boundary. Its solids are left out. */
 static int find_series(struct run *run) {
     struct dirent **entry;
     int count = scandir(run->directory, &entry, is_series, compare_names);
@@ -96,11 +96,11 @@ static int find_bodies(struct run *run) {
 }
 
 /* Checks that the frames are file names without a directory, with increasing times. */
-static int check_series(const struct body *body, const char *path) {
+static int check_series(const struct part *part, const char *path) {
     double last = -INFINITY;
-    if (!json_is_array(body->files)) return replay_error("%s: expected an array \"files\"", path);
-    for (size_t f = 0; f < json_array_size(body->files); f++) {
-        json_t *entry = json_array_get(body->files, f), *time = json_object_get(entry, "time");
+    if (!json_is_array(part->files)) return replay_error("%s: expected an array \"files\"", path);
+    for (size_t f = 0; f < json_array_size(part->files); f++) {
+        json_t *entry = json_array_get(part->files, f), *time = json_object_get(entry, "time");
         if (!is_plain_name(json_string_value(json_object_get(entry, "name"))))
             return replay_error(
                 "%s: files[%zu]: expected the \"name\" of a file in the same directory", path, f);
@@ -113,6 +113,23 @@ static int check_series(const struct body *body, const char *path) {
     return EXIT_GOOD;
 }
 
+/* Reads the list of frames FOLDER/NAME.vtk.series; a part at rest has the file NAME.vtk. */
+static int read_series(const struct run *run, struct part *part) {
+    char path[REPLAY_PATH], name[REPLAY_PATH];
+    snprintf(name, sizeof name, "%s%s", part->folder, part->name);
+    if (!replay_path(path, run, name, ".vtk.series"))
+        return replay_error("%s: the path is too long", part->name);
+    snprintf(name, sizeof name, "%s.vtk", part->name);
+    int code = EXIT_GOOD;
+    if (part->rest)
+        part->series = json_pack("{s:[{s:s, s:f}]}", "files", "name", name, "time", 0.0);
+    else code = load_json(path, &part->series);
+    part->files = json_object_get(part->series, "files");
+    return code == EXIT_GOOD ? check_series(part, path) : code;
+}
+
+/* ---- the parts ------------------------------------------------------------------------------- */
+
 /* A non-negative number of body b in report.json; 0 if it is missing or null. */
 static int read_body_number(const struct run *run, int b, const char *key, double *out) {
     json_t *value = json_object_get(json_array_get(run->body_list, (size_t)b), key);
@@ -123,82 +140,131 @@ static int read_body_number(const struct run *run, int b, const char *key, doubl
                         run->directory, b, key);
 }
 
+/* Whether the report has a constraint of type fluid on the body; true without a report. */
+static bool is_fluid(const struct run *run, const char *body) {
+    json_t *list = json_object_get(run->report, "parameters"), *one;
+    size_t k;
+    json_array_foreach(list, k, one) {
+        const char *type = json_string_value(json_object_get(one, "type"));
+        const char *on = json_string_value(json_object_get(one, "body"));
+        if (type && on && !strcmp(type, "fluid") && !strcmp(on, body)) return true;
+    }
+    return !run->report;
+}
+
 /* Reads name, list of frames, radius and rest density of body b. */
 static int open_body(struct run *run, int b) {
-    struct body *body = &run->body[b];
-    char path[REPLAY_PATH];
+    struct part *part = &run->part[run->parts++];
     json_t *entry = json_array_get(run->body_list, (size_t)b);
-    body->name = json_string_value(json_object_get(entry, "name"));
-    if (!is_plain_name(body->name) || !replay_path(path, run, body->name, ".vtk.series"))
+    *part = (struct part){.kind = BODY, .folder = ""};
+    part->name = json_string_value(json_object_get(entry, "name"));
+    if (!is_plain_name(part->name))
         return replay_error("%s/report.json: bodies[%d]: expected a \"name\" without '/'",
                             run->directory, b);
-    int code = load_json(path, &body->series);
-    body->files = json_object_get(body->series, "files");
-    if (code == EXIT_GOOD) code = check_series(body, path);
-    if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &body->radius);
-    if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &body->rest_density);
+    part->fluid = is_fluid(run, part->name);
+    int code = read_series(run, part);
+    if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
+    if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);
     return code;
 }
 
-/* Boundary points on moving solids: a part with points alone, after the bodies. */
-static int open_moving_boundary(struct run *run) {
-    struct body *moving = &run->body[run->body_count];
-    char path[REPLAY_PATH];
-    if (!replay_path(path, run, "boundary", ".vtk.series") || access(path, F_OK)) return EXIT_GOOD;
-    run->part_count++;
-    moving->name = "boundary";
-    int code = load_json(path, &moving->series);
-    moving->files = json_object_get(moving->series, "files");
-    return code == EXIT_GOOD ? check_series(moving, path) : code;
+/* Reads name, kind and list of frames of a solid in report.json; an entry without a file (of an
+ * older run) is left out. */
+static int open_solid(struct run *run, int s) {
+    struct part part = {.kind = SOLID, .folder = "solids/"};
+    int moving = 0;
+    json_t *entry = json_array_get(json_object_get(run->report, "solids"), (size_t)s);
+    if (!json_object_get(entry, "file")) return EXIT_GOOD;
+    if (json_unpack(entry, "{s:s, s:s, s:b}", "name", &part.name, "kind", &part.shape, "moving",
+                    &moving) ||
+        !is_plain_name(part.name))
+        return replay_error("%s/report.json: solids[%d]: expected \"name\", \"kind\" and "
+                            "\"moving\", a name without '/'",
+                            run->directory, s);
+    part.rest = !moving;
+    run->part[run->parts] = part;
+    return read_series(run, &run->part[run->parts++]);
 }
 
-double replay_time(const struct body *body, int f) {
-    return json_number_value(json_object_get(json_array_get(body->files, (size_t)f), "time"));
+/* Boundary points on solids at rest, and on those that move, if the files are there. */
+static int open_boundary(struct run *run) {
+    int code = EXIT_GOOD;
+    for (int rest = 0; rest < 2 && code == EXIT_GOOD; rest++) {
+        char path[REPLAY_PATH];
+        if (!replay_path(path, run, "boundary", rest ? ".vtk" : ".vtk.series") ||
+            access(path, F_OK))
+            continue;
+        struct part *part = &run->part[run->parts++];
+        *part = (struct part){.kind = BOUNDARY, .rest = rest, .folder = "", .name = "boundary"};
+        code = read_series(run, part);
+    }
+    return code;
+}
+
+/* ---- the run --------------------------------------------------------------------------------- */
+
+double replay_time(const struct part *part, int f) {
+    return json_number_value(json_object_get(json_array_get(part->files, (size_t)f), "time"));
+}
+
+int replay_frames(const struct run *run, const struct part *part) {
+    return part->rest ? 1 : run->frames;
 }
 
 /* Sets run->frames to the number of frames that all parts have (a killed run may lack the last
  * frame of some) and checks that their times agree. */
 static int count_frames(struct run *run) {
-    size_t frames = json_array_size(run->body[0].files);
-    for (int b = 1; b < run->part_count; b++) {
-        size_t more = json_array_size(run->body[b].files);
-        if (more < frames) frames = more;
+    size_t frames = json_array_size(run->part[0].files);
+    for (int p = 1; p < run->parts; p++) {
+        size_t more = json_array_size(run->part[p].files);
+        if (more < frames && !run->part[p].rest) frames = more;
     }
     if (!frames) return replay_error("%s: expected at least one frame, found none", run->directory);
     run->frames = (int)frames;
-    for (int b = 1; b < run->part_count; b++)
-        for (int f = 0; f < run->frames; f++) {
-            double time = replay_time(&run->body[b], f), expected = replay_time(&run->body[0], f);
+    for (int p = 1; p < run->parts; p++)
+        for (int f = 0; f < run->frames && !run->part[p].rest; f++) {
+            double time = replay_time(&run->part[p], f), expected = replay_time(&run->part[0], f);
             if (fabs(time - expected) > 1e-9 * (1.0 + fabs(expected)))
                 return replay_error(
-                    "%s/%s.vtk.series: files[%d]: expected the time %.9g of \"%s\", "
+                    "%s/%s%s.vtk.series: files[%d]: expected the time %.9g of \"%s\", "
                     "found %.9g",
-                    run->directory, run->body[b].name, f, expected, run->body[0].name, time);
+                    run->directory, run->part[p].folder, run->part[p].name, f, expected,
+                    run->part[0].name, time);
         }
     return EXIT_GOOD;
 }
 
-int replay_open(struct run *run) {
+static int open_parts(struct run *run) {
     int code = find_bodies(run);
     if (code != EXIT_GOOD) return code;
-    size_t count = json_array_size(run->body_list);
-    run->body = calloc(count + 1, sizeof *run->body);
-    if (!run->body) return report_no_memory();
-    run->body_count = run->part_count = (int)count;
-    for (int b = 0; b < run->body_count && code == EXIT_GOOD; b++) code = open_body(run, b);
-    if (code == EXIT_GOOD) code = open_moving_boundary(run);
+    int bodies = (int)json_array_size(run->body_list);
+    int solids = (int)json_array_size(json_object_get(run->report, "solids"));
+    run->part = calloc((size_t)bodies + (size_t)solids + 2, sizeof *run->part);
+    if (!run->part) return report_no_memory();
+    for (int b = 0; b < bodies && code == EXIT_GOOD; b++) code = open_body(run, b);
+    for (int s = 0; s < solids && code == EXIT_GOOD; s++) code = open_solid(run, s);
+    if (code == EXIT_GOOD) code = open_boundary(run);
     return code == EXIT_GOOD ? count_frames(run) : code;
 }
 
+int replay_load(struct run *run) {
+    int code = open_parts(run);
+    if (code == EXIT_GOOD && !run->report)
+        fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
+              "not shown\n",
+              stderr);
+    if (code == EXIT_GOOD) code = replay_read_metrics(run);
+    return code == EXIT_GOOD ? replay_find_ranges(run) : code;
+}
+
 void replay_close(struct run *run) {
-    for (int b = 0; b < run->part_count; b++) {
-        struct body *body = &run->body[b];
-        json_decref(body->series);
-        free(body->triangle);
-        free(body->frame_points);
+    for (int p = 0; p < run->parts; p++) {
+        struct part *part = &run->part[p];
+        json_decref(part->series);
+        free(part->triangle);
+        free(part->frame_points);
     }
-    free(run->body);
-    vtk_frame_free(&run->boundary);
+    free(run->part);
     json_decref(run->metrics);
     json_decref(run->body_list);
     json_decref(run->report);

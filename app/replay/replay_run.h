@@ -1,4 +1,4 @@
-/* Input of `projdyn replay`: the output directory of a run, with its bodies, the files of their
+/* Input of `projdyn replay`: the output directory of a run, with its parts, the files of their
  * frames and the ranges of their values. Frames are read twice: first for the ranges, then for
  * the page. */
 #ifndef REPLAY_RUN_H
@@ -16,20 +16,36 @@ struct box {
     double min[3], max[3];
 };
 
-/* A body, or the boundary points on moving solids. */
-struct body {
-    const char *name;    /* owned by run->body_list */
-    json_t *series;      /* content of NAME.vtk.series */
-    json_t *files;       /* its array of frames */
-    int count;           /* points, maximum over the frames */
-    int triangles;       /* 0 for particles */
-    int *frame_points;   /* points of each frame; particles may enter and leave */
-    int *triangle;       /* triangles x 3 */
-    bool has_channels;   /* particles: the page stores their speed and density error */
-    double radius;       /* of particles, m */
-    double rest_density; /* of particles, kg/m^3; 0: unknown */
-    double max_speed;    /* m/s */
-    double max_error;    /* largest density error, relative */
+/* Values of points that the page can show as colours, and what it needs to draw water. */
+enum channel {
+    SPEED,         /* m/s */
+    DENSITY_ERROR, /* relative, see replay_value() */
+    PRESSURE,      /* Pa; negative ones count as 0 */
+    FILLED,        /* density over rest density, at most 1; 1 if the rest density is unknown */
+    CHANNELS
+};
+
+enum part_kind { BODY, SOLID, BOUNDARY };
+
+/* A body, a solid or the boundary points. */
+struct part {
+    enum part_kind kind;
+    bool rest;             /* one file for all frames */
+    const char *folder;    /* of its files in the directory of the run: "" or "solids/" */
+    const char *name;      /* owned by the report, or by run->body_list */
+    const char *shape;     /* of a solid: "box", "mesh", ... */
+    json_t *series;        /* content of NAME.vtk.series, or the like for a part at rest */
+    json_t *files;         /* its array of frames */
+    int count;             /* points, maximum over the frames */
+    int triangles;         /* 0 for particles and boundary points */
+    int *frame_points;     /* points of each frame; particles may enter and leave */
+    int *triangle;         /* triangles x 3 */
+    struct box box;        /* of all points in all frames */
+    bool fluid;            /* particles with a constraint of type fluid */
+    double radius;         /* of particles, m */
+    double rest_density;   /* of particles, kg/m^3; 0: unknown */
+    int channels;          /* the first so many values of enum channel are there */
+    double most[CHANNELS]; /* largest value of each */
 };
 
 struct run {
@@ -37,13 +53,8 @@ struct run {
     json_t *report;    /* report.json; NULL: missing */
     json_t *body_list; /* array of the bodies, as in report.json */
     json_t *metrics;   /* columns of metrics.csv for the plots; NULL: missing */
-    int body_count;
-    int part_count; /* bodies, and one more if there are boundary points that move */
-    int frames;
-    struct body *body;         /* part_count: the bodies, then the moving boundary points */
-    struct box box;            /* of all points in all frames */
-    struct vtk_frame boundary; /* fixed boundary points; none if count is 0 */
-    struct box boundary_box;
+    int parts, frames;
+    struct part *part; /* the bodies, then solids, then boundary points */
 };
 
 /* Functions that return int return an exit code, after a message unless it is EXIT_GOOD. */
@@ -55,25 +66,27 @@ int replay_error(const char *format, ...) PDYN_PRINTF(1, 2);
 bool replay_path(char path[REPLAY_PATH], const struct run *run, const char *name,
                  const char *ending);
 
-/* Finds the bodies and the files of their frames; reads no frame. The caller calls
- * replay_close() in any case. */
-int replay_open(struct run *run);
+/* Finds the parts of run->directory and the files of their frames, and reads all but the points. A
+ * missing report.json gives a warning. The caller calls replay_close() in any case. */
+int replay_load(struct run *run);
 void replay_close(struct run *run);
 /* Reads run->metrics; leaves it NULL if metrics.csv is missing. */
 int replay_read_metrics(struct run *run);
-/* Reads all frames for boxes, counts and largest values, and the fixed boundary points. */
+/* Reads all frames for boxes, counts and largest values. */
 int replay_find_ranges(struct run *run);
 
-/* Time of frame f, s. */
-double replay_time(const struct body *body, int f);
-/* Reads frame f of body[b]; path: of the file that was read. */
-int replay_read_frame(const struct run *run, int b, int f, char path[REPLAY_PATH],
+/* Time of frame f of a part, s. */
+double replay_time(const struct part *part, int f);
+/* Number of frames of a part that are stored: 1 for a part at rest. */
+int replay_frames(const struct run *run, const struct part *part);
+/* Reads frame f of a part; path: of the file that was read. */
+int replay_read_frame(const struct run *run, const struct part *part, int f, char path[REPLAY_PATH],
                       struct vtk_frame *frame);
 /* Checks that a frame has the mesh of the first frame. */
-int replay_check_frame(const struct body *body, const struct vtk_frame *frame, const char *path);
-/* Speed of point i, m/s. */
-double replay_speed(const struct vtk_frame *frame, int i);
-/* Relative density error of particle i: max(0, density / rest density - 1), at most 1e9. */
-double replay_density_error(const struct body *body, const struct vtk_frame *frame, int i);
+int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path);
+/* Value of a channel at point i, at least 0; a density error, max(0, density / rest density - 1),
+ * is at most 1e9. */
+double replay_value(const struct part *part, const struct vtk_frame *frame, enum channel channel,
+                    int i);
 
 #endif

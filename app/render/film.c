@@ -1,0 +1,124 @@
+/* Pictures to a PNG file or, through ffmpeg, to a film. */
+#include "film.h"
+#include "app.h"
+#include "new_file.h"
+#include "program.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const struct encoder {
+    const char *ending, *container, *options[10];
+} encoders[FILM_FORMATS] = {
+    [FILM_PNG] = {".png", NULL, {NULL}},
+    [FILM_MP4] = {".mp4",
+                  "mp4",
+                  {"-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags",
+                   "+faststart"}},
+    [FILM_WEBM] = {".webm", "webm", {"-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"}},
+    [FILM_GIF] = {".gif",
+                  "gif",
+                  {"-vf", "split[a][b];[a]palettegen=stats_mode=diff[p];"
+                          "[b][p]paletteuse=dither=sierra2_4a"}},
+};
+
+bool film_find_format(const char *path, enum film_format *format) {
+    for (int k = 0; k < FILM_FORMATS; k++) {
+        size_t length = strlen(path), tail = strlen(encoders[k].ending);
+        *format = (enum film_format)k;
+        if (length > tail && !strcmp(path + length - tail, encoders[k].ending)) return true;
+    }
+    return false;
+}
+
+/* Starts ffmpeg, which reads PNG pictures from `in`. Does not return. */
+static void run_ffmpeg(const struct film *film, const char *program, double fps, int in) {
+    const struct encoder *encoder = &encoders[film->format];
+    char rate[32];
+    snprintf(rate, sizeof rate, "%.9g", fps);
+    const char *args[32] = {program,      "-v", "error", "-y",  "-f", "image2pipe",
+                            "-framerate", rate, "-c:v",  "png", "-i", "-"};
+    int count = 12;
+    for (int k = 0; encoder->options[k]; k++) args[count++] = encoder->options[k];
+    args[count++] = "-f";
+    args[count++] = encoder->container;
+    args[count++] = film->temporary;
+    if (dup2(in, 0) < 0) _exit(127);
+    signal(SIGPIPE, SIG_DFL);
+    execv(program, (char *const *)args);
+    _exit(127);
+}
+
+static int start_ffmpeg(struct film *film, double fps) {
+    static const char *const names[] = {"ffmpeg", NULL};
+    char program[4096];
+    int ends[2];
+    if (!find_program(names, program, sizeof program)) {
+        fputs("projdyn: render: ffmpeg is not installed; on Debian: apt-get install ffmpeg\n",
+              stderr);
+        return EXIT_FAILED;
+    }
+    if (asprintf(&film->temporary, "%s.tmp", film->path) < 0) {
+        film->temporary = NULL;
+        return report_no_memory();
+    }
+    if (pipe2(ends, O_CLOEXEC)) return report_write_error("ffmpeg");
+    film->process = fork();
+    if (!film->process) run_ffmpeg(film, program, fps, ends[0]);
+    close(ends[0]);
+    film->file = fdopen(ends[1], "w");
+    return film->process > 0 && film->file ? EXIT_GOOD : report_write_error("ffmpeg");
+}
+
+int film_open(struct film *film, const char *path, double fps) {
+    *film = (struct film){.path = path};
+    film_find_format(path, &film->format);
+    if (film->format != FILM_PNG) return start_ffmpeg(film, fps);
+    film->file = new_file_open(path, &film->temporary);
+    return film->file ? EXIT_GOOD : report_write_error(path);
+}
+
+/* Value of a digit of base64; -1 if it is none. */
+static int digit_value(char digit) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *at = digit ? strchr(digits, digit) : NULL;
+    return at ? (int)(at - digits) : -1;
+}
+
+int film_add(struct film *film, const char *picture) {
+    unsigned bits = 0;
+    int count = 0, value;
+    for (; (value = digit_value(*picture)) >= 0; picture++) {
+        bits = bits << 6 | (unsigned)value;
+        count += 6;
+        if (count >= 8 && putc((int)(bits >> (count -= 8) & 255), film->file) == EOF) break;
+    }
+    if (!ferror(film->file)) return EXIT_GOOD;
+    return report_write_error(film->format == FILM_PNG ? film->path : "ffmpeg");
+}
+
+/* Ends ffmpeg and moves the film to its path. */
+static int finish_film(struct film *film, bool good) {
+    int status = -1;
+    if (film->file && fclose(film->file)) good = false;
+    if (film->process > 0) waitpid(film->process, &status, 0);
+    if (good && !status && !rename(film->temporary, film->path)) return EXIT_GOOD;
+    if (film->temporary) unlink(film->temporary);
+    if (good) fprintf(stderr, "projdyn: render: %s: ffmpeg failed\n", film->path);
+    return EXIT_FAILED;
+}
+
+int film_close(struct film *film, bool good) {
+    int code = good ? EXIT_GOOD : EXIT_FAILED;
+    if (film->format != FILM_PNG) {
+        code = finish_film(film, good);
+        free(film->temporary);
+    } else if (film->file && !new_file_close(film->file, film->temporary, film->path, good) && good)
+        code = report_write_error(film->path);
+    return code;
+}

@@ -1,0 +1,178 @@
+/* projdyn render: pictures and films of a run, drawn by the replay page in a headless Chromium. */
+#include "browser.h"
+#include "film.h"
+#include "replay_page.h"
+#include "replay_run.h"
+
+#include <errno.h>
+#include <ftw.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "Usage: projdyn render DIR -o FILE [OPTIONS]\n"
+    "\n"
+    "Draws the frames of a run as the replay page does: one frame to FILE.png, or all frames to\n"
+    "FILE.mp4, FILE.webm or FILE.gif. Needs Chromium, and ffmpeg for films.\n"
+    "\n"
+    "  -o, --output FILE  picture or film\n"
+    "      --size WxH     size in pixels, both even (default 1280x720)\n"
+    "      --frame N      frame of a picture (default: the last one)\n"
+    "      --time S       frame of a picture: the one nearest to this time, s\n"
+    "      --fps N        pictures a second of a film (default: as fast as simulated)\n"
+    "      --view TEXT    view: what the page's button \"Link\" puts behind '#'\n"
+    "  -h, --help         prints this text\n";
+
+enum { SAMPLES = 2 /* a side of a pixel of the picture is drawn as so many */ };
+
+struct options {
+    const char *output, *view;
+    long width, height, frame; /* frame -1: the last one */
+    double time, fps;          /* NAN: not given */
+};
+
+enum { OPTION_SIZE = 256, OPTION_FRAME, OPTION_TIME, OPTION_FPS, OPTION_VIEW };
+
+/* ---- options --------------------------------------------------------------------------------- */
+
+static bool parse_size(const char *text, struct options *options) {
+    int end = 0;
+    bool good =
+        sscanf(text, "%5ldx%5ld%n", &options->width, &options->height, &end) == 2 && !text[end];
+    if (good && options->width >= 16 && options->height >= 16 && options->width <= 8192 &&
+        options->height <= 8192 && options->width % 2 == 0 && options->height % 2 == 0)
+        return true;
+    replay_error("render: --size %s: expected WIDTHxHEIGHT, even numbers from 16 to 8192", text);
+    return false;
+}
+
+static bool parse_number(const char *option, const char *text, double least, double *out) {
+    char *end;
+    *out = strtod(text, &end);
+    if (end != text && !*end && *out >= least && *out <= 1e6) return true;
+    replay_error("render: %s %s: expected a number from %g to 1e6", option, text, least);
+    return false;
+}
+
+static bool accept_option(void *self, int option) {
+    struct options *options = self;
+    if (option == 'o') options->output = optarg;
+    if (option == OPTION_VIEW) options->view = optarg;
+    if (option == OPTION_SIZE) return parse_size(optarg, options);
+    if (option == OPTION_FRAME)
+        return parse_integer("--frame", optarg, 0, 1 << 30, &options->frame);
+    if (option == OPTION_TIME) return parse_number("--time", optarg, 0.0, &options->time);
+    if (option == OPTION_FPS) return parse_number("--fps", optarg, 0.01, &options->fps);
+    return option != '?';
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+/* Sets the frame of a picture; EXIT_BAD_INPUT if the run does not have it. */
+static int choose_frame(const struct run *run, struct options *options) {
+    if (options->frame >= run->frames)
+        return replay_error("render: --frame %ld: expected at most %d, the last frame of the run",
+                            options->frame, run->frames - 1);
+    if (options->frame < 0) options->frame = run->frames - 1;
+    double nearest = INFINITY;
+    for (int f = 0; f < run->frames && !isnan(options->time); f++) {
+        double away = fabs(replay_time(&run->part[0], f) - options->time);
+        if (away < nearest) options->frame = f;
+        nearest = fmin(nearest, away);
+    }
+    return EXIT_GOOD;
+}
+
+/* Frames a second of simulated time, on average; 25 for a single frame. */
+static double simulated_rate(const struct run *run) {
+    double span = replay_time(&run->part[0], run->frames - 1) - replay_time(&run->part[0], 0);
+    return span > 0.0 ? (run->frames - 1) / span : 25.0;
+}
+
+static int draw_frame(struct browser *browser, struct film *film, const struct options *options,
+                      long frame) {
+    char expression[128];
+    json_t *picture;
+    snprintf(expression, sizeof expression, "pictureOfFrame(%ld, %ld, %ld, %d)", frame,
+             options->width, options->height, SAMPLES);
+    int code = browser_evaluate(browser, expression, &picture);
+    if (code != EXIT_GOOD) return code;
+    code = film_add(film, json_string_value(picture));
+    json_decref(picture);
+    return code;
+}
+
+/* Draws the frames of the page in `folder`. */
+static int draw_frames(const struct run *run, const struct options *options, const char *folder) {
+    struct browser browser = {.to = -1, .from = -1};
+    struct film film;
+    char *url;
+    bool still = film_find_format(options->output, &film.format) && film.format == FILM_PNG;
+    if (asprintf(&url, "file://%s/page.html#%s", folder, options->view) < 0)
+        return report_no_memory();
+    int code =
+        film_open(&film, options->output, isnan(options->fps) ? simulated_rate(run) : options->fps);
+    if (code == EXIT_GOOD) code = browser_open(&browser, folder, url);
+    long first = still ? options->frame : 0, last = still ? first : run->frames - 1;
+    for (long f = first; f <= last && code == EXIT_GOOD; f++)
+        code = draw_frame(&browser, &film, options, f);
+    browser_close(&browser);
+    free(url);
+    int closed = film_close(&film, code == EXIT_GOOD);
+    return code == EXIT_GOOD ? closed : code;
+}
+
+/* ---- temporary files ------------------------------------------------------------------------- */
+
+static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *at) {
+    (void)info, (void)kind, (void)at;
+    remove(path);
+    return 0;
+}
+
+static int render(struct run *run, struct options *options) {
+    char page[REPLAY_PATH], folder[REPLAY_PATH];
+    const char *place = getenv("TMPDIR");
+    int code = replay_load(run);
+    if (code == EXIT_GOOD) code = choose_frame(run, options);
+    if (code != EXIT_GOOD) return code;
+    snprintf(folder, sizeof folder, "%.3000s/projdyn-render-XXXXXX", place ? place : "/tmp");
+    if (!mkdtemp(folder)) return report_write_error(folder);
+    snprintf(page, sizeof page, "%.4000s/page.html", folder);
+    code = replay_write_page(run, page);
+    if (code == EXIT_GOOD) code = draw_frames(run, options, folder);
+    nftw(folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    if (code == EXIT_GOOD) printf("written to %s\n", options->output);
+    return code;
+}
+
+int render_main(int argc, char **argv) {
+    static const struct option long_options[] = {{"output", required_argument, NULL, 'o'},
+                                                 {"size", required_argument, NULL, OPTION_SIZE},
+                                                 {"frame", required_argument, NULL, OPTION_FRAME},
+                                                 {"time", required_argument, NULL, OPTION_TIME},
+                                                 {"fps", required_argument, NULL, OPTION_FPS},
+                                                 {"view", required_argument, NULL, OPTION_VIEW},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
+    struct options options = {
+        .view = "", .width = 1280, .height = 720, .frame = -1, .time = NAN, .fps = NAN};
+    enum film_format format;
+    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &options);
+    if (code >= 0) return code;
+    if (argc - optind != 1 || !options.output) {
+        fprintf(stderr, "projdyn: render: expected one directory and -o FILE\n\n%s", usage);
+        return EXIT_BAD_INPUT;
+    }
+    if (!film_find_format(options.output, &format))
+        return replay_error("render: %s: expected a name that ends with .png, .mp4, .webm or .gif",
+                            options.output);
+    signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
+    struct run run = {.directory = argv[optind]};
+    code = render(&run, &options);
+    replay_close(&run);
+    return code;
+}

@@ -1,0 +1,66 @@
+/* The background and the ground: a light floor with shadows and a fine grid that fades into the background. */
+const backdropText = {
+  fragment: `
+in vec2 uv;
+out vec4 result;
+void main() {
+  result = vec4(mix(vec3(0.90, 0.91, 0.92), vec3(0.77, 0.81, 0.86), smoothstep(0.1, 1.0, uv.y)), 1);
+}`,
+  groundVertex: `
+uniform vec3 centre;
+uniform float reach;
+out vec2 away;
+out vec3 at;
+void main() {
+  away = 2.0 * vec2(gl_VertexID & 1, gl_VertexID >> 1) - 1.0;
+  at = centre + reach * vec3(away.x, 0, away.y);
+  gl_Position = projection * view * vec4(at, 1);
+}`,
+  groundFragment: `
+in vec2 away;
+in vec3 at;
+uniform float spacing;
+out vec4 result;
+float lines(float step) {
+  vec2 p = at.xz / step, width = fwidth(p);
+  vec2 d = abs(fract(p - 0.5) - 0.5) / width;
+  return (1.0 - min(1.0, min(d.x, d.y))) * (1.0 - smoothstep(0.12, 0.4, max(width.x, width.y)));
+}
+void main() {
+  float distance = length(away), grid = max(0.05 * lines(spacing), 0.085 * lines(5.0 * spacing));
+  vec3 up = vec3(0, 1, 0);
+  vec3 colour = 0.60 * (1.4 * skyLight(up) + 0.93 * lampLight(at, up) * lamp.y);
+  result = vec4(encode(colour) * (1.0 - grid * (1.0 - smoothstep(0.15, 0.6, distance))), 1.0 - smoothstep(0.3, 1.0, distance));
+}`,
+};
+
+class Backdrop {
+  constructor(gl, camera, ground) {
+    this.gl = gl;
+    this.back = compile(gl, commonText, windowVertex, backdropText.fragment);
+    this.ground = compile(gl, lightText, backdropText.groundVertex, backdropText.groundFragment);
+    this.own = {
+      centre: [camera.centre[0], ground, camera.centre[2]], reach: 9 * camera.radius,
+      spacing: 10 ** Math.floor(Math.log10(0.4 * camera.radius)),
+    };
+    this.height = ground;
+  }
+  drawBackground(values) {
+    this.gl.disable(this.gl.DEPTH_TEST);
+    drawWindow(this.gl, this.back, values);
+    this.gl.enable(this.gl.DEPTH_TEST);
+  }
+  /* After all that is opaque; nothing is drawn for an eye below the ground. */
+  drawGround(values) {
+    const gl = this.gl;
+    if (values.eye[1] <= this.height) return;
+    use(gl, this.ground, { ...values, ...this.own });
+    gl.bindVertexArray(null);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+}

@@ -1,0 +1,18 @@
+/* Short names and text of numbers. */
+const $ = (id) => document.getElementById(id);
+const meta = JSON.parse($("meta").textContent);
+const frames = meta.times.length;
+
+function element(parent, tag, properties = {}) {
+  const e = Object.assign(document.createElement(tag), properties);
+  parent.append(e);
+  return e;
+}
+
+/* A number as text with some significant digits; with an exponent only below 1e-4 and from 1e5 on. */
+function formatNumber(value, digits = 3) {
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-4) return value.toExponential(digits - 1).replace("e+", "e");
+  return String(Number(value.toPrecision(digits))).replace("-", "−");
+}

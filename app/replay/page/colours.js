@@ -1,0 +1,36 @@
+/* Colours: maps that are perceptually uniform and safe for colour-blind readers, and the palette of bodies. */
+
+/* Equally spaced colours: the upper part of mako, viridis, cividis; vik diverges from white in its middle. */
+const maps = {
+  mako: ["3c518d", "37659e", "367aa4", "348fa7", "3aa3aa", "40b7ad", "66c9b0", "8bdab2", "b5e8cc", "def5e5"],
+  viridis: ["472d7b", "3b528b", "2c728e", "21918c", "28ae80", "5ec962", "addc30", "fde725"],
+  cividis: ["00224e", "123570", "3b496c", "575d6d", "707173", "8a8678", "a59c74", "c3b369", "e1cc55", "fee838"],
+  vik: ["001261", "033e7d", "1e6f9d", "71a8c4", "c9dde7", "eacebd", "d39774", "be6533", "8b2706", "590007"],
+};
+
+/* Colours of sheets, and of bodies with a volume and particles that are no fluid, sRGB. */
+const palette = { sheet: ["e0c9a4", "d98e73", "a9b79a", "c3a3b5"], solid: ["c4553b", "d9a04a", "7c5c86", "6f8f5a"] };
+const clay = "bdb7ae";
+
+const channels = {
+  speed: { label: "speed", unit: "m/s", factor: 1, map: "mako" },
+  error: { label: "density error", unit: "%", factor: 100, map: "viridis" },
+  pressure: { label: "pressure", unit: "Pa", factor: 1, map: "cividis" },
+  stretch: { label: "stretch since frame 0", unit: "%", factor: 100, map: "vik" },
+};
+
+const hexBytes = (hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
+
+/* Linear light of a colour, for the shaders, which take the gamma as 2. */
+const linearColour = (hex) => hexBytes(hex).map((v) => (v / 255) ** 2);
+
+/* 256 RGBA texels, interpolated between the equally spaced colours of a map. */
+function mapTexels(colours) {
+  const texels = new Uint8ClampedArray(1024), rgb = colours.map(hexBytes);
+  for (let i = 0; i < 256; i++) {
+    const place = i / 255 * (rgb.length - 1), k = Math.min(rgb.length - 2, Math.floor(place));
+    for (let c = 0; c < 3; c++) texels[4 * i + c] = Math.round(rgb[k][c] + (place - k) * (rgb[k + 1][c] - rgb[k][c]));
+    texels[4 * i + 3] = 255;
+  }
+  return texels;
+}

@@ -1,0 +1,90 @@
+/* Containers (tanks, vessels) as glass: faint reflecting faces, and lines along the edges. */
+const glassText = {
+  face: `
+in vec3 n, at, cell;
+in float shade;
+uniform sampler2D cover; /* water in front of which this pass draws; alpha 0: none */
+uniform float over;      /* 1: draw only over water */
+uniform vec2 window;
+out vec4 result;
+void main() {
+  if (dot(cut.xyz, at) > cut.w || over > 0.0 && texture(cover, gl_FragCoord.xy / window).a < 0.5) discard;
+  vec3 toEye = normalize(eye - at), side = normalize(n);
+  float cosine = abs(dot(side, toEye));
+  side = dot(side, toEye) < 0.0 ? -side : side;
+  float mirror = 0.035 + 0.30 * pow(1.0 - cosine, 4.0);
+  result = vec4(mirror * encode(environment(reflect(-toEye, side))) + 0.03 * vec3(0.78, 0.90, 0.87), mirror + 0.03);
+}`,
+  edgeVertex: `
+layout(location = 0) in vec3 a;
+layout(location = 1) in vec3 b;
+uniform vec2 window;
+uniform float width; /* pixels */
+out vec3 at;
+out float across; /* pixels from the middle of the line */
+void main() {
+  vec4 p = projection * view * vec4(a, 1), q = projection * view * vec4(b, 1);
+  float near = 1e-3 * projection[3][2] / (projection[2][2] - 1.0);
+  if (p.w < near) p = mix(p, q, (near - p.w) / (q.w - p.w));
+  if (q.w < near) q = mix(q, p, (near - q.w) / (p.w - q.w));
+  vec2 along = (q.xy / q.w - p.xy / p.w) * window;
+  vec2 aside = vec2(-along.y, along.x) / max(length(along), 1e-6) * (width + 1.0) / window;
+  bool end = (gl_VertexID & 1) == 1;
+  gl_Position = end ? q : p;
+  across = (gl_VertexID < 2 ? 0.5 : -0.5) * (width + 1.0);
+  gl_Position.xy += (gl_VertexID < 2 ? aside : -aside) * gl_Position.w;
+  gl_Position.z -= 2e-4 * gl_Position.w; /* in front of the faces that meet there */
+  at = end ? b : a;
+}`,
+  edgeFragment: `
+in vec3 at;
+in float across;
+uniform sampler2D cover;
+uniform float over, width;
+uniform vec2 window;
+out vec4 result;
+void main() {
+  if (dot(cut.xyz, at) > cut.w || over > 0.0 && texture(cover, gl_FragCoord.xy / window).a < 0.5) discard;
+  float strength = 0.75 * clamp(0.5 * (width + 1.0) - abs(across), 0.0, 1.0);
+  result = vec4(vec3(0.30, 0.40, 0.43) * strength, strength);
+}`,
+};
+
+class GlassPrograms {
+  constructor(gl) {
+    this.face = compile(gl, lightText, surfaceVertex, glassText.face);
+    this.edge = compile(gl, commonText, glassText.edgeVertex, glassText.edgeFragment);
+  }
+}
+
+/* One container: its faces, and instances of the pairs of points that its edges join. */
+class Glass extends Surface {
+  constructor(gl, part) {
+    super(gl, part);
+    const x = metres(part, 0);
+    this.pairs = sharpEdges(x, part.index);
+    this.lines = gl.createVertexArray();
+    this.ends = addAttribute(gl, this.lines, 0, 3, gl.FLOAT);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 24, 0);
+    gl.enableVertexAttribArray(1);
+    gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 24, 12);
+    for (const k of [0, 1]) gl.vertexAttribDivisor(k, 1);
+  }
+  upload(frame) {
+    super.upload(frame);
+    const x = metres(this.part, frame);
+    fillBuffer(this.gl, this.ends, Float32Array.from(this.pairs.flatMap((i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]])));
+  }
+  drawGlass(programs, values) {
+    const gl = this.gl;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    this.draw(programs.face, values);
+    use(gl, programs.edge, values);
+    gl.bindVertexArray(this.lines);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.pairs.length / 2);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+}

@@ -1,0 +1,90 @@
+/* Light: a studio with a soft sky, one lamp with shadows, and the shadow maps. */
+
+/* GLSL that all programs share: positions, the cut, depths and the coding of colours. Targets hold colours as the
+ * screen shows them (gamma 2, highlights compressed), shaders compute with linear light. */
+const commonText = `
+uniform mat4 view, projection;
+uniform vec3 origin, size; /* box of the quantised positions, m */
+uniform vec4 cut;          /* points p with cut.xyz p > cut.w are cut away */
+uniform vec3 eye;
+vec3 place(vec3 x) { return origin + size * x; }
+/* Eye-space z of a value of the depth buffer, and the reverse. */
+float eyeDepth(float depth) { return -projection[3][2] / (2.0 * depth - 1.0 + projection[2][2]); }
+float bufferDepth(float z) { return 0.5 - 0.5 * (projection[2][2] + projection[3][2] / z); }
+vec3 encode(vec3 light) {
+  vec3 over = max(light - 0.7, 0.0);
+  return sqrt(min(light, 0.7) + over / (1.0 + over / 0.3));
+}
+vec3 mapColour(sampler2D map, float place) {
+  vec3 c = texture(map, vec2(clamp(place, 0.0, 1.0) * 0.996 + 0.002, 0.5)).rgb;
+  return c * c;
+}
+`;
+
+/* GLSL of lit materials. Colours are linear light. */
+const lightText = commonText + `
+uniform vec3 lamp;      /* lamp: unit vector towards it */
+uniform mat4 lampView;  /* world to texture coordinates of the shadow maps */
+uniform float texel;    /* of the shadow map of what is opaque, m */
+uniform float soft;     /* 0: few samples of the shadow maps, for speed */
+uniform sampler2DShadow shadowMap, waterMap;
+const vec3 lampColour = vec3(1.16, 1.11, 1.04);
+float unshaded(sampler2DShadow map, vec3 q) {
+  float sum = texture(map, q), step = 1.3 / float(textureSize(map, 0).x);
+  if (soft == 0.0) return sum;
+  sum += texture(map, q + vec3(step, 0.5 * step, 0)) + texture(map, q - vec3(step, 0.5 * step, 0));
+  sum += texture(map, q + vec3(-0.5 * step, step, 0)) + texture(map, q - vec3(-0.5 * step, step, 0));
+  return 0.2 * sum;
+}
+vec3 inLampView(vec3 p, vec3 n) { return (lampView * vec4(p + 2.0 * texel * n + 1.5 * texel * lamp, 1)).xyz; }
+/* Light of the lamp that reaches a point: bodies and solids shade it, water tints it. */
+vec3 lampLight(vec3 p, vec3 n) {
+  vec3 q = inLampView(p, n);
+  if (any(greaterThan(abs(q - 0.5), vec3(0.5)))) return lampColour;
+  return lampColour * unshaded(shadowMap, q) * mix(vec3(0.50, 0.74, 0.84), vec3(1), unshaded(waterMap, q));
+}
+vec3 skyLight(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * n.y); }
+/* Light from a direction: floor, horizon, sky, and a large soft box overhead. */
+vec3 environment(vec3 d) {
+  vec3 sky = mix(vec3(0.88, 0.91, 0.94), vec3(0.24, 0.38, 0.56), smoothstep(0.0, 0.75, d.y));
+  float box = smoothstep(0.74, 0.86, dot(d, normalize(vec3(-0.55, 0.7, -0.45))));
+  return mix(vec3(0.42, 0.41, 0.40), sky + 1.1 * box, smoothstep(-0.12, 0.08, d.y));
+}
+float fresnel(float cosine) { return 0.02 + 0.98 * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0); }
+/* A matt surface with a weak gloss. light: of the lamp; n, toEye: unit vectors */
+vec3 matt(vec3 colour, vec3 light, vec3 n, vec3 toEye) {
+  float gloss = pow(max(dot(n, normalize(lamp + toEye)), 0.0), 48.0);
+  return colour * (skyLight(n) + light * max(dot(n, lamp), 0.0)) + 0.06 * gloss * light;
+}
+`;
+
+const lamp = (() => {
+  const d = [0.5, 0.78, 0.38], length = Math.hypot(...d);
+  return d.map((v) => v / length);
+})();
+
+/* The shadow maps: depths seen from the lamp, of what is opaque and of water. They cover a sphere around the
+ * bounds of the view; outside of it there are no shadows. */
+class Shadows {
+  constructor(gl, camera) {
+    this.gl = gl;
+    this.opaque = new Target(gl, null, true, gl.LINEAR);
+    this.water = new Target(gl, null, true, gl.LINEAR);
+    for (const { depth } of [this.opaque, this.water]) {
+      gl.bindTexture(gl.TEXTURE_2D, depth);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE);
+    }
+    const reach = 1.3 * camera.radius, up = Math.asin(lamp[1]), axes = viewAxes(Math.atan2(lamp[0], lamp[2]), up);
+    this.reach = reach;
+    this.view = viewMatrix(axes, camera.centre);
+    const s = 1 / reach, depth = 1 / (4 * reach);
+    this.projection = new Float32Array([s, 0, 0, 0, 0, s, 0, 0, 0, 0, -depth, 0, 0, 0, 0, 1]);
+    const rows = [0, 1, 2].map((i) => [0, 1, 2, 3].map((j) =>
+      0.5 * [s, s, -depth][i] * this.view[4 * j + i] + (j === 3 ? 0.5 : 0)));
+    this.lampView = new Float32Array([0, 1, 2, 3].flatMap((j) => [...rows.map((row) => row[j]), j === 3 ? 1 : 0]));
+  }
+  /* Values of the uniforms of lightText. size: of the maps, pixels */
+  values(size) {
+    return { lamp, lampView: this.lampView, texel: 2 * this.reach / size, shadowMap: this.opaque.depth, waterMap: this.water.depth };
+  }
+}

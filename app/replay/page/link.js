@@ -1,0 +1,50 @@
+/* The view as text, in the part of the URL after '#':
+ *   frame=30&play=0            a frame, not playing
+ *   hide=water,tank&show=boundary   parts
+ *   look=particles&fluid=speed&surface=checker&cut=x-0.5   settings
+ *   camera=yaw,pitch,scale,x,y,z    degrees; factor on the distance; target, m */
+
+function viewText() {
+  const { yaw, pitch, scale, target } = renderer.camera, short = (v) => String(Number(v.toPrecision(4)));
+  const view = { frame: player.frame, play: 0 };
+  const parts = [...meta.bodies, ...meta.solids, ...meta.boundary], names = (list) => list.map((p) => p.name).join(",");
+  view.hide = names(parts.filter((p) => p.usual && !p.shown));
+  view.show = names(parts.filter((p) => !p.usual && p.shown));
+  for (const name in settings) if (settings[name] !== usualSettings[name]) view[name] = settings[name];
+  view.camera = [yaw * 180 / Math.PI, pitch * 180 / Math.PI, scale, ...target].map(short).join(",");
+  return Object.entries(view).filter(([, value]) => value !== "").map(([name, value]) => `${name}=${encodeURIComponent(value)}`)
+    .join("&").replaceAll("%2C", ",").replaceAll("%2B", "+");
+}
+
+const usualSettings = { ...settings };
+
+/* Whether a setting may have this value. */
+const isSetting = (name, value) => name === "cut" ? /^([xyz][+-][0-9.]+)?$/.test(value)
+  : inputs[name] && [...inputs[name].options].some((option) => option.value === value);
+
+/* Applies a view; what the text does not name becomes as usual. */
+function applyView(text) {
+  const wanted = Object.fromEntries(text.split("&").filter(Boolean).map((pair) => {
+    const [name, value = ""] = pair.split("=");
+    return [name, decodeURIComponent(value)];
+  }));
+  const [hidden, more] = ["hide", "show"].map((name) => (wanted[name] || "").split(","));
+  for (const part of [...meta.bodies, ...meta.solids, ...meta.boundary]) {
+    part.shown = part.usual ? !hidden.includes(part.name) : more.includes(part.name);
+    inputs["part " + part.name].checked = part.shown;
+  }
+  for (const name in settings) change(name, name in wanted && isSetting(name, wanted[name]) ? wanted[name] : usualSettings[name]);
+  const camera = (wanted.camera || "").split(",").map(Number);
+  renderer.camera.reset();
+  if (camera.length === 6 && camera.every(Number.isFinite)) {
+    const [yaw, pitch, scale, ...target] = camera;
+    Object.assign(renderer.camera, { yaw: yaw * Math.PI / 180, pitch: pitch * Math.PI / 180, scale, target });
+  }
+  player.show(Math.floor(Number(wanted.frame)) || 0);
+  player.play(wanted.play !== "0");
+}
+
+function copyLink() {
+  history.replaceState(null, "", "#" + viewText());
+  return navigator.clipboard?.writeText(location.href);
+}

@@ -1,0 +1,89 @@
+/* Particles as balls: grains, boundary points, and fluids in the view of particles. */
+const ballVertex = `
+layout(location = 0) in vec3 x;
+layout(location = 1) in float value; /* square root of a channel's value, 0...1 */
+layout(location = 2) in float filled; /* square root of density over rest density, at most 1 */
+uniform float radius, height, scale;
+uniform float shrink; /* 0: all balls have the particle radius; else a factor on radii by density */
+uniform vec3 vesselLow, vesselHigh;
+out vec3 centre;
+out float r, shade, inside; /* inside: the centre is in the vessel */
+void main() {
+  vec3 p = place(x);
+  vec4 at = view * vec4(p, 1);
+  centre = at.xyz;
+  r = radius * (shrink == 0.0 ? 1.0 : shrink * mix(0.45, 1.5, smoothstep(0.25, 0.62, filled * filled)));
+  inside = all(greaterThan(p, vesselLow)) && all(lessThan(p, vesselHigh)) ? 1.0 : 0.0;
+  shade = min(1.0, value * value * scale);
+  gl_Position = dot(cut.xyz, p) > cut.w ? vec4(2, 2, 2, 1) : projection * at;
+  gl_PointSize = max(1.0, 1.04 * r * projection[1][1] * height / gl_Position.w);
+}`;
+const ballHead = `
+in vec3 centre;
+in float r, shade, inside;
+uniform float radius, height, scale, shrink;
+uniform vec3 vesselLow, vesselHigh;
+vec3 inWorld(vec3 p) { return (p - view[3].xyz) * mat3(view); }
+`;
+const ballText = {
+  colour: `${ballHead}
+uniform sampler2D map;
+uniform vec4 plain; /* colour, and 1 to use it instead of the map */
+out vec4 result;
+void main() {
+  vec2 d = 2.0 * gl_PointCoord - 1.0;
+  float square = dot(d, d);
+  if (square > 1.0) discard;
+  vec3 n = vec3(d.x, -d.y, sqrt(1.0 - square)) * mat3(view), p = inWorld(centre) + r * n;
+  gl_FragDepth = bufferDepth(centre.z + r * sqrt(1.0 - square));
+  vec3 colour = mix(mapColour(map, shade), plain.rgb, plain.a);
+  result = vec4(encode(matt(colour, lampLight(p, n), n, normalize(eye - p))), 1);
+}`,
+  shadow: `${ballHead}
+void main() {
+  vec2 d = 2.0 * gl_PointCoord - 1.0;
+  float square = dot(d, d);
+  if (square > 1.0) discard;
+  vec3 at = vec3(centre.xy + r * vec2(d.x, -d.y), centre.z + r * sqrt(1.0 - square)), p = inWorld(at);
+  if (inside > 0.0 && (any(lessThan(p, vesselLow)) || any(greaterThan(p, vesselHigh)))) discard;
+  gl_FragDepth = 0.5 + 0.5 * (projection[2][2] * at.z + projection[3][2]); /* the lamp's projection has no perspective */
+}`,
+};
+
+/* The points of one part on the graphics card. */
+class Points {
+  constructor(gl, part) {
+    this.gl = gl;
+    this.part = part;
+    this.array = gl.createVertexArray();
+    this.x = addAttribute(gl, this.array, 0, 3, gl.UNSIGNED_SHORT);
+    if (part.channels.length) {
+      this.value = addAttribute(gl, this.array, 1, 1, gl.UNSIGNED_BYTE);
+      this.filled = addAttribute(gl, this.array, 2, 1, gl.UNSIGNED_BYTE);
+    }
+  }
+  upload(frame, channel) {
+    const { gl, part } = this;
+    this.count = pointsOf(part, frame);
+    fillBuffer(gl, this.x, positions(part, frame));
+    if (!this.value) return;
+    fillBuffer(gl, this.value, part[channel][frame]);
+    fillBuffer(gl, this.filled, part.filled[frame]);
+  }
+  values() {
+    const [low, high] = this.part.box;
+    return { origin: low, size: high.map((v, k) => v - low[k]), radius: this.part.radius };
+  }
+  draw(program, values) {
+    use(this.gl, program, { ...values, ...this.values() });
+    this.gl.bindVertexArray(this.array);
+    this.gl.drawArrays(this.gl.POINTS, 0, this.count);
+  }
+}
+
+class Balls {
+  constructor(gl) {
+    this.colour = compile(gl, lightText, ballVertex, ballText.colour);
+    this.shadow = compile(gl, commonText, ballVertex, ballText.shadow);
+  }
+}

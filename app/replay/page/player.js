@@ -1,0 +1,86 @@
+/* The player: which frame is shown, and when. */
+const icons = { true: "M2 1h3.4v11H2zM7.6 1H11v11H7.6z", false: "M2.5 .8v11.4L12 6.5z" };
+
+class Player {
+  constructor() {
+    this.frame = 0;
+    this.time = meta.times[0];
+    this.playing = false;
+    this.rate = 1;
+    this.plots = [];
+    this.dirty = true;
+    this.atEnd = () => {}; /* called once when the last frame has been shown */
+  }
+  show(frame) {
+    this.frame = Math.min(frames - 1, Math.max(0, frame));
+    this.time = meta.times[this.frame];
+    this.refresh();
+  }
+  refresh() {
+    this.dirty = true;
+    $("scrub").value = this.frame;
+    $("time").innerHTML = "";
+    $("time").append(meta.times[this.frame].toFixed(3) + " s");
+    element($("time"), "span", { textContent: `frame ${this.frame} of ${frames - 1}` });
+    for (const plot of this.plots) plot.show(this.frame);
+  }
+  play(on) {
+    this.playing = on && frames > 1;
+    if (this.playing && this.frame === frames - 1) this.show(0);
+    $("play").innerHTML = `<svg viewBox="0 0 13 13"><path d="${icons[this.playing]}"/></svg>`;
+  }
+  /* Plays on by some seconds of wall time; shows the last frame for 0.6 s and starts again. */
+  advance(seconds) {
+    const first = meta.times[0], last = meta.times[frames - 1];
+    this.time += this.rate * seconds;
+    if (this.time > last + 0.6 * this.rate) {
+      this.time = first;
+      this.atEnd();
+      this.atEnd = () => {};
+    }
+    const frame = Math.max(0, lastBefore(meta.times, this.time + 1e-9));
+    if (frame === this.frame) return;
+    this.frame = frame;
+    this.refresh();
+  }
+}
+
+/* Draws when something has changed. While the picture moves, the quality falls as far as 30 pictures a second
+ * need; 0.3 s after the last change the picture is drawn at full quality. */
+class Animation {
+  constructor(renderer) {
+    Object.assign(this, { renderer, level: 0, slow: 0, last: 0, changed: -1e9, coarse: false });
+  }
+  tick(now) {
+    const passed = now - this.last;
+    this.last = now;
+    if (player.playing) player.advance(Math.min(0.1, passed / 1000));
+    if (player.dirty) this.drawMoving(now, passed);
+    else if (this.coarse && now - this.changed > 300) this.draw(0);
+    requestAnimationFrame((time) => this.tick(time));
+  }
+  drawMoving(now, passed) {
+    const moving = now - this.changed < 300;
+    this.slow = moving && passed > 36 ? this.slow + 1 : 0;
+    if (this.slow > 3 && this.level < levels.length - 1) {
+      this.level++;
+      this.slow = 0;
+    }
+    this.changed = now;
+    this.draw(moving ? this.level : 0);
+  }
+  draw(level) {
+    fitCanvas(this.renderer.gl.canvas, levels[level].scale);
+    this.renderer.draw(player.frame, levels[level]);
+    this.coarse = level > 0;
+    player.dirty = false;
+  }
+}
+
+/* Gives the canvas the size of its place on the page, in pixels of the device times a scale. */
+function fitCanvas(canvas, scale) {
+  const ratio = scale * Math.min(2, devicePixelRatio || 1);
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (canvas.width !== width) canvas.width = width;
+  if (canvas.height !== height) canvas.height = height;
+}

@@ -1,0 +1,56 @@
+/* Ranges of values over all frames: ends of the colour maps, bounds of the first view. */
+
+/* Value of a channel from its 8 bits, which hold the square root. */
+const channelValue = (part, channel, code) => (code / 255) ** 2 * part.most[channel];
+
+/* Range of a channel over some bodies: top, the 99.5 % quantile, at which the colour map ends, because few larger
+ * values would leave most colours unused; and most, the largest value. */
+function measureChannel(bodies, channel) {
+  const histogram = new Float64Array(256);
+  let total = 0, code = -1, sum = 0;
+  const most = Math.max(0, ...bodies.map((body) => body.most[channel]));
+  for (const body of bodies)
+    for (let f = 0; f < body[channel].length; f++)
+      for (let i = 0, values = body[channel][f]; i < body.points[f]; i += 7) {
+        histogram[Math.ceil(Math.sqrt(channelValue(body, channel, values[i]) / (most || 1)) * 255)]++;
+        total++;
+      }
+  while (code < 255 && sum <= 0.995 * total) sum += histogram[++code];
+  return { top: (code / 255) ** 2 * most || 1e-6, most };
+}
+
+/* Range of coordinate k of a body in a frame, m; of particles the 1 % and 99 % quantiles, so that single ones that
+ * fly away do not shrink the view. Empty (Infinity, -Infinity) for a frame without points. */
+function coordinateRange(body, f, k) {
+  const x = body.x[f], step = Math.max(1, Math.floor(body.points[f] / 2000)), values = [];
+  for (let i = 0; i < body.points[f]; i += step) values.push(x[3 * i + k]);
+  if (!values.length) return [Infinity, -Infinity];
+  values.sort((a, b) => a - b);
+  const [low, high] = body.box, rest = body.triangles ? 0 : 0.01;
+  return [rest, 1 - rest].map((part) => low[k] + (high[k] - low[k]) * values[Math.round(part * (values.length - 1))] / 65535);
+}
+
+/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40. Three pairs, m. */
+function measureBounds() {
+  const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frames / 40));
+  for (const body of meta.bodies)
+    for (let f = 0; f < frames; f += step)
+      for (let k = 0; k < 3; k++) {
+        const [low, high] = coordinateRange(body, f, k);
+        bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
+      }
+  return bounds[0][0] <= bounds[0][1] ? bounds : [[0, 1], [0, 1], [0, 1]];
+}
+
+/* Extends the bounds down to the ground unless it is far below (0.7 times their largest side). */
+function includeGround(bounds, ground) {
+  const [low, high] = bounds[1], span = Math.max(...bounds.map(([a, b]) => b - a));
+  if (low - ground < 0.7 * span) bounds[1] = [ground, high];
+  return bounds;
+}
+
+/* Height of the ground: below all bodies and solids; below the boundary points if no solid has a mesh. m */
+function groundHeight() {
+  const parts = [...meta.bodies, ...(meta.solids.length ? meta.solids : meta.boundary)];
+  return Math.min(...parts.map((part) => part.box[0][1]));
+}

@@ -1,0 +1,46 @@
+/* Pictures and films of the view. */
+
+function download(blob, ending) {
+  const url = URL.createObjectURL(blob), name = (meta.about.name || "replay").replace(/[^A-Za-z0-9]+/g, "_");
+  Object.assign(document.createElement("a"), { href: url, download: `${name}.${ending}` }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+}
+
+function savePicture() {
+  fitCanvas(renderer.gl.canvas, 1);
+  renderer.draw(player.frame);
+  renderer.gl.canvas.toBlob((blob) => download(blob, `${String(player.frame).padStart(6, "0")}.png`));
+}
+
+/* Plays all frames once, at the chosen speed, and records them as WebM. */
+function recordFilm(button) {
+  if (!window.MediaRecorder) {
+    button.textContent = "No WebM in this browser";
+    return;
+  }
+  const recorder = new MediaRecorder(renderer.gl.canvas.captureStream(), { videoBitsPerSecond: 12e6 }), pieces = [];
+  recorder.ondataavailable = (e) => pieces.push(e.data);
+  recorder.onstop = () => {
+    download(new Blob(pieces, { type: recorder.mimeType }), "webm");
+    button.disabled = false;
+  };
+  button.disabled = true;
+  player.show(0);
+  player.play(true);
+  player.atEnd = () => recorder.stop();
+  recorder.start();
+}
+
+/* A frame as a PNG in base64, for `projdyn render`. samples: pixels drawn for one of the picture, along a side */
+function pictureOfFrame(frame, width, height, samples) {
+  const canvas = renderer.gl.canvas, out = Object.assign(document.createElement("canvas"), { width, height });
+  player.play(false);
+  player.show(frame);
+  canvas.width = samples * width;
+  canvas.height = samples * height;
+  renderer.draw(player.frame);
+  const context = out.getContext("2d");
+  context.imageSmoothingQuality = "high";
+  context.drawImage(canvas, 0, 0, width, height);
+  return out.toDataURL("image/png").split(",")[1];
+}

@@ -1,0 +1,183 @@
+/* The order of the passes of one picture: shadow maps, what is opaque, glass, water, glass over water, and the
+ * picture on the canvas with its edges smoothed. */
+const finishText = `
+in vec2 uv;
+uniform sampler2D scene;
+uniform float soft;
+out vec4 result;
+float luma(vec3 c) { return dot(c, vec3(0.299, 0.587, 0.114)); }
+/* FXAA (Lottes 2009): blurs along edges of the brightness. */
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(scene, 0) - 1;
+  result = texelFetch(scene, at, 0);
+  if (soft == 0.0) return;
+  float m = luma(result.rgb);
+  float nw = luma(texelFetch(scene, clamp(at + ivec2(-1, 1), ivec2(0), last), 0).rgb);
+  float ne = luma(texelFetch(scene, clamp(at + ivec2(1, 1), ivec2(0), last), 0).rgb);
+  float sw = luma(texelFetch(scene, clamp(at - ivec2(1, 1), ivec2(0), last), 0).rgb);
+  float se = luma(texelFetch(scene, clamp(at + ivec2(1, -1), ivec2(0), last), 0).rgb);
+  float low = min(m, min(min(nw, ne), min(sw, se))), high = max(m, max(max(nw, ne), max(sw, se)));
+  if (high - low < 0.04) return;
+  vec2 d = vec2(sw + se - nw - ne, nw + sw - ne - se);
+  d = clamp(d / (min(abs(d.x), abs(d.y)) + max(0.03 * (nw + ne + sw + se), 0.008)), -8.0, 8.0) / vec2(last + 1);
+  vec3 near = 0.5 * (texture(scene, uv - d / 6.0).rgb + texture(scene, uv + d / 6.0).rgb);
+  vec3 wide = 0.5 * near + 0.25 * (texture(scene, uv - 0.5 * d).rgb + texture(scene, uv + 0.5 * d).rgb);
+  result.rgb = luma(wide) < low || luma(wide) > high ? near : wide;
+}`;
+
+/* Levels of quality: pixels of the canvas for one of the device; radius in pixels that a particle at the target has
+ * in the water passes, which have at most the pixels of the canvas; size of the shadow maps; soft: edges of shadows
+ * and of the picture are smoothed. The first is for pictures that stand still, the others keep the animation fluent
+ * on slow machines. */
+const levels = [
+  { scale: 1, water: 5, shadow: 2048, soft: 1 },
+  { scale: 1, water: 3, shadow: 1024, soft: 0 },
+  { scale: 0.7, water: 2.2, shadow: 1024, soft: 0 },
+  { scale: 0.5, water: 1.7, shadow: 512, soft: 0 },
+  { scale: 0.35, water: 1.3, shadow: 256, soft: 0 },
+];
+
+class Renderer {
+  constructor(gl) {
+    this.gl = gl;
+    if (!gl.getExtension("EXT_color_buffer_float"))
+      throw new Error("This page needs a graphics driver with float render targets (EXT_color_buffer_float).");
+    this.groundHeight = groundHeight();
+    this.camera = new Camera(includeGround(measureBounds(), this.groundHeight));
+    this.shadows = new Shadows(gl, this.camera);
+    this.backdrop = new Backdrop(gl, this.camera, this.groundHeight - 0.002 * this.camera.radius);
+    Object.assign(this, { balls: new Balls(gl), fabric: new Fabric(gl), glass: new GlassPrograms(gl), water: new Water(gl) });
+    this.finish = compile(gl, "", windowVertex, finishText);
+    this.scene = new Target(gl, "colour", true);
+    this.image = new Target(gl, "colour", true);
+    this.maps = {};
+    for (const name in maps) this.maps[name] = this.makeMap(name);
+    this.makeParts();
+    this.stage = () => {};
+  }
+  makeMap(name) {
+    const gl = this.gl, texture = makeTexture(gl, gl.LINEAR);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(mapTexels(maps[name]).buffer));
+    return texture;
+  }
+  /* Everything that is drawn: .part, and how. The order of meta.bodies gives the colours. */
+  makeParts() {
+    const gl = this.gl;
+    this.parts = meta.bodies.map((part, k) => part.triangles ? new Surface(gl, part) : new Points(gl, part));
+    this.tintBodies();
+    for (const part of meta.solids) {
+      const shape = this.isVessel(part) ? new Glass(gl, part) : new Surface(gl, part);
+      this.parts.push(Object.assign(shape, { tint: linearColour(clay), solid: true }));
+    }
+    const vessel = this.parts.find((shape) => shape instanceof Glass && shape.part.rest);
+    const [vesselLow, vesselHigh] = vessel ? boxWalls(metres(vessel.part, 0), vessel.part.index, vessel.part.box) : boxWalls([], [], [0, 0]);
+    this.vessel = { vesselLow, vesselHigh };
+    for (const part of meta.boundary) this.parts.push(Object.assign(new Points(gl, part), { tint: linearColour(clay), solid: true }));
+  }
+  tintBodies() {
+    const isSheet = (shape) => shape instanceof Surface && !shape.closed, shapes = this.parts.filter((shape) => !shape.part.fluid);
+    for (const [kind, colours] of Object.entries(palette))
+      shapes.filter((shape) => isSheet(shape) === (kind === "sheet"))
+        .forEach((shape, k) => { shape.tint = linearColour(colours[k % colours.length]); });
+  }
+  /* Whether a solid is a container: a box with an open side, or around the middle of the bodies. */
+  isVessel(part) {
+    const around = this.camera.centre.every((v, k) => v > part.box[0][k] && v < part.box[1][k]);
+    return part.kind === "box" && (around || !isClosed(metres(part, 0), part.index));
+  }
+  upload(frame) {
+    for (const shape of this.parts) {
+      if (!shape.part.shown || shape.solid && shape.part.rest && shape.uploaded) continue;
+      if (shape instanceof Points) shape.upload(frame, settings.fluid in channels ? settings.fluid : "speed");
+      else shape.upload(frame, settings.surface, shape.solid ? null : ranges[settings.surface]);
+      shape.uploaded = true;
+    }
+    this.uploaded = frame;
+    this.stale = false;
+  }
+  /* What is drawn in which way. */
+  sort() {
+    const shown = this.parts.filter((shape) => shape.part.shown);
+    const isWater = (shape) => shape.part.fluid && settings.look === "surface";
+    return {
+      water: shown.filter(isWater),
+      balls: shown.filter((shape) => shape instanceof Points && !isWater(shape)),
+      surfaces: shown.filter((shape) => shape instanceof Surface && !(shape instanceof Glass)),
+      glass: shown.filter((shape) => shape instanceof Glass),
+    };
+  }
+  drawShadows(sorted, shared, size) {
+    const gl = this.gl, values = { ...shared, view: this.shadows.view, projection: this.shadows.projection, height: size, scale: 0 };
+    this.shadows.opaque.begin(size, size);
+    for (const shape of sorted.surfaces) shape.draw(this.fabric.shadow, values);
+    for (const shape of sorted.balls) shape.draw(this.balls.shadow, { ...values, shrink: 0 });
+    this.shadows.water.begin(size / 4, size / 4);
+    for (const shape of sorted.water) shape.draw(this.balls.shadow, { ...values, height: size / 4, shrink: 1 });
+  }
+  ballLook(shape) {
+    const channel = settings.fluid in channels ? settings.fluid : "speed", { most = {}, fluid } = shape.part;
+    const plain = shape.solid || !fluid && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
+    return { plain, map: this.maps[channels[channel].map], scale: most[channel] / ranges[channel]?.top || 0, shrink: 0 };
+  }
+  surfaceLook(shape) {
+    const channel = channels[settings.surface];
+    return {
+      tint: shape.tint, sheer: shape.closed ? 0 : 1, mapped: channel && !shape.solid ? 1 : 0,
+      map: this.maps[channel ? channel.map : "mako"],
+      checked: settings.surface === "checker" && !shape.solid ? this.checkSize(shape) : 0,
+    };
+  }
+  /* A tenth of the longest side of a body in frame 0. */
+  checkSize(shape) {
+    shape.checkSize ||= Math.max(...shape.part.box[1].map((v, k) => v - shape.part.box[0][k])) / 12;
+    return shape.checkSize;
+  }
+  drawScene(sorted, values) {
+    for (const shape of sorted.surfaces) shape.draw(this.fabric.colour, { ...values, ...this.surfaceLook(shape) });
+    for (const shape of sorted.balls) shape.draw(this.balls.colour, { ...values, ...this.ballLook(shape) });
+    this.backdrop.drawGround(values);
+    for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
+  }
+  drawWater(sorted, values, level) {
+    const { width, height } = this.scene, channel = settings.fluid in channels ? settings.fluid : "speed";
+    const most = Math.max(...sorted.water.map((shape) => shape.part.most[channel]));
+    const own = {
+      ...values, sceneDepth: this.scene.depth, scene: this.scene.colour, shrink: 1, scale: most / ranges[channel].top,
+      radius: Math.max(...sorted.water.map((shape) => shape.part.radius)), map: this.maps[channels[channel].map],
+      mapped: settings.fluid === "plain" ? 0 : 1, clear: 0.35 * this.camera.radius,
+      distance: this.camera.distance, extent: this.camera.radius,
+    };
+    const pixels = 0.5 * own.radius * values.projection[5] * height / this.camera.distance;
+    const [wide, high] = [width, height].map((side) => Math.ceil(side * Math.min(1, level.water / pixels)));
+    this.water.prepare(sorted.water, own, wide, high, this.stage);
+    this.image.begin(width, height);
+    this.water.compose(own);
+    for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover: this.water.cover.colour, over: 1 });
+    this.stage("water shading");
+  }
+  /* Draws a frame into the canvas, whose size in pixels is set. */
+  draw(frame, level = levels[0]) {
+    const gl = this.gl, { width, height } = gl.canvas;
+    if (this.stale || this.uploaded !== frame) this.upload(frame);
+    this.stage("upload");
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    const sorted = this.sort(), shared = { cut: cutPlane(this.camera), ...this.vessel };
+    this.drawShadows(sorted, shared, level.shadow);
+    this.stage("shadows");
+    const values = {
+      ...shared, ...this.camera.matrices(width / height), ...this.shadows.values(level.shadow), soft: level.soft,
+      height, window: [width, height], width: Math.max(1, 1.2 * height / 800), cover: this.maps.mako,
+    };
+    this.scene.begin(width, height);
+    this.backdrop.drawBackground(values);
+    this.drawScene(sorted, values);
+    this.stage("scene");
+    if (sorted.water.length) this.drawWater(sorted, values, level);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, width, height);
+    gl.disable(gl.DEPTH_TEST);
+    drawWindow(gl, this.finish, { scene: (sorted.water.length ? this.image : this.scene).colour, soft: level.soft });
+    this.stage("finish");
+  }
+}

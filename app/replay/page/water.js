@@ -1,0 +1,190 @@
+/* Fluids as a smooth surface, in screen space:
+ *   depth     nearest point of the balls around the particles at each pixel (eye-space z)
+ *   smooth    bilateral filter across and down, twice, then along both diagonals
+ *   thickness volumes of the particles, spread over wider discs; the channel's value near the surface
+ *   normals   from differences of the smooth depth
+ *   compose   refraction, absorption, reflection
+ * Balls have 1.5 particle radii where the fluid is dense, so that no gaps stay between them, and less where
+ * particles are alone: drops. */
+const waterText = {
+  depth: `${ballHead}
+uniform sampler2D sceneDepth;
+uniform vec2 window;
+out float result;
+/* Factor on the distance of a ball's point from the eye that brings it to the wall of the vessel, if it is outside
+ * in front of the wall; 0: the ray leaves nothing of the ball inside. */
+float toWall(vec3 p, float depth) {
+  vec3 ray = inWorld(p) - eye, a = (vesselLow - eye) / ray, b = (vesselHigh - eye) / ray, low = min(a, b), high = max(a, b);
+  float enter = max(low.x, max(low.y, low.z)), leave = min(high.x, min(high.y, high.z));
+  return leave < 1.0 || enter > leave || enter > 1.0 + depth / -p.z ? 0.0 : max(1.0, enter);
+}
+void main() {
+  vec2 d = 2.0 * gl_PointCoord - 1.0;
+  float square = dot(d, d);
+  if (square > 1.0 || centre.z < eyeDepth(texture(sceneDepth, gl_FragCoord.xy / window).r)) discard;
+  float bulge = r * sqrt(1.0 - square);
+  vec3 p = vec3(centre.xy + r * vec2(d.x, -d.y), centre.z + bulge);
+  float factor = inside > 0.0 ? toWall(p, 2.0 * bulge) : 1.0;
+  if (factor == 0.0) discard;
+  result = p.z * factor;
+  gl_FragDepth = bufferDepth(result);
+}`,
+  smooth: `
+in vec2 uv;
+uniform sampler2D depths;
+uniform vec2 direction;       /* pixels */
+uniform float height, radius; /* radius: of the particles, m */
+uniform float spread;         /* half-width of the filter in particle radii */
+out float result;
+const int taps = 12;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(depths, 0) - 1;
+  float z = texelFetch(depths, at, 0).r;
+  result = z;
+  if (z == 0.0) return;
+  float reach = clamp(0.5 * spread * radius * projection[1][1] * height / -z, 1.0, 3.0 * float(taps));
+  float step = max(1.0, reach / float(taps)), sum = z, weights = 1.0;
+  for (int k = 1; k <= taps; k++) {
+    float place = float(k) * step / reach;
+    if (place > 1.001) break;
+    ivec2 away = ivec2(round(float(k) * step * direction));
+    vec2 v = vec2(texelFetch(depths, clamp(at + away, ivec2(0), last), 0).r,
+                  texelFetch(depths, clamp(at - away, ivec2(0), last), 0).r);
+    vec2 w = exp(-3.0 * place * place) * (1.0 - smoothstep(2.0 * radius, 6.0 * radius, abs(v - z)));
+    sum += dot(w, v);
+    weights += w.x + w.y;
+  }
+  result = sum / weights;
+}`,
+  thickness: `${ballHead}
+uniform sampler2D sceneDepth, depths;
+uniform vec2 window;
+out vec4 result;
+void main() {
+  vec2 d = 2.0 * gl_PointCoord - 1.0, uv = gl_FragCoord.xy / window;
+  float bell = 1.0 - dot(d, d);
+  if (bell < 0.0 || centre.z < eyeDepth(texture(sceneDepth, uv).r)) discard;
+  float front = texture(depths, uv).r, volume = 8.0 * radius * radius * radius;
+  float weight = bell * exp(-min(20.0, max(0.0, front - centre.z) / radius));
+  result = vec4(volume / (0.25 * 3.14159 * r * r) * bell * bell * 0.75, weight * shade, weight, 0);
+}`,
+  normals: `
+in vec2 uv;
+uniform sampler2D depths;
+uniform float distance, extent; /* of the eye from the target, m; unit of the depths in the result, m */
+out vec4 result;
+vec3 point(ivec2 at, float z) {
+  vec2 ndc = 2.0 * (vec2(at) + 0.5) / vec2(textureSize(depths, 0)) - 1.0;
+  return vec3(-z * ndc / vec2(projection[0][0], projection[1][1]), z);
+}
+/* Difference of points along an axis, towards the neighbour at the more similar depth. */
+vec3 along(ivec2 at, ivec2 side, vec3 p) {
+  float a = texelFetch(depths, at + side, 0).r, b = texelFetch(depths, at - side, 0).r;
+  bool forward = b == 0.0 || a != 0.0 && abs(a - p.z) < abs(b - p.z);
+  if (a == 0.0 && b == 0.0) return vec3(side, 0);
+  return forward ? point(at + side, a) - p : p - point(at - side, b);
+}
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  float z = texelFetch(depths, at, 0).r;
+  result = vec4(0);
+  if (z == 0.0) return;
+  vec3 p = point(at, z), n = normalize(cross(along(at, ivec2(1, 0), p), along(at, ivec2(0, 1), p)));
+  result = vec4(n.xy, (z + distance) / extent, 1);
+}`,
+  compose: `
+in vec2 uv;
+uniform sampler2D cover, thick, scene, sceneDepth, map;
+uniform float distance, extent, radius, clear, mapped; /* clear: length, m, over which water gets its colour */
+out vec4 result;
+vec3 behind(vec2 shift, float z) {
+  vec2 there = clamp(uv + shift, vec2(0.002), vec2(0.998));
+  vec3 c = texture(scene, eyeDepth(texture(sceneDepth, there).r) < z ? there : uv).rgb;
+  return c * c;
+}
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec4 s = texture(cover, uv);
+  float back = texelFetch(sceneDepth, at, 0).r;
+  result = texelFetch(scene, at, 0);
+  gl_FragDepth = back;
+  float z = s.b / max(s.a, 1e-3) * extent - distance;
+  if (s.a < 0.1 || z < eyeDepth(back)) return;
+  gl_FragDepth = bufferDepth(z);
+  vec4 sums = texture(thick, uv);
+  vec2 xy = s.rg / s.a, scale = vec2(projection[0][0], projection[1][1]);
+  vec3 n = vec3(xy, sqrt(max(1.0 - dot(xy, xy), 0.0))) * mat3(view);
+  vec3 p = (vec3(-z * (2.0 * uv - 1.0) / scale, z) - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
+  float thickness = sums.r;
+  vec2 shift = -0.16 * xy * min(min(thickness, 0.5 * clear), z - eyeDepth(back)) * scale / -z;
+  float lit = unshaded(shadowMap, inLampView(p, n));
+  vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
+  vec3 pass = exp(-thickness / clear * vec3(2.2, 0.75, 0.45));
+  vec3 body = behind(shift, z) * pass + vec3(0.012, 0.11, 0.19) * light * (1.0 - pass);
+  vec3 mirror = reflect(-toEye, n);
+  float whole = smoothstep(0.0, 2.0 * radius, thickness) * smoothstep(0.5, 1.0, s.a); /* rims shine less */
+  vec3 shine = environment(mirror) * whole * fresnel(dot(n, toEye)) + 2.0 * lit * whole * pow(max(dot(mirror, lamp), 0.0), 350.0);
+  if (mapped > 0.0)
+    body = mapColour(map, sums.g / max(sums.b, 1e-4)) * light;
+  result.rgb = mix(result.rgb, encode(body + (mapped > 0.0 ? 0.35 : 1.0) * shine), smoothstep(0.2, 0.7, s.a));
+}`,
+};
+
+class Water {
+  constructor(gl) {
+    this.gl = gl;
+    this.programs = {
+      depth: compile(gl, commonText, ballVertex, waterText.depth),
+      thickness: compile(gl, commonText, ballVertex, waterText.thickness),
+      smooth: compile(gl, commonText, windowVertex, waterText.smooth),
+      normals: compile(gl, commonText, windowVertex, waterText.normals),
+      compose: compile(gl, lightText, windowVertex, waterText.compose),
+    };
+    this.depth = new Target(gl, "number", true);
+    this.smoothed = [new Target(gl, "number", false), new Target(gl, "number", false)];
+    this.thickness = new Target(gl, "sums", false);
+    this.cover = new Target(gl, "sums", false);
+  }
+  drawDepth(bodies, values, width, height) {
+    this.depth.begin(width, height);
+    for (const body of bodies) body.draw(this.programs.depth, { ...values, height, window: [width, height] });
+  }
+  /* Returns the texture of smooth depths. */
+  smooth(values, width, height) {
+    const passes = [[[1, 0], 3.5], [[0, 1], 3.5], [[1, 0], 2], [[0, 1], 2], [[0.7071, 0.7071], 1], [[0.7071, -0.7071], 1]];
+    let depths = this.depth.colour;
+    passes.forEach(([direction, spread], k) => {
+      this.smoothed[k % 2].begin(width, height);
+      drawWindow(this.gl, this.programs.smooth, { ...values, height, depths, direction, spread });
+      depths = this.smoothed[k % 2].colour;
+    });
+    return depths;
+  }
+  drawThickness(bodies, values, width, height) {
+    const gl = this.gl, window = [width, height];
+    this.thickness.begin(width, height);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    for (const body of bodies)
+      body.draw(this.programs.thickness, { ...values, height, window, depths: this.depth.colour, shrink: 1.7 });
+    gl.disable(gl.BLEND);
+  }
+  /* Draws the passes before compose at a size in pixels. stage: called after each with its name */
+  prepare(bodies, values, width, height, stage) {
+    this.drawDepth(bodies, values, width, height);
+    stage("water depth");
+    const depths = this.smooth(values, width, height);
+    stage("water filter");
+    this.drawThickness(bodies, values, Math.ceil(width / 2), Math.ceil(height / 2));
+    stage("water thickness");
+    this.cover.begin(width, height);
+    drawWindow(this.gl, this.programs.normals, { ...values, depths });
+    stage("water normals");
+  }
+  compose(values) {
+    const gl = this.gl;
+    gl.depthFunc(gl.ALWAYS);
+    drawWindow(gl, this.programs.compose, { ...values, cover: this.cover.colour, thick: this.thickness.colour });
+    gl.depthFunc(gl.LEQUAL);
+  }
+}

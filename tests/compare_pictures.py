@@ -1,0 +1,65 @@
+"""Compares the pictures that test_replay.sh draws. Usage: compare_pictures.py FOLDER
+
+Each part of the scene must change many pixels; the surface of the water must cover what its particles cover."""
+import pathlib
+import struct
+import sys
+import zlib
+
+PREDICT = [lambda a, b, c: 0, lambda a, b, c: a, lambda a, b, c: b, lambda a, b, c: (a + b) // 2,
+           lambda a, b, c: min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]]
+
+
+def read_png(path):
+    """Pixels of a PNG with 8 bits a channel: a list of (red, green, blue)."""
+    data = path.read_bytes()
+    at, packed = 8, b""
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at:at + 8])
+        if kind == b"IHDR":
+            width, height, depth, colour = struct.unpack(">IIBB", data[at + 8:at + 18])
+        if kind == b"IDAT":
+            packed += data[at + 8:at + 8 + size]
+        at += 12 + size
+    assert depth == 8 and colour in (2, 6), f"{path}: unexpected kind of PNG"
+    channels = 3 if colour == 2 else 4
+    stride = width * channels
+    raw, row, pixels = zlib.decompress(packed), bytearray(stride), []
+    for y in range(height):
+        line = raw[y * (stride + 1):(y + 1) * (stride + 1)]
+        above, row, guess = row, bytearray(line[1:]), PREDICT[line[0]]
+        for i in range(stride):
+            left, corner = (row[i - channels], above[i - channels]) if i >= channels else (0, 0)
+            row[i] = (row[i] + guess(left, above[i], corner)) & 255
+        pixels += [tuple(row[i:i + 3]) for i in range(0, stride, channels)]
+    return pixels
+
+
+def changed(a, b, least=9):
+    """The pixels that differ, as a set of indices."""
+    return {i for i, (p, q) in enumerate(zip(a, b)) if max(abs(u - v) for u, v in zip(p, q)) >= least}
+
+
+pictures = {path.stem: read_png(path) for path in pathlib.Path(sys.argv[1]).glob("*.png")}
+faults = 0
+
+
+def expect(what, count, least, most=10**9):
+    global faults
+    good = least <= count <= most
+    faults += not good
+    print(f"{'ok' if good else 'FAILED'}: {what}: {count} pixels, expected {least} to {most}")
+
+
+every = pictures["all"]
+for name, least in [("no_water", 3000), ("no_sheet", 6000), ("no_tank", 800), ("no_ball", 500), ("no_rod", 200),
+                    ("particles", 2000), ("no_report", 800), ("surface=checker", 2000), ("surface=stretch", 4000),
+                    ("fluid=speed", 2000), ("fluid=pressure", 2000), ("cut=x-0.5", 2000), ("camera=90,20,1,0,0.4,0", 9000)]:
+    expect(f"{name} against all", len(changed(every, pictures[name])), least)
+water = changed(every, pictures["no_water"])
+blue = sum(every[i][2] > every[i][0] + 25 for i in water)
+expect("water is blue", blue, 2000)
+balls = changed(pictures["particles"], pictures["no_water"])
+expect("particles", len(balls), 2000)
+expect("holes: particles without a surface", len(balls - water), 0, len(balls) // 100)
+sys.exit(faults > 0)
