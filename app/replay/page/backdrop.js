@@ -34,6 +34,12 @@ void main() {
 }`,
 };
 
+/* The largest of 1, 2, 5, 10, 20, ... times a power of ten that is at most `size`. */
+function roundSpacing(size) {
+  const power = 10 ** Math.floor(Math.log10(size));
+  return [5, 2, 1].find((k) => k * power <= size) * power;
+}
+
 class Backdrop {
   constructor(gl, camera, ground) {
     this.gl = gl;
@@ -41,7 +47,7 @@ class Backdrop {
     this.ground = compile(gl, lightText, backdropText.groundVertex, backdropText.groundFragment);
     this.own = {
       centre: [camera.centre[0], ground, camera.centre[2]], reach: 9 * camera.radius,
-      spacing: 10 ** Math.floor(Math.log10(0.4 * camera.radius)),
+      spacing: roundSpacing(0.16 * camera.radius),
     };
     this.height = ground;
   }

@@ -12,7 +12,7 @@ void main() {
   vec3 toEye = normalize(eye - at), side = normalize(n);
   float cosine = abs(dot(side, toEye));
   side = dot(side, toEye) < 0.0 ? -side : side;
-  float mirror = 0.035 + 0.30 * pow(1.0 - cosine, 4.0);
+  float mirror = 0.035 + 0.30 * power4(1.0 - cosine);
   result = vec4(mirror * encode(environment(reflect(-toEye, side))) + 0.03 * vec3(0.78, 0.90, 0.87), mirror + 0.03);
 }`,
   edgeVertex: `

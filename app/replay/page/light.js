@@ -11,6 +11,9 @@ vec3 place(vec3 x) { return origin + size * x; }
 /* Eye-space z of a value of the depth buffer, and the reverse. */
 float eyeDepth(float depth) { return -projection[3][2] / (2.0 * depth - 1.0 + projection[2][2]); }
 float bufferDepth(float z) { return 0.5 - 0.5 * (projection[2][2] + projection[3][2] / z); }
+/* Powers by squaring: software renderers are slow at pow and exp. */
+float power4(float x) { return x * x * x * x; }
+float power32(float x) { return power4(power4(x)) * power4(power4(x)); }
 vec3 encode(vec3 light) {
   vec3 over = max(light - 0.7, 0.0);
   return sqrt(min(light, 0.7) + over / (1.0 + over / 0.3));
@@ -50,10 +53,10 @@ vec3 environment(vec3 d) {
   float box = smoothstep(0.74, 0.86, dot(d, normalize(vec3(-0.55, 0.7, -0.45))));
   return mix(vec3(0.42, 0.41, 0.40), sky + 1.1 * box, smoothstep(-0.12, 0.08, d.y));
 }
-float fresnel(float cosine) { return 0.02 + 0.98 * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0); }
+float fresnel(float cosine) { return 0.02 + 0.98 * power4(1.0 - clamp(cosine, 0.0, 1.0)) * (1.0 - clamp(cosine, 0.0, 1.0)); }
 /* A matt surface with a weak gloss. light: of the lamp; n, toEye: unit vectors */
 vec3 matt(vec3 colour, vec3 light, vec3 n, vec3 toEye) {
-  float gloss = pow(max(dot(n, normalize(lamp + toEye)), 0.0), 48.0);
+  float gloss = power32(max(dot(n, normalize(lamp + toEye)), 0.0));
   return colour * (skyLight(n) + light * max(dot(n, lamp), 0.0)) + 0.06 * gloss * light;
 }
 `;

@@ -57,10 +57,22 @@ class Points {
     this.part = part;
     this.array = gl.createVertexArray();
     this.x = addAttribute(gl, this.array, 0, 3, gl.UNSIGNED_SHORT);
-    if (part.channels.length) {
-      this.value = addAttribute(gl, this.array, 1, 1, gl.UNSIGNED_BYTE);
-      this.filled = addAttribute(gl, this.array, 2, 1, gl.UNSIGNED_BYTE);
-    }
+    if (!part.channels.length) return;
+    this.value = addAttribute(gl, this.array, 1, 1, gl.UNSIGNED_BYTE);
+    this.filled = addAttribute(gl, this.array, 2, 1, gl.UNSIGNED_BYTE);
+    this.makeSparse();
+  }
+  /* Every fourth particle of the same buffers. */
+  makeSparse() {
+    const gl = this.gl;
+    this.sparse = gl.createVertexArray();
+    gl.bindVertexArray(this.sparse);
+    [[this.x, 3, gl.UNSIGNED_SHORT, 24], [this.value, 1, gl.UNSIGNED_BYTE, 4], [this.filled, 1, gl.UNSIGNED_BYTE, 4]]
+      .forEach(([buffer, parts, type, stride], location) => {
+        gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+        gl.enableVertexAttribArray(location);
+        gl.vertexAttribPointer(location, parts, type, true, stride, 0);
+      });
   }
   upload(frame, channel) {
     const { gl, part } = this;
@@ -74,10 +86,10 @@ class Points {
     const [low, high] = this.part.box;
     return { origin: low, size: high.map((v, k) => v - low[k]), radius: this.part.radius };
   }
-  draw(program, values) {
+  draw(program, values, sparse) {
     use(this.gl, program, { ...values, ...this.values() });
-    this.gl.bindVertexArray(this.array);
-    this.gl.drawArrays(this.gl.POINTS, 0, this.count);
+    this.gl.bindVertexArray(sparse ? this.sparse : this.array);
+    this.gl.drawArrays(this.gl.POINTS, 0, sparse ? Math.floor(this.count / 4) : this.count);
   }
 }
 

@@ -5,7 +5,7 @@ class Player {
   constructor() {
     this.frame = 0;
     this.time = meta.times[0];
-    this.playing = false;
+    this.playing = this.recording = false; /* recording: at full quality, without a change of size */
     this.rate = 1;
     this.plots = [];
     this.dirty = true;
@@ -67,7 +67,7 @@ class Animation {
       this.slow = 0;
     }
     this.changed = now;
-    this.draw(moving ? this.level : 0);
+    this.draw(moving && !player.recording ? this.level : 0);
   }
   draw(level) {
     fitCanvas(this.renderer.gl.canvas, levels[level].scale);

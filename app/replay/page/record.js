@@ -22,12 +22,15 @@ function recordFilm(button) {
   recorder.ondataavailable = (e) => pieces.push(e.data);
   recorder.onstop = () => {
     download(new Blob(pieces, { type: recorder.mimeType }), "webm");
-    button.disabled = false;
+    button.disabled = player.recording = false;
   };
-  button.disabled = true;
+  button.disabled = player.recording = true;
   player.show(0);
   player.play(true);
-  player.atEnd = () => recorder.stop();
+  player.atEnd = () => {
+    player.play(false);
+    recorder.stop();
+  };
   recorder.start();
 }
 

@@ -106,13 +106,13 @@ class Renderer {
       glass: shown.filter((shape) => shape instanceof Glass),
     };
   }
-  drawShadows(sorted, shared, size) {
-    const gl = this.gl, values = { ...shared, view: this.shadows.view, projection: this.shadows.projection, height: size, scale: 0 };
+  drawShadows(sorted, shared, { shadow: size, soft }) {
+    const values = { ...shared, view: this.shadows.view, projection: this.shadows.projection, height: size, scale: 0 };
     this.shadows.opaque.begin(size, size);
     for (const shape of sorted.surfaces) shape.draw(this.fabric.shadow, values);
     for (const shape of sorted.balls) shape.draw(this.balls.shadow, { ...values, shrink: 0 });
     this.shadows.water.begin(size / 4, size / 4);
-    for (const shape of sorted.water) shape.draw(this.balls.shadow, { ...values, height: size / 4, shrink: 1 });
+    for (const shape of sorted.water) shape.draw(this.balls.shadow, { ...values, height: size / 4, shrink: soft ? 1 : 1.5 }, !soft);
   }
   ballLook(shape) {
     const channel = settings.fluid in channels ? settings.fluid : "speed", { most = {}, fluid } = shape.part;
@@ -149,9 +149,8 @@ class Renderer {
     };
     const pixels = 0.5 * own.radius * values.projection[5] * height / this.camera.distance;
     const [wide, high] = [width, height].map((side) => Math.ceil(side * Math.min(1, level.water / pixels)));
-    this.water.prepare(sorted.water, own, wide, high, this.stage);
-    this.image.begin(width, height);
-    this.water.compose(own);
+    this.water.prepare(sorted.water, this.uploaded, own, [wide, high], level, this.stage);
+    this.water.compose(own, this.scene, this.image);
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover: this.water.cover.colour, over: 1 });
     this.stage("water shading");
   }
@@ -163,7 +162,7 @@ class Renderer {
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
     const sorted = this.sort(), shared = { cut: cutPlane(this.camera), ...this.vessel };
-    this.drawShadows(sorted, shared, level.shadow);
+    this.drawShadows(sorted, shared, level);
     this.stage("shadows");
     const values = {
       ...shared, ...this.camera.matrices(width / height), ...this.shadows.values(level.shadow), soft: level.soft,

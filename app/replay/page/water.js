@@ -50,7 +50,8 @@ void main() {
     ivec2 away = ivec2(round(float(k) * step * direction));
     vec2 v = vec2(texelFetch(depths, clamp(at + away, ivec2(0), last), 0).r,
                   texelFetch(depths, clamp(at - away, ivec2(0), last), 0).r);
-    vec2 w = exp(-3.0 * place * place) * (1.0 - smoothstep(2.0 * radius, 6.0 * radius, abs(v - z)));
+    float bell = 1.0 - 0.9 * place * place;
+    vec2 w = bell * bell * (1.0 - smoothstep(2.0 * radius, 6.0 * radius, abs(v - z)));
     sum += dot(w, v);
     weights += w.x + w.y;
   }
@@ -59,14 +60,15 @@ void main() {
   thickness: `${ballHead}
 uniform sampler2D sceneDepth, depths;
 uniform vec2 window;
+uniform float parts; /* particles that this one stands for */
 out vec4 result;
 void main() {
   vec2 d = 2.0 * gl_PointCoord - 1.0, uv = gl_FragCoord.xy / window;
   float bell = 1.0 - dot(d, d);
   if (bell < 0.0 || centre.z < eyeDepth(texture(sceneDepth, uv).r)) discard;
   float front = texture(depths, uv).r, volume = 8.0 * radius * radius * radius;
-  float weight = bell * exp(-min(20.0, max(0.0, front - centre.z) / radius));
-  result = vec4(volume / (0.25 * 3.14159 * r * r) * bell * bell * 0.75, weight * shade, weight, 0);
+  float weight = bell * power4(max(0.0, 1.0 - 0.25 * max(0.0, front - centre.z) / radius));
+  result = vec4(parts * volume / (0.25 * 3.14159 * r * r) * bell * bell * 0.75, weight * shade, weight, 0);
 }`,
   normals: `
 in vec2 uv;
@@ -119,11 +121,12 @@ void main() {
   vec2 shift = -0.16 * xy * min(min(thickness, 0.5 * clear), z - eyeDepth(back)) * scale / -z;
   float lit = unshaded(shadowMap, inLampView(p, n));
   vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
-  vec3 pass = exp(-thickness / clear * vec3(2.2, 0.75, 0.45));
+  vec3 x = thickness / clear * vec3(2.2, 0.75, 0.45), pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
   vec3 body = behind(shift, z) * pass + vec3(0.012, 0.11, 0.19) * light * (1.0 - pass);
   vec3 mirror = reflect(-toEye, n);
   float whole = smoothstep(0.0, 2.0 * radius, thickness) * smoothstep(0.5, 1.0, s.a); /* rims shine less */
-  vec3 shine = environment(mirror) * whole * fresnel(dot(n, toEye)) + 2.0 * lit * whole * pow(max(dot(mirror, lamp), 0.0), 350.0);
+  float gleam = power4(power32(max(dot(mirror, lamp), 0.0)));
+  vec3 shine = whole * (environment(mirror) * fresnel(dot(n, toEye)) + 2.0 * lit * gleam * gleam);
   if (mapped > 0.0)
     body = mapColour(map, sums.g / max(sums.b, 1e-4)) * light;
   result.rgb = mix(result.rgb, encode(body + (mapped > 0.0 ? 0.35 : 1.0) * shine), smoothstep(0.2, 0.7, s.a));
@@ -136,10 +139,11 @@ class Water {
     this.programs = {
       depth: compile(gl, commonText, ballVertex, waterText.depth),
       thickness: compile(gl, commonText, ballVertex, waterText.thickness),
-      smooth: compile(gl, commonText, windowVertex, waterText.smooth),
-      normals: compile(gl, commonText, windowVertex, waterText.normals),
-      compose: compile(gl, lightText, windowVertex, waterText.compose),
+      smooth: compile(gl, commonText, tileVertex, waterText.smooth),
+      normals: compile(gl, commonText, tileVertex, waterText.normals),
+      compose: compile(gl, lightText, tileVertex, waterText.compose),
     };
+    this.tiles = new Tiles(gl);
     this.depth = new Target(gl, "number", true);
     this.smoothed = [new Target(gl, "number", false), new Target(gl, "number", false)];
     this.thickness = new Target(gl, "sums", false);
@@ -150,41 +154,47 @@ class Water {
     for (const body of bodies) body.draw(this.programs.depth, { ...values, height, window: [width, height] });
   }
   /* Returns the texture of smooth depths. */
-  smooth(values, width, height) {
+  smooth(values, width, height, count) {
     const passes = [[[1, 0], 3.5], [[0, 1], 3.5], [[1, 0], 2], [[0, 1], 2], [[0.7071, 0.7071], 1], [[0.7071, -0.7071], 1]];
     let depths = this.depth.colour;
-    passes.forEach(([direction, spread], k) => {
+    passes.slice(0, count).forEach(([direction, spread], k) => {
       this.smoothed[k % 2].begin(width, height);
-      drawWindow(this.gl, this.programs.smooth, { ...values, height, depths, direction, spread });
+      this.tiles.draw(this.programs.smooth, { ...values, height, depths, direction, spread });
       depths = this.smoothed[k % 2].colour;
     });
     return depths;
   }
-  drawThickness(bodies, values, width, height) {
-    const gl = this.gl, window = [width, height];
+  /* sparse: one particle of four, with the volume of four */
+  drawThickness(bodies, values, width, height, sparse) {
+    const gl = this.gl, own = { ...values, height, window: [width, height], depths: this.depth.colour };
     this.thickness.begin(width, height);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
     for (const body of bodies)
-      body.draw(this.programs.thickness, { ...values, height, window, depths: this.depth.colour, shrink: 1.7 });
+      body.draw(this.programs.thickness, { ...own, shrink: sparse ? 2.2 : 1.7, parts: sparse ? 4 : 1 }, sparse);
     gl.disable(gl.BLEND);
   }
   /* Draws the passes before compose at a size in pixels. stage: called after each with its name */
-  prepare(bodies, values, width, height, stage) {
+  prepare(bodies, frame, values, [width, height], level, stage) {
+    this.tiles.update(bodies, frame, values);
     this.drawDepth(bodies, values, width, height);
     stage("water depth");
-    const depths = this.smooth(values, width, height);
+    const depths = this.smooth(values, width, height, level.soft ? 6 : 4);
     stage("water filter");
-    this.drawThickness(bodies, values, Math.ceil(width / 2), Math.ceil(height / 2));
+    this.drawThickness(bodies, values, Math.ceil(width / 2), Math.ceil(height / 2), !level.soft);
     stage("water thickness");
     this.cover.begin(width, height);
-    drawWindow(this.gl, this.programs.normals, { ...values, depths });
+    this.tiles.draw(this.programs.normals, { ...values, depths });
     stage("water normals");
   }
-  compose(values) {
-    const gl = this.gl;
+  /* Draws the water over a copy of the scene. */
+  compose(values, scene, image) {
+    const gl = this.gl, { width, height } = scene;
+    image.begin(width, height);
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, scene.framebuffer);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);
     gl.depthFunc(gl.ALWAYS);
-    drawWindow(gl, this.programs.compose, { ...values, cover: this.cover.colour, thick: this.thickness.colour });
+    this.tiles.draw(this.programs.compose, { ...values, cover: this.cover.colour, thick: this.thickness.colour });
     gl.depthFunc(gl.LEQUAL);
   }
 }
