@@ -16,6 +16,7 @@ int compare_main(int argc, char **argv);
 int trade_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
+int mesh_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
 int render_main(int argc, char **argv);
 

@@ -19,6 +19,7 @@ static const struct command {
     {"trade", trade_main, "find the Pareto front of error over processor time among many settings"},
     {"check", check_main, "load a scene and print its contents; or test a plug-in"},
     {"list", list_main, "print constraint types and solvers with their parameters and units"},
+    {"mesh", mesh_main, "make triangle meshes of the surfaces of fluids"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},
     {"render", render_main, "draw a run to a picture or a film, with Chromium and ffmpeg"},
 };

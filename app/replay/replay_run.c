@@ -234,7 +234,7 @@ static int count_frames(struct run *run) {
     return EXIT_GOOD;
 }
 
-static int open_parts(struct run *run) {
+int replay_open(struct run *run) {
     int code = find_bodies(run);
     if (code != EXIT_GOOD) return code;
     int bodies = (int)json_array_size(run->body_list);
@@ -248,7 +248,7 @@ static int open_parts(struct run *run) {
 }
 
 int replay_load(struct run *run) {
-    int code = open_parts(run);
+    int code = replay_open(run);
     if (code == EXIT_GOOD && !run->report)
         fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
               "not shown\n",

@@ -66,8 +66,11 @@ int replay_error(const char *format, ...) PDYN_PRINTF(1, 2);
 bool replay_path(char path[REPLAY_PATH], const struct run *run, const char *name,
                  const char *ending);
 
-/* Finds the parts of run->directory and the files of their frames, and reads all but the points. A
- * missing report.json gives a warning. The caller calls replay_close() in any case. */
+/* Finds the parts of run->directory and the files of their frames, and reads no frame. The caller
+ * calls replay_close() in any case. */
+int replay_open(struct run *run);
+/* The same, and reads all that the page needs but the points. A missing report.json gives a
+ * warning. */
 int replay_load(struct run *run);
 void replay_close(struct run *run);
 /* Reads run->metrics; leaves it NULL if metrics.csv is missing. */

@@ -1,0 +1,212 @@
+/* projdyn mesh: triangle meshes of the surface of the fluid, for every frame of a run. */
+#include "colour_field.h"
+#include "mesh_input.h"
+#include "new_file.h"
+#include "surface_file.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Passes of smoothing: before vertices move to obstacles, and after. */
+enum { PASSES = 80, PASSES_AFTER = 10 };
+
+static const char usage[] =
+    "Usage: projdyn mesh DIR [OPTIONS]\n"
+    "\n"
+    "Writes triangle meshes of the surface of each fluid of a run, with velocities and normals, "
+    "to\n"
+    "DIR/mesh/BODY_000000.vtk and so on. The meshes are closed, and end at cloth and solids.\n"
+    "\n"
+    "      --format FORMAT   vtk (default), ply or obj\n"
+    "      --frames A:B      only the frames A to B, counted from 0\n"
+    "      --threads N       worker threads (default: one per core)\n"
+    "  -h, --help            prints this text\n";
+
+struct mesh_options {
+    const struct surface_format *format;
+    long first, last; /* frames */
+    long threads;
+};
+
+/* What became of the frames of a body. */
+struct mesh_summary {
+    int frames, triangles;       /* triangles: most in a frame */
+    double least, most, seconds; /* enclosed volume over that of the particles */
+};
+
+/* ---- arguments ------------------------------------------------------------------------------- */
+
+static bool accept_format(struct mesh_options *options, const char *name) {
+    options->format = surface_formats;
+    while (options->format->name && strcmp(options->format->name, name)) options->format++;
+    if (options->format->name) return true;
+    fprintf(stderr, "projdyn: --format: found \"%s\", expected vtk, ply or obj\n", name);
+    return false;
+}
+
+static bool accept_frames(struct mesh_options *options, const char *text) {
+    int end = 0;
+    if (sscanf(text, "%9ld:%9ld%n", &options->first, &options->last, &end) == 2 && !text[end] &&
+        options->first >= 0 && options->last >= options->first)
+        return true;
+    fprintf(stderr, "projdyn: --frames: found \"%s\", expected A:B with 0 <= A <= B\n", text);
+    return false;
+}
+
+static bool accept_option(void *self, int option) {
+    struct mesh_options *options = self;
+    if (option == 'f') return accept_format(options, optarg);
+    if (option == 'r') return accept_frames(options, optarg);
+    return option == 't' && parse_integer("--threads", optarg, 1, 1024, &options->threads);
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
+
+/* Makes the surface of the particles in a file. */
+static int make_surface(const struct vtk_frame *frame, const char *path, double radius,
+                        const struct obstacles *obstacles, int threads, struct surface *surface) {
+    struct colour_field field;
+    double reach = 0.5 * radius;
+    int code = colour_field_build(frame, path, radius, threads, &field);
+    if (code == EXIT_GOOD) code = surface_extract(&field, threads, surface);
+    if (code == EXIT_GOOD) code = surface_add_drops(surface, &field);
+    if (code == EXIT_GOOD) code = surface_sample(surface, &field, threads);
+    if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES, threads);
+    if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
+    if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES_AFTER, threads);
+    if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
+    if (code == EXIT_GOOD) code = surface_make_normals(surface);
+    colour_field_free(&field);
+    return code;
+}
+
+static int write_surface(const struct run *run, const struct part *part, int f,
+                         const struct mesh_options *options, const struct surface *surface) {
+    char path[REPLAY_PATH], title[512];
+    const char *name = part->name, *ending = options->format->name;
+    if (snprintf(path, sizeof path, "%s/mesh/%s_%06d.%s", run->directory, name, f, ending) >=
+        REPLAY_PATH)
+        return replay_error("%s: the path is too long", run->directory);
+    snprintf(title, sizeof title, "%.200s t=%.9g s", name, replay_time(part, f));
+    return surface_write(surface, options->format, path, title);
+}
+
+static void add_to_summary(struct mesh_summary *summary, const struct surface *surface,
+                           double volume) {
+    double ratio = surface_volume(surface) / volume;
+    summary->frames++;
+    if (surface->triangles > summary->triangles) summary->triangles = surface->triangles;
+    if (!(volume > 0.0)) return;
+    summary->least = fmin(summary->least, ratio), summary->most = fmax(summary->most, ratio);
+}
+
+static int mesh_frame(const struct run *run, const struct part *part, int f,
+                      const struct mesh_options *options, struct mesh_summary *summary) {
+    char path[REPLAY_PATH];
+    struct vtk_frame frame;
+    struct obstacles obstacles;
+    struct surface surface = {0};
+    double radius = part->radius;
+    int code = replay_read_frame(run, part, f, path, &frame);
+    if (code != EXIT_GOOD) return code;
+    if (frame.triangles || !frame.velocity)
+        code = replay_error("%s: expected particles with velocities", path);
+    else code = mesh_read_obstacles(run, f, &obstacles);
+    if (code == EXIT_GOOD)
+        code = make_surface(&frame, path, radius, &obstacles, (int)options->threads, &surface);
+    if (code == EXIT_GOOD) code = write_surface(run, part, f, options, &surface);
+    if (code == EXIT_GOOD) add_to_summary(summary, &surface, frame.count * pow(2.0 * radius, 3.0));
+    surface_free(&surface);
+    obstacles_free(&obstacles);
+    vtk_frame_free(&frame);
+    return code;
+}
+
+/* Writes DIR/mesh/BODY.vtk.series, which lists the frames with their times. */
+static int write_series(const struct run *run, const struct part *part,
+                        const struct mesh_options *options, char path[REPLAY_PATH]) {
+    const char *name = part->name;
+    char *temporary;
+    if (snprintf(path, REPLAY_PATH, "%s/mesh/%s.vtk.series", run->directory, name) >= REPLAY_PATH)
+        return replay_error("%s: the path is too long", run->directory);
+    FILE *file = new_file_open(path, &temporary);
+    if (!file) return report_write_error(path);
+    fprintf(file, "{\"file-series-version\": \"1.0\", \"files\": [");
+    for (int f = (int)options->first; f <= options->last; f++)
+        fprintf(file, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}",
+                f > options->first ? "," : "", name, f, replay_time(part, f));
+    fprintf(file, "]}\n");
+    return new_file_close(file, temporary, path, true) ? EXIT_GOOD : report_write_error(path);
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+static int mesh_body(const struct run *run, const struct part *part,
+                     const struct mesh_options *options) {
+    struct mesh_summary s = {.least = INFINITY, .most = -INFINITY, .seconds = wall_seconds()};
+    char path[REPLAY_PATH] = "";
+    int code = EXIT_GOOD;
+    if (!(part->radius > 0.0))
+        return replay_error("%s/report.json: radius_m of body \"%s\": expected a number above 0",
+                            run->directory, part->name);
+    for (int f = (int)options->first; f <= options->last && code == EXIT_GOOD; f++)
+        code = mesh_frame(run, part, f, options, &s);
+    if (code == EXIT_GOOD && !strcmp(options->format->name, "vtk"))
+        code = write_series(run, part, options, path);
+    if (code != EXIT_GOOD) return code;
+    printf("%s: %d frames, at most %d triangles, %.2f s a frame", part->name, s.frames, s.triangles,
+           (wall_seconds() - s.seconds) / s.frames);
+    if (s.least <= s.most)
+        printf(", volume %.1f to %.1f %% of the particles'", 100.0 * s.least, 100.0 * s.most);
+    puts("");
+    return EXIT_GOOD;
+}
+
+static int make_folder(const struct run *run) {
+    char path[REPLAY_PATH];
+    if (!replay_path(path, run, "mesh", ""))
+        return replay_error("%s: the path is too long", run->directory);
+    if (!mkdir(path, 0777) || (errno == EEXIST && !access(path, X_OK))) return EXIT_GOOD;
+    return replay_error("%s: cannot make the directory: %s", path, strerror(errno));
+}
+
+static int mesh_run(struct run *run, struct mesh_options *options) {
+    int code = replay_open(run), fluids = 0;
+    if (code != EXIT_GOOD) return code;
+    if (!run->report) return replay_error("%s: expected a report.json", run->directory);
+    if (options->last == LONG_MAX) options->last = run->frames - 1;
+    if (options->last >= run->frames)
+        return replay_error("--frames: expected frames up to %d, found %ld", run->frames - 1,
+                            options->last);
+    code = make_folder(run);
+    for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
+        if (run->part[p].fluid) code = mesh_body(run, &run->part[p], options), fluids++;
+    if (code == EXIT_GOOD && !fluids)
+        return replay_error("%s/report.json: expected a body with the constraint \"fluid\"",
+                            run->directory);
+    return code;
+}
+
+int mesh_main(int argc, char **argv) {
+    static const struct option long_options[] = {{"format", required_argument, NULL, 'f'},
+                                                 {"frames", required_argument, NULL, 'r'},
+                                                 {"threads", required_argument, NULL, 't'},
+                                                 {"help", no_argument, NULL, 'h'},
+                                                 {0}};
+    struct mesh_options options = {surface_formats, 0, LONG_MAX, sysconf(_SC_NPROCESSORS_ONLN)};
+    int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &options);
+    if (code >= 0) return code;
+    if (argc - optind != 1) {
+        fprintf(stderr, "projdyn: mesh: expected one directory\n\n%s", usage);
+        return EXIT_BAD_INPUT;
+    }
+    struct run run = {.directory = argv[optind]};
+    code = mesh_run(&run, &options);
+    replay_close(&run);
+    return code;
+}

@@ -1,0 +1,48 @@
+/* The surface of a fluid as a closed triangle mesh: every edge has two triangles, which face out of
+ * the fluid. */
+#ifndef MESH_SURFACE_H
+#define MESH_SURFACE_H
+
+#include "colour_field.h"
+#include "obstacles.h"
+
+struct surface {
+    int vertices, triangles;
+    float *x;        /* vertices x 3, m */
+    float *velocity; /* vertices x 3, m/s: mean of the particles nearby, by kernel */
+    float *normal;   /* vertices x 3, unit vectors */
+    int *triangle;   /* triangles x 3 */
+    int *closest;    /* vertices: the particle next to it, an index of the colour field */
+    float *mobility; /* vertices: how far smoothing moves it, 0 to 1; 0 in drops */
+};
+
+/* The functions below return an exit code, after a message unless it is EXIT_GOOD. */
+
+/* Marching cubes on the samples of a colour field. Makes x and triangle; the caller frees the
+ * surface in any case. */
+int surface_extract(const struct colour_field *field, int threads, struct surface *out);
+
+/* Adds a ball for each particle without neighbours; the samples do not have these. */
+int surface_add_drops(struct surface *surface, const struct colour_field *field);
+
+/* Makes velocity, closest and mobility from the particles around each vertex. */
+int surface_sample(struct surface *surface, const struct colour_field *field, int threads);
+
+/* Smooths x without shrinking (Taubin 1995), each vertex by its mobility. */
+int surface_smooth(struct surface *surface, int passes, int threads);
+
+/* Moves vertices beyond an obstacle back to it, and those at most `reach`, m, before one to it;
+ * sets their mobility to 0. A vertex is beyond an obstacle if a triangle of it lies between the
+ * vertex and the closest particle. */
+void surface_attach(struct surface *surface, const struct colour_field *field,
+                    const struct obstacles *obstacles, double reach, int threads);
+
+/* Makes normal: sums of the area vectors of the triangles around a vertex. */
+int surface_make_normals(struct surface *surface);
+
+/* Enclosed volume, m^3. */
+double surface_volume(const struct surface *surface);
+
+void surface_free(struct surface *surface);
+
+#endif

@@ -1,0 +1,116 @@
+/* Smoothing, normals and volume of a surface. */
+#include "app.h"
+#include "parallel.h"
+#include "surface.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GRAIN = 4096 };
+
+/* Factors of the two half passes, pass band 0.04: x <- x + f m (mean of the neighbours - x). */
+static const double shrink = 0.5, grow = -0.51;
+
+/* The neighbours of each vertex. In a closed mesh each is the next corner in one triangle. */
+struct ring {
+    int *first;     /* vertices + 1 */
+    int *neighbour; /* 3 x triangles */
+};
+
+static void fill_ring(const struct surface *surface, struct ring *ring) {
+    int corners = 3 * surface->triangles;
+    for (int c = 0; c < corners; c++) ring->first[surface->triangle[c] + 1]++;
+    for (int v = 0; v < surface->vertices; v++) ring->first[v + 1] += ring->first[v];
+    for (int c = 0; c < corners; c++) {
+        int next = surface->triangle[c % 3 == 2 ? c - 2 : c + 1];
+        ring->neighbour[ring->first[surface->triangle[c]]++] = next;
+    }
+    for (int v = surface->vertices; v > 0; v--) ring->first[v] = ring->first[v - 1];
+    ring->first[0] = 0;
+}
+
+struct half_pass {
+    const struct ring *ring;
+    const float *from, *mobility;
+    float *to;
+    double factor;
+};
+
+static void run_half_pass(void *self, int first, int last) {
+    const struct half_pass *pass = self;
+    const struct ring *ring = pass->ring;
+    for (int v = first; v < last; v++) {
+        double mean[3] = {0}, factor = pass->factor * (double)pass->mobility[v];
+        int begin = ring->first[v], end = ring->first[v + 1];
+        for (int n = begin; n < end; n++)
+            for (int a = 0; a < 3; a++)
+                mean[a] += (double)pass->from[3 * (size_t)ring->neighbour[n] + (size_t)a];
+        for (int a = 0; a < 3; a++) {
+            double x = (double)pass->from[3 * (size_t)v + (size_t)a];
+            pass->to[3 * (size_t)v + (size_t)a] =
+                (float)(x + factor * (mean[a] / (end - begin) - x));
+        }
+    }
+}
+
+int surface_smooth(struct surface *surface, int passes, int threads) {
+    size_t n = (size_t)surface->vertices;
+    struct ring ring = {calloc(n + 2, sizeof *ring.first),
+                        malloc((3 * (size_t)surface->triangles + 1) * sizeof *ring.neighbour)};
+    float *other = malloc((3 * n + 1) * sizeof *other);
+    bool good = ring.first && ring.neighbour && other;
+    if (good) fill_ring(surface, &ring);
+    for (int p = 0; good && p < passes; p++) {
+        struct half_pass there = {&ring, surface->x, surface->mobility, other, shrink};
+        struct half_pass back = {&ring, other, surface->mobility, surface->x, grow};
+        parallel_for(threads, surface->vertices, GRAIN, run_half_pass, &there);
+        parallel_for(threads, surface->vertices, GRAIN, run_half_pass, &back);
+    }
+    free(ring.first), free(ring.neighbour), free(other);
+    return good ? EXIT_GOOD : report_no_memory();
+}
+
+/* The corners of a triangle relative to its first: edges p and q. */
+static void triangle_edges(const struct surface *surface, int t, double p[3], double q[3]) {
+    const int *corner = surface->triangle + 3 * (size_t)t;
+    for (int a = 0; a < 3; a++) {
+        double x = (double)surface->x[3 * (size_t)corner[0] + (size_t)a];
+        p[a] = (double)surface->x[3 * (size_t)corner[1] + (size_t)a] - x;
+        q[a] = (double)surface->x[3 * (size_t)corner[2] + (size_t)a] - x;
+    }
+}
+
+int surface_make_normals(struct surface *surface) {
+    surface->normal = calloc(3 * (size_t)surface->vertices + 1, sizeof *surface->normal);
+    if (!surface->normal) return report_no_memory();
+    for (int t = 0; t < surface->triangles; t++) {
+        double p[3], q[3];
+        triangle_edges(surface, t, p, q);
+        for (int c = 0; c < 3; c++)
+            for (int a = 0; a < 3; a++)
+                surface->normal[3 * (size_t)surface->triangle[3 * (size_t)t + (size_t)c] +
+                                (size_t)a] +=
+                    (float)(p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3]);
+    }
+    for (int v = 0; v < surface->vertices; v++) {
+        float *n = surface->normal + 3 * (size_t)v;
+        float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (int a = 0; a < 3 && length > 0.0f; a++) n[a] /= length;
+    }
+    return EXIT_GOOD;
+}
+
+/* The sum of the tetrahedra between the triangles and the first vertex. */
+double surface_volume(const struct surface *surface) {
+    double sum = 0.0;
+    for (int t = 0; t < surface->triangles; t++) {
+        double p[3], q[3];
+        const float *x = surface->x + 3 * (size_t)surface->triangle[3 * (size_t)t];
+        triangle_edges(surface, t, p, q);
+        for (int a = 0; a < 3; a++)
+            sum += ((double)x[a] - (double)surface->x[a]) *
+                   (p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3]);
+    }
+    return sum / 6.0;
+}
