@@ -6,6 +6,8 @@
 #include "colour_field.h"
 #include "obstacles.h"
 
+#include <limits.h>
+
 struct surface {
     int vertices, triangles;
     float *x;        /* vertices x 3, m */
@@ -16,7 +18,14 @@ struct surface {
     float *mobility; /* vertices: how far smoothing moves it, 0 to 1; 0 in drops */
 };
 
-/* The functions below return an exit code, after a message unless it is EXIT_GOOD. */
+/* Largest number of vertices or triangles: 3 times it fits int. */
+#define SURFACE_MOST (INT_MAX / 3)
+
+/* The functions below that return int return an exit code, after a message unless it is EXIT_GOOD.
+ */
+
+/* Makes room in x and triangle. EXIT_FAILED: more than SURFACE_MOST, or no memory. */
+int surface_resize(struct surface *surface, long vertices, long triangles);
 
 /* Marching cubes on the samples of a colour field. Makes x and triangle; the caller frees the
  * surface in any case. */

@@ -4,7 +4,6 @@
 #include "surface.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { CORNERS = 12, BALL_VERTICES = 42, BALL_TRIANGLES = 80 };
@@ -91,15 +90,11 @@ static void add_ball(struct surface *surface, const struct ball *ball, const flo
 
 int surface_add_drops(struct surface *surface, const struct colour_field *field) {
     struct ball ball;
-    size_t drops = 0;
+    long drops = 0;
     for (int i = 0; i < field->count; i++) drops += colour_is_alone(field, i);
-    size_t vertices = (size_t)surface->vertices + BALL_VERTICES * drops;
-    size_t triangles = (size_t)surface->triangles + BALL_TRIANGLES * drops;
-    float *x = realloc(surface->x, (3 * vertices + 1) * sizeof *x);
-    if (x) surface->x = x;
-    int *triangle = realloc(surface->triangle, (3 * triangles + 1) * sizeof *triangle);
-    if (triangle) surface->triangle = triangle;
-    if (!x || !triangle) return report_no_memory();
+    int code = surface_resize(surface, surface->vertices + BALL_VERTICES * drops,
+                              surface->triangles + BALL_TRIANGLES * drops);
+    if (code != EXIT_GOOD) return code;
     make_ball(&ball);
     for (int i = 0; i < field->count; i++)
         if (colour_is_alone(field, i))

@@ -6,6 +6,7 @@
 #include "parallel.h"
 #include "surface.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -97,15 +98,30 @@ static void count_blocks(void *self, int first, int last) {
     }
 }
 
-/* Turns the counts of the blocks into first indices. */
-static void sum_counts(struct extraction *e) {
-    int vertices = 0, triangles = 0;
+/* Turns the counts of the blocks into first indices and allocates the surface. */
+static int sum_counts(struct extraction *e) {
+    long vertices = 0, triangles = 0;
     for (int b = 0; b < e->field->blocks; b++) {
         int v = e->edges[b].first_vertex, t = e->edges[b].first_triangle;
-        e->edges[b].first_vertex = vertices, e->edges[b].first_triangle = triangles;
+        e->edges[b].first_vertex = (int)vertices, e->edges[b].first_triangle = (int)triangles;
         vertices += v, triangles += t;
     }
-    e->surface->vertices = vertices, e->surface->triangles = triangles;
+    int code = surface_resize(e->surface, vertices, triangles);
+    e->surface->vertices = (int)vertices, e->surface->triangles = (int)triangles;
+    return code;
+}
+
+int surface_resize(struct surface *surface, long vertices, long triangles) {
+    if (vertices > SURFACE_MOST || triangles > SURFACE_MOST) {
+        fprintf(stderr, "projdyn: mesh: a surface of more than %d vertices or triangles\n",
+                SURFACE_MOST);
+        return EXIT_FAILED;
+    }
+    float *x = realloc(surface->x, (3 * (size_t)vertices + 1) * sizeof *x);
+    if (x) surface->x = x;
+    int *triangle = realloc(surface->triangle, (3 * (size_t)triangles + 1) * sizeof *triangle);
+    if (triangle) surface->triangle = triangle;
+    return x && triangle ? EXIT_GOOD : report_no_memory();
 }
 
 /* ---- vertices and triangles ------------------------------------------------------------------ */
@@ -172,10 +188,7 @@ int surface_extract(const struct colour_field *field, int threads, struct surfac
     e.edges = calloc((size_t)field->blocks + 1, sizeof *e.edges);
     if (!e.edges) return report_no_memory();
     parallel_for(threads, field->blocks, GRAIN, count_blocks, &e);
-    sum_counts(&e);
-    out->x = malloc((3 * (size_t)out->vertices + 1) * sizeof *out->x);
-    out->triangle = malloc((3 * (size_t)out->triangles + 1) * sizeof *out->triangle);
-    int code = out->x && out->triangle ? EXIT_GOOD : report_no_memory();
+    int code = sum_counts(&e);
     if (code == EXIT_GOOD) parallel_for(threads, field->blocks, GRAIN, fill_blocks, &e);
     free(e.edges);
     return code;
