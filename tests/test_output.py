@@ -260,6 +260,58 @@ class Output(unittest.TestCase):
                 left = {path.name for path in directory.glob("boundary*")}
                 self.assertEqual(left, {"boundary.vtk"})
 
+    def test_obj_of_a_grid(self):
+        body = next(b for b in self.report["bodies"] if b["kind"] == "surface")
+        points, cells, _, _ = read_vtk(self.directory / f"{body['name']}_000000.vtk")
+        mesh = meshio.read(self.directory / f"{body['name']}.obj")
+        self.assertTrue(np.allclose(mesh.points, points, atol=1e-6))
+        self.assertTrue((mesh.cells_dict["triangle"] == cells).all())
+        low, high = points.min(axis=0), points.max(axis=0)
+        u, v = ((points - low)[:, [0, 2]] / (high - low)[[0, 2]]).T
+        lines = (self.directory / f"{body['name']}.obj").read_text().splitlines()
+        texture = np.array([line.split()[1:] for line in lines if line.startswith("vt ")], float)
+        self.assertTrue(np.allclose(texture, np.column_stack([u, 1 - v]), atol=1e-6))
+
+    def test_obj_of_a_file(self):
+        """Faces, texture coordinates, groups and materials stay; positions are those of the scene."""
+        text = """# a square of two colours
+mtllib colours.mtl
+v 0 0 0\nv 1 0 0\n  v 1 0 1 0.5\nv 0 0 1
+v 0.5 0 2
+vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
+vn 0 1 0
+g first
+usemtl red
+f 1/1/1 2/2/1 3/3/1 4/4/1 # a quadrilateral
+usemtl blue
+f -2//1 3//1 5//1
+"""
+        wanted = """# a square of two colours
+mtllib colours.mtl
+v 0 0.9 0\nv 2 0.9 0\nv 2 0.9 2\nv 0 0.9 2
+v 1 0.9 4
+vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
+g first
+usemtl red
+f 1/1 2/2 3/3 4/4
+usemtl blue
+f -2 3 5
+"""
+        with tempfile.TemporaryDirectory() as name:
+            source = pathlib.Path(name) / "meshes" / "square.obj"
+            source.parent.mkdir()
+            source.write_text(text)
+            surface = {"mesh": str(source), "scale": 2, "translate": [0, 0.9, 0], "area_density": 1}
+            body = {"name": "square", "surface": surface, "constraints": []}
+            done = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([body])}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue((pathlib.Path(name) / "square_000000.vtk").exists())
+            self.assertEqual((pathlib.Path(name) / "square.obj").read_text().split(), wanted.split())
+            done = run(source.parent, "--time", "0.02", "--set", f"bodies={json.dumps([body])}")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("square.obj: this file is the mesh of the scene", done.stderr)
+            self.assertEqual(source.read_text(), text)
+
     def check_solid(self, directory, report, path, displacement, name):
         solid = next(solid for solid in report["solids"] if solid["name"] == name)
         points, cells, types, arrays = read_vtk(path)

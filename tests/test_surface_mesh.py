@@ -225,8 +225,8 @@ class Mesh(unittest.TestCase):
 
     def check_above(self, x, height):
         self.assertGreaterEqual(x[:, 1].min(), height - 1e-6)
-        touching = x[:, 1] < height + 0.1 * SPACING
-        self.assertGreater(touching.sum(), 100)
+        touching = x[:, 1] < height + 0.03 * SPACING
+        self.assertGreater(touching.sum(), 500)
 
     def test_sheet(self):
         """Water on a sheet that is closer to its particles than half a spacing ends at the sheet."""

@@ -268,12 +268,13 @@ PDYN_API pdyn_status pdyn_save(pdyn_sim *sim, const char *path);
 PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
 
 /* Output directory. A frame has one file per body, DIR/NAME_000012.vtk (legacy VTK 4.2, binary),
- * listed with its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. Boundary points of
- * solids at rest are in DIR/boundary.vtk; those of moving solids have a file per frame like a body
- * "boundary". DIR/solids has the mesh of every solid: NAME.vtk, or for a solid that moves a file
- * per frame and NAME.vtk.series. Triangles face outwards, of a box from its inside; its open sides
- * have none. Files appear complete or not at all. Functions return PDYN_IO_FAILED if a file cannot
- * be written. */
+ * listed with its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. DIR/NAME.obj has a
+ * surface at the start, with the texture coordinates, groups and materials of the scene's OBJ file.
+ * Boundary points of solids at rest are in DIR/boundary.vtk; those of moving solids have a file per
+ * frame like a body "boundary". DIR/solids has the mesh of every solid: NAME.vtk, or for a solid
+ * that moves a file per frame and NAME.vtk.series. Triangles face outwards, of a box from its
+ * inside; its open sides have none. Files appear complete or not at all. Functions return
+ * PDYN_IO_FAILED if a file cannot be written. */
 typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);

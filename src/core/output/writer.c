@@ -170,6 +170,14 @@ static pdyn_status begin_solids(pdyn_writer *writer) {
     return status;
 }
 
+/* Removes the frames of a body in a previous run; writes the OBJ file of a surface, once. */
+static pdyn_status begin_body(pdyn_writer *writer, int b) {
+    pdyn_body_info info = pdyn_get_body(writer->sim, b);
+    pdyn_status status = frames_remove_listed(writer, "", info.name);
+    if (status != PDYN_OK || !info.triangles) return status;
+    return obj_write_body(writer->sim, b, writer_path(writer, "%s.obj", info.name));
+}
+
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     pdyn_status status = store_directory(writer, directory);
     if (status == PDYN_OK) status = make_directory(writer);
@@ -178,7 +186,7 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = begin_boundary(writer);
     if (status == PDYN_OK) status = begin_solids(writer);
     for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
-        status = frames_remove_listed(writer, "", pdyn_get_body(writer->sim, b).name);
+        status = begin_body(writer, b);
     if (status == PDYN_OK) status = frames_write_series(writer, 0);
     return status == PDYN_OK ? metrics_open(writer) : status;
 }

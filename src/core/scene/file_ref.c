@@ -21,12 +21,18 @@ static void free_path(const struct json_at *at, char *path, size_t size) {
     FREE_ARRAY(at->file->context, path, size);
 }
 
-pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh) {
+static bool is_obj(const char *path) {
+    size_t length = strlen(path);
+    return length > 4 && !strcasecmp(path + length - 4, ".obj");
+}
+
+pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh, char **obj) {
     char *path = NULL;
     size_t size = 0;
     pdyn_status status = file_ref_path(at, "the name of a mesh file, .obj or .ply", &path, &size);
     if (status == PDYN_OK) status = json_wrap(at, mesh_read(at->file->context, path, mesh));
-    free_path(at, path, size);
+    if (status == PDYN_OK && obj && is_obj(path)) *obj = path;
+    else free_path(at, path, size);
     return status;
 }
 

@@ -79,7 +79,7 @@ static pdyn_status fill_mesh(const struct json_at *at, struct fill *fill) {
     struct mesh mesh = {0};
     struct transform transform;
     pdyn_status status = transform_read(fill->entry, -1e6, &transform);
-    if (status == PDYN_OK) status = file_ref_mesh(at, &mesh);
+    if (status == PDYN_OK) status = file_ref_mesh(at, &mesh, NULL);
     if (status != PDYN_OK) return status;
     transform_points(&transform, mesh.vertex, mesh.vertices);
     status = fill_placed_mesh(at, fill, &mesh);

@@ -43,6 +43,8 @@ struct scene_body {
     /* a body has either particles or a mesh: */
     bool is_surface;
     struct mesh mesh; /* rest positions in world space, m: after scale, rotation and translation */
+    char *obj;        /* the OBJ file that the mesh comes from; NULL: another source */
+    int grid[2];      /* vertices along the sides of a grid; 0: another source */
     struct tets tets; /* of a volume, whose surface is `mesh` */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     bool keep_overlap;                /* particles that overlap obstacles stay */

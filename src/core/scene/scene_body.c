@@ -84,7 +84,7 @@ static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct 
     struct json_at size_at = json_member(at, "size"), vertices_at = json_member(at, "vertices");
     struct json_at sag_at = json_member(at, "sag");
     double size[2], sag = 0.0;
-    int vertices[2];
+    int *vertices = r->body->grid;
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
     if (status == PDYN_OK && json_array_size(vertices_at.value) != 2)
@@ -121,7 +121,7 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
     if (grid.value) status = read_grid(r, &grid, &body->mesh);
-    else status = file_ref_mesh(&mesh, &body->mesh);
+    else status = file_ref_mesh(&mesh, &body->mesh, &body->obj);
     if (status == PDYN_OK && mesh.value)
         status = fill_count(&mesh, body->mesh.vertices, &r->particles);
     if (status != PDYN_OK) return status;

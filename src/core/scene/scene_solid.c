@@ -43,7 +43,7 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
                                const struct json_at *mesh) {
     struct transform transform;
     pdyn_status status = transform_read(owner, -1e6, &transform);
-    if (status == PDYN_OK) status = file_ref_mesh(mesh, &r->solid->mesh);
+    if (status == PDYN_OK) status = file_ref_mesh(mesh, &r->solid->mesh, NULL);
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
     memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
