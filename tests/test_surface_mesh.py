@@ -290,7 +290,7 @@ class Mesh(unittest.TestCase):
             self.assertIn(words, done.stderr)
         report = json.loads((self.directory / "report.json").read_text())
         for change, words in (({"parameters": []}, 'a body with the constraint "fluid"'),
-                              ({"solids": [{"name": "wall"}]}, '"moving"'),
+                              ({"solids": [{"name": "wall", "file": "solids/wall.vtk"}]}, '"moving"'),
                               ({"bodies": [report["bodies"][0] | {"radius_m": 0}]}, "radius_m")):
             (self.directory / "report.json").write_text(json.dumps(report | change))
             done = mesh(self.directory)
