@@ -1,0 +1,157 @@
+"""Imports a run in Blender without a window and compares the scene with the files of the run, as
+meshio reads them.
+
+Usage: test_blender.py PROJDYN SCENE.json"""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+if not shutil.which("blender"):
+    print("skipped: blender is not installed")
+    sys.exit(77)
+try:
+    import meshio
+    import numpy as np
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+ROOT = pathlib.Path(__file__).parent.parent
+FRAMES = [3, 0, 5]  # in this order: back and forth
+MOTION = [{"time": 0}, {"time": 1, "translate": [0.5, 0, 0]}]
+SOLIDS = [{"name": "tank", "box": {"minimum": [-0.6, 0, -0.6], "maximum": [0.6, 0.4, 0.6]},
+           "open": ["+y"]},
+          {"name": "ball", "sphere": {"center": [0, 0.2, 0], "radius": 0.1}, "motion": MOTION}]
+
+
+def blender(script, *arguments):
+    return subprocess.run(
+        ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python",
+         script, "--", *map(str, arguments)], capture_output=True, text=True, timeout=240)
+
+
+def z_up(points):
+    return np.column_stack([points[:, 0], -points[:, 2], points[:, 1]])
+
+
+def write_surface(directory):
+    """A series mesh/water.vtk.series as of `projdyn mesh`: fans of 3, 4, ... triangles."""
+    folder = directory / "mesh"
+    folder.mkdir()
+    series = json.loads((directory / "water.vtk.series").read_text())
+    for k, frame in enumerate(series["files"]):
+        n = k + 4
+        points = np.array([[i, i * i, 1] for i in range(n)], ">f4")
+        cells = np.array([[3, 0, i, i + 1] for i in range(1, n - 1)], ">i4")
+        data = b"# vtk DataFile Version 4.2\nfan\nBINARY\nDATASET UNSTRUCTURED_GRID\n"
+        for head, block in ((f"POINTS {n} float", points),
+                            (f"CELLS {n - 2} {4 * (n - 2)}", cells),
+                            (f"CELL_TYPES {n - 2}", np.full(n - 2, 5, ">i4")),
+                            (f"POINT_DATA {n}\nVECTORS normals float", points),
+                            ("VECTORS velocity float", points + np.float32(k))):
+            data += head.encode() + b"\n" + block.astype(block.dtype).tobytes() + b"\n"
+        (folder / frame["name"]).write_bytes(data)
+    (folder / "water.vtk.series").write_text(json.dumps(series))
+
+
+class Blender(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.directory = pathlib.Path(cls.holder.name) / "run"
+        done = subprocess.run(
+            [PROJDYN, "run", SCENE, "-o", cls.directory, "--quiet", "--time", "0.1",
+             "--set", f"solids={json.dumps(SOLIDS)}"], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        cls.particles, cls.arrays = cls.dump("particles")
+        write_surface(cls.directory)
+        cls.surface, cls.surface_arrays = cls.dump("surface")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.holder.cleanup()
+
+    @classmethod
+    def dump(cls, name):
+        out = pathlib.Path(cls.holder.name) / name
+        done = blender(ROOT / "tests/blender_dump.py", ROOT / "blender", cls.directory, out, *FRAMES)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return json.loads(out.with_suffix(".json").read_text()), np.load(f"{out}.npz")
+
+    def check(self, arrays, name, frame, file):
+        expected = meshio.read(self.directory / file)
+        self.assertTrue((arrays[f"{name}.{frame}.points"] == z_up(expected.points)).all())
+        triangles = expected.cells_dict.get("triangle", np.empty((0, 3)))
+        self.assertTrue((arrays[f"{name}.{frame}.triangles"] == triangles).all())
+        for key, values in expected.point_data.items():
+            if key == "velocity":
+                self.assertTrue((arrays[f"{name}.{frame}.velocity"] == z_up(values)).all())
+            elif key != "normals":
+                self.assertTrue((arrays[f"{name}.{frame}.{key}"][:, 0] == values.ravel()).all())
+
+    def test_every_frame_is_that_of_the_file(self):
+        for frame in FRAMES:
+            for name, file in (("water", f"water_{frame:06d}.vtk"),
+                               ("sheet", f"sheet_{frame:06d}.vtk"), ("tank", "solids/tank.vtk"),
+                               ("ball", f"solids/ball_{frame:06d}.vtk")):
+                with self.subTest(name, frame=frame):
+                    self.check(self.arrays, name, frame, file)
+
+    def test_the_surface_of_the_water_takes_the_place_of_particles(self):
+        for frame in FRAMES:
+            with self.subTest(frame=frame):
+                self.check(self.surface_arrays, "water", frame, f"mesh/water_{frame:06d}.vtk")
+        self.assertEqual(self.particles["objects"]["water"]["modifiers"], ["NODES"])
+        self.assertEqual(self.surface["objects"]["water"]["modifiers"], [])
+
+    def test_time(self):
+        self.assertAlmostEqual(self.particles["fps"], 50, 4)
+        self.assertEqual((self.particles["start"], self.particles["end"]), (0, 5))
+
+    def test_materials(self):
+        told = {name: thing["material"] for name, thing in self.surface["objects"].items()}
+        self.assertEqual(told, {"water": "projdyn water", "sheet": "projdyn cloth 0",
+                                "tank": "projdyn tank", "ball": "projdyn obstacle"})
+        self.assertTrue(self.surface["objects"]["sheet"]["smooth"])
+
+    def test_cycles_blurs_by_the_velocity(self):
+        def border(kind):  # pixels that are neither empty nor full
+            opacity = self.surface_arrays[f"opacity.{kind}"]
+            return np.count_nonzero((opacity > 0.05) & (opacity < 0.95))
+
+        self.assertGreater(border("sharp"), 0)
+        self.assertGreater(border("blur"), 1.5 * border("sharp"))
+
+    def test_a_moving_solid_has_a_velocity(self):
+        for frame in FRAMES:
+            velocity = self.arrays[f"ball.{frame}.velocity"]
+            self.assertTrue(np.allclose(velocity, (0.5, 0, 0), atol=1e-4))
+        self.assertNotIn("tank.0.velocity", self.arrays)
+
+    def test_bad_runs_are_told(self):
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name)
+            for file, text, expected in (
+                    ("other", "", "report.json: No such file or directory; expected a directory"),
+                    ("report.json", "{", "report.json: expected JSON")):
+                (directory / file).write_text(text)
+                done = blender(ROOT / "tests/blender_dump.py", ROOT / "blender", directory,
+                               directory / "out", 0)
+                self.assertEqual(done.returncode, 1)
+                self.assertIn(expected, done.stdout + done.stderr)
+            shutil.copytree(self.directory, directory / "cut")
+            frame = directory / "cut/sheet_000000.vtk"
+            frame.write_bytes(frame.read_bytes()[:300])
+            done = blender(ROOT / "tests/blender_dump.py", ROOT / "blender", directory / "cut",
+                           directory / "out", 0)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stdout + done.stderr, r"sheet_000000.vtk: byte \d+: expected")
+
+
+if __name__ == "__main__":
+    PROJDYN, SCENE = sys.argv[1:3]
+    unittest.main(argv=sys.argv[:1])

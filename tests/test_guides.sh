@@ -1,0 +1,30 @@
+#!/bin/sh
+# Follows the guides for a reader who starts with nothing: runs the code blocks of a page, in their
+# order, from an empty directory, with `projdyn` in PATH and the paths of the source tree as they are.
+# Usage: test_guides.sh PROJDYN SOURCE-ROOT
+set -eu
+projdyn=$(realpath "$1") root=$(realpath "$2")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+PATH=$(dirname "$projdyn"):$PATH
+
+blocks() { # LANGUAGE PAGE: its code blocks, one after the other
+    sed -n "/^\`\`\`$1\$/,/^\`\`\`\$/{/^\`\`\`/d;p}" "$root/docs/guide/$2.md"
+}
+
+follow() { # PAGE LANGUAGE INTERPRETER...
+    page=$1 language=$2
+    shift 2
+    mkdir "$dir/$page"
+    blocks "$language" "$page" >"$dir/commands"
+    [ -s "$dir/commands" ] || { echo "not ok $page: no code blocks"; exit 1; }
+    (cd "$dir/$page" && "$@" "$dir/commands") >"$dir/said" 2>&1 ||
+        { echo "not ok $page:"; tail -n 20 "$dir/said"; exit 1; }
+    echo "ok $page"
+}
+
+if /usr/bin/python3 -c 'import meshio, numpy, vtkmodules' 2>/dev/null; then
+    follow python python /usr/bin/python3
+else
+    echo "skipped python: meshio, numpy or vtk is not installed"
+fi
