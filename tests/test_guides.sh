@@ -1,6 +1,6 @@
 #!/bin/sh
-# Follows the guides for a reader who starts with nothing: runs the code blocks of a page, in their
-# order, from an empty directory, with `projdyn` in PATH and the paths of the source tree as they are.
+# Follows the guides as a reader who starts with nothing: runs the code blocks of a page, in their
+# order, in an empty directory, with `projdyn` in PATH.
 # Usage: test_guides.sh PROJDYN SOURCE-ROOT
 set -eu
 projdyn=$(realpath "$1") root=$(realpath "$2")
@@ -28,3 +28,8 @@ if /usr/bin/python3 -c 'import meshio, numpy, vtkmodules' 2>/dev/null; then
 else
     echo "skipped python: meshio, numpy or vtk is not installed"
 fi
+
+follow first-scene sh sh -eu
+# What the page says of its steps 2 and 3: water leaks, and contact holds it.
+grep -q '"leak"' "$dir/first-scene/leak/report.json"
+grep -q '"warnings": \[\]' "$dir/first-scene/cloth/report.json"
