@@ -28,14 +28,16 @@ def dump(name, mesh):
             values = np.empty((len(data), 3 if vectors else 1), np.float32)
             data.foreach_get("vector" if vectors else "value", values.ravel())
             arrays[f"{name}.{key}"] = values
+    if mesh.uv_layers:
+        arrays[f"{name}.uv"] = np.empty((len(mesh.loops), 2), np.float32)
+        mesh.uv_layers[0].data.foreach_get("uv", arrays[f"{name}.uv"].ravel())
     return arrays
 
 
 def describe(item):
     mesh = item.data
     return {"material": mesh.materials[0].name, "modifiers": [m.type for m in item.modifiers],
-            "smooth": all(p.use_smooth for p in mesh.polygons),
-            "uv": len(mesh.uv_layers[0].data) if mesh.uv_layers else 0}
+            "smooth": all(p.use_smooth for p in mesh.polygons)}
 
 
 def silhouettes(scene, name):

@@ -58,6 +58,14 @@ def write_surface(directory):
     (folder / "water.vtk.series").write_text(json.dumps(series))
 
 
+def write_uv(directory):
+    """sheet.obj: texture coordinates x and z of the first frame."""
+    mesh = meshio.read(directory / "sheet_000000.vtk")
+    lines = [f"vt {float(x)!r} {float(z)!r}" for x, _, z in mesh.points]
+    lines += ["f " + " ".join(f"{c + 1}/{c + 1}" for c in t) for t in mesh.cells_dict["triangle"]]
+    (directory / "sheet.obj").write_text("\n".join(lines) + "\n")
+
+
 class Blender(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -69,6 +77,7 @@ class Blender(unittest.TestCase):
         assert done.returncode == 0, done.stderr
         cls.particles, cls.arrays = cls.dump("particles")
         write_surface(cls.directory)
+        write_uv(cls.directory)
         cls.surface, cls.surface_arrays = cls.dump("surface")
 
     @classmethod
@@ -107,6 +116,14 @@ class Blender(unittest.TestCase):
                 self.check(self.surface_arrays, "water", frame, f"mesh/water_{frame:06d}.vtk")
         self.assertEqual(self.particles["objects"]["water"]["modifiers"], ["NODES"])
         self.assertEqual(self.surface["objects"]["water"]["modifiers"], [])
+
+    def test_texture_coordinates(self):
+        first = meshio.read(self.directory / "sheet_000000.vtk")
+        expected = first.points[first.cells_dict["triangle"].ravel()][:, (0, 2)]
+        for frame in FRAMES:
+            self.assertTrue((self.surface_arrays[f"sheet.{frame}.uv"] == expected).all())
+        self.assertNotIn("sheet.0.uv", self.arrays)
+        self.assertNotIn("water.0.uv", self.surface_arrays)
 
     def test_time(self):
         self.assertAlmostEqual(self.particles["fps"], 50, 4)
@@ -150,6 +167,12 @@ class Blender(unittest.TestCase):
                            directory / "out", 0)
             self.assertEqual(done.returncode, 1)
             self.assertRegex(done.stdout + done.stderr, r"sheet_000000.vtk: byte \d+: expected")
+            shutil.copy(self.directory / "sheet_000000.vtk", frame)
+            (directory / "cut/sheet.obj").write_text("vt 0 0\nf 1/1 2/1 3/1\n")
+            done = blender(ROOT / "tests/blender_dump.py", ROOT / "blender", directory / "cut",
+                           directory / "out", 0)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stdout + done.stderr, r"sheet.obj: expected the \d+ triangles")
 
 
 if __name__ == "__main__":

@@ -38,7 +38,8 @@ cc -shared -fPIC $(pkg-config --cflags projdyn) -o readme.so readme.c -lm
 projdyn check --conformance ./readme.so >said || { echo "not ok README.md: its constraint:"; cat said; exit 1; }
 echo "ok README.md: its constraint"
 
-for document in $documents; do
+# test_guides.sh runs first-scene.md in an empty directory.
+for document in $(echo "$documents" | grep -v first-scene); do
     sed -n '/^```sh$/,/^```$/{/^```/d;p}' "$document" >commands
     [ -s commands ] || continue
     sh -eux commands >said 2>&1 || { echo "not ok $document:"; tail -n 20 said; exit 1; }

@@ -12,6 +12,7 @@ import numpy as np
 
 from .materials import material_of
 from .run_directory import frame_interval, nearest, read_run, read_series
+from .uv import read_uv
 from .vtk_legacy import read_frame
 
 SERIES, INTERVAL = "projdyn_series", "projdyn_interval"  # custom properties of an object
@@ -132,14 +133,16 @@ def smooth_by_angle(mesh):
         mesh.set_sharp_from_angle(angle=np.pi / 6)
 
 
-def add_part(collection, part, frame, number):
-    """One object of a run, with its first frame."""
+def add_part(collection, part, frame, uv, number):
+    """One object of a run, with its first frame. uv: of its corners, or None."""
     mesh = bpy.data.meshes.new(part.name)
     item = bpy.data.objects.new(part.name, mesh)
     collection.objects.link(item)
     material = material_of(part.role, number)
     mesh.materials.append(material)
     show_frame(mesh, frame)
+    if uv is not None:
+        mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", uv.ravel())
     if part.role in ("tank", "obstacle"):
         smooth_by_angle(mesh)
     if part.radius:
@@ -162,12 +165,13 @@ def import_run(scene, directory, use_mesh):
     parts = read_run(directory, use_mesh)
     series = [read_series(part.file) for part in parts]
     first = [read_at(frames, 0) for frames in series]
+    uvs = [part.uv and read_uv(part.uv, frame.triangles) for part, frame in zip(parts, first)]
     longest = max(series, key=len)
     interval = frame_interval(longest)
     collection = bpy.data.collections.new(directory.name)
     coloured = 0
-    for part, frame in zip(parts, first):
-        item = add_part(collection, part, frame, coloured)
+    for part, frame, uv in zip(parts, first, uvs):
+        item = add_part(collection, part, frame, uv, coloured)
         coloured += part.role in ("cloth", "soft")
         if part.file.suffix == ".series":
             item[SERIES], item[INTERVAL] = str(part.file), interval

@@ -2,6 +2,7 @@
 
     report.json          bodies, their constraints, solids
     BODY.vtk.series      names and times of the frames of a body
+    BODY.obj             texture coordinates of a surface
     mesh/BODY.vtk.series surface of a fluid, if `projdyn mesh` was run
     solids/...           meshes of solids, as report.json lists them
 
@@ -22,6 +23,7 @@ class Part:
     role: str  # "water", "particles" (of water), "grains", "cloth", "soft", "tank" or "obstacle"
     file: pathlib.Path  # NAME.vtk.series, or the one NAME.vtk of a solid at rest
     radius: float = 0  # m, of particles; 0: the files hold triangles
+    uv: pathlib.Path | None = None  # NAME.obj, which may have texture coordinates of a surface
 
 
 def read_json(path):
@@ -59,7 +61,8 @@ def bodies(directory, report, use_mesh):
     for body in report["bodies"]:
         name, file = body["name"], directory / f"{body['name']}.vtk.series"
         if body["kind"] == "surface":
-            yield Part(name, "soft" if (name, "tet") in constraints else "cloth", file)
+            role = "soft" if (name, "tet") in constraints else "cloth"
+            yield Part(name, role, file, uv=directory / f"{name}.obj")
             continue
         mesh, fluid = directory / "mesh" / f"{name}.vtk.series", (name, "fluid") in constraints
         if use_mesh and mesh.exists():

@@ -87,7 +87,7 @@ def read_cells(reader, points):
 
 
 def read_array(reader, points):
-    """One array of POINT_DATA: (name, values)."""
+    """One array of POINT_DATA: (name, values); NORMALS have the name "normals"."""
     at = reader.at
     kind = reader.line("SCALARS, VECTORS or NORMALS").split(b" ")[0]
     reader.at = at
@@ -98,7 +98,8 @@ def read_array(reader, points):
     if kind not in (b"VECTORS", b"NORMALS"):
         reader.fail("SCALARS, VECTORS or NORMALS")
     name = reader.words(f"{kind.decode()} NAME float")[1]
-    return name, reader.numbers(3 * points, ">f4").reshape(points, 3)
+    values = reader.numbers(3 * points, ">f4").reshape(points, 3)
+    return "normals" if kind == b"NORMALS" else name, values
 
 
 def read_frame(path):
