@@ -1,27 +1,21 @@
 #!/bin/sh
-# Makes the pictures of docs/guide/first-scene.md: runs the commands of the page and takes a picture
-# of each result.
+# Makes the pictures of docs/guide/first-scene.md: runs the commands of the page and draws each run.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh >/dev/null
-scripts/install.sh chromium
+scripts/install.sh chromium ffmpeg
 root=$PWD dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 PATH=$root/build/app:$PATH
 sed -n '/^```sh$/,/^```$/{/^```/d;p}' docs/guide/first-scene.md >"$dir/commands"
 (cd "$dir" && sh -eu commands)
 
-# run, frame
-while read -r run frame; do
-    chromium --headless --no-sandbox --disable-gpu --use-gl=angle --use-angle=swiftshader \
-        --enable-unsafe-swiftshader --hide-scrollbars --user-data-dir="$dir/profile" --window-size=640,400 \
-        --virtual-time-budget=10000 --screenshot="docs/guide/first-scene/$run.png" \
-        "file://$dir/$run/replay.html#frame=$frame&play=0" >/dev/null 2>&1 </dev/null
-    echo "docs/guide/first-scene/$run.png"
+while read -r run time; do
+    projdyn render "$dir/$run" -o "docs/guide/first-scene/$run.png" --size 640x400 --time "$time" </dev/null
 done <<'EOF'
-sheet 8
-leak 18
-cloth 24
-own 9
-fine 9
+sheet 0.25
+leak 0.6
+cloth 0.8
+own 0.3
+fine 0.3
 EOF

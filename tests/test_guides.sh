@@ -29,6 +29,10 @@ else
     echo "skipped python: meshio, numpy or vtk is not installed"
 fi
 
+command -v chromium >/dev/null && command -v ffmpeg >/dev/null || {
+    echo "skipped first-scene: chromium or ffmpeg is not installed"
+    exit 77
+}
 follow first-scene sh sh -eu
 # What the page says of its steps 2 and 3: water leaks, and contact holds it.
 grep -q '"leak"' "$dir/first-scene/leak/report.json"
