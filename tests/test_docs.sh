@@ -58,6 +58,7 @@ while read -r command; do
     "projdyn run"*) command="$command --set duration=0.004 --set frame_interval=0.002" ;;
     "projdyn sweep"*) command="$command --set duration=0.004 --set frame_interval=0.002" ;;
     "projdyn compare"*) command="$command --steps 1 --rounds 1" ;;
+    "projdyn render"*docs/gallery/*) continue ;; # scripts/gallery.sh draws these
     "projdyn render"*) command -v chromium >/dev/null && command -v ffmpeg >/dev/null || continue ;;
     "projdyn trade"*) command="$command --window 0.02 --minutes 0.05" ;;
     esac
