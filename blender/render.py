@@ -50,7 +50,7 @@ def add_ground(scene, height, size):
     mesh = bpy.data.meshes.new("ground")
     corners_of = [(x * size, y * size, height) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     mesh.from_pydata(corners_of, [], [(0, 1, 2, 3)])
-    mesh.materials.append(projdyn.objects.material_of("ground", 0))
+    mesh.materials.append(projdyn.objects.material_of("ground"))
     scene.collection.objects.link(bpy.data.objects.new("ground", mesh))
 
 
@@ -58,11 +58,11 @@ def add_light(scene):
     """A sun from the left and behind the camera, and a pale sky."""
     sky = bpy.data.worlds.new("sky")
     sky.use_nodes, scene.world = True, sky
-    sky.node_tree.nodes["Background"].inputs[0].default_value = (0.62, 0.75, 0.92, 1)
+    sky.node_tree.nodes["Background"].inputs[0].default_value = (0.55, 0.72, 0.95, 1)
     sky.node_tree.nodes["Background"].inputs[1].default_value = 0.9
     sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
     scene.collection.objects.link(sun)
-    sun.data.energy, sun.data.angle = 3.5, np.radians(3)
+    sun.data.energy, sun.data.angle = 4.5, np.radians(3)
     sun.rotation_euler = (np.radians(38), np.radians(-20), np.radians(-25))
 
 
@@ -70,7 +70,7 @@ def set_up_cycles(scene, options):
     scene.render.engine = "CYCLES"
     scene.cycles.samples = options.samples
     scene.cycles.use_denoising = False  # Debian's Blender has no denoiser
-    scene.cycles.sample_clamp_indirect = 3  # no white dots from light through water
+    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.cycles.max_bounces = 16
     scene.cycles.transmission_bounces = 16
     scene.render.use_motion_blur = True

@@ -17,15 +17,27 @@ def set_input(node, values):
             node.inputs[name].default_value = value
 
 
-def make_water(material):
-    """Clear, refractive water that absorbs red light: 1/e of it after some 0.4 m."""
-    set_input(principled(material), {
-        "Base Color": (1, 1, 1, 1), "Roughness": 0.0, "IOR": 1.333,
-        "Transmission": 1.0, "Transmission Weight": 1.0})
+def pass_shadow_rays(material, surface):
+    """Lets light through to what is behind: the renderer finds no way through refracting or
+    reflecting surfaces to a small light. surface: the output socket of the shader."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
+    path, mix = nodes.new("ShaderNodeLightPath"), nodes.new("ShaderNodeMixShader")
+    links.new(path.outputs["Is Shadow Ray"], mix.inputs[0])
+    links.new(surface, mix.inputs[1])
+    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+
+
+def make_water(material, size):
+    """Clear, refractive water. size: m, of its body; over it 1/e of the green light is absorbed."""
+    shader = principled(material)
+    set_input(shader, {"Base Color": (1, 1, 1, 1), "Roughness": 0.0, "IOR": 1.333,
+                       "Transmission": 1.0, "Transmission Weight": 1.0})
+    pass_shadow_rays(material, shader.outputs[0])
+    nodes = material.node_tree.nodes
     volume = nodes.new("ShaderNodeVolumeAbsorption")
-    set_input(volume, {"Color": (0.25, 0.78, 0.90, 1), "Density": 3.0})
-    links.new(volume.outputs[0], nodes["Material Output"].inputs["Volume"])
+    set_input(volume, {"Color": (0.0, 0.70, 0.86, 1), "Density": 3.3 / size})
+    material.node_tree.links.new(volume.outputs[0], nodes["Material Output"].inputs["Volume"])
     material.diffuse_color = (0.15, 0.45, 0.75, 1)
 
 
@@ -36,29 +48,25 @@ def make_matte(material, colour, sheen=0.0):
 
 
 def make_glass(material):
-    """A pane without thickness: it reflects by its angle, does not refract and casts no shadow."""
+    """A pane without thickness: it reflects by its angle and does not refract."""
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.remove(principled(material))
-    weight, path = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeLightPath")
-    lit, mix = nodes.new("ShaderNodeMath"), nodes.new("ShaderNodeMixShader")
+    weight, mix = nodes.new("ShaderNodeLayerWeight"), nodes.new("ShaderNodeMixShader")
     clear, mirror = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeBsdfGlossy")
-    lit.operation = "SUBTRACT"  # of the reflection, 1 for shadow rays
-    lit.use_clamp = True
     set_input(weight, {"Blend": 0.2})
     set_input(clear, {"Color": (0.94, 0.97, 0.96, 1)})
     set_input(mirror, {"Roughness": 0.0})
-    links.new(weight.outputs["Fresnel"], lit.inputs[0])
-    links.new(path.outputs["Is Shadow Ray"], lit.inputs[1])
-    links.new(lit.outputs[0], mix.inputs[0])
+    links.new(weight.outputs["Fresnel"], mix.inputs[0])
     links.new(clear.outputs[0], mix.inputs[1])
     links.new(mirror.outputs[0], mix.inputs[2])
-    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    pass_shadow_rays(material, mix.outputs[0])
     material.diffuse_color = (0.8, 0.9, 0.95, 0.15)
     material.blend_method = "BLEND"  # of Eevee
 
 
-def material_of(role, number):
-    """The material of a role; cloth and soft bodies take the colour `number` of the palette."""
+def material_of(role, number=0, size=1.0):
+    """The material of a role; cloth and soft bodies take the colour `number` of the palette, water
+    absorbs by its size (m)."""
     colour = number % len(PALETTE)
     name = f"projdyn {role} {colour}" if role in ("cloth", "soft") else f"projdyn {role}"
     material = bpy.data.materials.get(name)
@@ -67,7 +75,7 @@ def material_of(role, number):
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     if role == "water":
-        make_water(material)
+        make_water(material, size)
     elif role == "tank":
         make_glass(material)
     elif role in ("cloth", "soft"):

@@ -138,7 +138,8 @@ def add_part(collection, part, frame, uv, number):
     mesh = bpy.data.meshes.new(part.name)
     item = bpy.data.objects.new(part.name, mesh)
     collection.objects.link(item)
-    material = material_of(part.role, number)
+    size = float(np.linalg.norm(np.ptp(frame.points, axis=0))) if len(frame.points) else 1.0
+    material = material_of(part.role, number, size)
     mesh.materials.append(material)
     show_frame(mesh, frame)
     if uv is not None:
