@@ -16,6 +16,7 @@ from .uv import read_uv
 from .vtk_legacy import read_frame
 
 SERIES, INTERVAL = "projdyn_series", "projdyn_interval"  # custom properties of an object
+ATTRIBUTES = {"velocity", "density", "pressure"}  # Blender computes normals from the triangles
 
 
 def z_up(vectors):
@@ -73,9 +74,8 @@ def show_frame(mesh, frame):
         rebuild(mesh, frame)
         mesh.polygons.foreach_set("use_smooth", np.ones(len(frame.triangles), bool))
     mesh.vertices.foreach_set("co", z_up(frame.points).ravel())
-    for name, values in frame.arrays.items():
-        if name != "normals":  # Blender computes normals from the triangles
-            set_attribute(mesh, name, values)
+    for name in ATTRIBUTES & frame.arrays.keys():
+        set_attribute(mesh, name, frame.arrays[name])
     mesh.update(calc_edges=True)
 
 

@@ -1,5 +1,5 @@
-"""Texture coordinates of a surface, from NAME.obj in the directory of a run: triangles in the order of
-the frames, each corner `vertex/texture`."""
+"""Texture coordinates of a surface, from NAME.obj in the directory of a run: triangles in the order
+of the frames, each corner `vertex/texture`."""
 import numpy as np
 
 from .vtk_legacy import FileError

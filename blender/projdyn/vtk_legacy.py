@@ -1,7 +1,7 @@
 """Reader for the VTK files of a run: legacy VTK 4.2, BINARY, UNSTRUCTURED_GRID, big endian.
 
     POINTS n float | CELLS c k | CELL_TYPES c
-    POINT_DATA n, then any of SCALARS (float 1), VECTORS and NORMALS
+    POINT_DATA n, then any of SCALARS (float 1) and VECTORS
 
 app/vtk_frame.c reads the same layout."""
 import pathlib
@@ -87,19 +87,16 @@ def read_cells(reader, points):
 
 
 def read_array(reader, points):
-    """One array of POINT_DATA: (name, values); NORMALS have the name "normals"."""
+    """One array of POINT_DATA: (name, values)."""
     at = reader.at
-    kind = reader.line("SCALARS, VECTORS or NORMALS").split(b" ")[0]
+    vectors = reader.line("SCALARS or VECTORS").startswith(b"VECTORS")
     reader.at = at
-    if kind == b"SCALARS":
-        name = reader.words("SCALARS NAME float 1")[1]
-        reader.words("LOOKUP_TABLE default")
-        return name, reader.numbers(points, ">f4")
-    if kind not in (b"VECTORS", b"NORMALS"):
-        reader.fail("SCALARS, VECTORS or NORMALS")
-    name = reader.words(f"{kind.decode()} NAME float")[1]
-    values = reader.numbers(3 * points, ">f4").reshape(points, 3)
-    return "normals" if kind == b"NORMALS" else name, values
+    if vectors:
+        name = reader.words("VECTORS NAME float")[1]
+        return name, reader.numbers(3 * points, ">f4").reshape(points, 3)
+    name = reader.words("SCALARS NAME float 1")[1]
+    reader.words("LOOKUP_TABLE default")
+    return name, reader.numbers(points, ">f4")
 
 
 def read_frame(path):
