@@ -36,24 +36,30 @@ class ParaView(unittest.TestCase):
             [PROJDYN, "run", SCENE, "-o", cls.directory, "--quiet", "--time", "0.06",
              "--set", f"solids={json.dumps(SOLIDS)}"], capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
+        done = subprocess.run([PROJDYN, "mesh", cls.directory], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
 
     @classmethod
     def tearDownClass(cls):
         cls.holder.cleanup()
 
+    def check(self, use_mesh, expected):
+        """expected: per part its name, role, whether it consists of particles, and frames."""
+        parts = run_directory.read_run(self.directory, use_mesh)
+        series = [run_directory.read_series(part.file) for part in parts]
+        self.assertEqual([(p.name, p.role, p.radius > 0, len(s)) for p, s in zip(parts, series)],
+                         expected)
+        for _, file in (frame for frames in series for frame in frames):
+            reader = vtkUnstructuredGridReader()
+            reader.SetFileName(str(file))
+            reader.Update()
+            self.assertGreater(reader.GetOutput().GetNumberOfCells(), 0, file)
+
     def test_vtk_opens_all_parts(self):
-        parts = run_directory.read_run(self.directory)
-        self.assertEqual([(p.name, p.role, p.radius > 0) for p in parts],
-                         [("water", "particles", True), ("sheet", "cloth", False),
-                          ("tank", "tank", False), ("ball", "obstacle", False)])
-        for part in parts:
-            frames = run_directory.read_series(part.file)
-            self.assertEqual(len(frames), 1 if part.name == "tank" else 4)
-            for _, file in frames:
-                reader = vtkUnstructuredGridReader()
-                reader.SetFileName(str(file))
-                reader.Update()
-                self.assertGreater(reader.GetOutput().GetNumberOfCells(), 0, file)
+        others = [("sheet", "cloth", False, 4), ("tank", "tank", False, 1),
+                  ("ball", "obstacle", False, 4)]
+        self.check(True, [("water", "water", False, 4), *others])
+        self.check(False, [("water", "particles", True, 4), *others])
 
     def test_pvpython_draws_it(self):
         if not shutil.which("pvpython") or not shutil.which("Xvfb"):
