@@ -98,7 +98,8 @@ static int receive(struct browser *browser) {
 
 /* The next message; browser->used moves behind it. */
 static int next_message(struct browser *browser, json_t **message) {
-    memmove(browser->text, browser->text + browser->used, browser->length -= browser->used);
+    if (browser->used)
+        memmove(browser->text, browser->text + browser->used, browser->length -= browser->used);
     browser->used = 0;
     char *end = NULL;
     for (size_t seen = 0; !end;) {

@@ -2,6 +2,7 @@
 const $ = (id) => document.getElementById(id);
 const meta = JSON.parse($("meta").textContent);
 const frames = meta.times.length;
+const allParts = () => [...meta.bodies, ...meta.solids, ...meta.boundary];
 
 function element(parent, tag, properties = {}) {
   const e = Object.assign(document.createElement(tag), properties);

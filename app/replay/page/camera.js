@@ -38,9 +38,11 @@ class Camera {
     if (aspect !== this.aspect) this.fit(half, this.aspect = aspect);
     this.distance = this.scale * this.whole;
     const eye = this.target.map((t, k) => t + this.distance * axes.back[k]);
-    const near = Math.max(0.02 * this.distance, this.distance - 20 * this.radius), far = this.distance + 30 * this.radius;
+    const near = Math.max(0.02 * this.distance, this.distance - 20 * this.radius);
+    const far = this.distance + 30 * this.radius;
     const depth = [(far + near) / (near - far), 2 * far * near / (near - far)];
-    const projection = new Float32Array([1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, depth[0], -1, 0, 0, depth[1], 0]);
+    const scale = [1 / (half * aspect), 1 / half];
+    const projection = new Float32Array([scale[0], 0, 0, 0, 0, scale[1], 0, 0, 0, 0, depth[0], -1, 0, 0, depth[1], 0]);
     return { view: viewMatrix(axes, eye), projection, eye };
   }
   /* Distance at which all corners of the bounds are in the window with a margin of 8 %, from the first direction. */

@@ -47,7 +47,7 @@ function readFrame(bytes, at, part, f) {
  * quantised in .box, and its channels. These arrays have .count points, the maximum over the frames;
  * .points[frame] of them are valid. A part at rest has one frame. */
 function unpack(bytes) {
-  const parts = [...meta.bodies, ...meta.solids, ...meta.boundary];
+  const parts = allParts();
   let at = 0;
   for (const part of parts) {
     part.x = [];

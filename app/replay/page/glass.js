@@ -73,7 +73,8 @@ class Glass extends Surface {
   upload(frame) {
     super.upload(frame);
     const x = metres(this.part, frame);
-    fillBuffer(this.gl, this.ends, Float32Array.from(this.pairs.flatMap((i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]])));
+    const ends = this.pairs.flatMap((i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]]);
+    fillBuffer(this.gl, this.ends, Float32Array.from(ends));
   }
   drawGlass(programs, values) {
     const gl = this.gl;

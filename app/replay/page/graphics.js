@@ -9,12 +9,14 @@ function compileShader(gl, type, text) {
 
 /* A program with the list of its uniforms. The GLSL text `common` comes before both shaders. */
 function compile(gl, common, vertex, fragment) {
-  const program = gl.createProgram(), head = "#version 300 es\nprecision highp float;\nprecision highp sampler2DShadow;\n";
+  const program = gl.createProgram();
+  const head = "#version 300 es\nprecision highp float;\nprecision highp sampler2DShadow;\n";
   gl.attachShader(program, compileShader(gl, gl.VERTEX_SHADER, head + common + vertex));
   gl.attachShader(program, compileShader(gl, gl.FRAGMENT_SHADER, head + common + fragment));
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS))
-    throw new Error(gl.getProgramInfoLog(program) || gl.getAttachedShaders(program).map((s) => gl.getShaderInfoLog(s)).join("\n"));
+    throw new Error([gl.getProgramInfoLog(program), ...gl.getAttachedShaders(program)
+      .map((shader) => gl.getShaderInfoLog(shader))].join("\n"));
   const uniforms = [];
   for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); k++) {
     const { name, type } = gl.getActiveUniform(program, k);
@@ -73,7 +75,9 @@ function makeTexture(gl, filter) {
 
 /* Layout of the pixels of a target: [internal format, format, type]. */
 const pixelLayouts = (gl) => ({
-  colour: [gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE], sums: [gl.RGBA16F, gl.RGBA, gl.HALF_FLOAT], number: [gl.R32F, gl.RED, gl.FLOAT],
+  colour: [gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE],
+  sums: [gl.RGBA16F, gl.RGBA, gl.HALF_FLOAT],
+  number: [gl.R32F, gl.RED, gl.FLOAT],
   depth: [gl.DEPTH_COMPONENT32F, gl.DEPTH_COMPONENT, gl.FLOAT],
 });
 

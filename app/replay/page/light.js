@@ -53,7 +53,10 @@ vec3 environment(vec3 d) {
   float box = smoothstep(0.74, 0.86, dot(d, normalize(vec3(-0.55, 0.7, -0.45))));
   return mix(vec3(0.42, 0.41, 0.40), sky + 1.1 * box, smoothstep(-0.12, 0.08, d.y));
 }
-float fresnel(float cosine) { return 0.02 + 0.98 * power4(1.0 - clamp(cosine, 0.0, 1.0)) * (1.0 - clamp(cosine, 0.0, 1.0)); }
+float fresnel(float cosine) {
+  float rest = 1.0 - clamp(cosine, 0.0, 1.0);
+  return 0.02 + 0.98 * power4(rest) * rest;
+}
 /* A matt surface with a weak gloss. light: of the lamp; n, toEye: unit vectors */
 vec3 matt(vec3 colour, vec3 light, vec3 n, vec3 toEye) {
   float gloss = power32(max(dot(n, normalize(lamp + toEye)), 0.0));
@@ -88,6 +91,7 @@ class Shadows {
   }
   /* Values of the uniforms of lightText. size: of the maps, pixels */
   values(size) {
-    return { lamp, lampView: this.lampView, texel: 2 * this.reach / size, shadowMap: this.opaque.depth, waterMap: this.water.depth };
+    const texel = 2 * this.reach / size;
+    return { lamp, lampView: this.lampView, texel, shadowMap: this.opaque.depth, waterMap: this.water.depth };
   }
 }

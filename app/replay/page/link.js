@@ -7,13 +7,13 @@
 function viewText() {
   const { yaw, pitch, scale, target } = renderer.camera, short = (v) => String(Number(v.toPrecision(4)));
   const view = { frame: player.frame, play: 0 };
-  const parts = [...meta.bodies, ...meta.solids, ...meta.boundary], names = (list) => list.map((p) => p.name).join(",");
+  const parts = allParts(), names = (list) => list.map((p) => p.name).join(",");
   view.hide = names(parts.filter((p) => p.usual && !p.shown));
   view.show = names(parts.filter((p) => !p.usual && p.shown));
   for (const name in settings) if (settings[name] !== usualSettings[name]) view[name] = settings[name];
   view.camera = [yaw * 180 / Math.PI, pitch * 180 / Math.PI, scale, ...target].map(short).join(",");
-  return Object.entries(view).filter(([, value]) => value !== "").map(([name, value]) => `${name}=${encodeURIComponent(value)}`)
-    .join("&").replaceAll("%2C", ",").replaceAll("%2B", "+");
+  return Object.entries(view).filter(([, value]) => value !== "")
+    .map(([name, value]) => `${name}=${encodeURIComponent(value)}`).join("&").replaceAll("%2C", ",").replaceAll("%2B", "+");
 }
 
 const usualSettings = { ...settings };
@@ -29,11 +29,12 @@ function applyView(text) {
     return [name, decodeURIComponent(value)];
   }));
   const [hidden, more] = ["hide", "show"].map((name) => (wanted[name] || "").split(","));
-  for (const part of [...meta.bodies, ...meta.solids, ...meta.boundary]) {
+  for (const part of allParts()) {
     part.shown = part.usual ? !hidden.includes(part.name) : more.includes(part.name);
     inputs["part " + part.name].checked = part.shown;
   }
-  for (const name in settings) change(name, name in wanted && isSetting(name, wanted[name]) ? wanted[name] : usualSettings[name]);
+  for (const name in settings)
+    change(name, name in wanted && isSetting(name, wanted[name]) ? wanted[name] : usualSettings[name]);
   const camera = (wanted.camera || "").split(",").map(Number);
   renderer.camera.reset();
   if (camera.length === 6 && camera.every(Number.isFinite)) {

@@ -42,7 +42,8 @@ function weld(x) {
 function splitCreases(x, index) {
   const same = weld(x), groups = new Map(), source = [], corners = new Uint32Array(index.length);
   for (let i = 0; i < index.length; i++) {
-    const n = triangleNormal(x, index, Math.floor(i / 3)), length = Math.hypot(...n) || 1, unit = n.map((v) => v / length);
+    const n = triangleNormal(x, index, Math.floor(i / 3)), length = Math.hypot(...n) || 1;
+    const unit = n.map((v) => v / length);
     const vertex = same[index[i]];
     if (!groups.has(vertex)) groups.set(vertex, []);
     let group = groups.get(vertex).find((g) => dot(g.normal, unit) > 0.766 * Math.hypot(...g.normal));
@@ -72,7 +73,8 @@ function sharpEdges(x, index) {
   const pairs = [];
   for (const [key, triangles] of findEdges(x, index)) {
     const normals = triangles.map((t) => triangleNormal(x, index, t)), [n, m] = normals;
-    if (normals.length !== 2 || dot(n, m) < 0.866 * Math.hypot(...n) * Math.hypot(...m)) pairs.push(...key.split(",").map(Number));
+    const sharp = normals.length !== 2 || dot(n, m) < 0.866 * Math.hypot(...n) * Math.hypot(...m);
+    if (sharp) pairs.push(...key.split(",").map(Number));
   }
   return pairs;
 }
@@ -83,7 +85,8 @@ const isClosed = (x, index) => [...findEdges(x, index).values()].every((triangle
 /* Coordinates of a checker on a mesh, m: its positions along its principal axes, longest first; a sheet has no
  * third one. */
 function checkerCoordinates(x, index, closed) {
-  const used = [...new Set(index)], mean = [0, 1, 2].map((k) => used.reduce((sum, i) => sum + x[3 * i + k], 0) / used.length);
+  const used = [...new Set(index)];
+  const mean = [0, 1, 2].map((k) => used.reduce((sum, i) => sum + x[3 * i + k], 0) / used.length);
   const moment = [0, 1, 2].map((j) => [0, 1, 2].map((k) =>
     used.reduce((sum, i) => sum + (x[3 * i + j] - mean[j]) * (x[3 * i + k] - mean[k]), 0)));
   const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -125,7 +128,8 @@ function boxWalls(x, index, [low, high]) {
   for (let t = 0; t < index.length; t += 3)
     for (let k = 0; k < 3; k++)
       [low, high].forEach((side, s) => {
-        if ([0, 1, 2].every((c) => Math.abs(x[3 * index[t + c] + k] - side[k]) < 1e-5 * (high[k] - low[k]))) walls[s][k] = side[k];
+        const near = (c) => Math.abs(x[3 * index[t + c] + k] - side[k]) < 1e-5 * (high[k] - low[k]);
+        if ([0, 1, 2].every(near)) walls[s][k] = side[k];
       });
   return walls;
 }

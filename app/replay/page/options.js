@@ -48,7 +48,8 @@ function addCheckbox(parent, part, detail) {
 function addCut(parent) {
   addSelect(parent, "Cut", "cut", [["", "none"]].concat(["x", "y", "z"].flatMap((axis) =>
     [[axis + "+", `${axis}, far side`], [axis + "-", `${axis}, near side`]])));
-  const place = element(element(parent, "label"), "input", { type: "range", min: 0, max: 1, step: 0.005, value: 0.5 });
+  const range = { type: "range", min: 0, max: 1, step: 0.005, value: 0.5 };
+  const place = element(element(parent, "label"), "input", range);
   place.setAttribute("aria-label", "Place of the cut");
   place.before(element(place.parentNode, "span"));
   const apply = () => change("cut", inputs.cut.value && inputs.cut.value.slice(0, 2) + place.value);
@@ -76,7 +77,8 @@ function buildOptions() {
   const particles = meta.bodies.filter((b) => !b.triangles), fluid = particles.some((b) => b.fluid);
   if (fluid) addSelect(looks, "Water as", "look", [["surface", "surface"], ["particles", "particles"]]);
   if (particles.length)
-    addSelect(looks, fluid ? "Water" : "Colour", "fluid", titled(["plain", "speed", "error", "pressure"].filter((c) => c === "plain" || ranges[c])));
+    addSelect(looks, fluid ? "Water" : "Colour", "fluid",
+      titled(["plain", "speed", "error", "pressure"].filter((name) => name === "plain" || ranges[name])));
   if (meta.bodies.some((b) => b.triangles))
     addSelect(looks, particles.length ? "Surfaces" : "Colour", "surface", titled(["plain", "checker", "speed", "stretch"]));
   addCut(looks);

@@ -46,7 +46,7 @@ void main() {
   if (square > 1.0) discard;
   vec3 at = vec3(centre.xy + r * vec2(d.x, -d.y), centre.z + r * sqrt(1.0 - square)), p = inWorld(at);
   if (inside > 0.0 && (any(lessThan(p, vesselLow)) || any(greaterThan(p, vesselHigh)))) discard;
-  gl_FragDepth = 0.5 + 0.5 * (projection[2][2] * at.z + projection[3][2]); /* the lamp's projection has no perspective */
+  gl_FragDepth = 0.5 + 0.5 * (projection[2][2] * at.z + projection[3][2]); /* the lamp has no perspective */
 }`,
 };
 

@@ -80,7 +80,8 @@ class Animation {
 /* Gives the canvas the size of its place on the page, in pixels of the device times a scale. */
 function fitCanvas(canvas, scale) {
   const ratio = scale * Math.min(2, devicePixelRatio || 1);
-  const width = Math.max(1, Math.round(canvas.clientWidth * ratio)), height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
   if (canvas.width !== width) canvas.width = width;
   if (canvas.height !== height) canvas.height = height;
 }

@@ -4,7 +4,8 @@ const charts = [
   { title: "Density error", unit: "%", log: true, factor: 100,
     lines: [["density_error_mean", "mean", "#009e73"], ["density_error_max", "max", "#8a5fb0"]] },
   { title: "Energy", unit: "J",
-    lines: [["kinetic_J", "kinetic", "#0072b2"], ["potential_J", "potential", "#c98a00"], ["constraint_J", "constraint", "#c4553b"]] },
+    lines: [["kinetic_J", "kinetic", "#0072b2"], ["potential_J", "potential", "#c98a00"],
+      ["constraint_J", "constraint", "#c4553b"]] },
   { title: "Iterations per step", unit: "", log: true,
     lines: [["outer_iterations", "outer", "#c4553b"], ["linear_iterations", "linear", "#5b6b7d"]] },
 ];

@@ -27,7 +27,8 @@ function coordinateRange(body, f, k) {
   if (!values.length) return [Infinity, -Infinity];
   values.sort((a, b) => a - b);
   const [low, high] = body.box, rest = body.triangles ? 0 : 0.01;
-  return [rest, 1 - rest].map((part) => low[k] + (high[k] - low[k]) * values[Math.round(part * (values.length - 1))] / 65535);
+  const place = (part) => values[Math.round(part * (values.length - 1))] / 65535;
+  return [rest, 1 - rest].map((part) => low[k] + (high[k] - low[k]) * place(part));
 }
 
 /* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40. Three pairs, m. */

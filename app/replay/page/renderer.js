@@ -37,6 +37,9 @@ const levels = [
   { scale: 0.35, water: 1.3, shadow: 256, soft: 0 },
 ];
 
+/* The channel of particles that colours them; plain ones ignore it. */
+const fluidChannel = () => settings.fluid in channels ? settings.fluid : "speed";
+
 class Renderer {
   constructor(gl) {
     this.gl = gl;
@@ -46,7 +49,10 @@ class Renderer {
     this.camera = new Camera(includeGround(measureBounds(), this.groundHeight));
     this.shadows = new Shadows(gl, this.camera);
     this.backdrop = new Backdrop(gl, this.camera, this.groundHeight - 0.002 * this.camera.radius);
-    Object.assign(this, { balls: new Balls(gl), fabric: new Fabric(gl), glass: new GlassPrograms(gl), water: new Water(gl) });
+    this.balls = new Balls(gl);
+    this.fabric = new Fabric(gl);
+    this.glass = new GlassPrograms(gl);
+    this.water = new Water(gl);
     this.finish = compile(gl, "", windowVertex, finishText);
     this.scene = new Target(gl, "colour", true);
     this.image = new Target(gl, "colour", true);
@@ -56,8 +62,8 @@ class Renderer {
     this.stage = () => {};
   }
   makeMap(name) {
-    const gl = this.gl, texture = makeTexture(gl, gl.LINEAR);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(mapTexels(maps[name]).buffer));
+    const gl = this.gl, texture = makeTexture(gl, gl.LINEAR), texels = new Uint8Array(mapTexels(maps[name]).buffer);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
     return texture;
   }
   /* Everything that is drawn: .part, and how. The order of meta.bodies gives the colours. */
@@ -70,12 +76,15 @@ class Renderer {
       this.parts.push(Object.assign(shape, { tint: linearColour(clay), solid: true }));
     }
     const vessel = this.parts.find((shape) => shape instanceof Glass && shape.part.rest);
-    const [vesselLow, vesselHigh] = vessel ? boxWalls(metres(vessel.part, 0), vessel.part.index, vessel.part.box) : boxWalls([], [], [0, 0]);
+    const [vesselLow, vesselHigh] = vessel ? boxWalls(metres(vessel.part, 0), vessel.part.index, vessel.part.box)
+      : boxWalls([], [], [0, 0]);
     this.vessel = { vesselLow, vesselHigh };
-    for (const part of meta.boundary) this.parts.push(Object.assign(new Points(gl, part), { tint: linearColour(clay), solid: true }));
+    for (const part of meta.boundary)
+      this.parts.push(Object.assign(new Points(gl, part), { tint: linearColour(clay), solid: true }));
   }
   tintBodies() {
-    const isSheet = (shape) => shape instanceof Surface && !shape.closed, shapes = this.parts.filter((shape) => !shape.part.fluid);
+    const isSheet = (shape) => shape instanceof Surface && !shape.closed;
+    const shapes = this.parts.filter((shape) => !shape.part.fluid);
     for (const [kind, colours] of Object.entries(palette))
       shapes.filter((shape) => isSheet(shape) === (kind === "sheet"))
         .forEach((shape, k) => { shape.tint = linearColour(colours[k % colours.length]); });
@@ -88,7 +97,7 @@ class Renderer {
   upload(frame) {
     for (const shape of this.parts) {
       if (!shape.part.shown || shape.solid && shape.part.rest && shape.uploaded) continue;
-      if (shape instanceof Points) shape.upload(frame, settings.fluid in channels ? settings.fluid : "speed");
+      if (shape instanceof Points) shape.upload(frame, fluidChannel());
       else shape.upload(frame, settings.surface, shape.solid ? null : ranges[settings.surface]);
       shape.uploaded = true;
     }
@@ -107,15 +116,16 @@ class Renderer {
     };
   }
   drawShadows(sorted, shared, { shadow: size, soft }) {
-    const values = { ...shared, view: this.shadows.view, projection: this.shadows.projection, height: size, scale: 0 };
+    const { view, projection } = this.shadows, values = { ...shared, view, projection, height: size, scale: 0 };
+    const low = { ...values, height: size / 4, shrink: soft ? 1 : 1.5 };
     this.shadows.opaque.begin(size, size);
     for (const shape of sorted.surfaces) shape.draw(this.fabric.shadow, values);
     for (const shape of sorted.balls) shape.draw(this.balls.shadow, { ...values, shrink: 0 });
     this.shadows.water.begin(size / 4, size / 4);
-    for (const shape of sorted.water) shape.draw(this.balls.shadow, { ...values, height: size / 4, shrink: soft ? 1 : 1.5 }, !soft);
+    for (const shape of sorted.water) shape.draw(this.balls.shadow, low, !soft);
   }
   ballLook(shape) {
-    const channel = settings.fluid in channels ? settings.fluid : "speed", { most = {}, fluid } = shape.part;
+    const channel = fluidChannel(), { most = {}, fluid } = shape.part;
     const plain = shape.solid || !fluid && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
     return { plain, map: this.maps[channels[channel].map], scale: most[channel] / ranges[channel]?.top || 0, shrink: 0 };
   }
@@ -127,7 +137,7 @@ class Renderer {
       checked: settings.surface === "checker" && !shape.solid ? this.checkSize(shape) : 0,
     };
   }
-  /* A tenth of the longest side of a body in frame 0. */
+  /* A twelfth of the longest side of a body's box. */
   checkSize(shape) {
     shape.checkSize ||= Math.max(...shape.part.box[1].map((v, k) => v - shape.part.box[0][k])) / 12;
     return shape.checkSize;
@@ -139,7 +149,7 @@ class Renderer {
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
   }
   drawWater(sorted, values, level) {
-    const { width, height } = this.scene, channel = settings.fluid in channels ? settings.fluid : "speed";
+    const { width, height } = this.scene, channel = fluidChannel();
     const most = Math.max(...sorted.water.map((shape) => shape.part.most[channel]));
     const own = {
       ...values, sceneDepth: this.scene.depth, scene: this.scene.colour, shrink: 1, scale: most / ranges[channel].top,
@@ -151,7 +161,8 @@ class Renderer {
     const [wide, high] = [width, height].map((side) => Math.ceil(side * Math.min(1, level.water / pixels)));
     this.water.prepare(sorted.water, this.uploaded, own, [wide, high], level, this.stage);
     this.water.compose(own, this.scene, this.image);
-    for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover: this.water.cover.colour, over: 1 });
+    const cover = this.water.cover.colour;
+    for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover, over: 1 });
     this.stage("water shading");
   }
   /* Draws a frame into the canvas, whose size in pixels is set. */

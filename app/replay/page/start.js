@@ -8,7 +8,8 @@ function describeRun() {
   document.title = $("title").textContent + " – projdyn replay";
   const facts = [
     simulated !== undefined && `${formatNumber(simulated)} s simulated`,
-    wall !== undefined && `${formatNumber(wall)} s of wall time${threads ? ` on ${threads} thread${threads > 1 ? "s" : ""}` : ""}`,
+    wall !== undefined && `${formatNumber(wall)} s of wall time`,
+    threads && `${threads} thread${threads > 1 ? "s" : ""}`,
     `${frames} frame${frames > 1 ? "s" : ""}`, integrator, version && `projdyn ${version}`];
   $("about").textContent = facts.filter(Boolean).join("  ·  ");
 }
@@ -39,7 +40,7 @@ const keys = {
   Home: ["first frame", () => player.show(0)],
   End: ["last frame", () => player.show(frames - 1)],
   r: ["first view", () => { renderer.camera.reset(); player.dirty = true; }],
-  v: ["fluid as surface or particles", () => inputs.look && change("look", settings.look === "surface" ? "particles" : "surface")],
+  v: ["fluid as surface or particles", () => nextChoice("look")],
   c: ["next colour of the fluid", () => nextChoice("fluid")],
   s: ["next colour of surfaces", () => nextChoice("surface")],
   p: ["save a picture", savePicture],
@@ -64,7 +65,8 @@ function buildHelp() {
     element(row.insertCell(), "kbd", { textContent: names[key] || key });
     row.insertCell().textContent = keys[key][0];
   }
-  for (const [what, effect] of [["drag", "turn"], ["shift or right button and drag", "move"], ["wheel, two fingers", "zoom"]]) {
+  const gestures = [["drag", "turn"], ["shift or right button and drag", "move"], ["wheel, two fingers", "zoom"]];
+  for (const [what, effect] of gestures) {
     const row = table.insertRow();
     row.insertCell().textContent = what;
     row.insertCell().textContent = effect;
@@ -94,7 +96,7 @@ function controlPlayer() {
  * move. */
 function prepareParts() {
   for (const part of meta.boundary) part.name = part.rest ? "boundary" : "moving boundary";
-  for (const part of [...meta.bodies, ...meta.solids, ...meta.boundary])
+  for (const part of allParts())
     part.usual = part.shown = !meta.boundary.includes(part) || !part.rest && !meta.solids.length;
   const radius = Math.max(0, ...meta.bodies.map((b) => b.radius));
   for (const part of meta.boundary) part.radius = 0.4 * radius || 0.004 * Math.max(...meta.bodies[0].box[1].map(Math.abs));
@@ -106,7 +108,8 @@ async function start() {
   const gl = $("scene").getContext("webgl2", { antialias: false, alpha: false });
   if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer. " +
     "Current versions of Firefox and Chromium do, unless graphics are switched off in their settings.");
-  if (!window.DecompressionStream) throw new Error("This page needs a newer browser: Firefox from 113, Chromium from 80.");
+  if (!window.DecompressionStream)
+    throw new Error("This page needs a newer browser: Firefox from 113, Chromium from 80.");
   unpack(await inflate($("data").textContent));
   $("data").remove();
   prepareParts();

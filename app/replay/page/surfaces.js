@@ -109,7 +109,8 @@ function measureStretch(shapes) {
     if (!(shape instanceof Surface) || shape.solid) continue;
     for (let k = 1; k <= 10; k++) {
       const x = shape.gather(Math.floor(k * (frames - 1) / 10));
-      for (const v of vertexStretch(shape.edges, shape.rest, x, new Float32Array(shape.source.length))) sizes.push(Math.abs(v));
+      const stretch = vertexStretch(shape.edges, shape.rest, x, new Float32Array(shape.source.length));
+      for (const v of stretch) sizes.push(Math.abs(v));
     }
   }
   sizes.sort((a, b) => a - b);

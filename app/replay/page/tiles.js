@@ -31,12 +31,14 @@ class Tiles {
   /* Adds the tiles of a body's particles and those around them. reach: radius on the window of a ball at w = 1, as a
    * part of its height */
   coverBody(part, frame, values, reach) {
-    const x = positions(part, frame), rows = windowRows(values, part.box), aspect = values.projection[5] / values.projection[0];
+    const x = positions(part, frame), rows = windowRows(values, part.box);
+    const aspect = values.projection[5] / values.projection[0];
     const at = (row, i) => row[0] * x[i] + row[1] * x[i + 1] + row[2] * x[i + 2] + row[3];
     for (let p = 0; p < pointsOf(part, frame); p++) {
       const w = at(rows[2], 3 * p);
       if (w <= 0) continue;
-      const u = (0.5 + 0.5 * at(rows[0], 3 * p) / w) * tilesWide, v = (0.5 + 0.5 * at(rows[1], 3 * p) / w) * tilesHigh;
+      const u = (0.5 + 0.5 * at(rows[0], 3 * p) / w) * tilesWide;
+      const v = (0.5 + 0.5 * at(rows[1], 3 * p) / w) * tilesHigh;
       const high = reach / w * tilesHigh + 0.4, wide = reach / w / aspect * tilesWide + 0.4;
       this.coverBox(Math.floor(u - wide), Math.floor(u + wide), Math.floor(v - high), Math.floor(v + high));
     }

@@ -14,7 +14,8 @@ out float result;
 /* Factor on the distance of a ball's point from the eye that brings it to the wall of the vessel, if it is outside
  * in front of the wall; 0: the ray leaves nothing of the ball inside. */
 float toWall(vec3 p, float depth) {
-  vec3 ray = inWorld(p) - eye, a = (vesselLow - eye) / ray, b = (vesselHigh - eye) / ray, low = min(a, b), high = max(a, b);
+  vec3 ray = inWorld(p) - eye, a = (vesselLow - eye) / ray, b = (vesselHigh - eye) / ray;
+  vec3 low = min(a, b), high = max(a, b);
   float enter = max(low.x, max(low.y, low.z)), leave = min(high.x, min(high.y, high.z));
   return leave < 1.0 || enter > leave || enter > 1.0 + depth / -p.z ? 0.0 : max(1.0, enter);
 }
@@ -99,37 +100,42 @@ in vec2 uv;
 uniform sampler2D cover, thick, scene, sceneDepth, map;
 uniform float distance, extent, radius, clear, mapped; /* clear: length, m, over which water gets its colour */
 out vec4 result;
-vec3 behind(vec2 shift, float z) {
-  vec2 there = clamp(uv + shift, vec2(0.002), vec2(0.998));
-  vec3 c = texture(scene, eyeDepth(texture(sceneDepth, there).r) < z ? there : uv).rgb;
-  return c * c;
+/* The point on the window where the refracted ray meets the scene; uv if it meets what is in front of the water. */
+vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
+  float length = min(min(texture(thick, uv).r, 0.5 * clear), gap);
+  vec2 there = clamp(uv - 0.16 * slope * length * scale / -z, vec2(0.002), vec2(0.998));
+  return eyeDepth(texture(sceneDepth, there).r) < z ? there : uv;
+}
+/* Light from behind that passes the water, and light that the water scatters. */
+vec3 bodyColour(vec2 there, float thickness, vec3 light) {
+  vec3 x = thickness / clear * vec3(2.2, 0.75, 0.45), behind = texture(scene, there).rgb;
+  vec3 pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
+  return behind * behind * pass + vec3(0.012, 0.11, 0.19) * light * (1.0 - pass);
+}
+vec3 mirrored(vec3 n, vec3 toEye, float lit) {
+  vec3 mirror = reflect(-toEye, n);
+  float gleam = power4(power32(max(dot(mirror, lamp), 0.0)));
+  return environment(mirror) * fresnel(dot(n, toEye)) + 2.0 * lit * gleam * gleam;
 }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   vec4 s = texture(cover, uv);
-  float back = texelFetch(sceneDepth, at, 0).r;
+  float back = texelFetch(sceneDepth, at, 0).r, z = s.b / max(s.a, 1e-3) * extent - distance;
+  float gap = z - eyeDepth(back);
   result = texelFetch(scene, at, 0);
   gl_FragDepth = back;
-  float z = s.b / max(s.a, 1e-3) * extent - distance;
-  if (s.a < 0.1 || z < eyeDepth(back)) return;
+  if (s.a < 0.1 || gap < 0.0) return;
   gl_FragDepth = bufferDepth(z);
-  vec4 sums = texture(thick, uv);
-  vec2 xy = s.rg / s.a, scale = vec2(projection[0][0], projection[1][1]);
-  vec3 n = vec3(xy, sqrt(max(1.0 - dot(xy, xy), 0.0))) * mat3(view);
+  vec2 slope = s.rg / s.a, scale = vec2(projection[0][0], projection[1][1]), there = refracted(slope, z, gap, scale);
+  vec3 n = vec3(slope, sqrt(max(1.0 - dot(slope, slope), 0.0))) * mat3(view);
   vec3 p = (vec3(-z * (2.0 * uv - 1.0) / scale, z) - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
-  float thickness = sums.r;
-  vec2 shift = -0.16 * xy * min(min(thickness, 0.5 * clear), z - eyeDepth(back)) * scale / -z;
+  vec4 sums = texture(thick, there);
   float lit = unshaded(shadowMap, inLampView(p, n));
   vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
-  vec3 x = thickness / clear * vec3(2.2, 0.75, 0.45), pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
-  vec3 body = behind(shift, z) * pass + vec3(0.012, 0.11, 0.19) * light * (1.0 - pass);
-  vec3 mirror = reflect(-toEye, n);
-  float whole = smoothstep(0.0, 2.0 * radius, thickness) * smoothstep(0.5, 1.0, s.a); /* rims shine less */
-  float gleam = power4(power32(max(dot(mirror, lamp), 0.0)));
-  vec3 shine = whole * (environment(mirror) * fresnel(dot(n, toEye)) + 2.0 * lit * gleam * gleam);
-  if (mapped > 0.0)
-    body = mapColour(map, sums.g / max(sums.b, 1e-4)) * light;
-  result.rgb = mix(result.rgb, encode(body + (mapped > 0.0 ? 0.35 : 1.0) * shine), smoothstep(0.2, 0.7, s.a));
+  vec3 body = mapped > 0.0 ? mapColour(map, sums.g / max(sums.b, 1e-4)) * light : bodyColour(there, sums.r, light);
+  float whole = smoothstep(0.0, 2.0 * radius, sums.r) * smoothstep(0.5, 1.0, s.a); /* rims shine less */
+  float shine = whole * (mapped > 0.0 ? 0.35 : 1.0);
+  result.rgb = mix(result.rgb, encode(body + shine * mirrored(n, toEye, lit)), smoothstep(0.2, 0.7, s.a));
 }`,
 };
 
@@ -155,7 +161,8 @@ class Water {
   }
   /* Returns the texture of smooth depths. */
   smooth(values, width, height, count) {
-    const passes = [[[1, 0], 3.5], [[0, 1], 3.5], [[1, 0], 2], [[0, 1], 2], [[0.7071, 0.7071], 1], [[0.7071, -0.7071], 1]];
+    const diagonal = Math.SQRT1_2;
+    const passes = [[[1, 0], 3.5], [[0, 1], 3.5], [[1, 0], 2], [[0, 1], 2], [[diagonal, diagonal], 1], [[diagonal, -diagonal], 1]];
     let depths = this.depth.colour;
     passes.slice(0, count).forEach(([direction, spread], k) => {
       this.smoothed[k % 2].begin(width, height);
@@ -181,7 +188,8 @@ class Water {
     stage("water depth");
     const depths = this.smooth(values, width, height, level.soft ? 6 : 4);
     stage("water filter");
-    this.drawThickness(bodies, values, Math.ceil(width / 2), Math.ceil(height / 2), !level.soft);
+    const canvas = level.soft ? values.window : [width, height]; /* fine enough for edges of cloth under water */
+    this.drawThickness(bodies, values, Math.ceil(canvas[0] / 2), Math.ceil(canvas[1] / 2), !level.soft);
     stage("water thickness");
     this.cover.begin(width, height);
     this.tiles.draw(this.programs.normals, { ...values, depths });
@@ -192,7 +200,8 @@ class Water {
     const gl = this.gl, { width, height } = scene;
     image.begin(width, height);
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, scene.framebuffer);
-    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);
+    const both = gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT;
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, both, gl.NEAREST);
     gl.depthFunc(gl.ALWAYS);
     this.tiles.draw(this.programs.compose, { ...values, cover: this.cover.colour, thick: this.thickness.colour });
     gl.depthFunc(gl.LEQUAL);
