@@ -296,6 +296,11 @@ class Mesh(unittest.TestCase):
             done = mesh(self.directory)
             self.assertEqual(done.returncode, 2)
             self.assertIn(words, done.stderr)
+        (self.directory / "report.json").write_text(json.dumps(report))
+        write_frame(self.directory / "water_000000.vtk", *square(0, 1, 1))
+        done = mesh(self.directory)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("water_000000.vtk: expected particles", done.stderr)
         (self.directory / "report.json").unlink()
         self.assertIn("report.json", mesh(self.directory).stderr)
 

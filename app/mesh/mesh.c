@@ -109,7 +109,7 @@ static int mesh_frame(const struct run *run, const struct part *part, int f,
                       const struct mesh_options *options, struct mesh_summary *summary) {
     char path[REPLAY_PATH];
     struct vtk_frame frame;
-    struct obstacles obstacles;
+    struct obstacles obstacles = {0};
     struct surface surface = {0};
     double radius = part->radius;
     int code = replay_read_frame(run, part, f, path, &frame);

@@ -37,20 +37,25 @@ struct half_pass {
     double factor;
 };
 
+static void move_vertex(const struct half_pass *pass, int v, double factor) {
+    const struct ring *ring = pass->ring;
+    double mean[3] = {0};
+    int begin = ring->first[v], end = ring->first[v + 1];
+    for (int n = begin; n < end; n++)
+        for (int a = 0; a < 3; a++)
+            mean[a] += (double)pass->from[3 * (size_t)ring->neighbour[n] + (size_t)a];
+    for (int a = 0; a < 3; a++) {
+        double x = (double)pass->from[3 * (size_t)v + (size_t)a];
+        pass->to[3 * (size_t)v + (size_t)a] = (float)(x + factor * (mean[a] / (end - begin) - x));
+    }
+}
+
 static void run_half_pass(void *self, int first, int last) {
     const struct half_pass *pass = self;
-    const struct ring *ring = pass->ring;
     for (int v = first; v < last; v++) {
-        double mean[3] = {0}, factor = pass->factor * (double)pass->mobility[v];
-        int begin = ring->first[v], end = ring->first[v + 1];
-        for (int n = begin; n < end; n++)
-            for (int a = 0; a < 3; a++)
-                mean[a] += (double)pass->from[3 * (size_t)ring->neighbour[n] + (size_t)a];
-        for (int a = 0; a < 3; a++) {
-            double x = (double)pass->from[3 * (size_t)v + (size_t)a];
-            pass->to[3 * (size_t)v + (size_t)a] =
-                (float)(x + factor * (mean[a] / (end - begin) - x));
-        }
+        double mobility = (double)pass->mobility[v];
+        if (mobility > 0.0) move_vertex(pass, v, mobility * pass->factor);
+        else memcpy(pass->to + 3 * (size_t)v, pass->from + 3 * (size_t)v, 3 * sizeof(float));
     }
 }
 
