@@ -34,6 +34,7 @@ command -v chromium >/dev/null && command -v ffmpeg >/dev/null || {
     exit 77
 }
 follow first-scene sh sh -eu
+
 # What the page says of its steps 2 and 3: water leaks, and contact holds it.
-grep -q '"leak"' "$dir/first-scene/leak/report.json"
-grep -q '"warnings": \[\]' "$dir/first-scene/cloth/report.json"
+grep -q '"leak"' "$dir/first-scene/leak/report.json" || { echo "not ok first-scene: no leak in step 2"; exit 1; }
+grep -q '"warnings": \[\]' "$dir/first-scene/cloth/report.json" || { echo "not ok first-scene: a warning in step 3"; exit 1; }
