@@ -36,7 +36,7 @@ static void test_places(void **state) {
     const struct surface_samples *s = sim->samples;
     const pdyn_body *sheet = &sim->body[1];
     int n = sim->objective.particles;
-    double spacing = 0.5 * 0.02, *x = array(3 * (n + s->count)), area = 0.0;
+    double spacing = 0.43 * 0.02, *x = array(3 * (n + s->count)), area = 0.0;
     samples_interpolate(s, sim->x, x);
     for (int k = 0; k < s->count; k++) {
         const double *w = s->weight + 3 * k, *at = x + 3 * (n + k);
