@@ -7,7 +7,8 @@
  * The simulation uses the operator. The rows describe the same constraints for solvers that
  * assemble H: an element is a grain with the later grains and the boundary points in its list, u =
  * x_a - x_b, p = 2 r u / |u| for |u| < 2 r. The loops are serial for brevity;
- * services->parallel_for would share them. */
+ * services->parallel_for would share them. Use it with the scene's "boundary": "points": these lie
+ * 0.6 x 2 r behind the walls of a box, so that a grain touches the wall. */
 #include <projdyn/module.h>
 #include <projdyn/vec3.h>
 
