@@ -15,7 +15,8 @@ void main() {
   r = radius * (shrink == 0.0 ? 1.0 : shrink * mix(0.45, 1.5, smoothstep(0.25, 0.62, filled * filled)));
   inside = all(greaterThan(p, vesselLow)) && all(lessThan(p, vesselHigh)) ? 1.0 : 0.0;
   shade = min(1.0, value * value * scale);
-  gl_Position = dot(cut.xyz, p) > cut.w ? vec4(2, 2, 2, 1) : projection * at;
+  gl_Position = projection * at;
+  if (dot(cut.xyz, p) > cut.w || hidden(gl_Position, centre.z)) gl_Position = vec4(2, 2, 2, 1);
   gl_PointSize = max(1.0, 1.04 * r * projection[1][1] * height / gl_Position.w);
 }`;
 const ballHead = `
@@ -24,6 +25,14 @@ in float r, shade, inside;
 uniform float radius, height, scale, shrink;
 uniform vec3 vesselLow, vesselHigh;
 vec3 inWorld(vec3 p) { return (p - view[3].xyz) * mat3(view); }
+`;
+/* Whether what is opaque hides the centre of a ball, which is then left out: water does not reach past the rim of a
+ * cloth that holds it. The other balls need no test, they are opaque. */
+const hiddenText = `
+uniform sampler2D sceneDepth;
+bool hidden(vec4 at, float z) { return z < eyeDepth(texture(sceneDepth, 0.5 + 0.5 * at.xy / at.w).r); }
+`, notHiddenText = `
+bool hidden(vec4 at, float z) { return false; }
 `;
 const ballText = {
   colour: `${ballHead}
@@ -95,7 +104,7 @@ class Points {
 
 class Balls {
   constructor(gl) {
-    this.colour = compile(gl, lightText, ballVertex, ballText.colour);
-    this.shadow = compile(gl, commonText, ballVertex, ballText.shadow);
+    this.colour = compile(gl, lightText + notHiddenText, ballVertex, ballText.colour);
+    this.shadow = compile(gl, commonText + notHiddenText, ballVertex, ballText.shadow);
   }
 }

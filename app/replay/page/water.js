@@ -8,7 +8,6 @@
  * particles are alone: drops. */
 const waterText = {
   depth: `${ballHead}
-uniform sampler2D sceneDepth;
 uniform vec2 window;
 out float result;
 /* Factor on the distance of a ball's point from the eye that brings it to the wall of the vessel, if it is outside
@@ -59,7 +58,7 @@ void main() {
   result = sum / weights;
 }`,
   thickness: `${ballHead}
-uniform sampler2D sceneDepth, depths;
+uniform sampler2D depths;
 uniform vec2 window;
 uniform float parts; /* particles that this one stands for */
 out vec4 result;
@@ -100,6 +99,24 @@ in vec2 uv;
 uniform sampler2D cover, thick, scene, sceneDepth, map;
 uniform float distance, extent, radius, clear, mapped; /* clear: length, m, over which water gets its colour */
 out vec4 result;
+/* Mean slope of the points around, one particle radius away, and how even the water is there, 0...1: less at rims,
+ * at steps of the depth and where slopes differ. Uneven water neither refracts nor shines: its slope is noise. */
+vec3 around(vec4 s, float z, vec2 scale) {
+  vec2 slope = s.rg / s.a, rise = slope / sqrt(max(1.0 - dot(slope, slope), 0.01));
+  if (soft == 0.0) return vec3(slope, 1);
+  float tolerance = radius * (1.0 + min(length(rise), 3.0));
+  vec4 sum = vec4(slope, 1, dot(slope, slope)); /* of slopes, of weights, of squares */
+  for (int k = 0; k < 8; k++) {
+    vec2 side = radius * vec2(cos(0.785398 * float(k)), sin(0.785398 * float(k)));
+    vec4 t = texture(cover, uv + 0.5 * side * scale / -z);
+    float away = abs((t.b / max(t.a, 1e-3) - s.b / s.a) * extent + dot(rise, side));
+    float weight = 1.0 - smoothstep(tolerance, 2.0 * tolerance, away);
+    sum += weight * vec4(t.rg, t.a, dot(t.rg, t.rg));
+  }
+  slope = sum.rg / sum.b;
+  float spread = sum.a / sum.b - dot(slope, slope);
+  return vec3(slope, smoothstep(0.45, 0.95, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.06, 0.25, spread)));
+}
 /* The point on the window where the refracted ray meets the scene; uv if it meets what is in front of the water. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   float length = min(min(texture(thick, uv).r, 0.5 * clear), gap);
@@ -112,10 +129,11 @@ vec3 bodyColour(vec2 there, float thickness, vec3 light) {
   vec3 pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
   return behind * behind * pass + vec3(0.012, 0.11, 0.19) * light * (1.0 - pass);
 }
+/* lit: share of the lamp's light, whose highlight is left out where the water is uneven */
 vec3 mirrored(vec3 n, vec3 toEye, float lit) {
   vec3 mirror = reflect(-toEye, n);
   float gleam = power4(power32(max(dot(mirror, lamp), 0.0)));
-  return environment(mirror) * fresnel(dot(n, toEye)) + 2.0 * lit * gleam * gleam;
+  return environment(mirror) * fresnel(dot(n, toEye)) + lit * gleam * gleam;
 }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -126,16 +144,18 @@ void main() {
   gl_FragDepth = back;
   if (s.a < 0.1 || gap < 0.0) return;
   gl_FragDepth = bufferDepth(z);
-  vec2 slope = s.rg / s.a, scale = vec2(projection[0][0], projection[1][1]), there = refracted(slope, z, gap, scale);
+  vec2 scale = vec2(projection[0][0], projection[1][1]);
+  vec3 mean = around(s, z, scale);
+  vec2 slope = mix(0.4, 1.0, mean.z) * mean.xy, there = refracted(slope, z, gap, scale);
   vec3 n = vec3(slope, sqrt(max(1.0 - dot(slope, slope), 0.0))) * mat3(view);
   vec3 p = (vec3(-z * (2.0 * uv - 1.0) / scale, z) - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
   vec4 sums = texture(thick, there);
   float lit = unshaded(shadowMap, inLampView(p, n));
   vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
   vec3 body = mapped > 0.0 ? mapColour(map, sums.g / max(sums.b, 1e-4)) * light : bodyColour(there, sums.r, light);
-  float whole = smoothstep(0.0, 2.0 * radius, sums.r) * smoothstep(0.5, 1.0, s.a); /* rims shine less */
-  float shine = whole * (mapped > 0.0 ? 0.35 : 1.0);
-  result.rgb = mix(result.rgb, encode(body + shine * mirrored(n, toEye, lit)), smoothstep(0.2, 0.7, s.a));
+  float shine = smoothstep(0.0, 2.0 * radius, sums.r) * mean.z * (mapped > 0.0 ? 0.35 : 1.0);
+  float opacity = smoothstep(0.2, 0.7, s.a) * smoothstep(0.3 * radius, 1.2 * radius, texture(thick, uv).r);
+  result.rgb = mix(result.rgb, encode(body + shine * mirrored(n, toEye, lit * power4(mean.z))), opacity);
 }`,
 };
 
@@ -143,8 +163,8 @@ class Water {
   constructor(gl) {
     this.gl = gl;
     this.programs = {
-      depth: compile(gl, commonText, ballVertex, waterText.depth),
-      thickness: compile(gl, commonText, ballVertex, waterText.thickness),
+      depth: compile(gl, commonText + hiddenText, ballVertex, waterText.depth),
+      thickness: compile(gl, commonText + hiddenText, ballVertex, waterText.thickness),
       smooth: compile(gl, commonText, tileVertex, waterText.smooth),
       normals: compile(gl, commonText, tileVertex, waterText.normals),
       compose: compile(gl, lightText, tileVertex, waterText.compose),
