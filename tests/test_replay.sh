@@ -60,6 +60,9 @@ expect_error 1 "cannot create the file" replay "$run" -o "$folder/nowhere/replay
 [ ! -e "$run/replay.html" ] && [ ! -e "$run/replay.html.tmp" ] || fail "a bad run left a page"
 expect_error 2 "expected one directory and -o FILE" render "$run"
 expect_error 2 "ends with .png, .mp4, .webm or .gif" render "$run" -o "$folder/film.avi"
+for name in a_%s.png a_%.3d.png a_%d_%d.png a_%123d.png %.png; do
+    expect_error 2 "expected at most one '%'" render "$run" -o "$folder/$name"
+done
 expect_error 2 "--size 99x100: expected WIDTHxHEIGHT" render "$run" -o "$folder/a.png" --size 99x100
 expect_error 2 "--frame 11: expected at most 10" render "$run" -o "$folder/a.png" --frame 11
 PATH=$folder "$projdyn" render "$run" -o "$folder/a.png" 2>"$folder/out" && fail "a picture without a browser"
@@ -89,7 +92,12 @@ grep -q "no report.json" "$folder/out" || fail "no word about the missing report
 mv "$folder/report.json" "$run/report.json"
 "${PYTHON:-python3}" "$here/compare_pictures.py" "$folder"
 
-# Films.
+# Numbered pictures and films.
+"$projdyn" render "$run" -o "$folder/n_%03d.png" --size 64x48 >/dev/null
+[ "$(ls "$folder" | grep -c '^n_0')" -eq 11 ] || fail "expected 11 numbered pictures: $(ls "$folder")"
+"$projdyn" render "$run" -o "$folder/one.png" --size 64x48 --frame 10 >/dev/null
+cmp "$folder/one.png" "$folder/n_010.png" || fail "numbered picture 10 is not frame 10"
+cmp -s "$folder/n_000.png" "$folder/n_010.png" && fail "numbered pictures 0 and 10 are the same"
 if command -v ffmpeg >/dev/null; then
     "$projdyn" render "$run" -o "$folder/film.mp4" --size 64x48 >/dev/null
     grep -aq ftypisom "$folder/film.mp4" || fail "no film"

@@ -1,4 +1,4 @@
-/* Pictures to a PNG file or, through ffmpeg, to a film. */
+/* Pictures to PNG files or, through ffmpeg, to a film. */
 #include "film.h"
 #include "app.h"
 #include "new_file.h"
@@ -75,12 +75,27 @@ static int start_ffmpeg(struct film *film, double fps) {
     return film->process > 0 && film->file ? EXIT_GOOD : report_write_error("ffmpeg");
 }
 
+bool film_is_numbered(const char *path) { return strchr(path, '%'); }
+
+bool film_check_number(const char *path) {
+    const char *number = strchr(path, '%');
+    size_t digits = number ? strspn(number + 1, "0123456789") : 0;
+    return !number || (digits <= 2 && number[1 + digits] == 'd' && !strchr(number + 1, '%'));
+}
+
+/* Path of the numbered picture of a frame: %d, %4d or %04d in `pattern`, always with zeros. */
+static char *numbered_path(const char *pattern, long frame) {
+    const char *number = strchr(pattern, '%');
+    char *end, *path;
+    int digits = (int)strtol(number + 1, &end, 10), before = (int)(number - pattern);
+    return asprintf(&path, "%.*s%0*ld%s", before, pattern, digits, frame, end + 1) < 0 ? NULL
+                                                                                       : path;
+}
+
 int film_open(struct film *film, const char *path, double fps) {
     *film = (struct film){.path = path};
     film_find_format(path, &film->format);
-    if (film->format != FILM_PNG) return start_ffmpeg(film, fps);
-    film->file = new_file_open(path, &film->temporary);
-    return film->file ? EXIT_GOOD : report_write_error(path);
+    return film->format == FILM_PNG ? EXIT_GOOD : start_ffmpeg(film, fps);
 }
 
 /* Value of a digit of base64; -1 if it is none. */
@@ -90,16 +105,34 @@ static int digit_value(char digit) {
     return at ? (int)(at - digits) : -1;
 }
 
-int film_add(struct film *film, const char *picture) {
+/* Writes a PNG in base64; false if writing failed. */
+static bool write_picture(FILE *file, const char *picture) {
     unsigned bits = 0;
     int count = 0, value;
     for (; (value = digit_value(*picture)) >= 0; picture++) {
         bits = bits << 6 | (unsigned)value;
         count += 6;
-        if (count >= 8 && putc((int)(bits >> (count -= 8) & 255), film->file) == EOF) break;
+        if (count >= 8 && putc((int)(bits >> (count -= 8) & 255), file) == EOF) break;
     }
-    if (!ferror(film->file)) return EXIT_GOOD;
-    return report_write_error(film->format == FILM_PNG ? film->path : "ffmpeg");
+    return !ferror(file);
+}
+
+static int write_file(const char *path, const char *picture) {
+    char *temporary;
+    FILE *file = new_file_open(path, &temporary);
+    if (file && new_file_close(file, temporary, path, write_picture(file, picture)))
+        return EXIT_GOOD;
+    return report_write_error(path);
+}
+
+int film_add(struct film *film, long frame, const char *picture) {
+    if (film->format != FILM_PNG)
+        return write_picture(film->file, picture) ? EXIT_GOOD : report_write_error("ffmpeg");
+    if (!film_is_numbered(film->path)) return write_file(film->path, picture);
+    char *path = numbered_path(film->path, frame);
+    int code = path ? write_file(path, picture) : report_no_memory();
+    free(path);
+    return code;
 }
 
 /* Ends ffmpeg and moves the film to its path. */
@@ -115,10 +148,7 @@ static int finish_film(struct film *film, bool good) {
 
 int film_close(struct film *film, bool good) {
     int code = good ? EXIT_GOOD : EXIT_FAILED;
-    if (film->format != FILM_PNG) {
-        code = finish_film(film, good);
-        free(film->temporary);
-    } else if (film->file && !new_file_close(film->file, film->temporary, film->path, good) && good)
-        code = report_write_error(film->path);
+    if (film->format != FILM_PNG) code = finish_film(film, good);
+    free(film->temporary);
     return code;
 }

@@ -16,9 +16,10 @@ static const char usage[] =
     "Usage: projdyn render DIR -o FILE [OPTIONS]\n"
     "\n"
     "Draws the frames of a run as the replay page does: one frame to FILE.png, or all frames to\n"
-    "FILE.mp4, FILE.webm or FILE.gif. Needs Chromium, and ffmpeg for films.\n"
+    "FILE.mp4, FILE.webm, FILE.gif, or numbered pictures: FILE_%04d.png. Needs Chromium, and\n"
+    "ffmpeg for films.\n"
     "\n"
-    "  -o, --output FILE  picture or film\n"
+    "  -o, --output FILE  picture, pictures or film\n"
     "      --size WxH     size in pixels, both even (default 1280x720)\n"
     "      --frame N      frame of a picture (default: the last one)\n"
     "      --time S       frame of a picture: the one nearest to this time, s\n"
@@ -100,7 +101,7 @@ static int draw_frame(struct browser *browser, struct film *film, const struct o
              options->width, options->height, SAMPLES);
     int code = browser_evaluate(browser, expression, &picture);
     if (code != EXIT_GOOD) return code;
-    code = film_add(film, json_string_value(picture));
+    code = film_add(film, frame, json_string_value(picture));
     json_decref(picture);
     return code;
 }
@@ -110,7 +111,8 @@ static int draw_frames(const struct run *run, const struct options *options, con
     struct browser browser = {.to = -1, .from = -1};
     struct film film;
     char *url;
-    bool still = film_find_format(options->output, &film.format) && film.format == FILM_PNG;
+    bool still = film_find_format(options->output, &film.format) && film.format == FILM_PNG &&
+                 !film_is_numbered(options->output);
     if (asprintf(&url, "file://%s/page.html#%s", folder, options->view) < 0)
         return report_no_memory();
     int code =
@@ -169,6 +171,9 @@ int render_main(int argc, char **argv) {
     }
     if (!film_find_format(options.output, &format))
         return replay_error("render: %s: expected a name that ends with .png, .mp4, .webm or .gif",
+                            options.output);
+    if (format == FILM_PNG && !film_check_number(options.output))
+        return replay_error("render: %s: expected at most one '%%', as in NAME_%%04d.png",
                             options.output);
     signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
     struct run run = {.directory = argv[optind]};
