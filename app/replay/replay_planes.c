@@ -1,5 +1,6 @@
 /* Codes the frames of a run for the page: quantisation, prediction, residuals. */
 #include "replay_planes.h"
+#include "replay_filled.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -108,18 +109,20 @@ static void write_plane(struct stream *stream, struct plane *plane, int count, i
 
 /* Positions are quantised linearly in the box of the part, channels by their square root: a few
  * large values set the range, and the root keeps small values distinct. Points that a frame does
- * not have are zero. */
+ * not have are zero. filled: values of the channel FILLED; NULL: 1 */
 static void quantise_frame(const struct part *part, struct plane *plane,
-                           const struct vtk_frame *frame) {
+                           const struct vtk_frame *frame, const double *filled) {
     for (int p = 0; p < plane_count(part); p++)
         memset(plane[p].now, 0, (size_t)part->count * sizeof *plane[p].now);
     for (int i = 0; i < frame->count; i++) {
         for (int k = 0; k < 3; k++)
             plane[k].now[i] =
                 quantise(frame->x[3 * i + k], part->box.min[k], part->box.max[k], 65535.0);
-        for (int c = 0; c < part->channels; c++)
-            plane[3 + c].now[i] = quantise(sqrt(replay_value(part, frame, (enum channel)c, i)), 0.0,
-                                           sqrt(part->most[c]), 255.0);
+        for (int c = 0; c < part->channels; c++) {
+            double value = replay_value(part, frame, (enum channel)c, i);
+            if (c == FILLED && filled) value = filled[i];
+            plane[3 + c].now[i] = quantise(sqrt(value), 0.0, sqrt(part->most[c]), 255.0);
+        }
     }
 }
 
@@ -134,13 +137,15 @@ static int write_frame(const struct run *run, const struct part *part, struct st
         code = replay_error("%s: the file changed during the replay: expected %d points, found %d",
                             path, part->frame_points[f], frame.count);
     unsigned char *scratch = malloc(2 * (size_t)part->count + 1);
-    if (code == EXIT_GOOD && !scratch) code = report_no_memory();
+    double *filled = part->fluid ? replay_find_filled(&frame, part->radius) : NULL;
+    if (code == EXIT_GOOD && (!scratch || (part->fluid && !filled))) code = report_no_memory();
     if (code == EXIT_GOOD) {
-        quantise_frame(part, plane, &frame);
+        quantise_frame(part, plane, &frame, filled);
         for (int p = 0; p < plane_count(part); p++)
             write_plane(stream, &plane[p], part->count, f, scratch);
     }
     free(scratch);
+    free(filled);
     vtk_frame_free(&frame);
     return code;
 }

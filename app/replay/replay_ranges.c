@@ -30,8 +30,9 @@ double replay_value(const struct part *part, const struct vtk_frame *frame, enum
                     int i) {
     if (channel == SPEED) return speed(frame, i);
     if (channel == PRESSURE) return fmax(0.0, frame->pressure[i]);
+    if (channel == FILLED) return 1.0;
     double ratio = part->rest_density > 0.0 ? frame->density[i] / part->rest_density : 1.0;
-    return channel == FILLED ? fmin(1.0, fmax(0.0, ratio)) : fmin(1e9, fmax(0.0, ratio - 1.0));
+    return fmin(1e9, fmax(0.0, ratio - 1.0));
 }
 
 static int compare_doubles(const void *a, const void *b) {

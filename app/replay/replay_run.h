@@ -21,7 +21,7 @@ enum channel {
     SPEED,         /* m/s */
     DENSITY_ERROR, /* relative, see replay_value() */
     PRESSURE,      /* Pa; negative ones count as 0 */
-    FILLED,        /* density over rest density, at most 1; 1 if the rest density is unknown */
+    FILLED,        /* of fluids: see replay_filled.h; 1 for other particles */
     CHANNELS
 };
 
@@ -88,7 +88,7 @@ int replay_read_frame(const struct run *run, const struct part *part, int f, cha
 /* Checks that a frame has the mesh of the first frame. */
 int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path);
 /* Value of a channel at point i, at least 0; a density error, max(0, density / rest density - 1),
- * is at most 1e9. */
+ * is at most 1e9; FILLED: its largest value, 1. */
 double replay_value(const struct part *part, const struct vtk_frame *frame, enum channel channel,
                     int i);
 

@@ -2,9 +2,9 @@
 const ballVertex = `
 layout(location = 0) in vec3 x;
 layout(location = 1) in float value; /* square root of a channel's value, 0...1 */
-layout(location = 2) in float filled; /* square root of density over rest density, at most 1 */
+layout(location = 2) in float filled; /* square root of the share of the space around that the fluid fills */
 uniform float radius, height, scale;
-uniform float shrink; /* 0: all balls have the particle radius; else a factor on radii by density */
+uniform float shrink; /* 0: all balls have the particle radius; else a factor on radii by the density around */
 uniform vec3 vesselLow, vesselHigh;
 out vec3 centre;
 out float r, shade, inside; /* inside: the centre is in the vessel */
@@ -12,11 +12,12 @@ void main() {
   vec3 p = place(x);
   vec4 at = view * vec4(p, 1);
   centre = at.xyz;
-  r = radius * (shrink == 0.0 ? 1.0 : shrink * mix(0.45, 1.5, smoothstep(0.25, 0.62, filled * filled)));
+  bool drop = filled * filled < 0.3;
+  r = radius * (shrink == 0.0 ? 1.0 : shrink * (drop ? 0.6 : mix(0.9, 1.5, smoothstep(0.3, 0.62, filled * filled))));
   inside = all(greaterThan(p, vesselLow)) && all(lessThan(p, vesselHigh)) ? 1.0 : 0.0;
   shade = min(1.0, value * value * scale);
   gl_Position = projection * at;
-  if (dot(cut.xyz, p) > cut.w || hidden(gl_Position, centre.z)) gl_Position = vec4(2, 2, 2, 1);
+  if (dot(cut.xyz, p) > cut.w || leftOut(gl_Position, centre.z, drop)) gl_Position = vec4(2, 2, 2, 1);
   gl_PointSize = max(1.0, 1.04 * r * projection[1][1] * height / gl_Position.w);
 }`;
 const ballHead = `
@@ -26,13 +27,17 @@ uniform float radius, height, scale, shrink;
 uniform vec3 vesselLow, vesselHigh;
 vec3 inWorld(vec3 p) { return (p - view[3].xyz) * mat3(view); }
 `;
-/* Whether what is opaque hides the centre of a ball, which is then left out: water does not reach past the rim of a
- * cloth that holds it. The other balls need no test, they are opaque. */
-const hiddenText = `
+/* Which balls a program leaves out. Water: drops, and balls whose centres are hidden by what is opaque, so that it does
+ * not reach past the rim of a cloth that holds it. */
+const noneLeftOut = `
+bool leftOut(vec4 at, float z, bool drop) { return false; }
+`, hiddenText = `
 uniform sampler2D sceneDepth;
 bool hidden(vec4 at, float z) { return z < eyeDepth(texture(sceneDepth, 0.5 + 0.5 * at.xy / at.w).r); }
-`, notHiddenText = `
-bool hidden(vec4 at, float z) { return false; }
+`, dropsLeftOut = hiddenText + `
+bool leftOut(vec4 at, float z, bool drop) { return drop || hidden(at, z); }
+`, dropsAlone = hiddenText + `
+bool leftOut(vec4 at, float z, bool drop) { return !drop || hidden(at, z); }
 `;
 const ballText = {
   colour: `${ballHead}
@@ -104,7 +109,7 @@ class Points {
 
 class Balls {
   constructor(gl) {
-    this.colour = compile(gl, lightText + notHiddenText, ballVertex, ballText.colour);
-    this.shadow = compile(gl, commonText + notHiddenText, ballVertex, ballText.shadow);
+    this.colour = compile(gl, lightText + noneLeftOut, ballVertex, ballText.colour);
+    this.shadow = compile(gl, commonText + noneLeftOut, ballVertex, ballText.shadow);
   }
 }

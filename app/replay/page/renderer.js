@@ -53,6 +53,7 @@ class Renderer {
     this.fabric = new Fabric(gl);
     this.glass = new GlassPrograms(gl);
     this.water = new Water(gl);
+    this.drops = new Drops(gl);
     this.finish = compile(gl, "", windowVertex, finishText);
     this.scene = new Target(gl, "colour", true);
     this.image = new Target(gl, "colour", true);
@@ -161,6 +162,7 @@ class Renderer {
     const [wide, high] = [width, height].map((side) => Math.ceil(side * Math.min(1, level.water / pixels)));
     this.water.prepare(sorted.water, this.uploaded, own, [wide, high], level, this.stage);
     this.water.compose(own, this.scene, this.image);
+    this.drops.draw(sorted.water, { ...own, cover: this.water.cover.colour });
     const cover = this.water.cover.colour;
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover, over: 1 });
     this.stage("water shading");

@@ -4,8 +4,8 @@
  *   thickness volumes of the particles, spread over wider discs; the channel's value near the surface
  *   normals   from differences of the smooth depth
  *   compose   refraction, absorption, reflection
- * Balls have 1.5 particle radii where the fluid is dense, so that no gaps stay between them, and less where
- * particles are alone: drops. */
+ * Balls have 1.5 particle radii where the fluid is dense, so that no gaps stay between them, and less at its rims.
+ * Particles that are alone are drops (drops.js). */
 const waterText = {
   depth: `${ballHead}
 uniform vec2 window;
@@ -115,7 +115,7 @@ vec3 around(vec4 s, float z, vec2 scale) {
   }
   slope = sum.rg / sum.b;
   float spread = sum.a / sum.b - dot(slope, slope);
-  return vec3(slope, smoothstep(0.45, 0.95, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.06, 0.25, spread)));
+  return vec3(slope, smoothstep(0.45, 0.95, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.04, 0.18, spread)));
 }
 /* The point on the window where the refracted ray meets the scene; uv if it meets what is in front of the water. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
@@ -163,8 +163,8 @@ class Water {
   constructor(gl) {
     this.gl = gl;
     this.programs = {
-      depth: compile(gl, commonText + hiddenText, ballVertex, waterText.depth),
-      thickness: compile(gl, commonText + hiddenText, ballVertex, waterText.thickness),
+      depth: compile(gl, commonText + dropsLeftOut, ballVertex, waterText.depth),
+      thickness: compile(gl, commonText + dropsLeftOut, ballVertex, waterText.thickness),
       smooth: compile(gl, commonText, tileVertex, waterText.smooth),
       normals: compile(gl, commonText, tileVertex, waterText.normals),
       compose: compile(gl, lightText, tileVertex, waterText.compose),
