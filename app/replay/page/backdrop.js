@@ -26,10 +26,17 @@ float lines(float step) {
   vec2 d = abs(fract(p - 0.5) - 0.5) / width;
   return (1.0 - min(1.0, min(d.x, d.y))) * (1.0 - smoothstep(0.12, 0.4, max(width.x, width.y)));
 }
+/* As lampLight(), with shadows that have a penumbra. */
+vec3 groundLight(vec3 n) {
+  vec3 q = inLampView(at, n);
+  if (any(greaterThan(abs(q - 0.5), vec3(0.5)))) return lampColour;
+  float lit = unshadedWide(shadowMap, q, 0.012), dry = unshadedWide(waterMap, q, 0.012);
+  return lampColour * lit * mix(vec3(0.50, 0.74, 0.84), vec3(1), dry);
+}
 void main() {
   float distance = length(away), grid = max(0.05 * lines(spacing), 0.085 * lines(5.0 * spacing));
   vec3 up = vec3(0, 1, 0);
-  vec3 colour = 0.60 * (1.4 * skyLight(up) + 0.93 * lampLight(at, up) * lamp.y);
+  vec3 colour = 0.60 * (1.4 * skyLight(up) + 0.93 * groundLight(up) * lamp.y);
   grid *= 1.0 - smoothstep(0.15, 0.6, distance);
   result = vec4(encode(colour) * (1.0 - grid), 1.0 - smoothstep(0.3, 1.0, distance));
 }`,

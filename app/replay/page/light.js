@@ -39,6 +39,16 @@ float unshaded(sampler2DShadow map, vec3 q) {
   sum += texture(map, q + vec3(-0.5 * step, step, 0)) + texture(map, q - vec3(-0.5 * step, step, 0));
   return 0.2 * sum;
 }
+/* The same with a penumbra: a disc of samples in a spiral. width: of the disc, as a part of the map */
+float unshadedWide(sampler2DShadow map, vec3 q, float width) {
+  if (soft == 0.0) return unshaded(map, q);
+  float sum = 0.0;
+  for (int k = 0; k < 32; k++) {
+    float angle = 2.39996 * float(k), away = width * sqrt((float(k) + 0.5) / 32.0);
+    sum += texture(map, q + vec3(away * vec2(cos(angle), sin(angle)), 0));
+  }
+  return sum / 32.0;
+}
 vec3 inLampView(vec3 p, vec3 n) { return (lampView * vec4(p + 2.0 * texel * n + 1.5 * texel * lamp, 1)).xyz; }
 /* Light of the lamp that reaches a point: bodies and solids shade it, water tints it. */
 vec3 lampLight(vec3 p, vec3 n) {
