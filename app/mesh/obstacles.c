@@ -2,6 +2,7 @@
 #include "obstacles.h"
 
 #include "app.h"
+#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -92,15 +93,6 @@ static bool touches(const struct obstacle_node *node, const double p[3], const d
     return true;
 }
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++)
-        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* Moeller and Trumbore 1997. The tolerance closes the gap between two triangles at an edge. */
 static double cross_triangle(const struct obstacle_triangle *t, const double p[3],
                              const double q[3]) {
@@ -111,10 +103,10 @@ static double cross_triangle(const struct obstacle_triangle *t, const double p[3
         f[a] = (double)t->corner[2][a] - (double)t->corner[0][a];
         way[a] = q[a] - p[a], from[a] = p[a] - (double)t->corner[0][a];
     }
-    cross(way, f, n);
-    cross(from, e, m);
-    double scale = dot(e, n), u = dot(from, n) / scale, v = dot(way, m) / scale;
-    double part = dot(f, m) / scale;
+    vec3_cross(n, way, f);
+    vec3_cross(m, from, e);
+    double scale = vec3_dot(e, n), u = vec3_dot(from, n) / scale, v = vec3_dot(way, m) / scale;
+    double part = vec3_dot(f, m) / scale;
     bool hits = u >= -tolerance && v >= -tolerance && u + v <= 1.0 + tolerance && part >= 0.0 &&
                 part <= 1.0; /* false for a segment in the plane, where scale is 0 */
     return hits ? part : 2.0;

@@ -1,6 +1,7 @@
 /* Drops of one particle: a particle without neighbours is a ball of 42 vertices, the icosahedron
  * divided once, with the volume of the particle. The grid of samples is too coarse for it. */
 #include "app.h"
+#include "projdyn/vec3.h"
 #include "surface.h"
 
 #include <math.h>
@@ -14,14 +15,10 @@ struct ball {
     int triangle[BALL_TRIANGLES][3];
 };
 
-static double distance2(const double a[3], const double b[3]) {
-    double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-}
-
 static double determinant(const double a[3], const double b[3], const double c[3]) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
-           a[2] * (b[0] * c[1] - b[1] * c[0]);
+    double normal[3];
+    vec3_cross(normal, b, c);
+    return vec3_dot(a, normal);
 }
 
 /* The corners of an icosahedron in a ball of radius 1: cyclic permutations of (0, +-1, +-g). */
@@ -38,11 +35,11 @@ static void make_corners(struct ball *ball) {
 
 /* The vertex in the middle between a and b, moved to radius 1; a new one if there is none. */
 static int middle_vertex(struct ball *ball, int a, int b) {
-    double x[3], length = 0.0;
-    for (int k = 0; k < 3; k++) x[k] = ball->x[a][k] + ball->x[b][k], length += x[k] * x[k];
-    for (int k = 0; k < 3; k++) x[k] /= sqrt(length);
+    double x[3];
+    for (int k = 0; k < 3; k++) x[k] = ball->x[a][k] + ball->x[b][k];
+    vec3_normalise(x);
     for (int v = CORNERS; v < ball->vertices; v++)
-        if (distance2(ball->x[v], x) < 1e-9) return v;
+        if (vec3_distance(ball->x[v], x) < 1e-4) return v;
     memcpy(ball->x[ball->vertices], x, sizeof x);
     return ball->vertices++;
 }
@@ -60,13 +57,13 @@ static void divide_face(struct ball *ball, int a, int b, int c) {
 static void make_ball(struct ball *ball) {
     *ball = (struct ball){0};
     make_corners(ball);
-    double edge = 4.0 / (1.0 + pow(0.5 * (1.0 + sqrt(5.0)), 2.0)) + 1e-9, volume = 0.0;
+    double edge = 2.0 / sqrt(1.0 + pow(0.5 * (1.0 + sqrt(5.0)), 2.0)) + 1e-9, volume = 0.0;
     for (int a = 0; a < CORNERS; a++)
         for (int b = a + 1; b < CORNERS; b++)
             for (int c = a + 1; c < CORNERS; c++)
-                if (b != c && distance2(ball->x[a], ball->x[b]) < edge &&
-                    distance2(ball->x[b], ball->x[c]) < edge &&
-                    distance2(ball->x[c], ball->x[a]) < edge &&
+                if (b != c && vec3_distance(ball->x[a], ball->x[b]) < edge &&
+                    vec3_distance(ball->x[b], ball->x[c]) < edge &&
+                    vec3_distance(ball->x[c], ball->x[a]) < edge &&
                     determinant(ball->x[a], ball->x[b], ball->x[c]) > 0.0)
                     divide_face(ball, a, b, c);
     for (int t = 0; t < BALL_TRIANGLES; t++) {

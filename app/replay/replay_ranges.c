@@ -118,7 +118,7 @@ static int add_frame(const struct run *run, struct part *part, struct vtk_frame 
 
 int replay_read_frame(const struct run *run, const struct part *part, int f, char path[REPLAY_PATH],
                       struct vtk_frame *frame) {
-    json_t *entry = json_array_get(part->files, (size_t)f);
+    json_t *entry = json_array_get(part->files, part->rest ? 0 : (size_t)f);
     const char *name = json_string_value(json_object_get(entry, "name"));
     int length = snprintf(path, REPLAY_PATH, "%s/%s%s", run->directory, part->folder, name);
     if (length >= REPLAY_PATH) return replay_error("%s: the path is too long", name);

@@ -82,7 +82,7 @@ int replay_find_ranges(struct run *run);
 double replay_time(const struct part *part, int f);
 /* Number of frames of a part that are stored: 1 for a part at rest. */
 int replay_frames(const struct run *run, const struct part *part);
-/* Reads frame f of a part; path: of the file that was read. */
+/* Reads frame f of a part, for a part at rest its only one; path: of the file that was read. */
 int replay_read_frame(const struct run *run, const struct part *part, int f, char path[REPLAY_PATH],
                       struct vtk_frame *frame);
 /* Checks that a frame has the mesh of the first frame. */

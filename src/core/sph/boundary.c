@@ -11,7 +11,7 @@
  * 0.150 at half a spacing in front of the face, with slope -1.15 per spacing; the lowest layer of
  * water at rest then has hydrostatic pressure. A particle lattice that touches the faces is at rest
  * (density ratio 1.00 at walls, edges and corners); for that, grids extend past the edges by
- * `beyond`. The sum of a plane varies by 3 % over the grid, the sum of the surface kernel by 3 %
+ * `beyond`. The sum of a plane varies by 3 % over the grid, the sum of the surface kernel by 2 %
  * over a mesh (test_interface.c). "points": with the published distance such a lattice has density
  * ratios 0.999, 1.000 and 1.004. */
 static const struct boundary_model boundary_models[] = {
