@@ -68,6 +68,11 @@ int report_write_error(const char *path) {
     return EXIT_FAILED;
 }
 
+int report_usage(const char *command, const char *expected, const char *usage) {
+    fprintf(stderr, "projdyn: %s: expected %s\n\n%s", command, expected, usage);
+    return EXIT_BAD_INPUT;
+}
+
 void clear_progress(void) {
     if (isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
 }

@@ -38,6 +38,8 @@ bool parse_integer(const char *option, const char *text, long min, long max, lon
  * report_write_error() appends the text of errno. */
 int report_no_memory(void);
 int report_write_error(const char *path);
+/* Prints what a command expected as its arguments, and its usage; returns EXIT_BAD_INPUT. */
+int report_usage(const char *command, const char *expected, const char *usage);
 
 /* Wall-clock time, s, from an arbitrary origin. */
 double wall_seconds(void);

@@ -90,11 +90,8 @@ static int parse(struct compare *c, int argc, char **argv) {
         {"help", no_argument, NULL, 'h'},          {0}};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, c);
     if (code >= 0) return code;
-    if (argc - optind != 1 || c->benchmark.solvers < 2) {
-        fprintf(stderr, "projdyn: compare: expected one scene file and two solvers or more\n\n%s",
-                usage);
-        return EXIT_BAD_INPUT;
-    }
+    if (argc - optind != 1 || c->benchmark.solvers < 2)
+        return report_usage("compare", "one scene file and two solvers or more", usage);
     c->benchmark.scene.scene = argv[optind];
     return -1;
 }

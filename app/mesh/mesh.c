@@ -201,10 +201,7 @@ int mesh_main(int argc, char **argv) {
     struct mesh_options options = {surface_formats, 0, LONG_MAX, sysconf(_SC_NPROCESSORS_ONLN)};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &options);
     if (code >= 0) return code;
-    if (argc - optind != 1) {
-        fprintf(stderr, "projdyn: mesh: expected one directory\n\n%s", usage);
-        return EXIT_BAD_INPUT;
-    }
+    if (argc - optind != 1) return report_usage("mesh", "one directory", usage);
     struct run run = {.directory = argv[optind]};
     code = mesh_run(&run, &options);
     replay_close(&run);

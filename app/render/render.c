@@ -165,10 +165,8 @@ int render_main(int argc, char **argv) {
     enum film_format format;
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &options);
     if (code >= 0) return code;
-    if (argc - optind != 1 || !options.output) {
-        fprintf(stderr, "projdyn: render: expected one directory and -o FILE\n\n%s", usage);
-        return EXIT_BAD_INPUT;
-    }
+    if (argc - optind != 1 || !options.output)
+        return report_usage("render", "one directory and -o FILE", usage);
     if (!film_find_format(options.output, &format))
         return replay_error("render: %s: expected a name that ends with .png, .mp4, .webm or .gif",
                             options.output);

@@ -33,10 +33,7 @@ int replay_main(int argc, char **argv) {
     const char *output = NULL;
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &output);
     if (code >= 0) return code;
-    if (argc - optind != 1) {
-        fprintf(stderr, "projdyn: replay: expected one directory\n\n%s", usage);
-        return EXIT_BAD_INPUT;
-    }
+    if (argc - optind != 1) return report_usage("replay", "one directory", usage);
     struct run run = {.directory = argv[optind]};
     code = replay(&run, output);
     replay_close(&run);
