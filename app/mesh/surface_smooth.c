@@ -1,6 +1,7 @@
 /* Smoothing, normals and volume of a surface. */
 #include "app.h"
 #include "parallel.h"
+#include "projdyn/vec3.h"
 #include "surface.h"
 
 #include <math.h>
@@ -76,27 +77,28 @@ int surface_smooth(struct surface *surface, int passes, int threads) {
     return good ? EXIT_GOOD : report_no_memory();
 }
 
-/* The corners of a triangle relative to its first: edges p and q. */
-static void triangle_edges(const struct surface *surface, int t, double p[3], double q[3]) {
+/* The normal of a triangle, twice its area long. */
+static void triangle_normal(const struct surface *surface, int t, double n[3]) {
     const int *corner = surface->triangle + 3 * (size_t)t;
+    double p[3], q[3];
     for (int a = 0; a < 3; a++) {
         double x = (double)surface->x[3 * (size_t)corner[0] + (size_t)a];
         p[a] = (double)surface->x[3 * (size_t)corner[1] + (size_t)a] - x;
         q[a] = (double)surface->x[3 * (size_t)corner[2] + (size_t)a] - x;
     }
+    vec3_cross(n, p, q);
 }
 
 int surface_make_normals(struct surface *surface) {
     surface->normal = calloc(3 * (size_t)surface->vertices + 1, sizeof *surface->normal);
     if (!surface->normal) return report_no_memory();
     for (int t = 0; t < surface->triangles; t++) {
-        double p[3], q[3];
-        triangle_edges(surface, t, p, q);
+        const int *corner = surface->triangle + 3 * (size_t)t;
+        double n[3];
+        triangle_normal(surface, t, n);
         for (int c = 0; c < 3; c++)
             for (int a = 0; a < 3; a++)
-                surface->normal[3 * (size_t)surface->triangle[3 * (size_t)t + (size_t)c] +
-                                (size_t)a] +=
-                    (float)(p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3]);
+                surface->normal[3 * (size_t)corner[c] + (size_t)a] += (float)n[a];
     }
     for (int v = 0; v < surface->vertices; v++) {
         float *n = surface->normal + 3 * (size_t)v;
@@ -110,12 +112,10 @@ int surface_make_normals(struct surface *surface) {
 double surface_volume(const struct surface *surface) {
     double sum = 0.0;
     for (int t = 0; t < surface->triangles; t++) {
-        double p[3], q[3];
         const float *x = surface->x + 3 * (size_t)surface->triangle[3 * (size_t)t];
-        triangle_edges(surface, t, p, q);
-        for (int a = 0; a < 3; a++)
-            sum += ((double)x[a] - (double)surface->x[a]) *
-                   (p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3]);
+        double n[3];
+        triangle_normal(surface, t, n);
+        for (int a = 0; a < 3; a++) sum += ((double)x[a] - (double)surface->x[a]) * n[a];
     }
     return sum / 6.0;
 }

@@ -4,7 +4,6 @@
 #include "new_file.h"
 #include "program.h"
 
-#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -47,7 +46,7 @@ static void run_ffmpeg(const struct film *film, const char *program, double fps,
     for (int k = 0; encoder->options[k]; k++) args[count++] = encoder->options[k];
     args[count++] = "-f";
     args[count++] = encoder->container;
-    args[count++] = film->temporary;
+    args[count++] = film->temporary ? film->temporary : film->path;
     if (dup2(in, 0) < 0) _exit(127);
     signal(SIGPIPE, SIG_DFL);
     execv(program, (char *const *)args);
@@ -63,10 +62,8 @@ static int start_ffmpeg(struct film *film, double fps) {
               stderr);
         return EXIT_FAILED;
     }
-    if (asprintf(&film->temporary, "%s.tmp", film->path) < 0) {
-        film->temporary = NULL;
-        return report_no_memory();
-    }
+    film->target = new_file_open(film->path, &film->temporary);
+    if (!film->target) return report_write_error(film->path);
     if (pipe2(ends, O_CLOEXEC)) return report_write_error("ffmpeg");
     film->process = fork();
     if (!film->process) run_ffmpeg(film, program, fps, ends[0]);
@@ -135,20 +132,19 @@ int film_add(struct film *film, long frame, const char *picture) {
     return code;
 }
 
-/* Ends ffmpeg and moves the film to its path. */
+/* Ends ffmpeg; the film appears at its path if all is good. */
 static int finish_film(struct film *film, bool good) {
     int status = -1;
     if (film->file && fclose(film->file)) good = false;
     if (film->process > 0) waitpid(film->process, &status, 0);
-    if (good && !status && !rename(film->temporary, film->path)) return EXIT_GOOD;
-    if (film->temporary) unlink(film->temporary);
-    if (good) fprintf(stderr, "projdyn: render: %s: ffmpeg failed\n", film->path);
-    return EXIT_FAILED;
+    if (good && status) fprintf(stderr, "projdyn: render: %s: ffmpeg failed\n", film->path);
+    good = good && !status;
+    if (!film->target) return EXIT_FAILED;
+    if (new_file_close(film->target, film->temporary, film->path, good)) return EXIT_GOOD;
+    return good ? report_write_error(film->path) : EXIT_FAILED;
 }
 
 int film_close(struct film *film, bool good) {
-    int code = good ? EXIT_GOOD : EXIT_FAILED;
-    if (film->format != FILM_PNG) code = finish_film(film, good);
-    free(film->temporary);
-    return code;
+    if (film->format != FILM_PNG) return finish_film(film, good);
+    return good ? EXIT_GOOD : EXIT_FAILED;
 }

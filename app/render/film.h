@@ -12,7 +12,8 @@ struct film {
     enum film_format format;
     const char *path;
     FILE *file;      /* the pipe to ffmpeg; NULL: closed */
-    char *temporary; /* the film while it is made */
+    FILE *target;    /* the film while it is made, see new_file.h */
+    char *temporary; /* its name */
     pid_t process;   /* ffmpeg */
 };
 
