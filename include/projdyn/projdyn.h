@@ -13,6 +13,12 @@
  * log function and an allocator must be thread-safe. A forked child may go on with its copy of a
  * simulation, on one thread.
  *
+ * Structs that a caller fills or gets may grow at their end in a later version. Programs call
+ * inline functions that pass the size they were compiled with to the exported function
+ * (NAME_sized), which reads or writes no more; members that a caller does not know have their
+ * defaults, those that the library does not know become 0. Bindings of other languages call
+ * NAME_sized.
+ *
  * NULL where it is not allowed: functions with a status return PDYN_BAD_CALL, functions without one
  * return zeros, "" or NULL, or do nothing.
  *
@@ -87,11 +93,20 @@ typedef struct pdyn_options {
 
 PDYN_API const char *pdyn_version(void);
 PDYN_API const char *pdyn_status_text(pdyn_status status);
-PDYN_API pdyn_options pdyn_default_options(void);
+PDYN_API void pdyn_default_options_sized(pdyn_options *out, size_t size);
+static inline pdyn_options pdyn_default_options(void) {
+    pdyn_options out;
+    pdyn_default_options_sized(&out, sizeof out);
+    return out;
+}
 
 /* Creates a context. options NULL: defaults. On failure *out is NULL. PDYN_BAD_CALL: `threads` is
  * below 0 or above 1024. PDYN_NO_MEMORY. */
-PDYN_API pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out);
+PDYN_API pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size,
+                                       pdyn_context **out);
+static inline pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
+    return pdyn_create_sized(options, sizeof *options, out);
+}
 /* All simulations of the context must be freed before. NULL: does nothing. */
 PDYN_API void pdyn_destroy(pdyn_context *context);
 /* Text of the last error; never NULL. */
@@ -154,7 +169,10 @@ typedef struct pdyn_step_info {
  * PDYN_NO_MEMORY) the simulation has the state of its last successful step, which can be read and
  * saved; every later step fails with PDYN_BAD_CALL, after pdyn_restore, too. To continue, load the
  * scene again and restore the saved state. */
-PDYN_API pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info);
+PDYN_API pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size);
+static inline pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
+    return pdyn_step_sized(sim, info, sizeof *info);
+}
 
 /* An iteration of a step, e.g. to study convergence: the observer is called after every
  * local/global iteration. observer NULL: none. */
@@ -194,7 +212,12 @@ typedef struct pdyn_state {
     int bodies;
     int constraints; /* batches: one per constraint of the scene */
 } pdyn_state;
-PDYN_API pdyn_state pdyn_get_state(const pdyn_sim *sim);
+PDYN_API void pdyn_get_state_sized(const pdyn_sim *sim, pdyn_state *out, size_t size);
+static inline pdyn_state pdyn_get_state(const pdyn_sim *sim) {
+    pdyn_state out;
+    pdyn_get_state_sized(sim, &out, sizeof out);
+    return out;
+}
 
 typedef struct pdyn_body_info {
     const char *name;
@@ -205,9 +228,19 @@ typedef struct pdyn_body_info {
     int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, relative to `first` */
     double residual;     /* |grad E| / |M g| of its particles, at the end of the last step */
+    const double *rest;  /* m, count x 3: positions in the scene, before the first step */
+    int edges;           /* of a surface or soft solid */
+    const int *edge;     /* edges x 2, relative to `first` */
+    int tets;            /* of a soft solid */
+    const int *tet;      /* tets x 4, relative to `first` */
 } pdyn_body_info;
 /* All members 0: no such body. */
-PDYN_API pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body);
+PDYN_API void pdyn_get_body_sized(const pdyn_sim *sim, int body, pdyn_body_info *out, size_t size);
+static inline pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
+    pdyn_body_info out;
+    pdyn_get_body_sized(sim, body, &out, sizeof out);
+    return out;
+}
 
 typedef struct pdyn_constraint_info {
     const char *type, *body;
@@ -215,15 +248,31 @@ typedef struct pdyn_constraint_info {
     double energy; /* J, at the end of the last step */
 } pdyn_constraint_info;
 /* All members 0: no such constraint. */
-PDYN_API pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint);
+PDYN_API void pdyn_get_constraint_sized(const pdyn_sim *sim, int constraint,
+                                        pdyn_constraint_info *out, size_t size);
+static inline pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
+    pdyn_constraint_info out;
+    pdyn_get_constraint_sized(sim, constraint, &out, sizeof out);
+    return out;
+}
 
 typedef struct pdyn_parameter_info {
     const char *name, *unit; /* unit "1": dimensionless */
     double value;
+    double minimum, maximum; /* allowed values */
+    bool changeable;         /* by pdyn_set_parameter (control.h) */
+    const char *doc;         /* what it is, for users */
 } pdyn_parameter_info;
 /* The numeric parameters of a constraint, as the simulation uses them: given, default, or computed.
  * parameter: index from 0. All members 0: no such parameter. */
-PDYN_API pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter);
+PDYN_API void pdyn_get_parameter_sized(const pdyn_sim *sim, int constraint, int parameter,
+                                       pdyn_parameter_info *out, size_t size);
+static inline pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint,
+                                                     int parameter) {
+    pdyn_parameter_info out;
+    pdyn_get_parameter_sized(sim, constraint, parameter, &out, sizeof out);
+    return out;
+}
 
 /* A warning: a value of the scene that is legal but surely not meant, or something that went wrong
  * in steps. docs/guide/troubleshooting.md explains each code. */
@@ -236,7 +285,13 @@ typedef struct pdyn_warning {
 } pdyn_warning;
 /* The warnings so far, those about the scene first. warning: index from 0. Texts are valid until
  * the next step. All members 0: no such warning. */
-PDYN_API pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning);
+PDYN_API void pdyn_get_warning_sized(const pdyn_sim *sim, int warning, pdyn_warning *out,
+                                     size_t size);
+static inline pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning) {
+    pdyn_warning out;
+    pdyn_get_warning_sized(sim, warning, &out, sizeof out);
+    return out;
+}
 
 /* Name of a solid, in the order of the scene. NULL: no such solid. */
 PDYN_API const char *pdyn_solid_name(const pdyn_sim *sim, int solid);
@@ -280,7 +335,11 @@ PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool
                                       pdyn_writer **out);
 PDYN_API pdyn_status pdyn_writer_frame(pdyn_writer *writer);
 /* Adds a row to DIR/metrics.csv. */
-PDYN_API pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info);
+PDYN_API pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info,
+                                            size_t size);
+static inline pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
+    return pdyn_writer_step_sized(writer, info, sizeof *info);
+}
 /* Writes the report to `path`; path NULL: DIR/report.json. failed: why the run stopped early, or
  * NULL. */
 PDYN_API pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool interrupted,

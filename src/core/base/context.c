@@ -2,6 +2,7 @@
 #include "context.h"
 
 #include "registry.h"
+#include "sized.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,14 +36,16 @@ static void *libc_allocate(void *user, void *block, size_t old_size, size_t new_
     return NULL;
 }
 
-pdyn_options pdyn_default_options(void) {
-    return (pdyn_options){.threads = 0, .allocate = libc_allocate};
+void pdyn_default_options_sized(pdyn_options *out, size_t size) {
+    pdyn_options options = {.threads = 0, .allocate = libc_allocate};
+    sized_copy(out, size, &options, sizeof options);
 }
 
-pdyn_status pdyn_create(const pdyn_options *options, pdyn_context **out) {
+pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size, pdyn_context **out) {
     if (!out) return PDYN_BAD_CALL;
     *out = NULL;
-    pdyn_options chosen = options ? *options : pdyn_default_options();
+    pdyn_options chosen = pdyn_default_options();
+    if (options) memcpy(&chosen, options, size < sizeof chosen ? size : sizeof chosen);
     if (!chosen.allocate) chosen.allocate = libc_allocate;
     if (chosen.threads < 0 || chosen.threads > 1024) return PDYN_BAD_CALL;
     if (!chosen.threads) {

@@ -1,6 +1,7 @@
 /* The rows of metrics.csv, one per step. */
 #include "base/clock.h"
 #include "base/file_out.h"
+#include "base/sized.h"
 #include "base/text.h"
 #include "writer.h"
 
@@ -81,11 +82,13 @@ static pdyn_status append_step(pdyn_writer *writer, const pdyn_step_info *info) 
     return write_row(writer);
 }
 
-pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {
+pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info, size_t size) {
+    pdyn_step_info known;
     if (!writer || !info) return PDYN_BAD_CALL;
+    sized_copy(&known, sizeof known, info, size);
     double start = clock_ms();
-    pdyn_status status = append_step(writer, info);
-    report_step(&writer->report, writer->sim, info);
+    pdyn_status status = append_step(writer, &known);
+    report_step(&writer->report, writer->sim, &known);
     writer->report.output_ms += clock_ms() - start;
     return status;
 }

@@ -1,4 +1,5 @@
 /* Public functions that read the state of a simulation. */
+#include "base/sized.h"
 #include "base/snapshot_file.h"
 #include "live_particles.h"
 
@@ -24,7 +25,7 @@ void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdyn_iterati
     sim->observer_user = user;
 }
 
-pdyn_state pdyn_get_state(const pdyn_sim *sim) {
+static pdyn_state get_state(const pdyn_sim *sim) {
     if (!sim) return (pdyn_state){0};
     return (pdyn_state){.particles = sim->objective.particles,
                         .x = sim->x,
@@ -40,7 +41,7 @@ pdyn_state pdyn_get_state(const pdyn_sim *sim) {
                         .constraints = sim->constraints};
 }
 
-pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
+static pdyn_body_info get_body(const pdyn_sim *sim, int body) {
     if (!sim || body < 0 || body >= sim->bodies) return (pdyn_body_info){0};
     const pdyn_body *b = &sim->body[body];
     return (pdyn_body_info){.name = b->name,
@@ -51,10 +52,15 @@ pdyn_body_info pdyn_get_body(const pdyn_sim *sim, int body) {
                             .rest_density = b->rest_density,
                             .triangles = b->triangles,
                             .triangle = b->triangle,
-                            .residual = sim->objective.body[body].residual};
+                            .residual = sim->objective.body[body].residual,
+                            .rest = b->rest,
+                            .edges = b->edges,
+                            .edge = b->edge,
+                            .tets = b->tets,
+                            .tet = b->tet};
 }
 
-pdyn_constraint_info pdyn_get_constraint(const pdyn_sim *sim, int constraint) {
+static pdyn_constraint_info get_constraint(const pdyn_sim *sim, int constraint) {
     if (!sim || constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
@@ -65,18 +71,23 @@ static bool has_value(const pdyn_param *p, const double *value) {
     return p->kind == PDYN_REAL && *value >= p->min && *value <= p->max;
 }
 
-pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
+static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
     if (!sim || constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     for (const pdyn_param *p = b->type->params; p->name; p++) {
         const double *value = (const double *)((const char *)b->params + p->offset);
         if (has_value(p, value) && parameter-- == 0)
-            return (pdyn_parameter_info){p->name, p->unit, *value};
+            return (pdyn_parameter_info){.name = p->name,
+                                         .unit = p->unit,
+                                         .value = *value,
+                                         .minimum = p->min,
+                                         .maximum = p->max,
+                                         .doc = p->doc};
     }
     return (pdyn_parameter_info){0};
 }
 
-pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning) {
+static pdyn_warning get_warning(const pdyn_sim *sim, int warning) {
     if (!sim || warning < 0 || warning >= sim->warnings.count) return (pdyn_warning){0};
     const struct warning *w = &sim->warnings.item[warning];
     return (pdyn_warning){.code = warning_name(w->code),
@@ -86,6 +97,33 @@ pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning) {
                           .first = w->first,
                           .last = w->last};
 }
+
+/* ---- the same, of the size that the caller knows (projdyn.h) --------------------------------- */
+
+void pdyn_get_state_sized(const pdyn_sim *sim, pdyn_state *out, size_t size) {
+    pdyn_state state = get_state(sim);
+    sized_copy(out, size, &state, sizeof state);
+}
+void pdyn_get_body_sized(const pdyn_sim *sim, int body, pdyn_body_info *out, size_t size) {
+    pdyn_body_info info = get_body(sim, body);
+    sized_copy(out, size, &info, sizeof info);
+}
+void pdyn_get_constraint_sized(const pdyn_sim *sim, int constraint, pdyn_constraint_info *out,
+                               size_t size) {
+    pdyn_constraint_info info = get_constraint(sim, constraint);
+    sized_copy(out, size, &info, sizeof info);
+}
+void pdyn_get_parameter_sized(const pdyn_sim *sim, int constraint, int parameter,
+                              pdyn_parameter_info *out, size_t size) {
+    pdyn_parameter_info info = get_parameter(sim, constraint, parameter);
+    sized_copy(out, size, &info, sizeof info);
+}
+void pdyn_get_warning_sized(const pdyn_sim *sim, int warning, pdyn_warning *out, size_t size) {
+    pdyn_warning found = get_warning(sim, warning);
+    sized_copy(out, size, &found, sizeof found);
+}
+
+/* ---- hash ------------------------------------------------------------------------------------ */
 
 /* Hashes a vector over the live particles. */
 static uint64_t hash_vector(uint64_t hash, const pdyn_sim *sim, const double *vector) {

@@ -1,6 +1,7 @@
 /* One time step: prediction (integrator.h), minimisation of E (minimise.c), new velocities
  * (velocities.h); shorter attempts after one that diverged. */
 #include "base/clock.h"
+#include "base/sized.h"
 #include "crossings.h"
 #include "live_particles.h"
 #include "measure.h"
@@ -187,14 +188,15 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     return PDYN_OK;
 }
 
-pdyn_status pdyn_step(pdyn_sim *sim, pdyn_step_info *info) {
-    pdyn_step_info unused;
+pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
+    pdyn_step_info result = {0};
     if (!sim) return PDYN_BAD_CALL;
     if (sim->failed)
         return context_fail(sim->context, PDYN_BAD_CALL,
                             "the simulation has failed before: no further step");
     pool_check_process(sim->context->pool);
-    pdyn_status status = step(sim, info ? info : &unused);
+    pdyn_status status = step(sim, &result);
     sim->failed = status != PDYN_OK;
+    if (status == PDYN_OK) sized_copy(info, size, &result, sizeof result);
     return status;
 }

@@ -1,0 +1,74 @@
+/* projdyn: changes to a simulation while it runs, between two steps. What is set stays until it is
+ * set again, and saved states contain it. Every function checks its numbers before it changes
+ * anything: PDYN_BAD_CALL: no such particle, constraint or solid, or the simulation has failed;
+ * PDYN_BAD_INPUT: a number that is not finite or out of range, with an error text.
+ *
+ * Cost of the next step, beside that of the call: "nothing"; "a factor": solvers with a factor
+ * (cholesky, hybrid) compute it anew; "a pattern": solvers are built anew. */
+#ifndef PROJDYN_CONTROL_H
+#define PROJDYN_CONTROL_H
+
+#include "projdyn.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- forces: nothing ------------------------------------------------------------------------- */
+
+/* Force on the particles from `first`, N, count x 3. force NULL: none. Forces of a particle that is
+ * not live have no effect. */
+PDYN_API pdyn_status pdyn_set_forces(pdyn_sim *sim, int first, int count, const double *force);
+PDYN_API pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *force);
+PDYN_API pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]); /* m/s^2 */
+PDYN_API void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]);
+
+/* ---- state: nothing, but the next step starts without history ------------------------------- */
+
+/* Positions, m, or velocities, m/s, of the particles from `first`, count x 3. A body that is placed
+ * anew does not pass what lies between. */
+PDYN_API pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double *x);
+PDYN_API pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v);
+
+/* ---- constraints ----------------------------------------------------------------------------- */
+
+/* Sets a parameter of a constraint: 1 number; 3 for a vector; 4 for each key of a path (time and
+ * three numbers). PDYN_BAD_INPUT: unknown, out of bounds, or not changeable
+ * (pdyn_parameter_info.changeable). A factor. */
+PDYN_API pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name,
+                                        const double *value, int count);
+/* Switches a constraint off and on. PDYN_BAD_INPUT: a constraint that is matrix-free, as "fluid". A
+ * factor. */
+PDYN_API pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled);
+PDYN_API bool pdyn_is_enabled(const pdyn_sim *sim, int constraint);
+
+/* Holds a particle: a spring of the stiffness, N/m, pulls it to the target, m. Given again for the
+ * same particle: moves the target (nothing), or changes the stiffness (a factor). A new hold and a
+ * release: a pattern. */
+PDYN_API pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness,
+                               const double target[3]);
+PDYN_API pdyn_status pdyn_release(pdyn_sim *sim, int particle); /* not held: does nothing */
+
+/* ---- solids: nothing ------------------------------------------------------------------------- */
+
+/* Moves a solid so that at `time`, after the current one, it has this pose: translation, m, and
+ * turns, degrees about x, then y, then z through its pivot, both from its place in the scene. It
+ * moves evenly from its pose now, replaces what the scene says of later times, and rests there
+ * afterwards. PDYN_BAD_INPUT: a solid that has no "motion" in the scene (one key is enough). */
+PDYN_API pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time,
+                                     const double translate[3], const double rotate[3]);
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+/* A step of length h, s, chosen by the caller: it need not end at frames, and info->frame tells
+ * that it reached one or passed it. Shorter after attempts that diverged (info->h). Otherwise as
+ * pdyn_step. PDYN_BAD_CALL: h is not above 0. */
+PDYN_API pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size);
+static inline pdyn_status pdyn_step_by(pdyn_sim *sim, double h, pdyn_step_info *info) {
+    return pdyn_step_by_sized(sim, h, info, sizeof *info);
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif
