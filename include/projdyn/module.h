@@ -12,7 +12,11 @@
  *
  * Callbacks work on a range of elements [first, last). They read only the u and p of these elements
  * and write only what belongs to them, run on any thread and in any order, keep no state of their
- * own, and cannot fail. */
+ * own, and cannot fail.
+ *
+ * A program may change parameters between two steps (pdyn_set_parameter). Core then calls `select`
+ * and `weight` again; the numbers of elements and rows must not depend on the new value, otherwise
+ * core refuses it. */
 #ifndef PROJDYN_MODULE_H
 #define PROJDYN_MODULE_H
 
@@ -278,6 +282,9 @@ typedef struct pdyn_operator {
      * gradient of the energy with respect to the point. force: (points - particles) x 3. Core calls
      * it when forces on solids are asked for. NULL: the operator puts no force on solids. */
     void (*boundary_force)(void *self, double *force);
+    /* Takes changed parameters, between two steps; those among `alternatives` do not change. NULL:
+     * no parameter may change while a simulation runs. */
+    void (*set_params)(void *self, const void *params);
 } pdyn_operator;
 
 /* ---- the constraint table ------------------------------------------------------------------- */
@@ -475,7 +482,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 10u
+#define PDYN_ABI 11u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

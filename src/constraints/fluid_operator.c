@@ -59,6 +59,10 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
     return f;
 }
 
+static void set_params(void *self, const void *par) {
+    ((struct fluid *)self)->params = *(const struct fluid_params *)par;
+}
+
 static void copy_boundary(struct fluid *f) {
     for (int i = f->particles; i < f->points; i++)
         memcpy(f->x + 4 * i, f->lists->boundary_x + 3 * (i - f->particles), 3 * sizeof *f->x);
@@ -175,4 +179,5 @@ const pdyn_operator fluid_operator = {
     .limit = fluid_limit,
     .accept = accept,
     .boundary_force = fluid_boundary_force,
+    .set_params = set_params,
 };

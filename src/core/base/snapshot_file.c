@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static const char magic[] = "PDYNSTA1";
+static const char magic[] = "PDYNSTA2";
 static const uint64_t order_mark = 0x0102030405060708u;
 
 enum { HEAD = 16, TAIL = 8, CHUNK = 1 << 16 };

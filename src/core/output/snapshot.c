@@ -21,7 +21,7 @@ static void persist_time(struct pdyn_sim *sim, struct snapshot_file *a) {
     double since = sim->time - (double)sim->frame * interval;
     snapshot_file_require(a, since >= -rounding && since <= interval + rounding,
                           "time and number of frames do not belong together");
-    snapshot_file_require(a, sim->last_h >= 0.0 && sim->last_h <= interval + rounding,
+    snapshot_file_require(a, sim->last_h >= 0.0 && sim->last_h <= sim->time + rounding,
                           "the step length is out of range");
     snapshot_file_require(a, sim->history == 0.0 || sim->history == sim->last_h,
                           "the history is not as long as the last step");
@@ -86,14 +86,22 @@ static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) 
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, sim->rest, objective_bytes(&sim->objective)),
                          "positions at rest");
     snapshot_file_expect(a, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
-    snapshot_file_expect(a, (uint64_t)sim->objective.batches, "constraints");
-    const char *solver = pdyn_solver_type(sim);
-    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, solver, strlen(solver)), "solvers");
+    snapshot_file_expect(a, (uint64_t)(sim->objective.batches - sim->control.batches),
+                         "constraints");
     return a->status;
+}
+
+/* The solver that the scene and its holds ask for. */
+static void persist_solver(struct pdyn_sim *sim, struct snapshot_file *a) {
+    const char *solver = pdyn_solver_type(sim);
+    if (a->status != PDYN_OK) return;
+    snapshot_file_expect(a, hash_bytes(HASH_BEGIN, solver, strlen(solver)), "solvers");
 }
 
 static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) {
     persist_numbers(sim, a);
+    control_persist(sim, a);
+    persist_solver(sim, a);
     warnings_persist(&sim->warnings, a);
     energy_budget_persist(sim, a);
     crossings_persist(sim, a);
@@ -108,7 +116,8 @@ static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) 
 /* ---- writing and reading --------------------------------------------------------------------- */
 
 pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *a) {
-    pdyn_status status = persist_scene(sim, a);
+    pdyn_status status = control_settle(sim);
+    if (status == PDYN_OK) status = persist_scene(sim, a);
     return status == PDYN_OK ? persist_state(sim, a) : status;
 }
 
@@ -126,7 +135,8 @@ static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *a) {
 pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *a,
                           struct snapshot_file *before) {
     *before = (struct snapshot_file){0};
-    pdyn_status status = persist_scene(sim, a);
+    pdyn_status status = control_settle(sim);
+    if (status == PDYN_OK) status = persist_scene(sim, a);
     if (status != PDYN_OK) return status;
     snapshot_memory_create(sim->context, before);
     status = persist_state(sim, before);

@@ -1,4 +1,4 @@
-#include "batch.h"
+#include "row_arrays.h"
 
 #include "projdyn/simd.h"
 
@@ -132,7 +132,7 @@ static void local_rows(void *arg, int first, int last, int block) {
         gather_rows(b, v->element_row[e], v->element_row[end], c->in);
         b->type->project(b->params, v, e, end);
         double squares = pull_rows(b, e, end);
-        energy += b->type->energy ? b->type->energy(b->params, v, e, end) : squares;
+        energy += b->type->energy && !b->off ? b->type->energy(b->params, v, e, end) : squares;
     }
     b->partial[block] = energy;
 }
@@ -179,7 +179,7 @@ static void weigh_rows(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct batch *b = c->batch;
     double part = b->type->damping(b->params) / c->number;
-    b->type->weight(b->params, &b->view, first, last);
+    rows_weigh(b, first, last);
     for (int e = first; e < last; e++) b->view.weight[e] *= part;
 }
 
@@ -198,7 +198,7 @@ static void begin_rows(void *arg, int first, int last, int block) {
            3 * (size_t)(end - row) * sizeof(double));
     gather_rows(b, row, end, c->in);
     b->type->begin(b->params, &b->view, first, last);
-    b->type->weight(b->params, &b->view, first, last);
+    rows_weigh(b, first, last);
 }
 
 pdyn_status batch_open(struct batch *b, const double *x, const double *v, double h, double time) {

@@ -31,6 +31,7 @@ struct batch {
     double eps;    /* damping of the current linearisation */
     double energy; /* J, at the last local step */
     bool damper;   /* the second batch of pdyn_constraint_type.damping */
+    bool off;      /* switched off: all weights are 0 */
 
     /* rows tier */
     int rows, entries;
@@ -66,6 +67,11 @@ static inline bool batch_is_static(const struct batch *b) { return !b->op && !b-
 /* Replaces the rows by one constant matrix if the type says that they are linear. u, p and flux are
  * not used then. */
 pdyn_status batch_join_rows(struct batch *batch);
+
+/* The parameters have changed, or `off` has: fills data and weights anew, or tells the operator.
+ * PDYN_BAD_INPUT: the elements or their rows are others with these parameters, or a weight is not
+ * valid; the batch is to be refreshed again with valid ones then. */
+pdyn_status batch_refresh(struct batch *batch);
 
 /* Elements that come and go: calls the type's `update` at x and v (particles x 3; v NULL in a local
  * step), then `select`, and `weight` where the type has no `begin`. PDYN_BAD_INPUT: the type gave a

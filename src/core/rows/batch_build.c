@@ -81,7 +81,7 @@ static pdyn_status create_rows(struct batch *b) {
     if (status != PDYN_OK) return status;
     b->type->select(b->params, v, 0, v->elements);
     /* Where a type has `begin`, its weights may depend on h: they are 0 until the first step. */
-    if (!b->type->begin) b->type->weight(b->params, v, 0, v->elements);
+    if (!b->type->begin) rows_weigh(b, 0, v->elements);
     status = rows_check(b);
     if (status != PDYN_OK) return status;
     b->single = is_single(v), b->width = common_width(v, b->rows);
@@ -121,6 +121,36 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
 pdyn_status batch_join_rows(struct batch *b) {
     if (b->op || !b->type->linear || !b->type->linear(b->params, &b->view)) return PDYN_OK;
     return linear_rows_create(b->context, b, &b->linear);
+}
+
+/* ---- other parameters ------------------------------------------------------------------------ */
+
+/* Whether the elements and their rows are those that the batch has. */
+static bool has_same_rows(const struct batch *b) {
+    const pdyn_constraint_type *t = b->type;
+    const pdyn_batch *v = &b->view;
+    if (t->elements(b->params, v->body) != v->elements) return false;
+    for (int e = 0; t->row_sizes && e < v->elements; e++) {
+        int rows, width, first = v->element_row[e];
+        t->row_sizes(b->params, v, e, &rows, &width);
+        if (rows != v->element_row[e + 1] - first) return false;
+        if (rows && width != v->row_entry[first + 1] - v->row_entry[first]) return false;
+    }
+    return true;
+}
+
+pdyn_status batch_refresh(struct batch *b) {
+    pdyn_batch *v = &b->view;
+    if (b->op) b->type->matrix_free->set_params(b->op, b->params);
+    if (!batch_is_static(b)) return PDYN_OK;
+    if (!has_same_rows(b))
+        return rows_fault(b, "it has other elements with this value than the scene gave it");
+    b->type->select(b->params, v, 0, v->elements);
+    if (!b->type->begin) rows_weigh(b, 0, v->elements);
+    linear_rows_free(b->linear);
+    b->linear = NULL;
+    pdyn_status status = rows_check(b);
+    return status == PDYN_OK && !b->damper ? batch_join_rows(b) : status;
 }
 
 pdyn_status batch_neighbours(struct batch *b, const pdyn_neighbours *neighbours) {

@@ -60,7 +60,7 @@ static bool are_good(const struct batch *b, int first, int last) {
 static void fill_rows(void *arg, int first, int last, int block) {
     struct batch *b = arg;
     b->type->select(b->params, &b->view, first, last);
-    if (!b->type->begin) b->type->weight(b->params, &b->view, first, last);
+    if (!b->type->begin) rows_weigh(b, first, last);
     b->partial[block] = are_good(b, first, last) ? 0.0 : 1.0;
 }
 

@@ -56,6 +56,11 @@ pdyn_status rows_check(const struct batch *b) {
     return PDYN_OK;
 }
 
+void rows_weigh(struct batch *b, int first, int last) {
+    if (!b->off) b->type->weight(b->params, &b->view, first, last);
+    else memset(b->view.weight + first, 0, (size_t)(last - first) * sizeof *b->view.weight);
+}
+
 /* ---- arrays ---------------------------------------------------------------------------------- */
 
 static size_t data_bytes(const struct batch *b) {

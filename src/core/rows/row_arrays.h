@@ -17,6 +17,9 @@ void rows_selectable(const struct batch *batch, int *low, int *high);
  * or a weight is negative or not finite. */
 pdyn_status rows_check(const struct batch *batch);
 
+/* Fills the weights of the elements [first, last); 0 where the batch is off. */
+void rows_weigh(struct batch *batch, int first, int last);
+
 /* All arrays but element_row, which is there, with room for batch->room elements, rows and entries.
  * row_width: rows; NULL: all rows have batch->width entries. */
 bool rows_allocate(struct batch *batch, const int *row_width);

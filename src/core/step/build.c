@@ -388,11 +388,13 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = make_slip(sim);
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
+    sim->control.anchored = sim->anchored;
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK)
         status = solver_view_create(&sim->model, &sim->objective, sim->scene.settings.newton,
                                     &sim->services);
     if (status == PDYN_OK) status = solver_choice_create(sim);
+    if (status == PDYN_OK) solver_choice_warn(sim);
     if (status == PDYN_OK) status = crossings_create(sim);
     if (status == PDYN_OK) status = energy_budget_create(sim);
     if (status != PDYN_OK) return status;
@@ -458,6 +460,7 @@ void pdyn_free(pdyn_sim *sim) {
     free_system(sim);
     crossings_free(sim);
     energy_budget_free(sim);
+    control_free(sim);
     live_particles_free(sim);
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);

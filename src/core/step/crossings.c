@@ -297,6 +297,14 @@ static void step_body(struct pdyn_sim *sim, int b) {
     for (int i = body->first; i < body->first + body->count; i++) update_beyond(sim, i);
 }
 
+void crossings_forget(struct pdyn_sim *sim, int first, int count) {
+    struct crossings *c = sim->crossings;
+    for (int i = first; c && i < first + count; i++) {
+        if (c->beyond[i]) c->surface[abs(c->beyond[i]) - 1].beyond--;
+        c->beyond[i] = 0;
+    }
+}
+
 void crossings_step(struct pdyn_sim *sim, double h) {
     struct crossings *c = sim->crossings;
     if (!c) return;

@@ -27,6 +27,9 @@ long crossings_total(const struct pdyn_sim *sim);
 /* Raises a warning for every surface that particles are beyond. */
 void crossings_warn(struct pdyn_sim *sim);
 
+/* Particles were placed anew: they are not beyond any surface. */
+void crossings_forget(struct pdyn_sim *sim, int first, int count);
+
 void crossings_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 
 #endif

@@ -125,7 +125,7 @@ static void measure_start(struct pdyn_sim *sim) {
 
 pdyn_status energy_budget_open(struct pdyn_sim *sim) {
     double energy;
-    if (sim->energy.opened || !sim->energy.bounded) return PDYN_OK;
+    if (sim->energy.opened || !sim->energy.bounded || sim->control.driven) return PDYN_OK;
     pdyn_status status = objective_local(&sim->objective, sim->x, &energy, sim->gradient);
     if (status == PDYN_OK) measure_start(sim);
     return status;
@@ -197,7 +197,7 @@ static const char *fastest_body(const struct pdyn_sim *sim) {
 
 pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     struct energy_budget *e = &sim->energy;
-    if (!e->bounded) return PDYN_OK;
+    if (!e->bounded || sim->control.driven) return PDYN_OK;
     double kinetic = kinetic_energy(sim, h);
     e->elastic = elastic_energy(sim);
     double stored = fmax(e->stored, e->elastic);
@@ -213,7 +213,7 @@ pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
 
 void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     struct energy_budget *e = &sim->energy;
-    if (!e->bounded) return;
+    if (!e->bounded || sim->control.driven) return;
     e->highest = fmax(e->highest, e->top), e->stored = fmax(e->stored, e->elastic);
     if (!e->closed) return;
     double total = info->kinetic_energy + info->potential_energy + info->constraint_energy;

@@ -4,6 +4,7 @@
 #include "scene/poses.h"
 #include "sim.h"
 
+#include "projdyn/control.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -96,4 +97,88 @@ double kinematic_speed(const struct kinematic_solids *motion, double from, doubl
     for (int k = 0; k < motion->solids; k++)
         speed = fmax(speed, max_solid_speed(&motion->solid[k], from, to));
     return speed;
+}
+
+/* ---- motion that a program gives ------------------------------------------------------------- */
+
+static pdyn_status fail_move(struct pdyn_sim *sim, int solid, const char *expected) {
+    return context_fail(sim->context, PDYN_BAD_INPUT, "solid \"%s\": expected %s",
+                        sim->scene.solid[solid].name, expected);
+}
+
+static pdyn_status check_move(struct pdyn_sim *sim, int solid, const struct scene_key *key) {
+    pdyn_status status = control_check(sim);
+    if (status != PDYN_OK) return status;
+    if (!sim->scene.solid[solid].keys)
+        return fail_move(sim, solid, "\"motion\" in the scene, with at least one key");
+    if (!(key->time > sim->time && key->time <= SCENE_MAX_POSITION))
+        return fail_move(sim, solid, "a time after that of the simulation");
+    for (int a = 0; a < 3; a++)
+        if (!(fabs(key->translate[a]) <= SCENE_MAX_POSITION &&
+              fabs(key->rotate[a]) <= SCENE_MAX_POSITION))
+            return fail_move(sim, solid, "finite coordinates and angles up to 1e6");
+    return PDYN_OK;
+}
+
+/* The pose of a solid at a time, as a key. */
+static struct scene_key key_at(const struct scene_solid *solid, double time) {
+    struct pose pose = pose_between(solid, pose_key_before(solid, time), time);
+    struct scene_key key = {.time = time};
+    for (int a = 0; a < 3; a++) {
+        key.translate[a] = pose.at.translate[a] - solid->pivot[a];
+        key.rotate[a] = pose.at.rotate[a];
+    }
+    return key;
+}
+
+static pdyn_status replace_keys(struct pdyn_sim *sim, struct scene_solid *solid, int count,
+                                const struct scene_key *keys) {
+    struct scene_key *key = NEW_ARRAY(sim->context, count, struct scene_key);
+    if (!key) return PDYN_NO_MEMORY;
+    memcpy(key, keys, (size_t)count * sizeof *key);
+    FREE_ARRAY(sim->context, solid->key, solid->keys);
+    solid->key = key, solid->keys = count;
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time, const double translate[3],
+                            const double rotate[3]) {
+    struct scene_key key[2] = {{0}, {.time = time}};
+    if (!pdyn_solid_name(sim, solid) || !translate || !rotate) return PDYN_BAD_CALL;
+    memcpy(key[1].translate, translate, sizeof key->translate);
+    memcpy(key[1].rotate, rotate, sizeof key->rotate);
+    pdyn_status status = check_move(sim, solid, &key[1]);
+    if (status != PDYN_OK) return status;
+    key[0] = key_at(&sim->scene.solid[solid], sim->time);
+    status = replace_keys(sim, &sim->scene.solid[solid], 2, key);
+    if (status != PDYN_OK) return status;
+    sim->control.driven = true;
+    kinematic_move(sim, sim->time);
+    return PDYN_OK;
+}
+
+static void persist_keys(struct pdyn_sim *sim, struct scene_solid *solid, struct snapshot_file *a) {
+    int count = solid->keys;
+    snapshot_file_count(a, &count, sizeof *solid->key, "the number of keys is out of range");
+    snapshot_file_require(a, count > 0, "a moving solid has no key");
+    if (a->status != PDYN_OK) return;
+    if (count != solid->keys) {
+        struct scene_key *key = NEW_ARRAY(sim->context, count, struct scene_key);
+        if (!key) a->status = PDYN_NO_MEMORY;
+        if (!key) return;
+        FREE_ARRAY(sim->context, solid->key, solid->keys);
+        solid->key = key, solid->keys = count;
+    }
+    for (int k = 0; k < count; k++) {
+        struct scene_key *key = &solid->key[k];
+        snapshot_file_range(a, &key->time, 1, SCENE_MAX_POSITION, "a time of a key");
+        snapshot_file_range(a, key->translate, 3, SCENE_MAX_POSITION, "a translation of a key");
+        snapshot_file_range(a, key->rotate, 3, SCENE_MAX_POSITION, "a rotation of a key");
+        snapshot_file_require(a, !k || key->time > key[-1].time, "keys are not in order");
+    }
+}
+
+void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    for (int s = 0; s < sim->scene.solids && a->status == PDYN_OK; s++)
+        if (sim->scene.solid[s].keys) persist_keys(sim, &sim->scene.solid[s], a);
 }

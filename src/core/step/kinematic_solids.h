@@ -3,6 +3,7 @@
 #ifndef PDYN_KINEMATIC_SOLIDS_H
 #define PDYN_KINEMATIC_SOLIDS_H
 
+#include "base/snapshot_file.h"
 #include "geometry/point_list.h"
 #include "scene/scene.h"
 
@@ -27,6 +28,8 @@ void kinematic_free(pdyn_context *context, struct kinematic_solids *motion);
 
 /* Moves the boundary points to their positions at `time`, s, and informs the neighbour lists. */
 void kinematic_move(struct pdyn_sim *sim, double time);
+
+void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 
 /* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of
  * the bounding boxes, which is slightly too large. */

@@ -80,7 +80,7 @@ static void add_pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
     const struct objective *sys = &sim->objective;
     for (int b = 0; b < sys->batches; b++) {
         const struct batch *pin = sys->batch[b];
-        if (!(pin->type->flags & PDYN_REACTION)) continue;
+        if (!(pin->type->flags & PDYN_REACTION) || pin->off) continue;
         for (int i = 0; i < pin->touch_count; i++)
             for (int t = pin->touch_start[i]; t < pin->touch_start[i + 1]; t++) {
                 const struct touch *touch = &pin->touch[t];

@@ -6,6 +6,7 @@
 #include "accelerate.h"
 #include "base/context.h"
 #include "base/warnings.h"
+#include "control.h"
 #include "energy_budget.h"
 #include "geometry/mesh.h"
 #include "geometry/sampling.h"
@@ -72,6 +73,7 @@ struct pdyn_sim {
     long frame;  /* index of the last frame reached */
     long steps;
 
+    struct control control; /* what the program changes between steps */
     struct warning_list warnings;
     struct energy_budget energy;
     struct crossings *crossings; /* NULL: nothing can pass a surface */

@@ -49,7 +49,7 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
     return PDYN_OK;
 }
 
-static void warn_of_factors(struct pdyn_sim *sim) {
+void solver_choice_warn(struct pdyn_sim *sim) {
     bool newton = sim->scene.settings.newton, dynamic = sim->objective.dynamic_rows;
     if (!sim->solver->direct || !(dynamic || newton)) return;
     warnings_say(sim->context,
@@ -92,9 +92,8 @@ pdyn_status solver_choice_create(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = create_slot(sim, first);
     if (status == PDYN_OK && second) status = create_slot(sim, second);
     if (status != PDYN_OK) return status;
-    c->wait = SHORTEST_WAIT, c->next = SHORTEST_WAIT;
+    c->wait = SHORTEST_WAIT, c->next = sim->steps + SHORTEST_WAIT;
     activate(sim, 0);
-    warn_of_factors(sim);
     return PDYN_OK;
 }
 

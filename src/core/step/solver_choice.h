@@ -37,6 +37,9 @@ struct solver_choice {
 pdyn_status solver_choice_create(struct pdyn_sim *sim);
 void solver_choice_free(struct pdyn_sim *sim);
 
+/* Warns where a direct solver factors a matrix that changes. */
+void solver_choice_warn(struct pdyn_sim *sim);
+
 /* Chooses the solver of the next step after a step that took so many linear iterations. */
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 

@@ -2,6 +2,7 @@
 #include "base/sized.h"
 #include "base/snapshot_file.h"
 #include "live_particles.h"
+#include "parameters.h"
 
 double pdyn_time(const pdyn_sim *sim) { return sim ? sim->time : 0.0; }
 double pdyn_duration(const pdyn_sim *sim) { return sim ? sim->scene.settings.duration : 0.0; }
@@ -9,7 +10,7 @@ double pdyn_frame_interval(const pdyn_sim *sim) {
     return sim ? sim->scene.settings.frame_interval : 0.0;
 }
 const char *pdyn_solver_type(const pdyn_sim *sim) {
-    return sim ? sim->choice.slot[0].solver->name : "";
+    return sim && sim->choice.count ? sim->choice.slot[0].solver->name : "";
 }
 const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim ? sim->choice.reason : ""; }
 const char *pdyn_integrator(const pdyn_sim *sim) {
@@ -82,6 +83,7 @@ static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, in
                                          .value = *value,
                                          .minimum = p->min,
                                          .maximum = p->max,
+                                         .changeable = parameter_is_changeable(b->type, p),
                                          .doc = p->doc};
     }
     return (pdyn_parameter_info){0};

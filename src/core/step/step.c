@@ -1,5 +1,6 @@
 /* One time step: prediction (integrator.h), minimisation of E (minimise.c), new velocities
  * (velocities.h); shorter attempts after one that diverged. */
+#include "applied_force.h"
 #include "base/clock.h"
 #include "base/sized.h"
 #include "crossings.h"
@@ -11,18 +12,20 @@
 #include "velocities.h"
 #include "warn.h"
 
+#include "projdyn/control.h"
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Computes the prediction s = x^ + H v^ + H^2 g, which is the first iterate. */
+/* Computes the prediction s = x^ + H v^ + H^2 (g + f/m), f: applied forces, which is the first
+ * iterate. */
 static pdyn_status predict(struct pdyn_sim *sim, double h) {
-    const double *g = sim->scene.settings.gravity;
     double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, h);
     sim->objective.time = sim->time + h;
     for (int k = 0; k < 3 * sim->objective.particles; k++)
-        sim->objective.s[k] = sim->x_base[k] + H * sim->v_base[k] + H * H * g[k % 3];
+        sim->objective.s[k] =
+            sim->x_base[k] + H * sim->v_base[k] + H * H * applied_acceleration(sim, k);
     live_particles_fix_inactive(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
     pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
@@ -132,12 +135,12 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
 /* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
 static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
                                         struct progress *progress, int *retries) {
-    *end = timestep_choose(sim, INFINITY);
     pdyn_status status = attempt(sim, end->h, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
         if ((status = reject_attempt(sim)) != PDYN_OK) return status;
-        *end = timestep_choose(sim, 0.25 * end->h);
+        *end =
+            end->given ? timestep_given(sim, 0.25 * end->h) : timestep_choose(sim, 0.25 * end->h);
         status = attempt(sim, end->h, progress);
         ++*retries;
     }
@@ -150,9 +153,8 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
  * particle. */
 static const double history_residual = 0.5;
 
-static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
+static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_info *info) {
     struct progress progress;
-    struct step_end end;
     int retries = 0;
     double start = clock_ms(), cpu = clock_cpu_ms();
     solid_load_begin_step(sim);
@@ -188,15 +190,32 @@ static pdyn_status step(struct pdyn_sim *sim, pdyn_step_info *info) {
     return PDYN_OK;
 }
 
-pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
+/* h: s, as the caller gives it; 0: as the scene says. */
+static pdyn_status step_by(struct pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
     pdyn_step_info result = {0};
     if (!sim) return PDYN_BAD_CALL;
     if (sim->failed)
         return context_fail(sim->context, PDYN_BAD_CALL,
                             "the simulation has failed before: no further step");
     pool_check_process(sim->context->pool);
-    pdyn_status status = step(sim, &result);
+    pdyn_status status = control_settle(sim);
+    if (status == PDYN_OK)
+        status =
+            step(sim, h > 0.0 ? timestep_given(sim, h) : timestep_choose(sim, INFINITY), &result);
     sim->failed = status != PDYN_OK;
     if (status == PDYN_OK) sized_copy(info, size, &result, sizeof result);
     return status;
+}
+
+pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
+    return step_by(sim, 0.0, info, size);
+}
+
+pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
+    if (!sim) return PDYN_BAD_CALL;
+    if (!(h >= TIMESTEP_SHORTEST && h <= TIMESTEP_LONGEST))
+        return context_fail(sim->context, PDYN_BAD_CALL,
+                            "expected a step from %g to %g s, found %g s", TIMESTEP_SHORTEST,
+                            TIMESTEP_LONGEST, h);
+    return step_by(sim, h, info, size);
 }

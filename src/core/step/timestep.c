@@ -5,6 +5,18 @@
 
 #include <math.h>
 
+/* Upper bound of the acceleration of fluid particles by gravity and applied forces, m/s^2. */
+static double max_acceleration(const struct pdyn_sim *sim) {
+    const double *force = sim->control.force;
+    double applied = 0.0;
+    for (int b = 0; force && b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++)
+            applied = fmax(applied, vec3_length(force + 3 * i) / sim->objective.mass[i]);
+    }
+    return applied + vec3_length(sim->scene.settings.gravity);
+}
+
 /* Upper bound of the speed of fluid particles after a time h, m/s: current speed plus
  * gravity. *radius: m, of these particles; 0: there are none. */
 static double max_particle_speed(const struct pdyn_sim *sim, double h, double *radius) {
@@ -17,7 +29,7 @@ static double max_particle_speed(const struct pdyn_sim *sim, double h, double *r
         for (int i = body->first; i < body->first + body->count; i++)
             speed = fmax(speed, vec3_length(sim->v + 3 * i));
     }
-    return speed + h * vec3_length(sim->scene.settings.gravity);
+    return speed + h * max_acceleration(sim);
 }
 
 /* Hydrostatic pressure at the bottom of a body at rest, Pa. */
@@ -83,7 +95,17 @@ struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
     double h = fmin(longest, set->h_fixed > 0.0 ? set->h_fixed : adaptive(sim));
     double rest = (double)(sim->frame + 1) * set->frame_interval - sim->time;
     double steps = ceil(rest / h * (1.0 - 1e-9));
-    return (struct step_end){same_length(sim, rest / fmax(1.0, steps)), steps <= 1.0};
+    return (struct step_end){same_length(sim, rest / fmax(1.0, steps)), steps <= 1.0, false};
+}
+
+/* Number of frames up to a time, up to rounding. */
+static long frames_until(const struct pdyn_sim *sim, double time) {
+    return (long)floor(time / sim->scene.settings.frame_interval + 1e-9);
+}
+
+struct step_end timestep_given(const struct pdyn_sim *sim, double h) {
+    h = same_length(sim, h);
+    return (struct step_end){h, frames_until(sim, sim->time + h) > sim->frame, true};
 }
 
 /* Warns if the CFL condition asks for a step shorter than the minimum. */
@@ -114,7 +136,8 @@ void timestep_check(struct pdyn_sim *sim, double h, double residual) {
 }
 
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end) {
-    if (end->frame) sim->frame++;
-    sim->time =
-        end->frame ? (double)sim->frame * sim->scene.settings.frame_interval : sim->time + end->h;
+    if (end->frame)
+        sim->frame = end->given ? frames_until(sim, sim->time + end->h) : sim->frame + 1;
+    sim->time = end->frame && !end->given ? (double)sim->frame * sim->scene.settings.frame_interval
+                                          : sim->time + end->h;
 }

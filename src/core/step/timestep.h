@@ -7,11 +7,19 @@
 
 struct step_end { /* end of the coming step */
     double h;
-    bool frame; /* the step ends at the next frame */
+    bool frame; /* the step ends at the next frame, or goes beyond it */
+    bool given; /* by the caller: the end need not be that of a frame */
 };
 
 /* Chooses the next step, at most `longest`, s; INFINITY: the scene decides. */
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest);
+
+/* Bounds of a step that a caller gives, s. */
+#define TIMESTEP_SHORTEST 1e-9
+#define TIMESTEP_LONGEST  1e3
+
+/* A step of length h, s. */
+struct step_end timestep_given(const struct pdyn_sim *sim, double h);
 
 /* Warns, once per simulation, about a step that is too long for pressure or speed. */
 void timestep_check(struct pdyn_sim *sim, double h, double residual);

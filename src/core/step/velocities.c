@@ -1,6 +1,7 @@
 /* Velocities at the end of a step. */
 #include "velocities.h"
 
+#include "applied_force.h"
 #include "live_particles.h"
 
 #include "projdyn/vec3.h"
@@ -10,14 +11,14 @@
 /* v = (x_next - from) / h. Positions conserve momentum up to rounding; the remainder is subtracted
  * from the velocities, so that it does not accumulate over many steps. */
 static void compute_velocities(struct pdyn_sim *sim, const double *from, double h) {
-    const double *g = sim->scene.settings.gravity, H = sim->objective.h;
+    const double H = sim->objective.h;
     double excess[3] = {0}, mass = 0.0;
     for (int i = 0; i < sim->objective.particles; i++) {
         double m = particle_is_live(sim, i) ? sim->objective.mass[i] : 0.0;
         mass += m;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double v = (sim->x_next[k] - from[k]) / h;
-            excess[k % 3] += m * (v - sim->v_base[k] - H * g[k % 3]);
+            excess[k % 3] += m * (v - sim->v_base[k] - H * applied_acceleration(sim, k));
             sim->v[k] = v;
         }
     }
@@ -53,8 +54,7 @@ static double energy_gain(const struct pdyn_sim *sim, int i, double h) {
         int k = 3 * i + a;
         double pulled = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
         change[a] = v[a] - v_n[a];
-        r[a] =
-            h * sim->gradient[k] + m * (change[a] - h * (pulled + sim->scene.settings.gravity[a]));
+        r[a] = h * sim->gradient[k] + m * (change[a] - h * (pulled + applied_acceleration(sim, k)));
     }
     return vec3_dot(r, v) - 0.5 * m * vec3_dot(change, change);
 }

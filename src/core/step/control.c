@@ -1,0 +1,199 @@
+#include "control.h"
+
+#include "applied_force.h"
+#include "crossings.h"
+#include "live_particles.h"
+#include "parameters.h"
+#include "sim.h"
+#include "warn.h"
+
+#include "projdyn/control.h"
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+pdyn_status control_check(const struct pdyn_sim *sim) {
+    if (!sim) return PDYN_BAD_CALL;
+    if (sim->failed)
+        return context_fail(sim->context, PDYN_BAD_CALL,
+                            "the simulation has failed before: nothing can be changed");
+    return PDYN_OK;
+}
+
+bool control_has_particles(const struct pdyn_sim *sim, int first, int count) {
+    return sim && first >= 0 && count >= 0 && first <= sim->objective.particles - count;
+}
+
+/* ---- batches and solvers after a change ------------------------------------------------------ */
+
+/* Solvers keep what they found out about the constraints, so they are made anew. */
+static void free_solvers(struct pdyn_sim *sim) {
+    solver_choice_free(sim);
+    solver_view_free(&sim->model);
+    sim->choice = (struct solver_choice){0}, sim->model = (struct solver_view){0};
+}
+
+static pdyn_status make_solvers(struct pdyn_sim *sim) {
+    pdyn_status status = solver_view_create(&sim->model, &sim->objective,
+                                            sim->scene.settings.newton, &sim->services);
+    if (status == PDYN_OK) status = solver_choice_create(sim);
+    sim->objective.weights++;
+    acceleration_start(&sim->acceleration);
+    return status;
+}
+
+pdyn_status control_settle(struct pdyn_sim *sim) {
+    if (!sim->control.stale) return PDYN_OK;
+    free_solvers(sim); /* they refer to batches */
+    pdyn_status status = holds_make_batches(sim);
+    sim->anchored = sim->control.anchored || sim->control.holds;
+    if (status == PDYN_OK) status = make_solvers(sim);
+    sim->control.stale = status != PDYN_OK; /* a failed simulation can be saved, which tries again */
+    sim->failed |= status != PDYN_OK;
+    return status;
+}
+
+void control_free(struct pdyn_sim *sim) {
+    holds_free(sim);
+    if (sim->control.force) FREE_VECTOR(sim->context, sim->control.force, sim->objective.particles);
+}
+
+/* ---- forces ---------------------------------------------------------------------------------- */
+
+static pdyn_status check_numbers(struct pdyn_sim *sim, const double *number, size_t count,
+                                 double limit, const char *what, const char *unit) {
+    for (size_t k = 0; k < count; k++)
+        if (!(fabs(number[k]) <= limit)) /* or NaN */
+            return context_fail(sim->context, PDYN_BAD_INPUT,
+                                "number %zu: expected %s of at most %g %s, found %g", k, what,
+                                limit, unit, number[k]);
+    return PDYN_OK;
+}
+
+/* The arguments of a call that changes a vector of the particles. */
+static pdyn_status begin_vectors(struct pdyn_sim *sim, int first, int count, const double *number,
+                                 double limit, const char *what, const char *unit) {
+    if (!control_has_particles(sim, first, count)) return PDYN_BAD_CALL;
+    pdyn_status status = control_check(sim);
+    if (status != PDYN_OK || !number) return status;
+    return check_numbers(sim, number, 3 * (size_t)count, limit, what, unit);
+}
+
+static pdyn_status change_forces(struct pdyn_sim *sim, int first, int count, const double *force,
+                                 double keep) {
+    pdyn_status status = begin_vectors(sim, first, count, force, 1e15, "a force", "N");
+    if (status != PDYN_OK || (!force && !sim->control.force)) return status;
+    double **all = &sim->control.force;
+    if (!*all && !(*all = NEW_VECTOR(sim->context, sim->objective.particles)))
+        return PDYN_NO_MEMORY;
+    double *own = *all + 3 * (size_t)first;
+    sim->control.driven = true;
+    for (size_t k = 0; k < 3 * (size_t)count; k++)
+        own[k] = keep * own[k] + (force ? force[k] : 0.0);
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_set_forces(pdyn_sim *sim, int first, int count, const double *force) {
+    return change_forces(sim, first, count, force, 0.0);
+}
+
+pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *force) {
+    return force ? change_forces(sim, first, count, force, 1.0) : PDYN_BAD_CALL;
+}
+
+pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {
+    if (!gravity) return PDYN_BAD_CALL;
+    pdyn_status status = control_check(sim);
+    if (status == PDYN_OK) status = check_numbers(sim, gravity, 3, 1e4, "an acceleration", "m/s^2");
+    if (status != PDYN_OK) return status;
+    sim->control.driven = true;
+    memcpy(sim->scene.settings.gravity, gravity, sizeof sim->scene.settings.gravity);
+    sim->floor = warn_floor(sim);
+    return PDYN_OK;
+}
+
+void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]) {
+    for (int a = 0; a < 3 && gravity; a++) gravity[a] = sim ? sim->scene.settings.gravity[a] : 0.0;
+}
+
+/* ---- positions and velocities ---------------------------------------------------------------- */
+
+/* The next step begins from the state alone. */
+static void forget_history(struct pdyn_sim *sim) {
+    sim->control.driven = true;
+    sim->history = 0.0;
+    solver_choice_reject(sim);
+    if (sim->scene.settings.newton) sim->damping = 1.0;
+}
+
+static void copy_live(const struct pdyn_sim *sim, int first, int count, const double *from,
+                      double *to) {
+    for (int i = first; i < first + count; i++)
+        if (particle_is_live(sim, i))
+            memcpy(to + 3 * (size_t)i, from + 3 * (size_t)(i - first), 3 * sizeof *to);
+}
+
+static pdyn_status replace(struct pdyn_sim *sim, int first, int count, const double *x) {
+    struct contact *contact = sim->objective.contact;
+    copy_live(sim, first, count, x, sim->x);
+    return contact ? contact_local(contact, sim->x) : PDYN_OK;
+}
+
+static pdyn_status place(struct pdyn_sim *sim, int first, int count, const double *x) {
+    struct contact *contact = sim->objective.contact;
+    pdyn_status status = replace(sim, first, count, x);
+    return status == PDYN_OK && contact ? contact_check(contact) : status;
+}
+
+pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double *x) {
+    if (!x) return PDYN_BAD_CALL;
+    pdyn_status status =
+        begin_vectors(sim, first, count, x, SCENE_MAX_POSITION, "a coordinate", "m");
+    if (status != PDYN_OK) return status;
+    double *before = NEW_VECTOR(sim->context, count);
+    if (!before) return PDYN_NO_MEMORY;
+    memcpy(before, sim->x + 3 * (size_t)first, 3 * (size_t)count * sizeof *before);
+    status = place(sim, first, count, x);
+    if (status == PDYN_OK) {
+        forget_history(sim);
+        crossings_forget(sim, first, count);
+    } else sim->failed |= replace(sim, first, count, before) != PDYN_OK;
+    FREE_VECTOR(sim->context, before, count);
+    return status;
+}
+
+pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v) {
+    if (!v) return PDYN_BAD_CALL;
+    pdyn_status status = begin_vectors(sim, first, count, v, STEP_MAX_SPEED, "a velocity", "m/s");
+    if (status != PDYN_OK) return status;
+    copy_live(sim, first, count, v, sim->v);
+    forget_history(sim);
+    return PDYN_OK;
+}
+
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static void persist_forces(struct pdyn_sim *sim, struct snapshot_file *a) {
+    double **force = &sim->control.force;
+    bool has = *force;
+    snapshot_file_flags(a, &has, 1, "the flag of forces is neither 0 nor 1");
+    if (a->view.reading && a->status == PDYN_OK && *force && !has)
+        memset(*force, 0, objective_bytes(&sim->objective));
+    if (a->status != PDYN_OK || !has) return;
+    if (!*force && !(*force = NEW_VECTOR(sim->context, sim->objective.particles)))
+        a->status = PDYN_NO_MEMORY;
+    else
+        snapshot_file_numbers(a, *force, 3 * (size_t)sim->objective.particles,
+                              "a force is not finite");
+}
+
+void control_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    snapshot_file_flags(a, &sim->control.driven, 1, "the flag of changes is neither 0 nor 1");
+    snapshot_file_numbers(a, sim->scene.settings.gravity, 3, "gravity is not finite");
+    persist_forces(sim, a);
+    parameters_persist(sim, a);
+    if (a->status == PDYN_OK) holds_persist(sim, a);
+    if (a->status == PDYN_OK) kinematic_persist(sim, a);
+    if (a->view.reading && a->status == PDYN_OK) a->status = control_settle(sim);
+}

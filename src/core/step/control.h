@@ -1,0 +1,32 @@
+/* What a program has changed in a simulation between two steps (projdyn/control.h): forces,
+ * gravity, parameters, holds, keys of solids. */
+#ifndef PDYN_STEP_CONTROL_H
+#define PDYN_STEP_CONTROL_H
+
+#include "base/snapshot_file.h"
+#include "hold.h"
+
+struct control {
+    bool driven;   /* something was changed: nothing bounds the energy of the scene */
+    bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
+    bool anchored; /* sim->anchored without holds */
+    double *force; /* particles x 3, N; NULL: none was ever set */
+    struct hold **hold;
+    size_t holds, room;
+    int batches; /* of holds: the last ones of the objective */
+};
+
+/* PDYN_BAD_CALL: there is no simulation, or it has failed. */
+pdyn_status control_check(const struct pdyn_sim *sim);
+/* Whether the simulation has the particles from `first`. */
+bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
+
+/* Makes batches and solvers fit what was changed since the last step. A failure ends the
+ * simulation. */
+pdyn_status control_settle(struct pdyn_sim *sim);
+
+/* Writes or reads what was changed; settles it after reading. */
+void control_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
+void control_free(struct pdyn_sim *sim);
+
+#endif

@@ -1,0 +1,217 @@
+#include "parameters.h"
+
+#include "base/text.h"
+#include "sim.h"
+
+#include "projdyn/control.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LARGEST = 3, NAMES = 64 }; /* numbers of a value other than a path; parameters of a type */
+
+bool parameter_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param) {
+    if (param->kind == PDYN_PATH) return !type->matrix_free;
+    if (param->kind != PDYN_REAL && param->kind != PDYN_VECTOR) return false;
+    for (const char *const *a = type->alternatives; a && *a; a++)
+        if (!strcmp(*a, param->name)) return false;
+    return !type->matrix_free || type->matrix_free->set_params;
+}
+
+static bool has_constraint(const struct pdyn_sim *sim, int constraint) {
+    return sim && constraint >= 0 && constraint < sim->constraints;
+}
+
+/* ---- all batches of a constraint ------------------------------------------------------------- */
+
+static bool is_damped(const struct batch *b) {
+    return b->type->damping && b->type->damping(b->params) > 0.0;
+}
+
+/* Refreshes the constraint and its damper. */
+static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
+    struct objective *sys = &sim->objective;
+    const struct batch *changed = sys->batch[constraint];
+    pdyn_status status = PDYN_OK;
+    for (int b = 0; b < sys->batches && status == PDYN_OK; b++)
+        if (sys->batch[b]->params == changed->params && sys->batch[b]->type == changed->type)
+            status = batch_refresh(sys->batch[b]);
+    sim->control.driven = sim->control.stale = true;
+    return status;
+}
+
+static void switch_batches(struct pdyn_sim *sim, int constraint, bool off) {
+    struct objective *sys = &sim->objective;
+    const struct batch *changed = sys->batch[constraint];
+    for (int b = 0; b < sys->batches; b++)
+        if (sys->batch[b]->params == changed->params && sys->batch[b]->type == changed->type)
+            sys->batch[b]->off = off;
+}
+
+/* ---- values ---------------------------------------------------------------------------------- */
+
+static pdyn_status fail_unknown(const struct batch *b, const char *name) {
+    const char *names[NAMES];
+    char hint[512] = "", clipped[128];
+    int count = 0;
+    for (const pdyn_param *p = b->type->params; p->name && count < NAMES; p++)
+        if (parameter_is_changeable(b->type, p)) names[count++] = p->name;
+    text_hint(hint, sizeof hint, name, names, count);
+    text_clip(clipped, sizeof clipped, name);
+    return context_fail(b->context, PDYN_BAD_INPUT,
+                        "constraint \"%s\" on body \"%s\": no parameter \"%s\" that can be changed "
+                        "while the simulation runs%s",
+                        b->type->name, b->view.body->name, clipped, hint);
+}
+
+static pdyn_status fail_value(const struct batch *b, const pdyn_param *p, const char *expected) {
+    return context_fail(b->context, PDYN_BAD_INPUT,
+                        "constraint \"%s\" on body \"%s\": %s: expected %s", b->type->name,
+                        b->view.body->name, p->name, expected);
+}
+
+/* Checks one or three numbers. */
+static pdyn_status check_value(const struct batch *b, const pdyn_param *p, const double *value,
+                               int count) {
+    char expected[160];
+    int numbers = p->kind == PDYN_VECTOR ? 3 : 1;
+    snprintf(expected, sizeof expected, "%d number%s from %.10g to %.10g %s", numbers,
+             numbers == 1 ? "" : "s", p->min, p->max, p->unit);
+    bool good = count == numbers;
+    for (int k = 0; good && k < numbers; k++) good = value[k] >= p->min && value[k] <= p->max;
+    return good ? PDYN_OK : fail_value(b, p, expected);
+}
+
+static pdyn_status check_path(const struct batch *b, const pdyn_param *p, const double *value,
+                              int count) {
+    bool good = count > 0 && count % 4 == 0;
+    for (int k = 0; good && k < count; k++) good = fabs(value[k]) <= SCENE_MAX_POSITION;
+    for (int k = 4; good && k < count; k += 4) good = value[k] > value[k - 4];
+    return good ? PDYN_OK
+                : fail_value(b, p, "4 finite numbers for each key: an ascending time and a vector");
+}
+
+static pdyn_status set_path(const struct batch *b, pdyn_path *path, const double *value,
+                            int count) {
+    double *key = NEW_ARRAY(b->context, count, double);
+    if (!key) return PDYN_NO_MEMORY;
+    memcpy(key, value, (size_t)count * sizeof *key);
+    FREE_ARRAY(b->context, path->key, 4 * (size_t)path->count);
+    *path = (pdyn_path){count / 4, key};
+    return PDYN_OK;
+}
+
+/* Sets one or three numbers; takes them back where the constraint does not accept them. */
+static pdyn_status set_value(struct pdyn_sim *sim, int constraint, double *field,
+                             const double *value, int count) {
+    const struct batch *b = sim->objective.batch[constraint];
+    double before[LARGEST];
+    size_t size = (size_t)count * sizeof *field;
+    bool damped = is_damped(b);
+    memcpy(before, field, size), memcpy(field, value, size);
+    pdyn_status status = PDYN_OK;
+    if (is_damped(b) != damped)
+        status = context_fail(b->context, PDYN_BAD_INPUT,
+                              "constraint \"%s\" on body \"%s\": damping must stay %s while the "
+                              "simulation runs",
+                              b->type->name, b->view.body->name, damped ? "above 0" : "0");
+    else status = refresh(sim, constraint);
+    if (status == PDYN_OK) return PDYN_OK;
+    memcpy(field, before, size);
+    return refresh(sim, constraint) == PDYN_NO_MEMORY ? PDYN_NO_MEMORY : status;
+}
+
+/* ---- public functions ------------------------------------------------------------------------ */
+
+pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, const double *value,
+                               int count) {
+    if (!has_constraint(sim, constraint) || !name || !value) return PDYN_BAD_CALL;
+    pdyn_status status = control_check(sim);
+    if (status != PDYN_OK) return status;
+    struct batch *b = sim->objective.batch[constraint];
+    const pdyn_param *p = b->type->params;
+    while (p->name && (strcmp(p->name, name) != 0 || !parameter_is_changeable(b->type, p))) p++;
+    if (!p->name) return fail_unknown(b, name);
+    void *field = (char *)b->params + p->offset;
+    bool path = p->kind == PDYN_PATH;
+    status = path ? check_path(b, p, value, count) : check_value(b, p, value, count);
+    if (status != PDYN_OK) return status;
+    sim->control.driven = true;
+    return path ? set_path(b, field, value, count)
+                : set_value(sim, constraint, field, value, count);
+}
+
+pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
+    if (!has_constraint(sim, constraint)) return PDYN_BAD_CALL;
+    pdyn_status status = control_check(sim);
+    const struct batch *b = sim->objective.batch[constraint];
+    if (status != PDYN_OK || b->off == !enabled) return status;
+    if (b->op)
+        return context_fail(b->context, PDYN_BAD_INPUT,
+                            "constraint \"%s\" on body \"%s\" is matrix-free and cannot be "
+                            "switched off",
+                            b->type->name, b->view.body->name);
+    switch_batches(sim, constraint, !enabled);
+    return refresh(sim, constraint);
+}
+
+bool pdyn_is_enabled(const pdyn_sim *sim, int constraint) {
+    return has_constraint(sim, constraint) && !sim->objective.batch[constraint]->off;
+}
+
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static void persist_path(struct batch *b, pdyn_path *path, struct snapshot_file *a) {
+    int count = path->count;
+    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of keys is out of range");
+    if (a->status != PDYN_OK) return;
+    if (a->view.reading) {
+        FREE_ARRAY(b->context, path->key, 4 * (size_t)path->count);
+        *path = (pdyn_path){0};
+        double *key = NEW_ARRAY(b->context, 4 * (size_t)count, double);
+        if (count && !key) a->status = PDYN_NO_MEMORY;
+        else *path = (pdyn_path){count, key};
+    }
+    snapshot_file_range(a, (double *)path->key, 4 * (size_t)path->count, SCENE_MAX_POSITION,
+                        "a key of a path is out of range");
+    for (int k = 4; k < 4 * path->count; k += 4)
+        snapshot_file_require(a, path->key[k] > path->key[k - 4], "keys are not in order");
+}
+
+/* Whether a number has changed. A parameter that is absent has a value outside of its bounds, which
+ * may be infinite. */
+static bool persist_value(const struct batch *b, const pdyn_param *p, double *field,
+                          struct snapshot_file *a) {
+    int count = p->kind == PDYN_VECTOR ? 3 : 1;
+    double before[LARGEST];
+    size_t size = (size_t)count * sizeof *field;
+    memcpy(before, field, size);
+    snapshot_file_bytes(a, field, size);
+    bool changed = a->view.reading && memcmp(before, field, size) != 0;
+    bool valid = !changed || check_value(b, p, field, count) == PDYN_OK;
+    if (!valid || a->status != PDYN_OK) memcpy(field, before, size);
+    snapshot_file_require(a, valid, "a parameter is out of bounds");
+    return changed && valid;
+}
+
+static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *a) {
+    struct batch *b = sim->objective.batch[constraint];
+    bool off = b->off, changed = false, damped = is_damped(b);
+    snapshot_file_flags(a, &off, 1, "the flag of a constraint is neither 0 nor 1");
+    snapshot_file_require(a, !off || !b->op, "a matrix-free constraint is off");
+    for (const pdyn_param *p = b->type->params; p->name && a->status == PDYN_OK; p++) {
+        void *field = (char *)b->params + p->offset;
+        if (!parameter_is_changeable(b->type, p)) continue;
+        if (p->kind == PDYN_PATH) persist_path(b, field, a);
+        else changed |= persist_value(b, p, field, a);
+    }
+    snapshot_file_require(a, is_damped(b) == damped, "damping appears or disappears");
+    if (!a->view.reading || a->status != PDYN_OK || (!changed && off == b->off)) return;
+    switch_batches(sim, constraint, off);
+    a->status = refresh(sim, constraint);
+}
+
+void parameters_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    for (int k = 0; k < sim->constraints && a->status == PDYN_OK; k++)
+        persist_constraint(sim, k, a);
+}
