@@ -2,6 +2,7 @@
  * status return PDYN_BAD_CALL, the others a value of zeros, "" or NULL, or do nothing. */
 #include "support.h"
 
+#include "projdyn/control.h"
 #include "projdyn/module.h"
 
 #include <string.h>
@@ -9,6 +10,7 @@
 static pdyn_context *context;
 static pdyn_sim *sim;
 static pdyn_writer *writer;
+static const double position[3];
 
 static void discard(void *user, const char *text) { (void)user, (void)text; }
 
@@ -76,6 +78,24 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(pdyn_solid_load(NULL, 0, force, moment))                                                     \
     X(pdyn_solid_load(sim, 0, NULL, moment))                                                       \
     X(pdyn_solid_load(sim, 0, force, NULL))                                                        \
+    X(pdyn_set_forces(NULL, 0, 1, position))                                                       \
+    X(pdyn_add_forces(NULL, 0, 1, position))                                                       \
+    X(pdyn_add_forces(sim, 0, 1, NULL))                                                            \
+    X(pdyn_set_gravity(NULL, position))                                                            \
+    X(pdyn_set_gravity(sim, NULL))                                                                 \
+    X(pdyn_set_positions(NULL, 0, 1, position))                                                    \
+    X(pdyn_set_positions(sim, 0, 1, NULL))                                                         \
+    X(pdyn_set_velocities(NULL, 0, 1, position))                                                   \
+    X(pdyn_set_velocities(sim, 0, 1, NULL))                                                        \
+    X(pdyn_set_parameter(NULL, 0, "damping", position, 1))                                         \
+    X(pdyn_set_parameter(sim, 0, NULL, position, 1))                                               \
+    X(pdyn_set_parameter(sim, 0, "damping", NULL, 1))                                              \
+    X(pdyn_enable(NULL, 0, true))                                                                  \
+    X(pdyn_hold(NULL, 0, 1.0, position))                                                           \
+    X(pdyn_hold(sim, 0, 1.0, NULL))                                                                \
+    X(pdyn_release(NULL, 0))                                                                       \
+    X(pdyn_move_solid(NULL, 0, 1.0, position, position))                                           \
+    X(pdyn_step_by(NULL, 0.1, NULL))                                                               \
     X(pdyn_save(NULL, "state"))                                                                    \
     X(pdyn_save(sim, NULL))                                                                        \
     X(pdyn_restore(NULL, "state"))                                                                 \
@@ -114,6 +134,11 @@ static void test_values(void **state) {
     assert_string_equal(pdyn_solver_reason(NULL), "");
     assert_string_equal(pdyn_integrator(NULL), "");
     assert_string_equal(pdyn_step_type(NULL), "");
+    assert_false(pdyn_is_enabled(NULL, 0));
+    double gravity[3] = {1.0, 1.0, 1.0};
+    pdyn_get_gravity(NULL, gravity);
+    pdyn_get_gravity(sim, NULL);
+    assert_true(gravity[0] == 0.0 && gravity[2] == 0.0);
     assert_string_equal(pdyn_last_error(NULL), "");
     assert_true(pdyn_state_hash(NULL) == 0);
     assert_true(found.particles == no_state.particles && !found.x && !found.v && !found.bodies);

@@ -49,7 +49,8 @@ pdyn_status control_settle(struct pdyn_sim *sim) {
     pdyn_status status = holds_make_batches(sim);
     sim->anchored = sim->control.anchored || sim->control.holds;
     if (status == PDYN_OK) status = make_solvers(sim);
-    sim->control.stale = status != PDYN_OK; /* a failed simulation can be saved, which tries again */
+    sim->control.stale =
+        status != PDYN_OK; /* a failed simulation can be saved, which tries again */
     sim->failed |= status != PDYN_OK;
     return status;
 }
