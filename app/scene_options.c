@@ -62,6 +62,15 @@ int scene_context(const struct scene_options *options, pdyn_context **context) {
     return status == PDYN_OK ? EXIT_GOOD : report_status(*context, status);
 }
 
+int scene_open(const struct scene_options *options, pdyn_context **context, pdyn_scene **scene) {
+    int failed = scene_context(options, context);
+    *scene = NULL;
+    if (failed) return failed;
+    pdyn_status status = pdyn_scene_open(*context, options->scene, scene);
+    if (status == PDYN_OK) status = pdyn_scene_override(*scene, options->set, options->sets);
+    return status == PDYN_OK ? EXIT_GOOD : report_status(*context, status);
+}
+
 int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim) {
     int failed = scene_context(options, context);
     *sim = NULL;

@@ -6,6 +6,8 @@
 
 #include "app.h"
 
+#include "projdyn/scene.h"
+
 struct scene_options {
     const char *scene; /* path of the scene file */
     int threads;       /* worker threads; 0: one per core */
@@ -36,6 +38,11 @@ void scene_options_free(struct scene_options *options);
 /* Creates a context that prints warnings to stderr, and loads the plug-ins into it. Returns
  * EXIT_GOOD, or another exit code after a message. The caller destroys *context in both cases. */
 int scene_context(const struct scene_options *options, pdyn_context **context);
+
+/* Creates a context as scene_context() does, opens the scene file and applies the overrides.
+ * Returns EXIT_GOOD, or another exit code after a message. The caller frees *scene and *context in
+ * both cases. */
+int scene_open(const struct scene_options *options, pdyn_context **context, pdyn_scene **scene);
 
 /* Creates a context as scene_context() does and loads the scene into *sim. Returns EXIT_GOOD, or
  * another exit code after a message. The caller frees *sim and *context in both cases. */

@@ -192,18 +192,18 @@ static void find_plugins(void *user, const char *text) {
  * EXIT_GOOD, or another exit code after a message; that of the loader has line and column. */
 static int check_plugins(const struct scene_options *scene) {
     pdyn_context *context = NULL;
+    pdyn_scene *file = NULL;
     pdyn_sim *sim = NULL;
     bool named = false;
     if (scene_plugins_allowed()) return EXIT_GOOD;
-    int code = scene_context(scene, &context);
+    int code = scene_open(scene, &context, &file);
     if (code == EXIT_GOOD) {
-        pdyn_status status =
-            pdyn_scene_text(context, scene->scene, scene->set, scene->sets, find_plugins, &named);
-        if (status == PDYN_OK && named)
-            status = pdyn_load(context, scene->scene, scene->set, scene->sets, &sim);
+        pdyn_status status = pdyn_scene_text(file, find_plugins, &named);
+        if (status == PDYN_OK && named) status = pdyn_scene_load(file, &sim);
         if (status != PDYN_OK) code = report_status(context, status);
     }
     pdyn_free(sim);
+    pdyn_scene_free(file);
     pdyn_destroy(context);
     return code;
 }

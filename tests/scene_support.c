@@ -1,5 +1,7 @@
 #include "scene_support.h"
 
+#include "scene/scene_file.h"
+
 #include <string.h>
 
 pdyn_context *context;
@@ -22,8 +24,20 @@ void assert_message(const char *expected) {
     assert_string_equal(found, expected);
 }
 
+pdyn_status read_scene(const char *name, const char *text, const char *const *set, int sets,
+                       struct scene *scene) {
+    pdyn_scene *file = NULL;
+    *scene = (struct scene){0};
+    pdyn_status status =
+        text ? pdyn_scene_parse(context, name, text, &file) : pdyn_scene_open(context, name, &file);
+    if (status == PDYN_OK) status = pdyn_scene_override(file, set, sets);
+    if (status == PDYN_OK) status = scene_read(&file->json, scene);
+    pdyn_scene_free(file);
+    return status;
+}
+
 pdyn_status read_text(const char *text, const char *const *set, int sets, struct scene *scene) {
-    return scene_read(context, "scene.json", quoted(text), set, sets, scene);
+    return read_scene("scene.json", quoted(text), set, sets, scene);
 }
 
 void read_good(const char *text, const char *const *set, int sets, struct scene *scene) {

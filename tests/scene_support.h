@@ -34,6 +34,9 @@ int scene_tear_down(void **state);
 
 void assert_message(const char *expected); /* an expected text that ends with '*' may continue */
 
+/* Reads a scene from a file (text NULL) or a text, with overrides. */
+pdyn_status read_scene(const char *name, const char *text, const char *const *set, int sets,
+                       struct scene *scene);
 pdyn_status read_text(const char *text, const char *const *set, int sets, struct scene *scene);
 void read_good(const char *text, const char *const *set, int sets, struct scene *scene);
 void free_good(struct scene *scene);

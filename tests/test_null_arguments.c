@@ -1,13 +1,15 @@
-/* Public functions of projdyn.h and module.h with NULL where it is not allowed: functions with a
- * status return PDYN_BAD_CALL, the others a value of zeros, "" or NULL, or do nothing. */
+/* Public functions of projdyn.h, scene.h and module.h with NULL where it is not allowed: functions
+ * with a status return PDYN_BAD_CALL, the others a value of zeros, "" or NULL, or do nothing. */
 #include "support.h"
 
 #include "projdyn/control.h"
 #include "projdyn/module.h"
+#include "projdyn/scene.h"
 
 #include <string.h>
 
 static pdyn_context *context;
+static pdyn_scene *scene;
 static pdyn_sim *sim;
 static pdyn_writer *writer;
 static const double position[3];
@@ -68,11 +70,40 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(load_text(context, "{}", "scene", NULL, 1))                                                  \
     X(load_text(context, "{}", "scene", &no_text, 1))                                              \
     X(pdyn_load_text(context, "{}", "scene", NULL, 0, NULL))                                       \
-    X(pdyn_scene_text(NULL, "scene.json", NULL, 0, discard, NULL))                                 \
-    X(pdyn_scene_text(context, NULL, NULL, 0, discard, NULL))                                      \
-    X(pdyn_scene_text(context, "scene.json", NULL, 1, discard, NULL))                              \
-    X(pdyn_scene_text(context, "scene.json", &no_text, 1, discard, NULL))                          \
-    X(pdyn_scene_text(context, "scene.json", NULL, 0, NULL, NULL))                                 \
+    X(pdyn_scene_create(NULL, "scene", &scene_out))                                                \
+    X(pdyn_scene_create(context, NULL, &scene_out))                                                \
+    X(pdyn_scene_create(context, "scene", NULL))                                                   \
+    X(pdyn_scene_open(NULL, "scene.json", &scene_out))                                             \
+    X(pdyn_scene_open(context, NULL, &scene_out))                                                  \
+    X(pdyn_scene_open(context, "scene.json", NULL))                                                \
+    X(pdyn_scene_parse(NULL, "scene", "{}", &scene_out))                                           \
+    X(pdyn_scene_parse(context, NULL, "{}", &scene_out))                                           \
+    X(pdyn_scene_parse(context, "scene", NULL, &scene_out))                                        \
+    X(pdyn_scene_parse(context, "scene", "{}", NULL))                                              \
+    X(pdyn_scene_set(NULL, "duration", "1"))                                                       \
+    X(pdyn_scene_set(scene, NULL, "1"))                                                            \
+    X(pdyn_scene_set(scene, "duration", NULL))                                                     \
+    X(pdyn_scene_override(NULL, NULL, 0))                                                          \
+    X(pdyn_scene_override(scene, NULL, 1))                                                         \
+    X(pdyn_scene_override(scene, NULL, -1))                                                        \
+    X(pdyn_scene_override(scene, &no_text, 1))                                                     \
+    X(pdyn_scene_mesh(NULL, "a.ply", 3, x, 1, corner))                                             \
+    X(pdyn_scene_mesh(scene, NULL, 3, x, 1, corner))                                               \
+    X(pdyn_scene_mesh(scene, "a.ply", 3, NULL, 1, corner))                                         \
+    X(pdyn_scene_mesh(scene, "a.ply", 3, x, 1, NULL))                                              \
+    X(pdyn_scene_tets(NULL, "a.msh", 4, x, 1, corner))                                             \
+    X(pdyn_scene_tets(scene, NULL, 4, x, 1, corner))                                               \
+    X(pdyn_scene_tets(scene, "a.msh", 4, NULL, 1, corner))                                         \
+    X(pdyn_scene_tets(scene, "a.msh", 4, x, 1, NULL))                                              \
+    X(pdyn_scene_particles(NULL, "a.ply", 4, x, NULL))                                             \
+    X(pdyn_scene_particles(scene, NULL, 4, x, NULL))                                               \
+    X(pdyn_scene_particles(scene, "a.ply", 4, NULL, x))                                            \
+    X(pdyn_scene_load(NULL, &sim_out))                                                             \
+    X(pdyn_scene_load(scene, NULL))                                                                \
+    X(pdyn_scene_text(NULL, discard, NULL))                                                        \
+    X(pdyn_scene_text(scene, NULL, NULL))                                                          \
+    X(pdyn_scene_write(NULL, "scene.json"))                                                        \
+    X(pdyn_scene_write(scene, NULL))                                                               \
     X(pdyn_step(NULL, NULL))                                                                       \
     X(pdyn_step(NULL, &info))                                                                      \
     X(pdyn_solid_load(NULL, 0, force, moment))                                                     \
@@ -116,11 +147,16 @@ static void test_status(void **state) {
     (void)state;
     static const char *const no_text = NULL;
     pdyn_step_info info = {0};
+    const double x[12] = {0};
+    const int corner[4] = {0, 1, 2, 3};
     double force[3], moment[3];
+    pdyn_scene *scene_out = NULL;
+    pdyn_sim *sim_out = NULL;
 #define CHECK(call)                                                                                \
     if ((call) != PDYN_BAD_CALL) fail_msg("%s does not return PDYN_BAD_CALL", #call);
     CALLS(CHECK)
 #undef CHECK
+    assert_true(!scene_out && !sim_out);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
 }
 
@@ -156,6 +192,7 @@ static void test_nothing(void **state) {
     pdyn_observe(NULL, NULL, NULL);
     pdyn_observe(sim, NULL, NULL);
     pdyn_free(NULL);
+    pdyn_scene_free(NULL);
     pdyn_writer_close(NULL);
     pdyn_destroy(NULL);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_OK);
@@ -169,6 +206,7 @@ static int set_up(void **state) {
     if (test_enter_directory(state)) return 1;
     context = test_context(1);
     sim = test_load(context, text);
+    if (pdyn_scene_create(context, "scene", &scene) != PDYN_OK) return 1;
     return pdyn_writer_open(sim, "out", false, &writer) != PDYN_OK;
 }
 
@@ -178,6 +216,7 @@ static int tear_down(void **state) {
         "out/solids/solid0.vtk", "out/solids",           "out"};
     pdyn_writer_close(writer);
     pdyn_free(sim);
+    pdyn_scene_free(scene);
     pdyn_destroy(context);
     for (size_t k = 0; k < sizeof file / sizeof *file; k++)
         if (remove(file[k])) return 1;

@@ -235,28 +235,27 @@ static void test_files(void **state) {
     assert_int_equal(mkdir("folder", 0700), 0);
     test_write_text("folder/wall.obj", wall);
     test_write_text("folder/scene.json", quoted(TOP("'solids': [{'mesh': 'wall.obj'}]")));
-    assert_int_equal(scene_read(context, "folder/scene.json", NULL, NULL, 0, &scene), PDYN_OK);
+    assert_int_equal(read_scene("folder/scene.json", NULL, NULL, 0, &scene), PDYN_OK);
     assert_string_equal(scene.file, "folder/scene.json");
     assert_int_equal(scene.solid[0].mesh.vertices, 3);
     free_good(&scene);
     snprintf(absolute, sizeof absolute, "solids.0.mesh=%s/folder/wall.obj",
              getcwd(folder, sizeof folder));
     const char *const set[] = {absolute};
-    assert_int_equal(scene_read(context, "folder/scene.json", NULL, set, 1, &scene), PDYN_OK);
+    assert_int_equal(read_scene("folder/scene.json", NULL, set, 1, &scene), PDYN_OK);
     free_good(&scene);
     /* a text has no folder, whatever its name */
-    pdyn_status status =
-        scene_read(context, "folder/scene.json", quoted(TOP("'solids': [{'mesh': 'wall.obj'}]")),
-                   NULL, 0, &scene);
+    pdyn_status status = read_scene(
+        "folder/scene.json", quoted(TOP("'solids': [{'mesh': 'wall.obj'}]")), NULL, 0, &scene);
     assert_int_equal(status, PDYN_IO_FAILED);
     assert_message("folder/scene.json:2:22: solids[0].mesh: wall.obj: cannot open the file: "
                    "No such file or directory");
-    assert_int_equal(scene_read(context, "folder", NULL, NULL, 0, &scene), PDYN_IO_FAILED);
+    assert_int_equal(read_scene("folder", NULL, NULL, 0, &scene), PDYN_IO_FAILED);
     assert_message("folder: expected a regular file");
-    assert_int_equal(scene_read(context, "none.json", NULL, NULL, 0, &scene), PDYN_IO_FAILED);
+    assert_int_equal(read_scene("none.json", NULL, NULL, 0, &scene), PDYN_IO_FAILED);
     assert_message("none.json: cannot open the file: No such file or directory");
     test_write_text("folder/scene.json", "{\n  \"duration\": 1,\n  \"bodies\": [\n");
-    assert_failure(scene_read(context, "folder/scene.json", NULL, NULL, 0, &scene), &scene,
+    assert_failure(read_scene("folder/scene.json", NULL, NULL, 0, &scene), &scene,
                    "folder/scene.json:4:1: not valid JSON: *");
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     test_remove_file("folder/scene.json");
@@ -270,7 +269,7 @@ static void test_shipped_scenes(void **state) {
     assert_int_equal(glob(shipped, 0, NULL, &found), 0);
     for (size_t k = 0; k < found.gl_pathc; k++) {
         struct scene scene;
-        pdyn_status status = scene_read(context, found.gl_pathv[k], NULL, NULL, 0, &scene);
+        pdyn_status status = read_scene(found.gl_pathv[k], NULL, NULL, 0, &scene);
         if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
         assert_true(scene.bodies > 0 && *scene.name);
         free_good(&scene);

@@ -10,12 +10,13 @@ static void parse_text(void *user, const char *text) {
 
 int scene_json(const struct scene_options *scene, json_t **json) {
     pdyn_context *context = NULL;
-    int code = scene_context(scene, &context);
+    pdyn_scene *file = NULL;
+    int code = scene_open(scene, &context, &file);
     if (code == EXIT_GOOD) {
-        pdyn_status status =
-            pdyn_scene_text(context, scene->scene, scene->set, scene->sets, parse_text, json);
+        pdyn_status status = pdyn_scene_text(file, parse_text, json);
         if (status != PDYN_OK) code = report_status(context, status);
     }
+    pdyn_scene_free(file);
     pdyn_destroy(context);
     return code == EXIT_GOOD && !*json ? report_no_memory() : code;
 }

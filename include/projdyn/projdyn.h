@@ -137,11 +137,6 @@ PDYN_API pdyn_status pdyn_load(pdyn_context *context, const char *path, const ch
  * files are resolved from the current directory. */
 PDYN_API pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
                                     const char *const *set, int count, pdyn_sim **out);
-/* Passes the JSON text of a scene, with its overrides applied, to `write`. Checks JSON syntax only.
- */
-PDYN_API pdyn_status pdyn_scene_text(pdyn_context *context, const char *path,
-                                     const char *const *set, int count,
-                                     void (*write)(void *user, const char *text), void *user);
 PDYN_API void pdyn_free(pdyn_sim *sim); /* NULL: does nothing */
 
 /* Results of a step. A step never passes the time of the next frame. */

@@ -10,8 +10,9 @@
  *     pdyn_scene_set(scene, "bodies.sheet.surface.mesh", "sheet.ply");
  *     pdyn_scene_set(scene, "bodies.sheet.surface.area_density", "%.17g", density);
  *     pdyn_scene_set(scene, "bodies.sheet.constraints.spring.stretching_stiffness", "1000");
- *     if (pdyn_scene_load(scene, &sim) != PDYN_OK) fprintf(stderr, "%s\n",
- * pdyn_last_error(context)); pdyn_scene_free(scene);
+ *     if (pdyn_scene_load(scene, &sim) != PDYN_OK)
+ *         fprintf(stderr, "%s\n", pdyn_last_error(context));
+ *     pdyn_scene_free(scene);
  *
  * A scene belongs to one thread at a time. NULL: as in projdyn.h. */
 #ifndef PROJDYN_SCENE_H
@@ -38,17 +39,20 @@ PDYN_API void pdyn_scene_free(pdyn_scene *scene); /* NULL: does nothing */
 
 /* Sets a value. path: keys with dots between them; an element of an array by its name, its type or
  * its index. What is missing is made: an object of a key, and of an element of "bodies", "solids"
- * or "constraints" with this name or type; an index as large as the array appends to it. The value
- * is printed like printf: a JSON value; or, if the text is no JSON, a string. Checks are made by
- * pdyn_scene_load. PDYN_BAD_INPUT: a key leads into a number or string, or an index is beyond the
- * array. */
+ * or "constraints" with this name or type; an index as large as the array appends to it, and the
+ * index 0 makes the array. The value is printed like printf: a JSON value; or, if the text is no
+ * JSON, a string. Checks are made by pdyn_scene_load. PDYN_BAD_INPUT: a key leads into a number or
+ * string, or an index is beyond the array. */
 PDYN_API pdyn_status pdyn_scene_set(pdyn_scene *scene, const char *path, const char *value, ...)
     PDYN_PRINTF(3, 4);
+/* Applies `count` overrides "path=value" as pdyn_load does: an element of an array must exist.
+ * PDYN_BAD_INPUT: the first override that fails; those before it are applied. */
+PDYN_API pdyn_status pdyn_scene_override(pdyn_scene *scene, const char *const *set, int count);
 
 /* Arrays that stand for a file: wherever the scene names `file`, these are taken and no file is
  * read. The arrays are copied. Given again: replaced. `file` is a plain name that ends with .ply,
- * for tetrahedra with .msh. PDYN_BAD_INPUT: another ending, an index out of range, a number that is
- * not finite. */
+ * for tetrahedra with .msh. PDYN_BAD_INPUT: another ending, no element, an index out of range or
+ * twice in an element, a number that is not finite or larger than a file may have. */
 
 /* A surface. vertex: vertices x 3, m; triangle: triangles x 3, from 0. */
 PDYN_API pdyn_status pdyn_scene_mesh(pdyn_scene *scene, const char *file, int vertices,
@@ -69,7 +73,8 @@ PDYN_API pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out);
 PDYN_API pdyn_status pdyn_scene_text(pdyn_scene *scene, void (*write)(void *user, const char *text),
                                      void *user);
 /* Writes the scene to the file `path`, and its arrays to files of their names beside it: loaded
- * from there it has the same bits. Files appear complete or not at all. PDYN_IO_FAILED. */
+ * from there it has the same bits. Relative names of other files are not changed. Files appear
+ * complete or not at all. PDYN_BAD_INPUT: `path` is a file of arrays. PDYN_IO_FAILED. */
 PDYN_API pdyn_status pdyn_scene_write(pdyn_scene *scene, const char *path);
 
 #ifdef __cplusplus

@@ -171,6 +171,17 @@ void file_out_ints(struct file_out *out, enum byte_order order, const int *value
     }
 }
 
+void file_out_doubles(struct file_out *out, const double *value, size_t count) {
+    unsigned char byte[8];
+    for (size_t i = 0; i < count; i++) {
+        uint64_t bits;
+        memcpy(&bits, &value[i], sizeof bits);
+        encode((uint32_t)bits, LITTLE_ENDIAN_BYTES, byte);
+        encode((uint32_t)(bits >> 32), LITTLE_ENDIAN_BYTES, byte + 4);
+        file_out_bytes(out, byte, sizeof byte);
+    }
+}
+
 static pdyn_status outcome(const struct file_out *out) {
     if (out->error)
         return context_fail(out->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s", out->path,

@@ -34,6 +34,8 @@ void file_out_bytes(struct file_out *out, const void *data, size_t size);
  * fail. */
 void file_out_reals(struct file_out *out, enum byte_order order, const double *value, size_t count);
 void file_out_ints(struct file_out *out, enum byte_order order, const int *value, size_t count);
+/* Writes `count` numbers of 64 bits, little endian. */
+void file_out_doubles(struct file_out *out, const double *value, size_t count);
 
 /* Closes the file and renames it to its path. PDYN_IO_FAILED: writing failed, and the
  * temporary file was removed. */

@@ -8,6 +8,7 @@
 
 enum { MESH_MAX = INT32_MAX / 8 }; /* vertices or triangles: 6 x MESH_MAX fits int */
 #define MESH_MAX_COORDINATE 1e12   /* m: squares and products stay finite */
+#define MESH_MAX_SPEED      1e6    /* m/s, of particles in a file */
 
 struct mesh {
     int vertices;

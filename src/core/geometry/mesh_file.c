@@ -120,7 +120,7 @@ pdyn_status mesh_file_vertex(struct mesh_file *file, const double x[3]) {
 }
 
 pdyn_status mesh_file_velocity(struct mesh_file *file, const double v[3]) {
-    static const struct vector_kind kind = {"velocity", "velocities", "m/s", 1e6};
+    static const struct vector_kind kind = {"velocity", "velocities", "m/s", MESH_MAX_SPEED};
     return append_vector(file, &kind, &file->velocity, &file->velocities, v);
 }
 

@@ -1,5 +1,8 @@
-/* Files that a scene names: paths relative to the scene, meshes and particles. */
+/* Files that a scene names: arrays that stand for them, paths relative to the scene, meshes and
+ * particles. */
 #include "file_ref.h"
+
+#include "array_file.h"
 
 #include <string.h>
 
@@ -7,7 +10,7 @@ pdyn_status file_ref_path(const struct json_at *at, const char *what, char **pat
     const struct json_file *scene = at->file;
     const char *name = json_string_value(at->value);
     if (!name) return json_expected(at, what);
-    const char *slash = scene->loaded ? strrchr(scene->name, '/') : NULL;
+    const char *slash = scene->on_disk ? strrchr(scene->name, '/') : NULL;
     size_t folder = slash && *name != '/' ? (size_t)(slash - scene->name) + 1 : 0;
     *size = folder + strlen(name) + 1;
     *path = NEW_ARRAY(scene->context, *size, char);
@@ -21,12 +24,20 @@ static void free_path(const struct json_at *at, char *path, size_t size) {
     FREE_ARRAY(at->file->context, path, size);
 }
 
+/* The arrays that stand for the file whose name is the value at `at`; NULL: none. */
+static const struct array_file *find_arrays(const struct json_at *at) {
+    const char *name = json_string_value(at->value);
+    return name ? array_file_find(at->file->arrays, name) : NULL;
+}
+
 static bool is_obj(const char *path) {
     size_t length = strlen(path);
     return length > 4 && !strcasecmp(path + length - 4, ".obj");
 }
 
 pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh, char **obj) {
+    const struct array_file *arrays = find_arrays(at);
+    if (arrays) return json_wrap(at, array_file_mesh(at->file->context, arrays, mesh));
     char *path = NULL;
     size_t size = 0;
     pdyn_status status = file_ref_path(at, "the name of a mesh file, .obj or .ply", &path, &size);
@@ -37,6 +48,8 @@ pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh, char **ob
 }
 
 pdyn_status file_ref_tets(const struct json_at *at, struct mesh *mesh, struct tets *tets) {
+    const struct array_file *arrays = find_arrays(at);
+    if (arrays) return json_wrap(at, array_file_tets(at->file->context, arrays, mesh, tets));
     char *path = NULL;
     size_t size = 0;
     pdyn_status status =
@@ -47,6 +60,8 @@ pdyn_status file_ref_tets(const struct json_at *at, struct mesh *mesh, struct te
 }
 
 pdyn_status file_ref_particles(const struct json_at *at, struct particles *particles) {
+    const struct array_file *arrays = find_arrays(at);
+    if (arrays) return json_wrap(at, array_file_particles(at->file->context, arrays, particles));
     char *path = NULL;
     size_t size = 0;
     pdyn_status status =

@@ -5,9 +5,9 @@
 #include "json_file.h"
 #include "scene.h"
 
-/* Reads the file whose name is the value at `at`. Errors: as mesh_read, tets_read and
- * particles_read, with the place in the scene. obj: gets the path of an OBJ file, which the caller
- * frees; NULL: not wanted. */
+/* Reads the file whose name is the value at `at`, or copies the arrays that stand for it. Errors:
+ * as mesh_read, tets_read and particles_read, with the place in the scene. obj: gets the path of an
+ * OBJ file, which the caller frees; NULL: not wanted. */
 pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh, char **obj);
 pdyn_status file_ref_tets(const struct json_at *at, struct mesh *mesh, struct tets *tets);
 pdyn_status file_ref_particles(const struct json_at *at, struct particles *particles);

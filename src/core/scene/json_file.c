@@ -1,4 +1,4 @@
-/* JSON texts with overrides: parsing, positions of values, error messages. */
+/* JSON texts: parsing, positions of values, error messages. */
 #include "json_file.h"
 
 #include "base/file_in.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLACE = 1400, VALUE = 64, KEYS = 32 };
+enum { PLACE = 1400, VALUE = 64 };
 
 /* ---- jansson and memory ---------------------------------------------------------------------- */
 
@@ -82,35 +82,29 @@ static const char *find_position(const struct json_at *at, bool at_key) {
 
 /* ---- errors ---------------------------------------------------------------------------------- */
 
-/* Index of the override from which the value or one of its parents comes; -1: none. */
-static int override_of(const struct json_at *at) {
+/* The change from which the value or one of its parents comes; NULL: none. */
+static const struct json_change *change_of(const struct json_at *at) {
     for (; at->parent; at = at->parent)
-        for (int i = at->file->overrides - 1; i >= 0; i--) {
-            const struct json_override *o = &at->file->override[i];
-            if (o->container != at->parent->value || !o->key != !at->key) continue;
-            if (at->key ? !strcmp(o->key, at->key) : o->index == at->index) return i;
+        for (const struct json_change *c = at->file->change; c; c = c->next) {
+            if (c->container != at->parent->value || !c->key != !at->key) continue;
+            if (at->key ? !strcmp(c->key, at->key) : c->index == at->index) return c;
         }
-    return -1;
-}
-
-static void append_override(const struct json_file *file, int i, char *text, size_t size) {
-    char clipped[256];
-    text_clip(clipped, sizeof clipped, file->set[i]);
-    text_append(text, size, "--set %s: ", clipped);
+    return NULL;
 }
 
 static void append_place(const struct json_at *at, bool at_key, char *text, size_t size) {
-    int from = override_of(at);
-    if (from >= 0) {
-        append_override(at->file, from, text, size);
-        return;
+    const struct json_change *from = change_of(at);
+    if (from && from->label) text_append(text, size, "%s", from->label);
+    else text_append(text, size, "%.1024s:", at->file->name);
+    if (!from && at->file->text) {
+        const char *end = find_position(at, at_key);
+        int line = 1, column = 1;
+        for (const char *p = at->file->text; p < end; p++)
+            if (*p == '\n') line++, column = 1;
+            else column += ((unsigned char)*p & 0xC0) != 0x80; /* counts characters, not bytes */
+        text_append(text, size, "%d:%d:", line, column);
     }
-    const char *end = find_position(at, at_key);
-    int line = 1, column = 1;
-    for (const char *p = at->file->text; p < end; p++)
-        if (*p == '\n') line++, column = 1;
-        else column += ((unsigned char)*p & 0xC0) != 0x80; /* counts characters, not bytes */
-    text_append(text, size, "%.1024s:%d:%d: ", at->file->name, line, column);
+    text_append(text, size, " ");
 }
 
 static void append_path(const struct json_at *at, char *text, size_t size) {
@@ -184,188 +178,44 @@ struct json_at json_element(const struct json_at *array, size_t index) {
     return (struct json_at){array->file, array, NULL, index, json_array_get(array->value, index)};
 }
 
-/* ---- overrides ------------------------------------------------------------------------------- */
-
-static pdyn_status fail_override(const struct json_file *file, int i, const char *format, ...)
-    PDYN_PRINTF(3, 4);
-static pdyn_status fail_override(const struct json_file *file, int i, const char *format, ...) {
-    char place[512] = "", message[1024];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
-    va_end(args);
-    append_override(file, i, place, sizeof place);
-    return context_fail(file->context, PDYN_BAD_INPUT, "%s%s", place, message);
-}
-
-/* Name by which an override can refer to an array element; NULL: only by its index. */
-static const char *element_name(const json_t *element) {
-    const char *name = json_string_value(json_object_get(element, "name"));
-    return name ? name : json_string_value(json_object_get(element, "type"));
-}
-
-static bool element_is(const json_t *element, size_t index, const char *key) {
-    static const char *const by[] = {"name", "type"};
-    char number[24];
-    snprintf(number, sizeof number, "%zu", index);
-    for (int k = 0; k < 2; k++) {
-        const char *called = json_string_value(json_object_get(element, by[k]));
-        if (called && !strcmp(called, key)) return true;
-    }
-    return !strcmp(number, key);
-}
-
-static pdyn_status fail_element(const struct json_file *file, int i, const json_t *array,
-                                const char *key) {
-    char hint[512] = "", clipped[VALUE];
-    const char *names[KEYS];
-    int count = 0;
-    for (size_t k = 0; k < json_array_size(array); k++) {
-        const char *name = element_name(json_array_get(array, k));
-        text_append(hint, sizeof hint, "%s%zu", k ? ", " : "; there are ", k);
-        if (!name) continue;
-        text_clip(clipped, sizeof clipped, name);
-        text_append(hint, sizeof hint, " (%s)", clipped);
-        if (count < KEYS) names[count++] = name;
-    }
-    const char *nearest = text_closest(key, names, count);
-    text_clip(clipped, sizeof clipped, key);
-    if (!nearest)
-        return fail_override(file, i, "no element \"%s\"%s", clipped,
-                             *hint ? hint : "; the array is empty");
-    char near[VALUE + 1]; /* longer names get no suggestion */
-    text_clip(near, sizeof near, nearest);
-    return fail_override(file, i, "no element \"%s\"; did you mean \"%s\"?%s", clipped, near, hint);
-}
-
-/* Sets a value of an object or array; records the outermost place that the override changes. */
-static pdyn_status set_value(struct json_file *file, json_t *container, const char *key,
-                             size_t index, json_t *value) {
-    struct json_override *o = &file->override[file->overrides - 1];
-    if (!o->container) {
-        o->container =
-            json_incref(container); /* keeps the address from being used by another value */
-        o->key = json_is_object(container) ? key : NULL, o->index = index;
-    }
-    int failed = json_is_object(container) ? json_object_set_new(container, key, value)
-                                           : json_array_set_new(container, index, value);
-    return failed ? context_no_memory(file->context) : PDYN_OK;
-}
-
-/* One key of a path: *at becomes the value at `key`; the last key gets `value`. */
-static pdyn_status override_step(struct json_file *file, json_t **at, const char *key,
-                                 json_t *value) {
-    json_t *container = *at;
-    size_t index = 0;
-    if (json_is_array(container)) {
-        while (index < json_array_size(container) &&
-               !element_is(json_array_get(container, index), index, key))
-            index++;
-        *at = json_array_get(container, index);
-        if (!*at) return fail_element(file, file->overrides - 1, container, key);
-    } else if (json_is_object(container)) {
-        *at = json_object_get(container, key);
-    } else {
-        char clipped[VALUE];
-        text_clip(clipped, sizeof clipped, key);
-        return fail_override(file, file->overrides - 1,
-                             "\"%s\" is a key of a value that is neither an object nor an array",
-                             clipped);
-    }
-    if (value) return set_value(file, container, key, index, json_incref(value));
-    if (*at) return PDYN_OK;
-    *at = json_object();
-    return set_value(file, container, key, index, *at);
-}
-
-static pdyn_status override_path(struct json_file *file, char *path, json_t *value) {
-    json_t *at = file->root;
-    pdyn_status status = PDYN_OK;
-    char *next = path;
-    for (int keys = 0; next && status == PDYN_OK; keys++) {
-        char *key = next;
-        next = strchr(key, '.');
-        if (next) *next++ = '\0';
-        if (keys == KEYS || !*key)
-            return fail_override(file, file->overrides - 1, "expected PATH=VALUE, found %s",
-                                 *key ? "more than 32 keys" : "an empty key");
-        status = override_step(file, &at, key, next ? NULL : value);
-    }
-    return status;
-}
-
-static pdyn_status override_apply(struct json_file *file, const char *text) {
-    struct json_override *o = &file->override[file->overrides++];
-    errno = 0;
-    json_t *whole = json_string(text); /* NULL: not UTF-8, or no memory */
-    json_decref(whole);
-    if (!whole && errno == ENOMEM) return context_no_memory(file->context);
-    const char *equals = strchr(text, '=');
-    if (!whole || !equals)
-        return fail_override(file, file->overrides - 1, "expected PATH=VALUE%s",
-                             whole ? ", found no '='" : " in UTF-8");
-    o->path = NEW_ARRAY(file->context, o->size = strlen(text) + 1, char);
-    if (!o->path) return PDYN_NO_MEMORY;
-    memcpy(o->path, text, o->size);
-    char *words = o->path + (equals - text);
-    *words++ = '\0';
-    json_t *value =
-        json_parse(words, strlen(words), JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
-    if (!value && errno != ENOMEM) value = json_string(words);
-    if (!value) return context_no_memory(file->context);
-    pdyn_status status = override_path(file, o->path, value);
-    json_decref(value);
-    return status;
-}
-
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static pdyn_status load(struct json_file *file) {
-    pdyn_status status = file_load(file->context, file->name, &file->loaded, &file->size);
-    file->text = file->loaded;
-    return status;
+static pdyn_status copy_text(pdyn_context *context, const char *text, size_t size, char **out) {
+    *out = NEW_ARRAY(context, size + 1, char);
+    if (!*out) return PDYN_NO_MEMORY;
+    memcpy(*out, text, size);
+    return PDYN_OK;
 }
 
 static pdyn_status parse(struct json_file *file) {
     json_error_t error = {.text = ""};
     char text[JSON_ERROR_TEXT_LENGTH];
     file->root = json_parse(file->text, file->size, JSON_REJECT_DUPLICATES, &error);
-    if (file->root) return PDYN_OK;
-    if (errno == ENOMEM) return context_no_memory(file->context);
+    if (!file->root && errno == ENOMEM) return context_no_memory(file->context);
+    struct json_at root = json_root(file);
+    if (file->root) return json_is_object(file->root) ? PDYN_OK : json_expected(&root, "an object");
     text_clip(text, sizeof text, error.text);
     return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s",
                         file->name, error.line < 1 ? 1 : error.line,
                         error.column < 1 ? 1 : error.column, text);
 }
 
-pdyn_status json_file_open(pdyn_context *context, const char *name, const char *text,
-                           const char *const *set, int sets, struct json_file *file) {
-    *file = (struct json_file){.context = context, .name = name, .text = text, .set = set};
-    for (int i = 0; i < sets; i++)
-        if (!set[i]) return PDYN_BAD_CALL;
-    if (text) file->size = strlen(text);
-    pdyn_status status = text ? PDYN_OK : load(file);
-    if (status == PDYN_OK) status = parse(file);
-    struct json_at root = json_root(file);
-    if (status == PDYN_OK && !json_is_object(root.value))
-        status = json_expected(&root, "an object");
-    if (status == PDYN_OK && sets) {
-        file->override = NEW_ARRAY(context, sets, struct json_override);
-        if (file->override) file->capacity = sets;
-        else status = PDYN_NO_MEMORY;
-    }
-    for (int i = 0; i < sets && status == PDYN_OK; i++) status = override_apply(file, set[i]);
-    if (status != PDYN_OK) json_file_close(file);
-    return status;
+pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk, const char *text,
+                           struct json_file *file) {
+    *file = (struct json_file){.context = context, .on_disk = on_disk};
+    pdyn_status status = copy_text(context, name, strlen(name), &file->name);
+    if (status == PDYN_OK && on_disk) status = file_load(context, name, &file->text, &file->size);
+    if (status == PDYN_OK && !on_disk && text)
+        status = copy_text(context, text, file->size = strlen(text), &file->text);
+    if (status != PDYN_OK || file->text) return status == PDYN_OK ? parse(file) : status;
+    file->root = json_object();
+    return file->root ? PDYN_OK : context_no_memory(context);
 }
 
 void json_file_close(struct json_file *file) {
-    for (int i = 0; i < file->overrides; i++) {
-        json_decref((json_t *)file->override[i].container);
-        FREE_ARRAY(file->context, file->override[i].path, file->override[i].size);
-    }
-    FREE_ARRAY(file->context, file->override, file->capacity);
+    json_changes_free(file);
     json_decref(file->root);
-    if (file->loaded) FREE_ARRAY(file->context, file->loaded, file->size + 1);
+    FREE_ARRAY(file->context, file->text, file->size + 1);
+    if (file->name) FREE_ARRAY(file->context, file->name, strlen(file->name) + 1);
     *file = (struct json_file){0};
 }

@@ -1,5 +1,5 @@
-/* A JSON text with overrides, and locations in it: a value with the path to it, so that an error
- * can give line, column and path. */
+/* A JSON text that can be changed, and locations in it: a value with the path to it, so that an
+ * error can give line, column and path. */
 #ifndef PDYN_JSON_FILE_H
 #define PDYN_JSON_FILE_H
 
@@ -7,24 +7,26 @@
 
 #include <jansson.h>
 
-struct json_override { /* an override PATH=VALUE */
-    char *path;        /* size bytes: a copy, split into keys and value */
-    size_t size;
-    const json_t *container; /* object or array that was changed, */
-    const char *key;         /* at this key of an object, */
-    size_t index;            /* or at this index of an array (key NULL) */
+struct json_change {          /* a place of the root that was set after parsing */
+    struct json_change *next; /* older ones */
+    json_t *container;        /* object or array, */
+    const char *key;          /* key of an object; NULL: */
+    size_t index;             /* index of an array */
+    char *label;              /* label_size bytes, for messages; NULL: the name of the file */
+    size_t label_size;
 };
+
+struct array_file;
 
 struct json_file {
     pdyn_context *context;
-    const char *name; /* name of the file, for messages */
-    const char *text; /* ends with NUL */
-    char *loaded;     /* the text if it was read from a file, size + 1 bytes */
+    char *name; /* name of the file, for messages */
+    char *text; /* size bytes and a closing NUL; NULL: made by a program */
     size_t size;
-    json_t *root; /* an object, overrides applied */
-    const char *const *set;
-    int overrides, capacity;
-    struct json_override *override;
+    bool on_disk;               /* the text was read from the file `name` */
+    json_t *root;               /* an object, changes applied */
+    struct json_change *change; /* newest first */
+    struct array_file *arrays;  /* arrays that stand for files it names (array_file.h) */
 };
 
 /* json_loadb and json_dumps, which ignore some failed allocations and then give an error of syntax
@@ -42,11 +44,18 @@ struct json_at {
     json_t *value; /* NULL: missing */
 };
 
-/* Opens a JSON text; text NULL: reads the file `name`. set: `sets` overrides PATH=VALUE. After a
- * failure there is nothing to close. PDYN_BAD_CALL: an override is NULL. */
-pdyn_status json_file_open(pdyn_context *context, const char *name, const char *text,
-                           const char *const *set, int sets, struct json_file *file);
+/* Reads the file `name` (on_disk), parses a copy of `text`, or makes an empty object (text NULL).
+ * The caller calls json_file_close, after a failure, too. PDYN_BAD_INPUT: not a JSON object. */
+pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk, const char *text,
+                           struct json_file *file);
 void json_file_close(struct json_file *file);
+
+/* Changes a value; a failed call changes nothing. json_override: "PATH=VALUE", for which an element
+ * of an array must exist, and messages begin with --set PATH=VALUE. json_set: elements are made as
+ * pdyn_scene_set says, and messages begin with the name of the file. */
+pdyn_status json_override(struct json_file *file, const char *text);
+pdyn_status json_set(struct json_file *file, const char *path, const char *value);
+void json_changes_free(struct json_file *file); /* part of json_file_close */
 
 struct json_at json_root(const struct json_file *file);
 struct json_at json_member(const struct json_at *object, const char *key);
@@ -54,7 +63,8 @@ struct json_at json_element(const struct json_at *array, size_t index);
 
 /* Errors: set the error text "FILE:LINE:COLUMN: PATH: MESSAGE" and return PDYN_BAD_INPUT. The
  * position is that of the value (json_fail), of its key (json_fail_at_key), or, for a missing
- * value, of the object that lacks it. */
+ * value, of the object that lacks it. A changed value has the label of its change instead of a
+ * position, or the name alone. */
 pdyn_status json_fail(const struct json_at *at, const char *format, ...) PDYN_PRINTF(2, 3);
 pdyn_status json_fail_at_key(const struct json_at *at, const char *format, ...) PDYN_PRINTF(2, 3);
 /* MESSAGE is "expected WHAT, found ...", or "missing, expected WHAT". */

@@ -178,26 +178,20 @@ static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
     return PDYN_OK;
 }
 
-static pdyn_status read_file(struct reader *r, const char *text, const char *const *set, int sets) {
-    struct json_file file;
-    pdyn_status status = json_file_open(r->context, r->scene->file, text, set, sets, &file);
-    if (status != PDYN_OK) return status;
-    struct json_at root = json_root(&file);
-    status = read_parts(r, &root);
-    if (status == PDYN_OK) status = compute_fingerprint(r, root.value);
-    json_file_close(&file);
-    return status;
+static pdyn_status read_file(struct reader *r, const struct json_file *file) {
+    struct json_at root = json_root(file);
+    pdyn_status status = reader_copy_text(r->context, file->name, &r->scene->file);
+    if (status == PDYN_OK) status = read_parts(r, &root);
+    return status == PDYN_OK ? compute_fingerprint(r, root.value) : status;
 }
 
-pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
-                       const char *const *set, int sets, struct scene *out) {
-    struct reader reader = {.context = context, .scene = out};
+pdyn_status scene_read(const struct json_file *file, struct scene *out) {
+    struct reader reader = {.context = file->context, .scene = out};
     struct text_locale locale;
     *out = (struct scene){0};
-    if (!text_begin(&locale)) return context_no_memory(context);
-    pdyn_status status = reader_copy_text(context, path, &out->file);
-    if (status == PDYN_OK) status = read_file(&reader, text, set, sets);
-    if (status != PDYN_OK) scene_free(context, out);
+    if (!text_begin(&locale)) return context_no_memory(file->context);
+    pdyn_status status = read_file(&reader, file);
+    if (status != PDYN_OK) scene_free(file->context, out);
     text_end(&locale);
     return status;
 }

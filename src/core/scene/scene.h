@@ -1,5 +1,5 @@
-/* A scene as read from its JSON file: plain data, checked, with all defaults filled in. scene_read
- * is the only place that parses text; src/core/step/build.c turns a scene into a simulation. */
+/* A scene as read from its JSON values: plain data, checked, with all defaults filled in.
+ * src/core/step/build.c turns a scene into a simulation. */
 #ifndef PDYN_SCENE_H
 #define PDYN_SCENE_H
 
@@ -9,6 +9,8 @@
 #include "geometry/primitives.h"
 #include "geometry/tets.h"
 #include "projdyn/module.h"
+
+struct json_file;
 
 enum { MAX_PARTICLES = 1 << 27 }; /* of a scene */
 #define SCENE_MAX_POSITION 1e6    /* m, largest coordinate of an object that a scene places */
@@ -128,12 +130,10 @@ struct scene {
     struct scene_outlet *outlet;
 };
 
-/* Reads and checks a scene. text NULL: reads the file `path`; otherwise `path` only names the text
- * in messages. set: `sets` overrides PATH=VALUE. Names of files are relative to the folder of the
+/* Reads and checks a scene; `file` stays as it is. Names of files are relative to the folder of a
  * scene file. On failure *out is empty and the error text is FILE:LINE:COLUMN: JSON path: what was
- * expected, what was found. */
-pdyn_status scene_read(pdyn_context *context, const char *path, const char *text,
-                       const char *const *set, int sets, struct scene *out);
+ * expected, what was found; without line and column for what a program made. */
+pdyn_status scene_read(const struct json_file *file, struct scene *out);
 void scene_free(pdyn_context *context, struct scene *scene);
 
 #endif

@@ -4,6 +4,7 @@
 #include "crossings.h"
 #include "geometry/sampling.h"
 #include "live_particles.h"
+#include "scene/scene_file.h"
 #include "sim.h"
 #include "solid_points.h"
 #include "sph/boundary.h"
@@ -404,32 +405,19 @@ static pdyn_status build(struct pdyn_sim *sim) {
                                &sim->objective);
 }
 
-static pdyn_status load(pdyn_context *context, const char *path, const char *text,
-                        const char *const *set, int count, pdyn_sim **out) {
-    if (!context || !path || !out || count < 0 || (count && !set)) return PDYN_BAD_CALL;
-    struct pdyn_sim *sim = *out = NULL;
-    sim = NEW_ARRAY(context, 1, struct pdyn_sim);
+pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out) {
+    if (out) *out = NULL;
+    if (!scene || !out) return PDYN_BAD_CALL;
+    pdyn_context *context = scene->json.context;
+    struct pdyn_sim *sim = NEW_ARRAY(context, 1, struct pdyn_sim);
     if (!sim) return PDYN_NO_MEMORY;
     sim->context = context;
     pool_check_process(context->pool);
-    pdyn_status status = scene_read(context, path, text, set, count, &sim->scene);
+    pdyn_status status = scene_read(&scene->json, &sim->scene);
     if (status == PDYN_OK) status = build(sim);
-    if (status != PDYN_OK) {
-        pdyn_free(sim);
-        return status;
-    }
-    *out = sim;
-    return PDYN_OK;
-}
-
-pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set, int count,
-                      pdyn_sim **out) {
-    return load(context, path, NULL, set, count, out);
-}
-
-pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
-                           const char *const *set, int count, pdyn_sim **out) {
-    return text ? load(context, name, text, set, count, out) : PDYN_BAD_CALL;
+    if (status == PDYN_OK) return *out = sim, PDYN_OK;
+    pdyn_free(sim);
+    return status;
 }
 
 static void free_system(struct pdyn_sim *sim) {
