@@ -25,6 +25,8 @@ for compiler in "gcc -std=c17" "clang -std=c17" "g++ -x c++ -std=c++20 -Wno-miss
     echo "== $compiler"
     ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -o cloth cloth.c $libs
     ./cloth | tail -n 1
+    ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -o memory memory.c $libs
+    ./memory 1
     for source in plugin/*.c; do
         name=$(basename "$source" .c)
         ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -shared -fPIC $flags -o "plugin/$name.so" "$source" -lm
