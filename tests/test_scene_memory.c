@@ -349,6 +349,9 @@ static const struct {
 } bad_values[] = {
     {"duration", "soon", "memory: duration: expected a number from 1e-06 to 1000000 s, found *"},
     {"duration", "-1", "memory: duration: expected a number from 1e-06 to 1000000 s, found -1"},
+    {"bodies.sheet.surface.area_density", "0",
+     "memory: bodies[1].surface.area_density: expected a number from 1e-06 to 1000000 kg/m^2, found "
+     "0"},
     {"durration", "1", "memory: unknown key \"durration\"; did you mean \"duration\"?*"},
     {"bodies.shet.velocity", "[0, 0, 1]",
      "memory: bodies[3]: expected exactly one of \"particles\", \"surface\" and \"volume\", found "

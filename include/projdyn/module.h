@@ -1,5 +1,6 @@
 /* projdyn for authors of constraints and solvers: the tables that a module fills in. A module is a
  * file of the library or a plug-in. It calls only what these tables give it, and the C library.
+ * Programs include projdyn.h, and scene.h, control.h or probe.h.
  *
  * A constraint type describes elements. An element has rows of a sparse selector G, a weight w, and
  * the projection p of u = G x (one 3-vector per row) onto the manifold of the constraint;
