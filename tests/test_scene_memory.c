@@ -31,7 +31,7 @@ static const char grids[] =
     " 'rotate': [0, 20, 0], 'translate': [0, 0.05, 0], 'area_density': 0.5},"
     " 'constraints': [{'type': 'spring', 'stretching_stiffness': 1000},"
     " {'type': 'pin', 'vertices': {'border': true}}]},"
-    "{'name': 'block', 'volume': {'grid': {'size': [0.1, 0.1, 0.1], 'cells': [2, 2, 2]},"
+    "{'name': 'block', 'volume': {'grid': {'size': [0.1, 0.1, 0.1], 'cells': [3, 2, 2]},"
     " 'translate': [0, -0.2, 0], 'density': 500},"
     " 'constraints': [{'type': 'tet', 'stiffness': 2e4}]}]}";
 
@@ -52,7 +52,7 @@ static pdyn_status add_arrays(pdyn_scene *scene) {
     pdyn_status status =
         mesh_grid(context, (const double[]){0.4, 0.3}, (const int[]){9, 7}, 0.03, &sheet);
     if (status == PDYN_OK)
-        status = tets_grid(context, (const double[]){0.1, 0.1, 0.1}, (const int[]){2, 2, 2}, &block,
+        status = tets_grid(context, (const double[]){0.1, 0.1, 0.1}, (const int[]){3, 2, 2}, &block,
                            &tets);
     if (status == PDYN_OK) status = sample_box_volume(context, &box, 0.02, &water);
     assert_true(water.count <= COUNT(v) / 3);
@@ -158,6 +158,8 @@ static void test_written_numbers(void **state) {
     double x[6] = {5e-324, 0.1 + 0.05, -1.0 / 30.0, 1.0 / 15.0, 0.17, 1e-3 / 7.0};
     assert_int_equal(pdyn_scene_particles(scene, "water.ply", 2, x, NULL), PDYN_OK);
     assert_int_equal(pdyn_scene_set(scene, "duration", "%.17g", 1.0 / 3.0), PDYN_OK);
+    assert_int_equal(pdyn_scene_set(scene, "bodies.sheet.surface.area_density", "%.17g", 0.1 + 0.2),
+                     PDYN_OK);
     assert_int_equal(mkdir("written", 0700), 0);
     assert_int_equal(pdyn_scene_write(scene, "written/scene.json"), PDYN_OK);
     pdyn_sim *first = load_good(scene), *second = load_file("written/scene.json");
@@ -350,7 +352,8 @@ static const struct {
     {"duration", "soon", "memory: duration: expected a number from 1e-06 to 1000000 s, found *"},
     {"duration", "-1", "memory: duration: expected a number from 1e-06 to 1000000 s, found -1"},
     {"bodies.sheet.surface.area_density", "0",
-     "memory: bodies[1].surface.area_density: expected a number from 1e-06 to 1000000 kg/m^2, found "
+     "memory: bodies[1].surface.area_density: expected a number from 1e-06 to 1000000 kg/m^2, "
+     "found "
      "0"},
     {"durration", "1", "memory: unknown key \"durration\"; did you mean \"duration\"?*"},
     {"bodies.shet.velocity", "[0, 0, 1]",
