@@ -32,7 +32,7 @@ static void print_usage(FILE *out) {
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
     fprintf(out, "\n'projdyn COMMAND --help' prints the options of a command; "
-                 "'projdyn version' prints the version.\n");
+                 "'projdyn --version' prints version and solvers.\n");
 }
 
 /* Whether the edit distance (insertions, deletions, substitutions) of two words is at most
@@ -64,7 +64,7 @@ static int dispatch(int argc, char **argv) {
         return EXIT_BAD_INPUT;
     }
     if (!strcmp(argv[1], "version") || !strcmp(argv[1], "--version")) {
-        printf("projdyn %s\n", pdyn_version());
+        printf("projdyn %s\nsolvers: %s\n", pdyn_version(), pdyn_solvers());
         return EXIT_GOOD;
     }
     if (!strcmp(argv[1], "help") || !strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {

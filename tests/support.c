@@ -45,6 +45,10 @@ pdyn_sim *test_load(pdyn_context *context, const char *text) {
     return sim;
 }
 
+bool test_lacks_solver(const char *text) {
+    return strstr(text, "cholesky") && !strstr(pdyn_solvers(), "cholesky");
+}
+
 pdyn_step_info test_step(pdyn_context *context, pdyn_sim *sim) {
     pdyn_step_info info;
     if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));

@@ -83,9 +83,9 @@ static const struct {
      "scene.json:2:25: time_step.fixed: expected a number from 1e-09 to 1000 s, found 0"},
     {TOP("'time_step': {'max': 0.1}"), "scene.json:2:16: time_step: unknown key \"max\"; known: "
                                        "integrator, maximum, minimum, cfl, fixed"},
-    {TOP("'solver': {'type': 'choleski'}"),
-     "scene.json:2:21: solver.type: unknown solver \"choleski\"; did you mean "
-     "\"cholesky\"?; known: auto, *"},
+    {TOP("'solver': {'type': 'hybird'}"),
+     "scene.json:2:21: solver.type: unknown solver \"hybird\"; did you mean "
+     "\"hybrid\"?; known: auto, *"},
     {TOP("'solver': null"), "scene.json:2:12: solver: expected an object, found null"},
     {TOP("'solver': {'type': 1}"),
      "scene.json:2:21: solver.type: expected the name of a solver, found 1"},

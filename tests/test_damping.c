@@ -22,8 +22,9 @@ static pdyn_sim *load(const char *integrator, const char *mesh, double h, const 
     char text[1024];
     snprintf(text, sizeof text,
              "{'duration': 100, 'gravity': [0, 0, 0], 'frame_interval': 100, 'time_step': "
-             "{'integrator': '%s', 'fixed': %.17g}, 'solver': {'type': 'cholesky', 'tolerance': "
-             "1e-13, 'outer_iterations': 100}, 'bodies': [{'surface': {%s, 'area_density': 1}, "
+             "{'integrator': '%s', 'fixed': %.17g}, 'solver': {'type': 'cg', 'tolerance': "
+             "1e-13, 'linear_tolerance': 1e-9, 'outer_iterations': 100}, 'bodies': [{'surface': "
+             "{%s, 'area_density': 1}, "
              "'constraints': [%s]}]}",
              integrator, h, mesh, constraint);
     return test_load(context, text);

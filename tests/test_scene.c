@@ -201,7 +201,7 @@ static void test_good_overrides(void **state) {
     static const char *const set[] = {
         "bodies.sheet.constraints.spring.stretching_stiffness=2000",
         "bodies.1.velocity=[0, 0, 1]",
-        "solver.type=cholesky",
+        "solver.type=hybrid",
         "solver.step=projective",
         "time_step={\"fixed\": 0.25}",
         "bodies.water.particles.fill.0.box.maximum.1=3",
@@ -216,7 +216,7 @@ static void test_good_overrides(void **state) {
     read_good(with_gravity, set, COUNT(set), &scene);
     assert_true(stiffness_of(&scene, 1) == 2000.0);
     assert_true(scene.body[1].velocity[2] == 1.0);
-    assert_string_equal(scene.settings.solver_type, "cholesky");
+    assert_string_equal(scene.settings.solver_type, "hybrid");
     assert_false(scene.settings.newton);
     assert_true(scene.settings.h_fixed == 0.25);
     assert_int_equal(scene.body[0].start.count, 5 * 15 * 5);

@@ -92,6 +92,9 @@ typedef struct pdyn_options {
 } pdyn_options;
 
 PDYN_API const char *pdyn_version(void);
+/* Names of the built-in solvers, with a space between them. "cholesky" is one of them unless the
+ * library was built without CHOLMOD. */
+PDYN_API const char *pdyn_solvers(void);
 PDYN_API const char *pdyn_status_text(pdyn_status status);
 PDYN_API void pdyn_default_options_sized(pdyn_options *out, size_t size);
 static inline pdyn_options pdyn_default_options(void) {

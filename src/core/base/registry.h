@@ -21,6 +21,10 @@ const pdyn_global_solver *registry_solver_at(const pdyn_context *context, int k)
 const pdyn_constraint_type *registry_constraint(const pdyn_context *context, const char *name);
 const pdyn_global_solver *registry_solver(const pdyn_context *context, const char *name);
 
+/* The library without which the build leaves out the solver `name`; NULL: there is the solver, or
+ * no solver of projdyn has this name. */
+const char *registry_absent(const pdyn_context *context, const char *name);
+
 /* Checks that the table of a type is complete and consistent. PDYN_BAD_INPUT: the error text says
  * what is wrong. */
 pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_type *type);

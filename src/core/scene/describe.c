@@ -103,8 +103,12 @@ static void describe_solver(const struct sink *to, const pdyn_global_solver *typ
 
 static pdyn_status fail_unknown(pdyn_context *context, const char *name) {
     const char *names[NAMES];
+    const char *library = registry_absent(context, name);
     char clipped[64], hint[768] = "";
     int count = 0;
+    if (library)
+        return context_fail(context, PDYN_BAD_INPUT,
+                            "this build has no solver \"%s\" (built without %s)", name, library);
     for (int k = 0; registry_constraint_at(context, k) && count < NAMES; k++)
         names[count++] = registry_constraint_at(context, k)->name;
     for (int k = 0; registry_solver_at(context, k) && count < NAMES; k++)

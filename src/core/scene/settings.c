@@ -100,6 +100,12 @@ static pdyn_status read_acceleration(const struct json_at *solver, struct scene_
     return status;
 }
 
+static pdyn_status check_built(const pdyn_context *context, const struct json_at *type) {
+    const char *name = json_string_value(type->value), *library = registry_absent(context, name);
+    if (!library) return PDYN_OK;
+    return json_fail(type, "this build has no solver \"%s\" (built without %s)", name, library);
+}
+
 static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     static const char *const others[] = {"type", "step", "acceleration", NULL}, *const steps[] = {
                                                                                     "newton",
@@ -113,6 +119,7 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     pdyn_status status =
         at->value ? params_check_keys(at, settings_solver_params, others) : PDYN_OK;
     if (status == PDYN_OK) status = params_read(at, settings_solver_params, NULL, set);
+    if (status == PDYN_OK) status = check_built(r->context, &type);
     if (status == PDYN_OK) status = reader_choice(&type, "solver", types, count, &chosen_type);
     if (status == PDYN_OK) status = reader_choice(&step, "step", steps, 2, &chosen_step);
     set->newton = chosen_step == 0;
