@@ -42,7 +42,7 @@ static void test_left_out(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
     assert_error(context, pdyn_load_text(context, quoted(SHEET("cholesky")), "test", NULL, 0, &sim),
-                 "test:1:37: solver.type: this build has no solver \"cholesky\" (built without "
+                 "test:1:36: solver.type: this build has no solver \"cholesky\" (built without "
                  "CHOLMOD)");
     assert_null(sim);
     assert_error(context, pdyn_describe(context, "cholesky", ignore, NULL),
