@@ -7,7 +7,7 @@ RUN apt-get update && apt-get install -y --no-install-recommends \
     gcc libc6-dev meson pkg-config python3 libsuitesparse-dev libjansson-dev zlib1g-dev
 COPY . /source
 WORKDIR /source
-RUN meson setup /build -Dtests=false -Dbench=false -Dexamples=false \
+RUN meson setup /build --libdir=lib -Dtests=false -Dbench=false -Dexamples=false \
     && ninja -C /build \
     && DESTDIR=/installed meson install -C /build --no-rebuild
 
