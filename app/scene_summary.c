@@ -1,5 +1,7 @@
 #include "scene_summary.h"
 
+#include "projdyn/probe.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -95,6 +97,12 @@ static void print_solids(const pdyn_sim *sim, const pdyn_state *state) {
     printf(state->moving ? ", %d of them on moving solids\n" : "\n", state->moving);
 }
 
+static void print_probes(const pdyn_sim *sim) {
+    pdyn_probe_info probe;
+    for (int k = 0; (probe = pdyn_get_probe(sim, k)).name; k++)
+        printf("probe %s: %s%s\n", probe.name, probe.column[0], probe.values > 1 ? " ..." : "");
+}
+
 void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
     for (int b = 0; b < state.bodies; b++) {
@@ -103,6 +111,7 @@ void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     }
     for (int k = 0; k < state.constraints; k++) print_constraint(sim, k);
     print_solids(sim, &state);
+    print_probes(sim);
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("integrator %s\n", pdyn_integrator(sim));

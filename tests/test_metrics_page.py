@@ -12,6 +12,9 @@ import tempfile
 import unittest
 
 PAGE = pathlib.Path(__file__).parent.parent / "docs/guide/metrics.md"
+PROBES = [{"point": [0, 0, 0]}, {"line": {"from": [0, 0, 0], "to": [1, 0, 0], "count": 2}},
+          {"height": [0, 0, 0]}, {"box": {"minimum": [0, 0, 0], "maximum": [1, 1, 1]}},
+          {"wall": [0, 0, 0]}, {"solid": "tank"}, {"pins": "sheet"}]
 OPEN_KEYS = {"constraints": "TYPE", "parameters[].numbers": "NAME"}  # keys that the scene chooses
 
 
@@ -41,12 +44,15 @@ class MetricsPage(unittest.TestCase):
             run = pathlib.Path(name)
             done = subprocess.run(
                 [PROJDYN, "run", SCENE, "-o", run, "--quiet", "--time", "0.1", "--no-frames",
-                 "--set", "frame_interval=0.03", "--set", "time_step={\"fixed\": 0.02}"],
+                 "--set", "probes=" + json.dumps(PROBES), "--set", "frame_interval=0.03",
+                 "--set", "time_step={\"fixed\": 0.02}"],
                 capture_output=True, text=True, timeout=300)
             assert done.returncode == 0, done.stderr
             cls.report = json.loads((run / "report.json").read_text())
             with open(run / "metrics.csv", newline="", encoding="utf-8") as file:
                 cls.columns = next(csv.reader(file))
+            with open(run / "probes.csv", newline="", encoding="utf-8") as file:
+                cls.probes = list(csv.reader(file))
 
     def compare(self, section, found):
         page = listed(section)
@@ -56,6 +62,13 @@ class MetricsPage(unittest.TestCase):
     def test_columns(self):
         self.compare("metrics.csv", [re.sub("^residual_.*", "residual_NAME", column)
                                      for column in self.columns])
+
+    def test_probes(self):
+        self.compare("probes.csv", [re.sub("^probe[0-9]", "NAME", re.sub("_[0-9]+_", "_K_", column))
+                                    for column in self.probes[0]])
+        self.assertGreater(len(self.probes), 2)
+        for row in self.probes[1:]:
+            self.assertEqual(len([float(number) for number in row]), len(self.probes[0]))
 
     def test_report(self):
         self.assertTrue(self.report["warnings"], "expected a run with a warning")

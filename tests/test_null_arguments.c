@@ -1,9 +1,11 @@
-/* Public functions of projdyn.h, scene.h and module.h with NULL where it is not allowed: functions
- * with a status return PDYN_BAD_CALL, the others a value of zeros, "" or NULL, or do nothing. */
+/* Public functions of projdyn.h, scene.h, control.h, probe.h and module.h with NULL where it is not
+ * allowed: functions with a status return PDYN_BAD_CALL, the others a value of zeros, "" or NULL,
+ * or do nothing. */
 #include "support.h"
 
 #include "projdyn/control.h"
 #include "projdyn/module.h"
+#include "projdyn/probe.h"
 #include "projdyn/scene.h"
 
 #include <string.h>
@@ -127,6 +129,16 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(pdyn_release(NULL, 0))                                                                       \
     X(pdyn_move_solid(NULL, 0, 1.0, position, position))                                           \
     X(pdyn_step_by(NULL, 0.1, NULL))                                                               \
+    X(pdyn_constraint_forces(NULL, 0, force))                                                      \
+    X(pdyn_constraint_forces(sim, 0, NULL))                                                        \
+    X(pdyn_constraint_load(NULL, 0, force, moment))                                                \
+    X(pdyn_constraint_load(sim, 0, NULL, moment))                                                  \
+    X(pdyn_constraint_load(sim, 0, force, NULL))                                                   \
+    X(pdyn_contact_forces(NULL, force))                                                            \
+    X(pdyn_contact_forces(sim, NULL))                                                              \
+    X(pdyn_element_values(NULL, 0, force, force))                                                  \
+    X(pdyn_fluid_at(NULL, 1, force, force, force))                                                 \
+    X(pdyn_fluid_at(sim, 1, NULL, force, force))                                                   \
     X(pdyn_save(NULL, "state"))                                                                    \
     X(pdyn_save(sim, NULL))                                                                        \
     X(pdyn_restore(NULL, "state"))                                                                 \
@@ -182,6 +194,7 @@ static void test_values(void **state) {
     assert_null(pdyn_get_constraint(NULL, 0).type);
     assert_null(pdyn_get_parameter(NULL, 0, 0).name);
     assert_null(pdyn_solid_name(NULL, 0));
+    assert_null(pdyn_get_probe(NULL, 0).name);
     assert_int_equal(pdyn_thread_count(NULL), 0);
     assert_int_equal(pdyn_bytes_in_use(NULL), 0);
     assert_int_equal(pdyn_peak_bytes(NULL), 0);

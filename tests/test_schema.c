@@ -175,7 +175,7 @@ static void check_table(const json_t *object, const pdyn_param *table, size_t ot
 
 static void test_schema(void **state) {
     (void)state;
-    check_table(schema, settings_general_params, 11);
+    check_table(schema, settings_general_params, 12);
     check_table(definition("time_step"), settings_time_step_params, 1);
     check_table(definition("solver"), settings_solver_params, 3);
     check_table(definition("motion_key"), scene_key_params, 0);
@@ -193,6 +193,7 @@ static void test_schema(void **state) {
     check_table(definition("inlet_rectangle"), inlet_params, 2);
     check_table(definition("inlet_disc"), inlet_params, 2);
     check_table(definition("outlet"), outlet_params, 1);
+    check_table(definition("probe"), scene_probe_params, 8);
     static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
     for (int k = 0; k < COUNT(fills); k++) {
         const json_t *fill = definition(fills[k]);

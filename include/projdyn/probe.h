@@ -1,6 +1,8 @@
 /* projdyn: forces, energies and pressures at the end of the last step, beside the state of
  * projdyn.h, and the probes of a scene. Reading changes no bit of later steps. Before the first
- * step, and after pdyn_restore until the next one, all values are 0. */
+ * step, after a failed step, and after pdyn_restore until the next step, all values are 0, but for
+ * those of probes, which saved states contain. Computed on the caller's thread, with the same bits
+ * for any number of threads of the context. */
 #ifndef PROJDYN_PROBE_H
 #define PROJDYN_PROBE_H
 
@@ -11,28 +13,43 @@ extern "C" {
 #endif
 
 /* Forces of a constraint on all particles, N, particles x 3: minus the gradient of its energy, with
- * that of its damping. PDYN_BAD_CALL: no such constraint. PDYN_NO_MEMORY. */
+ * that of its damping.
+ *
+ * Balance. With "euler", a particle of mass m has in every step of length h
+ *
+ *     m (v - v_before) / h = m g + sum of the forces of all constraints and of contact + residual
+ *
+ * before viscosity, which moves momentum between particles. Over all particles only forces from
+ * outside remain: gravity, the loads of pins and wind, and minus the loads on solids
+ * (pdyn_solid_load). "bdf2" has the same balance with the velocities of its base
+ * (docs/theory/time-integration.md). Particles that an outlet removes at the end of the step have
+ * their forces still.
+ *
+ * PDYN_BAD_CALL: no such constraint. */
 PDYN_API pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *force);
 /* Their sum, N, and moment about the origin, N m: for pins, what holds the body. */
 PDYN_API pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, double force[3],
                                           double moment[3]);
 /* Forces of contact, friction, and friction with the fluid, N, particles x 3. */
 PDYN_API pdyn_status pdyn_contact_forces(const pdyn_sim *sim, double *force);
-/* Values of each element of a constraint (pdyn_constraint_info.elements); NULL: not wanted.
- * energy, J. distance: |G x - p|, from the element to its manifold: the change of length of a
- * spring, m; the norm of the strain of a triangle or tetrahedron; 0 for a matrix-free constraint.
- */
+/* Values of each element of a constraint (pdyn_constraint_info.elements), without its damping; NULL:
+ * not wanted. energy, J. distance: |G x - p|, from the element to its manifold: the change of length
+ * of a spring, m; the norm of the strain of a triangle or tetrahedron; 0 for a matrix-free
+ * constraint. */
 PDYN_API pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *energy,
                                          double *distance);
 
-/* Pressure, Pa, and velocity, m/s, of the fluid at `count` points (x: count x 3, m), fitted
- * linearly to the particles within two particle spacings, so that walls and surfaces are exact for
- * a linear field. 0 where there is no fluid. pressure, velocity NULL: not wanted. */
+/* Pressure, Pa, and velocity, m/s, of the fluid at `count` points (x: count x 3, m): a linear
+ * least-squares fit to the particles within two particle spacings. A linear field is met to 2 % of
+ * its change over a spacing, at walls, edges and surfaces, too. The pressure is never negative; 0
+ * where there is no particle. pressure, velocity NULL: not wanted. Beside side walls the particles
+ * have up to 15 % more pressure than the water further in: the pressure on a wall is measured by a
+ * probe "wall". PDYN_BAD_INPUT: a coordinate is not finite. */
 PDYN_API pdyn_status pdyn_fluid_at(const pdyn_sim *sim, int count, const double *x,
                                    double *pressure, double *velocity);
 
-/* A probe of the scene ("probes", docs/guide/scene.md). The writer writes all of them to probes.csv
- * every step. */
+/* A probe of the scene ("probes", docs/guide/scene.md). Every step measures all of them, and the
+ * writer adds a row to probes.csv. */
 typedef struct pdyn_probe_info {
     const char *name;
     int values;                /* columns of probes.csv */

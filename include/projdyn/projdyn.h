@@ -297,17 +297,18 @@ PDYN_API const char *pdyn_solid_name(const pdyn_sim *sim, int solid);
 /* The load on a solid at the end of the last step: force, N, and moment, N m, about the origin of
  * the world. It is the sum of
  *   - the pressure of the fluid: minus the gradient of the fluid's energy with respect to the
- *     solid's boundary points, at these points. Boundary points of a box lie about one particle
- *     spacing behind its faces (pdyn_state.boundary_x), those of other solids on their surface;
+ *     solid's boundary points, at these points (pdyn_state.boundary_x). Those of a box lie behind
+ *     its faces, one particle spacing with the boundary "surface" and 0.6 with "points"; those of
+ *     other solids lie on their surface;
  *   - contact and friction of cloth and soft solids that touch it.
  * There is no friction between fluid and solids. With "euler" the forces on all solids sum to the
- * weight, plus pin_reaction and the force of wind, minus the change of momentum over h, up to the
- * residual of the step. Particles removed by an outlet at the end of the step are not included.
+ * weight, plus the loads of pins and wind (pdyn_constraint_load, probe.h), minus the change of
+ * momentum over h, up to the residual of the step. Particles removed by an outlet at the end of the
+ * step are not included.
  *
  * The first call after a step computes the loads of all solids, on one thread, with the same bits
  * for any number of threads. Zero before the first step, after pdyn_restore until the next step,
- * and after a failed step. PDYN_BAD_CALL: an argument is NULL, or there is no such solid.
- * PDYN_NO_MEMORY. */
+ * and after a failed step. PDYN_BAD_CALL: an argument is NULL, or there is no such solid. */
 PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3],
                                      double moment[3]);
 
@@ -332,7 +333,7 @@ typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);
 PDYN_API pdyn_status pdyn_writer_frame(pdyn_writer *writer);
-/* Adds a row to DIR/metrics.csv. */
+/* Adds a row to DIR/metrics.csv, and to DIR/probes.csv in a scene with probes. */
 PDYN_API pdyn_status pdyn_writer_step_sized(pdyn_writer *writer, const pdyn_step_info *info,
                                             size_t size);
 static inline pdyn_status pdyn_writer_step(pdyn_writer *writer, const pdyn_step_info *info) {

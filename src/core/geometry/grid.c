@@ -265,3 +265,30 @@ int grid_query(const struct grid *grid, const struct grid_cells *cells, const do
                double radius, int self, const bool *keep, int *list, int room) {
     return query(grid, cells, at, radius, self, keep, list, room);
 }
+
+/* ---- visits ---------------------------------------------------------------------------------- */
+
+/* First point of the first cell with a key of at least `key`. */
+static int first_point(const struct grid *grid, int64_t key) {
+    return grid->tabled ? point_from_key(grid, key) : grid->start[find_cell(grid, key, 0)];
+}
+
+void grid_visit(const struct grid *grid, const double *at, double radius, grid_visit_fn *visit,
+                void *user) {
+    if (!grid->points) return;
+    const int64_t span[3] = {grid->pitch[0], grid->pitch[1] / grid->pitch[0],
+                             grid->keys / grid->pitch[1]};
+    int64_t first[3], last[3]; /* cells of the bounding box */
+    for (int a = 0; a < 3; a++) {
+        double low = floor((at[a] - radius) / grid->cell) - grid->low[a];
+        double high = floor((at[a] + radius) / grid->cell) - grid->low[a];
+        if (!(low < (double)span[a] && high >= 0.0)) return;
+        first[a] = (int64_t)fmax(low, 0.0), last[a] = (int64_t)fmin(high, (double)span[a] - 1.0);
+    }
+    for (int64_t z = first[2]; z <= last[2]; z++)
+        for (int64_t y = first[1]; y <= last[1]; y++) {
+            int64_t row = grid->pitch[0] * y + grid->pitch[1] * z;
+            int end = first_point(grid, row + last[0] + 1);
+            for (int k = first_point(grid, row + first[0]); k < end; k++) visit(user, grid->id[k]);
+        }
+}

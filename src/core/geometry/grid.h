@@ -59,4 +59,10 @@ void grid_update_cells(const struct grid *grid, const double *at, struct grid_ce
 int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
                double radius, int self, const bool *keep, int *list, int room);
 
+/* Calls `visit` with the id of every point in the cells that a cube of half the edge `radius`
+ * around `at`, m, touches, by ascending cell. */
+typedef void grid_visit_fn(void *user, int id);
+void grid_visit(const struct grid *grid, const double *at, double radius, grid_visit_fn *visit,
+                void *user);
+
 #endif

@@ -2,7 +2,9 @@
 #include "snapshot.h"
 
 #include "step/crossings.h"
+#include "step/forces.h"
 #include "step/live_particles.h"
+#include "step/probes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -107,6 +109,7 @@ static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) 
     crossings_persist(sim, a);
     persist_particles(sim, a);
     live_particles_persist(sim, a);
+    probes_persist(sim, a);
     persist_neighbours(sim, a);
     persist_modules(sim, a);
     if (sim->objective.contact) contact_persist(sim->objective.contact, sim->x, a);
@@ -142,7 +145,7 @@ pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *a,
     status = persist_state(sim, before);
     if (status == PDYN_OK) {
         snapshot_memory_rewind(before);
-        solid_load_begin_step(sim);
+        forces_forget(sim);
         return read_state(sim, a);
     }
     snapshot_file_close(before);

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "snapshot.h"
+#include "step/probes.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -82,7 +83,8 @@ static void persist_writer(pdyn_writer *writer, struct snapshot_file *a) {
     double run_ms = clock_ms() - report->opened_ms;
     snapshot_file_expect(a, sizeof *report, "numbers in its report");
     snapshot_file_flags(a, &writer->ply, 1, "the flag of PLY files is neither 0 nor 1");
-    snapshot_file_long(a, &writer->metrics_size, LONG_MAX, "the size of metrics.csv is negative");
+    snapshot_file_long(a, &writer->metrics.size, LONG_MAX, "the size of metrics.csv is negative");
+    snapshot_file_long(a, &writer->probes.size, LONG_MAX, "the size of probes.csv is negative");
     snapshot_file_numbers(a, &run_ms, 1, "the time of the run is not finite");
     persist_report(writer, a);
     snapshot_file_count(a, &writer->frames, sizeof *writer->time,
@@ -204,7 +206,9 @@ static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
     writer->context = sim->context;
     writer->ply = ply;
     writer->lock = -1;
-    writer->row_size = METRICS_ROW + METRICS_ROW_BODY * (size_t)sim->bodies;
+    writer->metrics.name = "metrics.csv", writer->probes.name = "probes.csv";
+    writer->row_size = METRICS_ROW + METRICS_ROW_BODY * (size_t)sim->bodies +
+                       (sim->probes ? (size_t)PROBE_COLUMN * (size_t)sim->probes->values : 0);
     writer->row = NEW_ARRAY(sim->context, writer->row_size, char);
     pdyn_status status = writer->row ? report_open(&writer->report, sim) : PDYN_NO_MEMORY;
     if (status == PDYN_OK) status = begin(writer, directory);
@@ -231,7 +235,8 @@ pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool inter
 void pdyn_writer_close(pdyn_writer *writer) {
     if (!writer) return;
     pdyn_context *context = writer->context;
-    if (writer->metrics) fclose(writer->metrics);
+    csv_close(&writer->metrics);
+    csv_close(&writer->probes);
     run_unlock(writer);
     report_close(&writer->report, writer->sim);
     FREE_ARRAY(context, writer->row, writer->row_size);

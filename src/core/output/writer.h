@@ -1,11 +1,11 @@
 /* The output directory of a run, private: writer.c opens, saves and resumes it, frames.c writes
- * frames and their series, metrics.c writes metrics.csv, run_lock.c keeps other runs out. */
+ * frames and their series, metrics.c writes metrics.csv and probes.csv, run_lock.c keeps other runs
+ * out. */
 #ifndef PDYN_WRITER_H
 #define PDYN_WRITER_H
 
+#include "csv_file.h"
 #include "output.h"
-
-#include <stdio.h>
 
 struct pdyn_writer {
     pdyn_sim *sim;
@@ -13,10 +13,9 @@ struct pdyn_writer {
     char *path; /* path_size bytes: the directory, followed by the file of the last writer_path */
     size_t path_size, directory;
     bool ply;
-    int lock;      /* descriptor of the locked file DIR/lock; -1: none */
-    FILE *metrics; /* unbuffered, so that a row reaches the file at once */
-    long metrics_size;
-    char *row; /* row_size: the current row of metrics.csv */
+    int lock; /* descriptor of the locked file DIR/lock; -1: none */
+    struct csv_file metrics, probes;
+    char *row; /* row_size: the current row of one of them */
     size_t row_size;
     int frames, capacity;
     double *time; /* capacity: times of the frames, s */
@@ -43,12 +42,13 @@ pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const 
 /* Removes a file, if it exists. */
 pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
 
-/* Bytes of a row of metrics.csv: for the numbers of a step, and for each body. */
+/* Bytes of a row: for the numbers of a step, and for each body. */
 enum { METRICS_ROW = 1024, METRICS_ROW_BODY = 80 };
 
-/* Creates metrics.csv with its header. */
+/* Creates metrics.csv with its header, and so probes.csv in a scene with probes; otherwise removes
+ * that of a previous run. */
 pdyn_status metrics_open(pdyn_writer *writer);
-/* Opens metrics.csv and removes the rows after the saved state: these steps will be repeated. */
+/* Opens them and removes the rows after the saved state: these steps will be repeated. */
 pdyn_status metrics_reopen(pdyn_writer *writer);
 
 #endif

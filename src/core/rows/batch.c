@@ -453,8 +453,11 @@ void batch_limit(struct batch *b, const double *x, double *way) {
     if (b->op && b->type->matrix_free->limit) b->type->matrix_free->limit(b->op, x, way);
 }
 
+/* The forces of the step are stored first: `accept` may change the stiffness. */
 void batch_accept(struct batch *b) {
-    if (b->op && b->type->matrix_free->accept) b->type->matrix_free->accept(b->op);
+    if (!b->op) return;
+    one_sided_store_forces(&b->one_sided);
+    if (b->type->matrix_free->accept) b->type->matrix_free->accept(b->op);
 }
 
 void batch_velocity(struct batch *b, double *v) {

@@ -198,8 +198,12 @@ static void take_forces(void *arg, int first, int last, int block) {
         s->multiplier[i] = s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
 }
 
-void one_sided_forces(struct one_sided *s, double *y) {
+void one_sided_store_forces(struct one_sided *s) {
     for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+}
+
+void one_sided_forces(struct one_sided *s, double *y) {
+    one_sided_store_forces(s);
     s->op->force(s->self, s->multiplier, y);
 }
 

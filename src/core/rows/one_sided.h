@@ -18,7 +18,7 @@ struct one_sided {
     pdyn_one_sided at;  /* the x of the last local step */
     double *reached;    /* count: C_i + grad C_i . d */
     double *rate;       /* count: grad C_i . u for the search direction u */
-    double *multiplier; /* count: scratch */
+    double *multiplier; /* count: scratch of a step; between steps k_i max(0, C_i) of its end */
     bool *acts;         /* count: the constraint acts at d */
     bool *possible;     /* count: k_i > 0 */
     double *partial;    /* two sums for each parallel block */
@@ -56,6 +56,9 @@ static inline double impact_part(double stopped, double change, double stiff) {
     return (stopped < change ? stopped / change : 1.0) * stiff / (10.0 + stiff);
 }
 
+/* multiplier = k_i max(0, C_i) at the last local step: y += sum of multiplier_i grad C_i is the
+ * gradient of the constraints' energy. */
+void one_sided_store_forces(struct one_sided *s);
 /* y += the gradient of the constraints' energy at the last local step, N */
 void one_sided_forces(struct one_sided *s, double *y);
 /* Compute the rates grad C_i . u for one_sided_impacts, of u = velocities before a step minus those

@@ -47,6 +47,8 @@ static bool is_taken(const struct scene *scene, const char *name) {
         if (scene->body[b].name && !strcmp(scene->body[b].name, name)) return true;
     for (int s = 0; s < scene->solids; s++)
         if (scene->solid[s].name && !strcmp(scene->solid[s].name, name)) return true;
+    for (int k = 0; k < scene->probes; k++)
+        if (scene->probe[k].name && !strcmp(scene->probe[k].name, name)) return true;
     return false;
 }
 
@@ -62,7 +64,8 @@ pdyn_status reader_name(struct reader *r, const struct json_at *owner, const cha
     if (!strcmp(name, "boundary"))
         return json_fail(&at, "the name \"boundary\" is reserved for the files of the solids");
     if (is_taken(r->scene, name))
-        return json_fail(&at, "the name \"%s\" is already taken by another body or solid", name);
+        return json_fail(&at, "the name \"%s\" is already taken by another body, solid or probe",
+                         name);
     return reader_copy_text(r->context, name, out);
 }
 

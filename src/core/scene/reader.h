@@ -1,5 +1,5 @@
 /* Shared by the readers of a scene: scene.c (whole scene), settings.c ("solver", "time_step"),
- * scene_body.c (bodies with constraints) and scene_solid.c (solids). */
+ * scene_body.c (bodies with constraints), scene_solid.c (solids) and scene_probe.c (probes). */
 #ifndef PDYN_READER_H
 #define PDYN_READER_H
 
@@ -24,7 +24,7 @@ typedef pdyn_status read_fn(struct reader *r, const struct json_at *at, int inde
 /* ---- parts of a scene, and elements of its arrays -------------------------------------------- */
 
 pdyn_status settings_read(struct reader *r, const struct json_at *root);
-read_fn scene_read_body, scene_read_solid;
+read_fn scene_read_body, scene_read_solid, scene_read_probe;
 
 /* ---- names and arrays ------------------------------------------------------------------------ */
 
@@ -38,7 +38,7 @@ pdyn_status reader_choice(const struct json_at *at, const char *what, const char
                           int count, int *out);
 /* Index of the key in `names` that the object has. PDYN_BAD_INPUT: it has none or several. */
 pdyn_status reader_one_of(const struct json_at *at, const char *const *names, int count, int *out);
-/* The name of a body or a solid, allocated; default: kind and index, e.g. "body0". */
+/* The name of a body, a solid or a probe, allocated; default: kind and index, e.g. "body0". */
 pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,
                         char **out);
 

@@ -106,6 +106,12 @@ static pdyn_status read_outlets(struct reader *r, const struct json_at *array) {
                         &scene->outlet, &scene->outlets);
 }
 
+static pdyn_status read_probes(struct reader *r, const struct json_at *array) {
+    struct scene *scene = r->scene;
+    return reader_array(r, array, "an array of probes", scene_read_probe, sizeof *scene->probe,
+                        &scene->probe, &scene->probes);
+}
+
 const pdyn_param scene_contact_params[] = {
     {"thickness", PDYN_REAL, offsetof(struct scene_contact, thickness), true, 0, 1e-9, 1e3, "m",
      ""},
@@ -145,12 +151,12 @@ static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
 }
 
 static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
-    static const char *const others[] = {"$schema", "name",    "gravity",  "time_step",
-                                         "solver",  "bodies",  "solids",   "outlets",
-                                         "contact", "plugins", "boundary", NULL};
+    static const char *const others[] = {"$schema",  "name",   "gravity", "time_step", "solver",
+                                         "bodies",   "solids", "outlets", "contact",   "plugins",
+                                         "boundary", "probes", NULL};
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
     struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
-    struct json_at plugins = json_member(root, "plugins");
+    struct json_at plugins = json_member(root, "plugins"), probes = json_member(root, "probes");
     pdyn_status status = params_check_keys(root, settings_general_params, others);
     if (status == PDYN_OK) status = read_plugins(r, &plugins);
     if (status == PDYN_OK) status = settings_read(r, root);
@@ -158,6 +164,7 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_solids(r, &solids);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
     if (status == PDYN_OK) status = read_contact(r, &contact);
+    if (status == PDYN_OK) status = read_probes(r, &probes);
     if (status == PDYN_OK) status = reader_each(r, &bodies, resolve_overlap);
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
@@ -228,6 +235,11 @@ void scene_free(pdyn_context *context, struct scene *scene) {
     FREE_ARRAY(context, scene->body, scene->bodies);
     FREE_ARRAY(context, scene->solid, scene->solids);
     FREE_ARRAY(context, scene->outlet, scene->outlets);
+    for (int k = 0; k < scene->probes; k++) {
+        point_list_free(context, &scene->probe[k].at);
+        free_text(context, &scene->probe[k].name);
+    }
+    FREE_ARRAY(context, scene->probe, scene->probes);
     free_text(context, &scene->file);
     free_text(context, &scene->name);
     *scene = (struct scene){0};

@@ -86,6 +86,29 @@ struct scene_solid {
     double pivot[3];       /* m, world space */
 };
 
+enum probe_kind { /* what a probe measures; keys of a scene: scene_probe.c */
+                  PROBE_POINT,
+                  PROBE_LINE,
+                  PROBE_WALL,
+                  PROBE_HEIGHT,
+                  PROBE_BOX,
+                  PROBE_SOLID,
+                  PROBE_PINS,
+                  PROBE_KINDS
+};
+
+struct scene_probe {
+    char *name;           /* unique among bodies, solids and probes */
+    int kind;             /* enum probe_kind */
+    struct point_list at; /* m, where, not of a box, solid or body */
+    struct scene_box box; /* of PROBE_BOX */
+    int target;           /* index of the solid, or of the body with pins */
+    double radius;        /* m, around a place: what is nearer counts; 0: two particle spacings */
+    double time;          /* s, time constant of an exponential mean; 0: none */
+};
+
+extern const pdyn_param scene_probe_params[]; /* ends with a NULL name */
+
 struct scene_contact {
     double thickness; /* m, distance that surfaces keep */
     double friction;  /* Coulomb friction coefficient */
@@ -124,10 +147,11 @@ struct scene {
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;
-    int bodies, solids, outlets;
+    int bodies, solids, outlets, probes;
     struct scene_body *body;
     struct scene_solid *solid;
     struct scene_outlet *outlet;
+    struct scene_probe *probe;
 };
 
 /* Reads and checks a scene; `file` stays as it is. Names of files are relative to the folder of a

@@ -315,6 +315,12 @@ void neighbours_persist(struct neighbours *n, struct snapshot_file *a) {
     if (a->status == PDYN_OK) a->status = neighbours_build(n, n->built_x);
 }
 
+/* Since the last build no centre has moved by more than half the skin. */
+void neighbours_visit(const struct neighbours *n, const double *at, double radius,
+                      grid_visit_fn *visit, void *user) {
+    grid_visit(&n->fluid, at, radius + 0.5 * n->skin, visit, user);
+}
+
 /* ---- volumes of surface samples -------------------------------------------------------------- */
 
 /* Lists the points within the support of point i, itself included. *list grows as needed. */

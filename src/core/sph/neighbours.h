@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/snapshot_file.h"
+#include "geometry/grid.h"
 #include "occlusion.h"
 #include "projdyn/module.h"
 #include "surface_samples.h"
@@ -67,6 +68,11 @@ void neighbours_freeze_visibility(struct neighbours *neighbours);
 
 /* Ends a step. */
 void neighbours_end_step(struct neighbours *neighbours);
+
+/* Calls `visit` with every centre closer than `radius` to `at`, m, at the x of the last local step,
+ * and with some others. */
+void neighbours_visit(const struct neighbours *neighbours, const double *at, double radius,
+                      grid_visit_fn *visit, void *user);
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
 

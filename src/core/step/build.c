@@ -4,6 +4,7 @@
 #include "crossings.h"
 #include "geometry/sampling.h"
 #include "live_particles.h"
+#include "probes.h"
 #include "scene/scene_file.h"
 #include "sim.h"
 #include "solid_points.h"
@@ -390,6 +391,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->control.anchored = sim->anchored;
+    if (status == PDYN_OK) status = probes_create(sim);
     sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK)
         status = solver_view_create(&sim->model, &sim->objective, sim->scene.settings.newton,
@@ -453,8 +455,9 @@ void pdyn_free(pdyn_sim *sim) {
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
     occlusion_free(sim->occlusion);
-    boundary_points_free(c, &sim->boundary);
     solid_load_free(sim);
+    probes_free(sim);
+    boundary_points_free(c, &sim->boundary);
     kinematic_free(c, &sim->motion);
     for (int b = 0; sim->topology && b < sim->bodies; b++) topology_free(c, &sim->topology[b]);
     FREE_ARRAY(c, sim->topology, sim->bodies);

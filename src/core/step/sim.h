@@ -20,6 +20,8 @@
 #include "solver_choice.h"
 #include "sph/neighbours.h"
 
+struct probes;
+
 struct pdyn_sim {
     pdyn_context *context;
     struct scene scene;
@@ -32,7 +34,9 @@ struct pdyn_sim {
     struct boundary_points boundary; /* boundary points on solids */
     struct kinematic_solids motion;  /* motion of the last boundary points */
     struct solid_loads *loads;       /* forces on solids; NULL in a scene without solids */
-    pdyn_services services;          /* functions that operators may call */
+    struct probes *probes;           /* NULL in a scene without probes */
+    bool forces_known;      /* the last local step belongs to the state: forces can be computed */
+    pdyn_services services; /* functions that operators may call */
 
     int constraints; /* number of batches that are constraints of the scene; their dampers follow */
     struct objective objective; /* what is minimised: masses, prediction, batches */

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static void add_force(struct solid_load *load, const double *x, const double *force) {
+void solid_load_add(struct solid_load *load, const double *x, const double *force) {
     double moment[3];
     vec3_cross(moment, x, force);
     vec3_add(load->force, 1.0, force);
@@ -19,23 +19,20 @@ static void add_force(struct solid_load *load, const double *x, const double *fo
 static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
     const struct boundary_points *points = &sim->boundary;
     for (int k = 0; k < points->at.count; k++)
-        add_force(&sim->loads->solid[points->point[k].solid], points->at.x + 3 * (size_t)k,
-                  force + 3 * (size_t)k);
+        solid_load_add(&sim->loads->solid[points->point[k].solid], points->at.x + 3 * (size_t)k,
+                       force + 3 * (size_t)k);
 }
 
-static pdyn_status add_fluid(const struct pdyn_sim *sim) {
+static void add_fluid(const struct pdyn_sim *sim) {
     size_t count = 3 * (size_t)sim->boundary.at.count;
-    if (!count) return PDYN_OK;
-    double *force = NEW_ARRAY(sim->context, count, double);
-    if (!force) return PDYN_NO_MEMORY;
+    if (!count) return;
+    memset(sim->loads->force, 0, count * sizeof *sim->loads->force);
     for (int b = 0; b < sim->objective.batches; b++) {
         const struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->boundary_force)
-            batch->type->matrix_free->boundary_force(batch->op, force);
+            batch->type->matrix_free->boundary_force(batch->op, sim->loads->force);
     }
-    add_point_forces(sim, force);
-    FREE_ARRAY(sim->context, force, count);
-    return PDYN_OK;
+    add_point_forces(sim, sim->loads->force);
 }
 
 /* ---- contact --------------------------------------------------------------------------------- */
@@ -52,8 +49,8 @@ static void add_element(const struct pdyn_sim *sim, const struct contact_list *l
         if (point < c->free) continue;
         for (int a = 0; a < 3; a++)
             force[a] = -stencil->c[k] * v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]);
-        add_force(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
-                  force);
+        solid_load_add(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
+                       force);
     }
 }
 
@@ -67,39 +64,33 @@ static void add_contact(const struct pdyn_sim *sim) {
 
 /* ---- public functions ------------------------------------------------------------------------ */
 
+static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
+    const struct array_entry table[] = {ARRAY(sim->loads->solid, sim->scene.solids),
+                                        ARRAY(sim->loads->force, 3 * sim->boundary.at.count)};
+    return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
+}
+
 pdyn_status solid_load_create(struct pdyn_sim *sim) {
-    int solids = sim->scene.solids;
-    if (!solids) return PDYN_OK;
+    if (!sim->scene.solids) return PDYN_OK;
     sim->loads = NEW_ARRAY(sim->context, 1, struct solid_loads);
-    if (!sim->loads) return PDYN_NO_MEMORY;
-    sim->loads->solid = NEW_ARRAY(sim->context, solids, struct solid_load);
-    return sim->loads->solid ? PDYN_OK : PDYN_NO_MEMORY;
+    return sim->loads && resize_arrays(sim, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 void solid_load_free(struct pdyn_sim *sim) {
     if (!sim->loads) return;
-    FREE_ARRAY(sim->context, sim->loads->solid, sim->scene.solids);
+    resize_arrays(sim, ARRAYS_FREE);
     FREE_ARRAY(sim->context, sim->loads, 1);
 }
 
-void solid_load_begin_step(struct pdyn_sim *sim) {
-    if (sim->loads) sim->loads->known = sim->loads->summed = false;
-}
-
-void solid_load_end_step(struct pdyn_sim *sim) {
-    if (sim->loads) sim->loads->known = true;
-}
-
-pdyn_status solid_load_compute(const struct pdyn_sim *sim, const struct solid_load **loads) {
+const struct solid_load *solid_load_compute(const struct pdyn_sim *sim) {
     struct solid_loads *l = sim->loads;
-    *loads = l && l->known ? l->solid : NULL;
-    if (!*loads || l->summed) return PDYN_OK;
+    if (!l || !sim->forces_known) return NULL;
+    if (l->summed) return l->solid;
     memset(l->solid, 0, (size_t)sim->scene.solids * sizeof *l->solid);
-    pdyn_status status = add_fluid(sim);
-    if (status != PDYN_OK) return status;
+    add_fluid(sim);
     add_contact(sim);
     l->summed = true;
-    return PDYN_OK;
+    return l->solid;
 }
 
 const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
@@ -108,11 +99,8 @@ const char *pdyn_solid_name(const pdyn_sim *sim, int solid) {
 
 pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double force[3], double moment[3]) {
     static const struct solid_load none;
-    const struct solid_load *loads;
     if (!sim || !force || !moment || !pdyn_solid_name(sim, solid)) return PDYN_BAD_CALL;
-    pdyn_status status = solid_load_compute(sim, &loads);
-    if (status != PDYN_OK) return status;
-    const struct solid_load *load = loads ? loads + solid : &none;
+    const struct solid_load *loads = solid_load_compute(sim), *load = loads ? loads + solid : &none;
     memcpy(force, load->force, sizeof load->force);
     memcpy(moment, load->moment, sizeof load->moment);
     return PDYN_OK;

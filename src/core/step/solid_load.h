@@ -13,20 +13,19 @@ struct solid_load {
 };
 
 struct solid_loads {
-    bool known;               /* the last local step belongs to the accepted state */
     bool summed;              /* `solid` is up to date */
     struct solid_load *solid; /* scene.solids */
+    double *force;            /* boundary points x 3, N: scratch */
 };
+
+/* Adds a force, N, that acts at x, m. */
+void solid_load_add(struct solid_load *load, const double *x, const double *force);
 
 /* sim->loads stays NULL in a scene without solids. */
 pdyn_status solid_load_create(struct pdyn_sim *sim);
 void solid_load_free(struct pdyn_sim *sim);
 
-/* begin_step: loads are unknown until end_step. */
-void solid_load_begin_step(struct pdyn_sim *sim);
-void solid_load_end_step(struct pdyn_sim *sim);
-
-/* Computes the loads after the last step: *loads, one per solid of the scene; NULL: unknown. */
-pdyn_status solid_load_compute(const struct pdyn_sim *sim, const struct solid_load **loads);
+/* The loads after the last step, one per solid of the scene. NULL: unknown, or no solids. */
+const struct solid_load *solid_load_compute(const struct pdyn_sim *sim);
 
 #endif

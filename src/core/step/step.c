@@ -4,9 +4,11 @@
 #include "base/clock.h"
 #include "base/sized.h"
 #include "crossings.h"
+#include "forces.h"
 #include "live_particles.h"
 #include "measure.h"
 #include "minimise.h"
+#include "probes.h"
 #include "sim.h"
 #include "timestep.h"
 #include "velocities.h"
@@ -157,7 +159,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
     struct progress progress;
     int retries = 0;
     double start = clock_ms(), cpu = clock_cpu_ms();
-    solid_load_begin_step(sim);
+    forces_forget(sim);
     sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
     pdyn_status status = attempt_with_retries(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
@@ -171,7 +173,8 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
 
     timestep_advance(sim, &end);
     live_particles_step(sim);
-    solid_load_end_step(sim);
+    sim->forces_known = true;
+    probes_step(sim, end.h);
     *info = (pdyn_step_info){.time = sim->time,
                              .h = end.h,
                              .frame = end.frame,

@@ -1,0 +1,121 @@
+/* Reading a probe: what it measures, and where. */
+#include "params.h"
+#include "reader.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { MAX_POINTS = 1000 }; /* of a line */
+
+const pdyn_param scene_probe_params[] = {
+    {"radius", PDYN_REAL, offsetof(struct scene_probe, radius), false, 0, 1e-9, 1e6, "m", ""},
+    {"time", PDYN_REAL, offsetof(struct scene_probe, time), false, 0, 0, 1e6, "s", ""},
+    {0}};
+
+static pdyn_status read_place(const struct json_at *at, double x[3]) {
+    return params_reals(at, 3, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", x);
+}
+
+static pdyn_status read_point(struct reader *r, const struct json_at *at,
+                              struct scene_probe *probe) {
+    double x[3];
+    pdyn_status status = read_place(at, x);
+    return status == PDYN_OK ? point_list_add(r->context, &probe->at, x) : status;
+}
+
+static pdyn_status read_line(struct reader *r, const struct json_at *at,
+                             struct scene_probe *probe) {
+    static const char *const keys[] = {"from", "to", "count", NULL};
+    struct json_at from = json_member(at, "from"), to = json_member(at, "to");
+    struct json_at number = json_member(at, "count");
+    double start[3], end[3];
+    int count = 0;
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = read_place(&from, start);
+    if (status == PDYN_OK) status = read_place(&to, end);
+    if (status == PDYN_OK) status = params_int(&number, 2, MAX_POINTS, &count);
+    for (int k = 0; k < count && status == PDYN_OK; k++) {
+        double x[3] = {0}, part = (double)k / (count - 1);
+        vec3_add(x, 1.0 - part, start);
+        vec3_add(x, part, end);
+        status = point_list_add(r->context, &probe->at, x);
+    }
+    return status;
+}
+
+static pdyn_status read_wall(struct reader *r, const struct json_at *at,
+                             struct scene_probe *probe) {
+    if (!r->scene->solids) return json_fail_at_key(at, "\"wall\" needs a scene with solids");
+    return read_point(r, at, probe);
+}
+
+static pdyn_status read_height(struct reader *r, const struct json_at *at,
+                               struct scene_probe *probe) {
+    if (vec3_length(r->scene->settings.gravity) == 0.0)
+        return json_fail_at_key(at, "\"height\" needs gravity: it is measured against it");
+    return read_point(r, at, probe);
+}
+
+static pdyn_status read_region(struct reader *r, const struct json_at *at,
+                               struct scene_probe *probe) {
+    (void)r;
+    return params_box(at, &probe->box);
+}
+
+static pdyn_status read_solid(struct reader *r, const struct json_at *at,
+                              struct scene_probe *probe) {
+    const char *names[READER_NAMES];
+    int count = 0;
+    if (!r->scene->solids) return json_fail_at_key(at, "\"solid\" needs a scene with solids");
+    for (; count < r->scene->solids && count < READER_NAMES; count++)
+        names[count] = r->scene->solid[count].name;
+    return reader_choice(at, "solid", names, count, &probe->target);
+}
+
+static bool has_pins(const struct scene_body *body) {
+    for (int k = 0; k < body->constraints; k++)
+        if (body->constraint[k].type->flags & PDYN_REACTION) return true;
+    return false;
+}
+
+static pdyn_status read_pins(struct reader *r, const struct json_at *at,
+                             struct scene_probe *probe) {
+    const char *names[READER_NAMES];
+    int count = 0;
+    for (; count < r->scene->bodies && count < READER_NAMES; count++)
+        names[count] = r->scene->body[count].name;
+    pdyn_status status = reader_choice(at, "body", names, count, &probe->target);
+    if (status == PDYN_OK && !has_pins(&r->scene->body[probe->target]))
+        status = json_fail(at, "expected a body with a \"pin\"");
+    return status;
+}
+
+static const struct {
+    pdyn_status (*read)(struct reader *r, const struct json_at *at, struct scene_probe *probe);
+    bool of_fluid, has_radius;
+} kinds[PROBE_KINDS] = {{read_point, true, true},   {read_line, true, true},
+                        {read_wall, true, true},    {read_height, true, false},
+                        {read_region, true, false}, {read_solid, false, false},
+                        {read_pins, false, false}};
+
+pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
+    static const char *const names[PROBE_KINDS] = {"point", "line",  "wall", "height",
+                                                   "box",   "solid", "pins"};
+    static const char *const keys[] = {"name", "point", "line", "wall", "height",
+                                       "box",  "solid", "pins", NULL};
+    struct scene_probe *probe = &r->scene->probe[index];
+    struct json_at radius = json_member(at, "radius");
+    pdyn_status status = params_check_keys(at, scene_probe_params, keys);
+    if (status == PDYN_OK) status = reader_name(r, at, "probe", index, &probe->name);
+    if (status == PDYN_OK) status = params_read(at, scene_probe_params, NULL, probe);
+    if (status == PDYN_OK) status = reader_one_of(at, names, PROBE_KINDS, &probe->kind);
+    if (status != PDYN_OK) return status;
+    struct json_at place = json_member(at, names[probe->kind]);
+    if (kinds[probe->kind].of_fluid && !r->listed)
+        return json_fail_at_key(&place, "\"%s\" needs a body with the constraint \"fluid\"",
+                                names[probe->kind]);
+    if (radius.value && !kinds[probe->kind].has_radius)
+        return json_fail_at_key(&radius, "\"radius\" needs a \"point\", \"line\" or \"wall\"");
+    return kinds[probe->kind].read(r, &place, probe);
+}

@@ -1,0 +1,176 @@
+/* Forces of constraints at the end of the last step: minus the gradient of their energy,
+ *
+ *     rows tier       -G' w (u - p)                       u, p of the last local step
+ *     operator tier   - sum of k_i max(0, C_i) grad C_i   multipliers stored by batch_accept
+ *
+ * The stored flux of rows cannot be used, because impacts modify it. */
+#include "forces.h"
+
+#include "base/registry.h"
+#include "sim.h"
+
+#include "projdyn/probe.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* ---- gradients ------------------------------------------------------------------------------- */
+
+/* d = u - p of row r. Rows that are joined to one matrix have p = 0 and no u (linear_rows.h). */
+static void row_distance(const struct pdyn_sim *sim, const struct batch *b, int r, double d[3]) {
+    const pdyn_batch *v = &b->view;
+    if (!b->linear) {
+        vec3_subtract(d, v->u + 3 * (size_t)r, v->p + 3 * (size_t)r);
+        return;
+    }
+    d[0] = d[1] = d[2] = 0.0;
+    for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+        vec3_add(d, v->coefficient[k], sim->x_next + 3 * (size_t)v->column[k]);
+}
+
+static void add_rows(const struct pdyn_sim *sim, const struct batch *b, double *gradient) {
+    const pdyn_batch *v = &b->view;
+    for (int e = 0; e < v->elements; e++)
+        for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
+            double d[3];
+            row_distance(sim, b, r, d);
+            for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+                vec3_add(gradient + 3 * (size_t)v->column[k], v->weight[e] * v->coefficient[k], d);
+        }
+}
+
+/* Adds the gradient of the energy of a batch. */
+static void add_gradient(const struct pdyn_sim *sim, struct batch *b, double *gradient) {
+    if (b->op) batch_force(b, b->one_sided.multiplier, gradient);
+    else add_rows(sim, b, gradient);
+}
+
+/* ---- batches --------------------------------------------------------------------------------- */
+
+typedef bool choose_fn(const struct batch *batch, const struct batch *constraint);
+
+/* The batch of a constraint of the scene, or that of its damping. */
+static bool belongs_to(const struct batch *batch, const struct batch *constraint) {
+    return batch == constraint ||
+           (batch->damper && batch->type == constraint->type &&
+            batch->params == constraint->params && batch->view.body == constraint->view.body);
+}
+
+static bool is_of_contact(const struct batch *batch, const struct batch *none) {
+    (void)none;
+    return batch->type == &pdyn_constraint_contact || batch->type == &pdyn_constraint_friction ||
+           batch->type == &pdyn_constraint_slip;
+}
+
+/* force = the sum over the chosen batches; 0 while forces are unknown. */
+static void sum_forces(const struct pdyn_sim *sim, choose_fn *choose,
+                       const struct batch *constraint, double *force) {
+    const struct objective *sys = &sim->objective;
+    memset(force, 0, objective_bytes(sys));
+    for (int b = 0; sim->forces_known && b < sys->batches; b++)
+        if (choose(sys->batch[b], constraint)) add_gradient(sim, sys->batch[b], force);
+    for (int k = 0; k < 3 * sys->particles; k++) force[k] = 0.0 - force[k]; /* no -0 */
+}
+
+void forces_forget(struct pdyn_sim *sim) {
+    sim->forces_known = false;
+    if (sim->loads) sim->loads->summed = false;
+}
+
+/* The load by the rows of a batch. */
+static void add_row_load(const struct pdyn_sim *sim, const struct batch *b,
+                         struct solid_load *load) {
+    const pdyn_batch *v = &b->view;
+    for (int e = 0; e < v->elements; e++)
+        for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
+            double d[3];
+            row_distance(sim, b, r, d);
+            for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++) {
+                double force[3] = {0};
+                vec3_add(force, -v->weight[e] * v->coefficient[k], d);
+                solid_load_add(load, sim->x_next + 3 * (size_t)v->column[k], force);
+            }
+        }
+}
+
+static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
+                              struct solid_load *load) {
+    double *force = sim->trial;
+    sum_forces(sim, belongs_to, b, force);
+    for (int i = 0; i < sim->objective.particles; i++)
+        solid_load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
+}
+
+void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load) {
+    const struct objective *sys = &sim->objective;
+    for (int b = 0; sim->forces_known && b < sys->batches; b++)
+        if (belongs_to(sys->batch[b], sys->batch[k]))
+            (sys->batch[b]->op ? add_operator_load : add_row_load)(sim, sys->batch[b], load);
+}
+
+/* ---- public functions ------------------------------------------------------------------------ */
+
+static bool has_constraint(const pdyn_sim *sim, int k) {
+    return sim && k >= 0 && k < sim->constraints;
+}
+
+pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *force) {
+    if (!has_constraint(sim, constraint) || !force) return PDYN_BAD_CALL;
+    sum_forces(sim, belongs_to, sim->objective.batch[constraint], force);
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, double force[3],
+                                 double moment[3]) {
+    struct solid_load load = {{0}, {0}};
+    if (!has_constraint(sim, constraint) || !force || !moment) return PDYN_BAD_CALL;
+    forces_add_load(sim, constraint, &load);
+    memcpy(force, load.force, sizeof load.force);
+    memcpy(moment, load.moment, sizeof load.moment);
+    return PDYN_OK;
+}
+
+pdyn_status pdyn_contact_forces(const pdyn_sim *sim, double *force) {
+    if (!sim || !force) return PDYN_BAD_CALL;
+    sum_forces(sim, is_of_contact, NULL, force);
+    return PDYN_OK;
+}
+
+/* ---- elements -------------------------------------------------------------------------------- */
+
+struct element {
+    double energy, distance; /* J; see probe.h */
+};
+
+static struct element row_element(const pdyn_sim *sim, const struct batch *b, int e) {
+    const pdyn_batch *v = &b->view;
+    double squares = 0.0, d[3];
+    for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
+        row_distance(sim, b, r, d);
+        squares += vec3_dot(d, d);
+    }
+    bool given = b->type->energy && !b->linear;
+    return (struct element){given ? b->type->energy(b->params, v, e, e + 1)
+                                  : 0.5 * v->weight[e] * squares,
+                            sqrt(squares)};
+}
+
+static struct element operator_element(const pdyn_sim *sim, const struct batch *b, int e) {
+    const struct one_sided *s = &b->one_sided;
+    (void)sim;
+    return (struct element){
+        e < s->at.count ? 0.5 * s->multiplier[e] * fmax(0.0, s->at.value[e]) : 0.0, 0.0};
+}
+
+pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *energy,
+                                double *distance) {
+    if (!has_constraint(sim, constraint)) return PDYN_BAD_CALL;
+    const struct batch *b = sim->objective.batch[constraint];
+    for (int e = 0; e < b->view.elements; e++) {
+        struct element value = {0};
+        if (sim->forces_known) value = (b->op ? operator_element : row_element)(sim, b, e);
+        if (energy) energy[e] = value.energy;
+        if (distance) distance[e] = value.distance;
+    }
+    return PDYN_OK;
+}

@@ -1,0 +1,15 @@
+/* Forces of constraints and of contact at the end of a step. They are computed on demand; a step
+ * only marks the last ones as outdated. */
+#ifndef PDYN_FORCES_H
+#define PDYN_FORCES_H
+
+#include "solid_load.h"
+
+/* Forces are unknown until the next step has ended. */
+void forces_forget(struct pdyn_sim *sim);
+
+/* Adds to a load the force of constraint k of the scene, at the positions of the end of the step.
+ * Nothing while forces are unknown. May overwrite sim->trial. */
+void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load);
+
+#endif

@@ -1,0 +1,224 @@
+/* Probes: a table of what each kind measures, the names of columns, means over time. */
+#include "probes.h"
+
+#include "base/sized.h"
+#include "fluid_at.h"
+#include "forces.h"
+#include "live_particles.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- what probes measure --------------------------------------------------------------------- */
+
+typedef void measure_fn(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out);
+
+static double radius_of(const struct pdyn_sim *sim, const struct scene_probe *probe) {
+    return probe->radius > 0.0 ? probe->radius : 4.0 * fluid_at_body(sim)->radius;
+}
+
+static void measure_points(const struct pdyn_sim *sim, const struct scene_probe *probe,
+                           double *out) {
+    double radius = radius_of(sim, probe);
+    for (int k = 0; k < probe->at.count; k++)
+        fluid_at_fit(sim, probe->at.x + 3 * (size_t)k, radius, out + FLUID_VALUES * k);
+}
+
+/* The area of the boundary points near a place, m^2, and the force on them, N, with weights
+ * 1 - distance^2 / radius^2. */
+static double near_area(const struct pdyn_sim *sim, const struct scene_probe *probe,
+                        double force[3]) {
+    double radius = radius_of(sim, probe), area = 0.0;
+    force[0] = force[1] = force[2] = 0.0;
+    for (int k = 0; k < sim->boundary.at.count; k++) {
+        double d = vec3_distance(sim->boundary.at.x + 3 * (size_t)k, probe->at.x) / radius;
+        if (!(d < 1.0)) continue;
+        area += (1.0 - d * d) * sim->boundary.point[k].area;
+        vec3_add(force, 1.0 - d * d, sim->loads->force + 3 * (size_t)k);
+    }
+    return area;
+}
+
+static void measure_wall(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+    double force[3];
+    solid_load_compute(sim);
+    double area = near_area(sim, probe, force);
+    *out = area > 0.0 ? vec3_length(force) / area : 0.0;
+}
+
+static void measure_height(const struct pdyn_sim *sim, const struct scene_probe *probe,
+                           double *out) {
+    *out = fluid_at_height(sim, probe->at.x);
+}
+
+/* The volume of the fluid in the box, and its mean velocity. */
+static void measure_box(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+    const pdyn_body *fluid = fluid_at_body(sim);
+    const double *low = probe->box.min, *high = probe->box.max;
+    double count = 0.0, sum[3] = {0};
+    for (int i = fluid->first; i < fluid->first + fluid->count; i++) {
+        const double *x = sim->x + 3 * (size_t)i;
+        bool inside = true;
+        for (int a = 0; a < 3; a++) inside &= x[a] >= low[a] && x[a] <= high[a];
+        if (!inside || !particle_is_live(sim, i)) continue;
+        count++;
+        vec3_add(sum, 1.0, sim->v + 3 * (size_t)i);
+    }
+    out[0] = count * 8.0 * fluid->radius * fluid->radius * fluid->radius;
+    for (int a = 0; a < 3; a++) out[1 + a] = count > 0.0 ? sum[a] / count : 0.0;
+}
+
+static void copy_load(const struct solid_load *load, double *out) {
+    memcpy(out, load->force, sizeof load->force);
+    memcpy(out + 3, load->moment, sizeof load->moment);
+}
+
+static void measure_solid(const struct pdyn_sim *sim, const struct scene_probe *probe,
+                          double *out) {
+    copy_load(solid_load_compute(sim) + probe->target, out);
+}
+
+/* The force of all pins of a body. */
+static void measure_pins(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+    struct solid_load load = {{0}, {0}};
+    for (int k = 0; k < sim->constraints; k++) {
+        const struct batch *b = sim->objective.batch[k];
+        if (b->type->flags & PDYN_REACTION && b->view.body == &sim->body[probe->target])
+            forces_add_load(sim, k, &load);
+    }
+    copy_load(&load, out);
+}
+
+struct quantity {
+    const char *name, *unit;
+};
+enum { QUANTITIES = 6 };
+#define FLUID                                                                                      \
+    {                                                                                              \
+        {"pressure", "Pa"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, { "velocity_z", "m_s" }  \
+    }
+#define LOAD                                                                                       \
+    {                                                                                              \
+        {"force_x", "N"}, {"force_y", "N"}, {"force_z", "N"}, {"moment_x", "Nm"},                  \
+            {"moment_y", "Nm"}, {                                                                  \
+            "moment_z", "Nm"                                                                       \
+        }                                                                                          \
+    }
+static const struct {
+    int count; /* quantities, of every point */
+    measure_fn *measure;
+    struct quantity quantity[QUANTITIES];
+} kinds[PROBE_KINDS] = {
+    [PROBE_POINT] = {FLUID_VALUES, measure_points, FLUID},
+    [PROBE_LINE] = {FLUID_VALUES, measure_points, FLUID},
+    [PROBE_WALL] = {1, measure_wall, {{"pressure", "Pa"}}},
+    [PROBE_HEIGHT] = {1, measure_height, {{"height", "m"}}},
+    [PROBE_BOX] =
+        {4,
+         measure_box,
+         {{"volume", "m3"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, {"velocity_z", "m_s"}}},
+    [PROBE_SOLID] = {6, measure_solid, LOAD},
+    [PROBE_PINS] = {6, measure_pins, LOAD},
+};
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+static int values_of(const struct scene_probe *probe) {
+    return kinds[probe->kind].count * (probe->at.count ? probe->at.count : 1);
+}
+
+/* NAME.QUANTITY_UNIT; with the number of the point on a line: NAME.QUANTITY_NUMBER_UNIT. */
+static void name_column(const struct scene_probe *probe, int value, char *text) {
+    const struct quantity *q = &kinds[probe->kind].quantity[value % kinds[probe->kind].count];
+    char number[16] = "";
+    if (probe->kind == PROBE_LINE)
+        snprintf(number, sizeof number, "_%d", value / kinds[probe->kind].count);
+    snprintf(text, PROBE_COLUMN, "%s.%s%s_%s", probe->name, q->name, number, q->unit);
+}
+
+static void list_columns(struct probes *p, const struct scene *scene) {
+    for (int k = 0, first = 0; k < p->count; first += p->probe[k++].values) {
+        const struct scene_probe *from = &scene->probe[k];
+        p->probe[k] =
+            (pdyn_probe_info){from->name, values_of(from), p->column + first, p->value + first};
+        for (int m = 0; m < p->probe[k].values; m++) {
+            char *text = p->text + (size_t)PROBE_COLUMN * (size_t)(first + m);
+            name_column(from, m, text);
+            p->column[first + m] = text;
+        }
+    }
+}
+
+static bool resize_arrays(pdyn_context *context, struct probes *p, enum array_action action) {
+    const struct array_entry table[] = {
+        ARRAY(p->probe, p->count),   ARRAY(p->value, p->values),
+        ARRAY(p->now, p->values),    ARRAY(p->text, PROBE_COLUMN * (size_t)p->values),
+        ARRAY(p->column, p->values),
+    };
+    return context_arrays(context, table, ARRAY_ROWS(table), action);
+}
+
+static pdyn_status check_walls(const struct pdyn_sim *sim) {
+    double force[3];
+    for (int k = 0; k < sim->scene.probes; k++) {
+        const struct scene_probe *probe = &sim->scene.probe[k];
+        if (probe->kind == PROBE_WALL && near_area(sim, probe, force) == 0.0)
+            return context_fail(sim->context, PDYN_BAD_INPUT,
+                                "probe \"%s\": expected a wall of a solid within %g m of (%g, %g, "
+                                "%g)",
+                                probe->name, radius_of(sim, probe), probe->at.x[0], probe->at.x[1],
+                                probe->at.x[2]);
+    }
+    return PDYN_OK;
+}
+
+pdyn_status probes_create(struct pdyn_sim *sim) {
+    if (!sim->scene.probes) return PDYN_OK;
+    struct probes *p = sim->probes = NEW_ARRAY(sim->context, 1, struct probes);
+    if (!p) return PDYN_NO_MEMORY;
+    p->count = sim->scene.probes;
+    for (int k = 0; k < p->count; k++) p->values += values_of(&sim->scene.probe[k]);
+    if (!resize_arrays(sim->context, p, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
+    list_columns(p, &sim->scene);
+    return check_walls(sim);
+}
+
+void probes_free(struct pdyn_sim *sim) {
+    if (!sim->probes) return;
+    resize_arrays(sim->context, sim->probes, ARRAYS_FREE);
+    FREE_ARRAY(sim->context, sim->probes, 1);
+}
+
+/* ---- steps ----------------------------------------------------------------------------------- */
+
+/* The exponential mean takes 1 - e^(-h / time) of each new value, the first value as a whole. */
+static double part_of(const struct scene_probe *probe, double h, long steps) {
+    return probe->time > 0.0 && steps > 1 ? -expm1(-h / probe->time) : 1.0;
+}
+
+void probes_step(struct pdyn_sim *sim, double h) {
+    struct probes *p = sim->probes;
+    double *now = p ? p->now : NULL, *value = p ? p->value : NULL;
+    for (int k = 0; p && k < p->count; k++) {
+        const struct scene_probe *from = &sim->scene.probe[k];
+        double part = part_of(from, h, sim->steps);
+        kinds[from->kind].measure(sim, from, now);
+        for (int m = 0; m < p->probe[k].values; m++, value++, now++)
+            *value = part == 1.0 ? *now : *value + part * (*now - *value);
+    }
+}
+
+void probes_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    if (sim->probes)
+        snapshot_file_numbers(a, sim->probes->value, (size_t)sim->probes->values,
+                              "a value of a probe is not finite");
+}
+
+void pdyn_get_probe_sized(const pdyn_sim *sim, int probe, pdyn_probe_info *out, size_t size) {
+    pdyn_probe_info info = {0};
+    if (sim && sim->probes && probe >= 0 && probe < sim->probes->count)
+        info = sim->probes->probe[probe];
+    sized_copy(out, size, &info, sizeof info);
+}

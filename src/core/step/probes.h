@@ -1,0 +1,31 @@
+/* The probes of a scene: numbers that every step measures for probes.csv. */
+#ifndef PDYN_PROBES_H
+#define PDYN_PROBES_H
+
+#include "base/snapshot_file.h"
+#include "projdyn/probe.h"
+
+struct pdyn_sim;
+
+enum { PROBE_COLUMN = 96 }; /* bytes of the name of a column */
+
+struct probes {
+    int count, values;
+    pdyn_probe_info *probe; /* count */
+    double *value;          /* values: of all probes */
+    double *now;            /* values: without the mean over time */
+    char *text;             /* values x PROBE_COLUMN */
+    const char **column;    /* values: pointers into text */
+};
+
+/* sim->probes stays NULL in a scene without probes. */
+pdyn_status probes_create(struct pdyn_sim *sim);
+void probes_free(struct pdyn_sim *sim);
+
+/* Measures at the end of a step of length h, s, whose forces are known. */
+void probes_step(struct pdyn_sim *sim, double h);
+
+/* Saves or reads the values: means over time continue. */
+void probes_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
+
+#endif
