@@ -82,9 +82,11 @@ static bool is_index(const char *key) { return strspn(key, "0123456789") == strl
 
 /* The key that names the elements of the array with key k - 1; NULL: they have an index alone. */
 static const char *naming_key(const struct edit *e, int k) {
+    static const char *const named[] = {"bodies", "solids", "probes"};
     const char *array = k ? e->key[k - 1] : "";
-    if (!strcmp(array, "constraints")) return "type";
-    return !strcmp(array, "bodies") || !strcmp(array, "solids") ? "name" : NULL;
+    for (size_t i = 0; i < sizeof named / sizeof *named; i++)
+        if (!strcmp(array, named[i])) return "name";
+    return !strcmp(array, "constraints") ? "type" : NULL;
 }
 
 /* Whether key k may be that of a new last element of the array; NULL: of an array not yet made. */

@@ -2,6 +2,7 @@
 
 #include "applied_force.h"
 #include "crossings.h"
+#include "forces.h"
 #include "live_particles.h"
 #include "parameters.h"
 #include "sim.h"
@@ -123,6 +124,7 @@ void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]) {
 /* The next step begins from the state alone. */
 static void forget_history(struct pdyn_sim *sim) {
     sim->control.driven = true;
+    forces_forget(sim);
     sim->history = 0.0;
     solver_choice_reject(sim);
     if (sim->scene.settings.newton) sim->damping = 1.0;

@@ -1,6 +1,7 @@
 #include "parameters.h"
 
 #include "base/text.h"
+#include "forces.h"
 #include "sim.h"
 
 #include "projdyn/control.h"
@@ -37,6 +38,7 @@ static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
         if (sys->batch[b]->params == changed->params && sys->batch[b]->type == changed->type)
             status = batch_refresh(sys->batch[b]);
     sim->control.driven = sim->control.stale = true;
+    forces_forget(sim);
     return status;
 }
 
