@@ -45,12 +45,12 @@ static const struct {
     {TOP("'gravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
      "name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, boundary, "
-     "duration, "
+     "probes, duration, "
      "frame_interval"},
     {TOP("'\\u0067ravty': [0, 0, 0]"),
      "scene.json:2:2: unknown key \"gravty\"; did you mean \"gravity\"?; known: $schema, "
      "name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, boundary, "
-     "duration, "
+     "probes, duration, "
      "frame_interval"},
     {TOP("'gravity': [0, -9.81]"),
      "scene.json:2:13: gravity: expected an array of 3 numbers (m/s^2), found an array of "
@@ -219,11 +219,11 @@ static const struct {
      "scene.json:2:12: bodies[0].name: the name \"boundary\" is reserved for the files of "
      "the solids"},
     {BODY("{'name': 'body1', 'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}},\n  " WATER),
-     "scene.json:3:3: bodies[1].name: the name \"body1\" is already taken by another body "
-     "or solid"},
+     "scene.json:3:3: bodies[1].name: the name \"body1\" is already taken by another body, "
+     "solid or probe"},
     {TOP("'solids': [{'name': 'body0', 'box': " BOX "}]"),
-     "scene.json:2:22: solids[0].name: the name \"body0\" is already taken by another "
-     "body or solid"},
+     "scene.json:2:22: solids[0].name: the name \"body0\" is already taken by another body, "
+     "solid or probe"},
     /* surfaces */
     {BODY("{'surface': {'area_density': 1}}"),
      "scene.json:2:15: bodies[0].surface: expected exactly one of \"grid\" and \"mesh\", "
@@ -588,7 +588,7 @@ static const struct {
      "--set solvr.type=cg: unknown key \"solvr\"; did you mean \"solver\"?; known: "
      "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, "
      "boundary, "
-     "duration, "
+     "probes, duration, "
      "frame_interval"},
     {"solver.type=gc",
      "--set solver.type=gc: solver.type: unknown solver \"gc\"; did you mean \"cg\"?; "
