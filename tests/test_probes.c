@@ -1,5 +1,6 @@
 /* The fluid at points (pdyn_fluid_at) and the probes of a scene: hydrostatics, exactness for linear
  * fields, loads, means over time, probes.csv, errors. */
+#include "geometry/grid.h"
 #include "scene_support.h"
 #include "scene_text.h"
 
@@ -150,6 +151,42 @@ static void test_calls(void **state) {
     assert_null(pdyn_get_probe(sim, 0).name);
     assert_null(pdyn_get_probe(sim, -1).name);
     pdyn_free(sim);
+}
+
+/* ---- the search ------------------------------------------------------------------------------ */
+
+enum { POINTS = 500 };
+
+static void count_visit(void *user, int id) { ((int *)user)[id]++; }
+
+/* A visit of a grid meets every point within the radius, and none twice. width: of the region with
+ * points, in cells; the wide one has too many cells for a table. */
+static void assert_visits(double width) {
+    struct grid grid;
+    double x[3 * POINTS];
+    uint64_t seed = 3;
+    for (int k = 0; k < 3 * POINTS; k++) x[k] = width * test_random(&seed);
+    assert_int_equal(grid_create(context, POINTS, 1.0, &grid), PDYN_OK);
+    assert_int_equal(grid_sort(context, &grid, POINTS, NULL, x), PDYN_OK);
+    assert_true(grid.tabled == (width < 10.0));
+    for (int n = 0; n < 200; n++) {
+        int met[POINTS] = {0};
+        double at[3], radius = 2.0 + 2.0 * test_random(&seed);
+        for (int a = 0; a < 3; a++) at[a] = 1.2 * width * test_random(&seed);
+        if (n % 2) memcpy(at, x + 3 * n, sizeof at);
+        grid_visit(&grid, at, radius, count_visit, met);
+        for (int k = 0; k < POINTS; k++) {
+            assert_true(met[k] <= 1);
+            assert_true(met[k] == 1 || vec3_distance(x + 3 * k, at) >= radius);
+        }
+    }
+    grid_free(context, &grid);
+}
+
+static void test_visits(void **state) {
+    (void)state;
+    assert_visits(3.0);
+    assert_visits(100.0);
 }
 
 /* ---- probes ---------------------------------------------------------------------------------- */
@@ -365,11 +402,12 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),    cmocka_unit_test(test_linear),
-        cmocka_unit_test(test_few),     cmocka_unit_test(test_calls),
-        cmocka_unit_test(test_columns), cmocka_unit_test(test_values),
-        cmocka_unit_test(test_steps),   cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_resume),  cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_rest),   cmocka_unit_test(test_linear),
+        cmocka_unit_test(test_few),    cmocka_unit_test(test_visits),
+        cmocka_unit_test(test_calls),  cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_values), cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_memory), cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("probes", tests, scene_set_up, scene_tear_down);
 }
