@@ -1,0 +1,67 @@
+"""Ownership: objects of the library live as long as Python objects or arrays refer to them."""
+from __future__ import annotations
+
+import logging
+import weakref
+from ctypes import byref, c_void_p, sizeof
+from typing import Any, Callable, Optional
+
+from .errors import Error, error_of
+from ._library import lib
+from ._structs import Log, Options
+
+_logger = logging.getLogger("projdyn")
+_LEVELS = (logging.INFO, logging.WARNING)  # of pdyn_log_level
+
+
+@Log
+def _log(user: Any, level: int, message: bytes) -> None:
+    _logger.log(_LEVELS[level], "%s", message.decode())
+
+
+def _free(free: Callable[[int], None], pointer: int, parent: Optional[Handle]) -> None:
+    free(pointer)
+
+
+class Handle:
+    """An object of the library and the object that must outlive it: a writer has a simulation, a
+    simulation and a scene have a context. The garbage collector frees the children first, because
+    the finaliser of a child refers to its parent."""
+
+    def __init__(self, pointer: int, free: Callable[[int], None],
+                 parent: Optional[Handle] = None) -> None:
+        self.pointer = pointer
+        self.parent = parent
+        self.finalize = weakref.finalize(self, _free, free, pointer, parent)
+        self.finalize.atexit = False
+
+    @property
+    def context(self) -> int:
+        """The context at the root."""
+        return self.parent.context if self.parent else self.pointer
+
+    def call(self, function: Callable[..., int], *arguments: Any) -> None:
+        """Calls a function of this object that returns a status; raises Error unless it is 0."""
+        if not self.finalize.alive:
+            raise Error("the object is closed")
+        status = function(self.pointer, *arguments)
+        if status:
+            text = lib.pdyn_last_error(self.context) or lib.pdyn_status_text(status)
+            raise error_of(status, text.decode())
+
+    def make(self, function: Callable[..., int], *arguments: Any) -> int:
+        """Pointer to a new object that a function of this object makes."""
+        out = c_void_p()
+        self.call(function, *arguments, byref(out))
+        return out.value
+
+
+def new_context(threads: int, allow_plugins: bool) -> Handle:
+    """A context: threads and error text of a scene and its simulations."""
+    options, out = Options(), c_void_p()
+    lib.pdyn_default_options_sized(byref(options), sizeof(options))
+    options.threads, options.log, options.refuse_scene_plugins = threads, _log, not allow_plugins
+    status = lib.pdyn_create_sized(byref(options), sizeof(options), byref(out))
+    if status:
+        raise error_of(status, f"threads: expected 0 to 1024, found {threads}")
+    return Handle(out.value, lib.pdyn_destroy)

@@ -1,0 +1,116 @@
+"""Bodies: arrays of their particles, and changes to these."""
+from __future__ import annotations
+
+from ctypes import byref, sizeof
+from typing import Any, Callable, Optional
+
+import numpy as np
+
+from ._arrays import address, doubles, view
+from .errors import InputError
+from ._handles import Handle
+from ._library import lib
+from ._structs import BodyInfo
+
+
+class Body:
+    """A fluid, a sheet or a soft solid of n particles (vertices).
+
+    Arrays are read-only views of the simulation's memory, without copies: they change with every
+    step, and stay valid when the simulation is dropped. Take a copy to remember a state.
+
+    name            str
+    particles       slice: its rows in arrays of all particles, e.g. of Constraint.forces
+    x, v            n x 3, m and m/s
+    mass            n, kg
+    density         n, kg/m^3; the rest density without a fluid constraint
+    pressure        n, Pa; 0 without a fluid constraint
+    live            n, bool: whether a particle is in the scene, see inlets and outlets
+    rest            n x 3, m: positions in the scene, before the first step
+    triangles       m x 3, edges: m x 2, tets: m x 4: indices of vertices, from 0; empty where the
+                    body has none
+    radius          m, of a particle; 0 for a surface
+    rest_density    kg/m^3, of a body of particles; 0 for a surface
+    """
+
+    def __init__(self, handle: Handle, index: int, state: dict) -> None:
+        self._handle, self._index = handle, index
+        info = self._info()
+        n = info.count
+        self.name: str = info.name.decode()
+        self.particles = slice(info.first, info.first + n)
+        self.x: np.ndarray = state["x"][self.particles]
+        self.v: np.ndarray = state["v"][self.particles]
+        self.mass: np.ndarray = state["mass"][self.particles]
+        self.density: np.ndarray = state["density"][self.particles]
+        self.pressure: np.ndarray = state["pressure"][self.particles]
+        self.live: np.ndarray = state["live"][self.particles]
+        self.rest = view(info.rest, (n, 3), handle)
+        self.triangles = view(info.triangle, (info.triangles, 3), handle, np.intc)
+        self.edges = view(info.edge, (info.edges, 2), handle, np.intc)
+        self.tets = view(info.tet, (info.tets, 4), handle, np.intc)
+        self.radius: float = info.radius
+        self.rest_density: float = info.rest_density
+
+    def __len__(self) -> int:
+        """Number of particles, n."""
+        return self.particles.stop - self.particles.start
+
+    def __repr__(self) -> str:
+        return f"<body {self.name} of {len(self)} particles>"
+
+    @property
+    def residual(self) -> float:
+        """|grad E| / |M g| of its particles, at the end of the last step."""
+        return self._info().residual
+
+    # ---- between two steps ----------------------------------------------------------------------
+
+    def set_forces(self, forces: Any) -> None:
+        """Sets the force on the particles, N, until it is set again. forces: n x 3; three numbers
+        for every particle alike; or None: no force."""
+        rows = None if forces is None else self._rows(forces, "forces")
+        self._call(lib.pdyn_set_forces, rows)
+
+    def add_forces(self, forces: Any) -> None:
+        """Adds to the force on the particles, N, n x 3, or three numbers."""
+        self._call(lib.pdyn_add_forces, self._rows(forces, "forces"))
+
+    def set_positions(self, positions: Any) -> None:
+        """Places the particles, n x 3, m. The body does not pass what lies between."""
+        self._call(lib.pdyn_set_positions, self._rows(positions, "positions"))
+
+    def set_velocities(self, velocities: Any) -> None:
+        """Sets the velocities, m/s, n x 3, or three numbers."""
+        self._call(lib.pdyn_set_velocities, self._rows(velocities, "velocities"))
+
+    def hold(self, vertex: int, target: Any, stiffness: float = 1e5) -> None:
+        """Pulls a vertex to the target, three numbers, m, by a spring of the stiffness, N/m. Held
+        again, the target moves."""
+        point = doubles(target, (3,), "target")
+        self._handle.call(lib.pdyn_hold, self._particle(vertex), stiffness, address(point))
+
+    def release(self, vertex: int) -> None:
+        """Ends the hold of a vertex."""
+        self._handle.call(lib.pdyn_release, self._particle(vertex))
+
+    # ---- parts ----------------------------------------------------------------------------------
+
+    def _info(self) -> BodyInfo:
+        info = BodyInfo()
+        lib.pdyn_get_body_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
+        return info
+
+    def _rows(self, values: Any, what: str) -> np.ndarray:
+        if np.shape(values) == (3,):
+            values = np.tile(values, (len(self), 1))
+        return doubles(values, (len(self), 3), what)
+
+    def _call(self, function: Callable[..., int], rows: Optional[np.ndarray]) -> None:
+        self._handle.call(function, self.particles.start, len(self), address(rows))
+
+    def _particle(self, vertex: int) -> int:
+        if not 0 <= vertex < len(self):
+            raise InputError(f"{self.name}: expected a vertex from 0 to {len(self) - 1}, found "
+                             f"{vertex}")
+        return self.particles.start + vertex

@@ -1,0 +1,118 @@
+"""Constraints: parameters that can be read and changed, forces and energies."""
+from __future__ import annotations
+
+from ctypes import byref, sizeof
+from typing import Any, Dict, NamedTuple, Tuple
+
+import numpy as np
+
+from ._arrays import address, doubles
+from ._handles import Handle
+from ._library import lib
+from .solid import Load
+from ._structs import ConstraintInfo, ParameterInfo
+
+
+class Parameter(NamedTuple):
+    """A number that a simulation uses: given, default or computed."""
+    value: float
+    unit: str  # "1": dimensionless
+    minimum: float
+    maximum: float
+    changeable: bool
+    doc: str
+
+
+class Constraint:
+    """A constraint on a body. Its parameters are items:
+
+        spring = sim.constraints["sheet", "spring"]
+        spring["stretching_stiffness"] *= 2
+    """
+
+    def __init__(self, handle: Handle, index: int, particles: int) -> None:
+        self._handle, self._index, self._particles = handle, index, particles
+        info = self._info()
+        self.type: str = info.type.decode()
+        self.body: str = info.body.decode()
+        self.elements: int = info.elements
+
+    def __repr__(self) -> str:
+        return f"<{self.type} on {self.body}, {self.elements} elements>"
+
+    # ---- parameters -----------------------------------------------------------------------------
+
+    @property
+    def parameters(self) -> Dict[str, Parameter]:
+        """The numbers that the simulation uses, by their names."""
+        found: Dict[str, Parameter] = {}
+        info = ParameterInfo()
+        while True:
+            lib.pdyn_get_parameter_sized(self._handle.pointer, self._index, len(found),
+                                         byref(info), sizeof(info))
+            if info.name is None:
+                return found
+            found[info.name.decode()] = Parameter(info.value, info.unit.decode(), info.minimum,
+                                                  info.maximum, info.changeable, info.doc.decode())
+
+    def __getitem__(self, name: str) -> float:
+        parameters = self.parameters
+        if name not in parameters:
+            raise KeyError(f"{name}: {self!r} has {', '.join(parameters)}")
+        return parameters[name].value
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        """Changes a parameter from the next step on: a number; three numbers for a vector; n x 4
+        for the keys of a path (time and three numbers)."""
+        numbers = doubles(np.ravel(value), (None,), name)
+        self._handle.call(lib.pdyn_set_parameter, self._index, name.encode(), address(numbers),
+                          len(numbers))
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the constraint acts; it can be switched off and on."""
+        return lib.pdyn_is_enabled(self._handle.pointer, self._index)
+
+    @enabled.setter
+    def enabled(self, enabled: bool) -> None:
+        self._handle.call(lib.pdyn_enable, self._index, enabled)
+
+    # ---- results at the end of the last step ----------------------------------------------------
+
+    @property
+    def energy(self) -> float:
+        """J."""
+        return self._info().energy
+
+    def forces(self) -> np.ndarray:
+        """Forces on all particles of the simulation, n x 3, N; Body.particles selects a body."""
+        forces = np.empty((self._particles, 3))
+        self._handle.call(lib.pdyn_constraint_forces, self._index, address(forces))
+        return forces
+
+    def load(self) -> Load:
+        """Sum of the forces, N, and moment about the origin, N m: of pins, what holds the body."""
+        force, moment = np.empty(3), np.empty(3)
+        self._handle.call(lib.pdyn_constraint_load, self._index, address(force), address(moment))
+        return Load(force, moment)
+
+    def energies(self) -> np.ndarray:
+        """Energy of each element, J."""
+        return self._values()[0]
+
+    def distances(self) -> np.ndarray:
+        """Distance |G x - p| of each element: of a spring the change of its length, m; of a
+        triangle or tetrahedron the norm of its strain."""
+        return self._values()[1]
+
+    # ---- parts ----------------------------------------------------------------------------------
+
+    def _info(self) -> ConstraintInfo:
+        info = ConstraintInfo()
+        lib.pdyn_get_constraint_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
+        return info
+
+    def _values(self) -> Tuple[np.ndarray, np.ndarray]:
+        energy, distance = np.empty(self.elements), np.empty(self.elements)
+        self._handle.call(lib.pdyn_element_values, self._index, address(energy), address(distance))
+        return energy, distance

@@ -1,0 +1,35 @@
+"""Replay of a run in a cell of a notebook."""
+from __future__ import annotations
+
+import html
+import os
+import pathlib
+import subprocess
+from typing import Union
+
+from .errors import Error
+from ._program import program_path
+
+
+class Replay:
+    """The interactive page of a run: a notebook shows it in the output of a cell.
+
+    path: of the HTML file, which opens in any browser.
+    """
+
+    def __init__(self, path: pathlib.Path, height: int) -> None:
+        self.path, self.height = path, height
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.path.read_text(), quote=True)
+        return (f'<iframe srcdoc="{page}" width="100%" height="{self.height}" '
+                f'style="border:0" allowfullscreen></iframe>')
+
+
+def replay(directory: Union[str, "os.PathLike[str]"], *, height: int = 480) -> Replay:
+    """Packs the frames of a run into DIRECTORY/replay.html (`projdyn replay`). height: pixels."""
+    done = subprocess.run([program_path(), "replay", os.fspath(directory)], text=True,
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    if done.returncode:
+        raise Error(done.stderr.strip())
+    return Replay(pathlib.Path(directory, "replay.html"), height)

@@ -1,0 +1,194 @@
+"""Simulations: steps, state, results."""
+from __future__ import annotations
+
+import os
+from ctypes import byref, sizeof
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
+
+import numpy as np
+
+from ._arrays import address, doubles, view
+from .body import Body
+from .constraint import Constraint
+from ._handles import Handle
+from ._library import lib
+from .probe import Probe, probes_of
+from .solid import Solid
+from ._structs import State, StepInfo, WarningInfo
+from .writer import Writer
+
+Path = Union[str, "os.PathLike[str]"]
+
+
+class Warning(NamedTuple):
+    """Something legal but surely not meant, or what went wrong in steps
+    (docs/guide/troubleshooting.md)."""
+    code: str
+    subject: str  # name of the body or solid; "" for the whole scene
+    text: str
+    count: int
+    first: float  # s, times of the first and of the last occurrence
+    last: float
+
+
+class Simulation:
+    """A scene that is simulated. Scene.load and projdyn.load make it.
+
+    x, v, mass      arrays of all particles, as in Body
+    bodies          Body by name
+    constraints     Constraint by body and type, e.g. ["sheet", "spring"]; of several of one type the
+                    second is ["sheet", "pin", 1], the third ["sheet", "pin", 2]
+    solids          Solid by name
+    probes          Probe by name
+    """
+
+    def __init__(self, handle: Handle) -> None:
+        self._handle = handle
+        state = State()
+        lib.pdyn_get_state_sized(handle.pointer, byref(state), sizeof(state))
+        arrays = _arrays(state, handle)
+        self.x: np.ndarray = arrays["x"]
+        self.v: np.ndarray = arrays["v"]
+        self.mass: np.ndarray = arrays["mass"]
+        bodies = (Body(handle, k, arrays) for k in range(state.bodies))
+        self.bodies: Dict[str, Body] = {body.name: body for body in bodies}
+        self.constraints = _constraints(handle, state)
+        self.solids = _solids(handle)
+        self.probes: Dict[str, Probe] = probes_of(handle)
+
+    def __repr__(self) -> str:
+        return f"<simulation at {self.time:.6g} s of {len(self.mass)} particles>"
+
+    # ---- steps ----------------------------------------------------------------------------------
+
+    def step(self, h: Optional[float] = None) -> StepInfo:
+        """Computes a step. h: its length, s; None: chosen by the scene, ends at frames at the
+        latest. StepError: the step failed, and the state is that of the step before."""
+        info = StepInfo()
+        if h is None:
+            self._handle.call(lib.pdyn_step_sized, byref(info), sizeof(info))
+        else:
+            self._handle.call(lib.pdyn_step_by_sized, h, byref(info), sizeof(info))
+        return info
+
+    def run(self, until: Optional[float] = None) -> Iterator[StepInfo]:
+        """Steps up to the time `until`, s, or the duration of the scene, and gives the results of
+        every step. The last step may end after it, unless it is the time of a frame."""
+        end = self.duration if until is None else until
+        while self.time < end * (1 - 1e-9):
+            yield self.step()
+
+    @property
+    def time(self) -> float:
+        """s."""
+        return lib.pdyn_time(self._handle.pointer)
+
+    @property
+    def duration(self) -> float:
+        """s, from the scene."""
+        return lib.pdyn_duration(self._handle.pointer)
+
+    @property
+    def frame_interval(self) -> float:
+        """s, between two frames of the output."""
+        return lib.pdyn_frame_interval(self._handle.pointer)
+
+    @property
+    def solver(self) -> str:
+        """Type of the linear solver in use."""
+        return lib.pdyn_solver_type(self._handle.pointer).decode()
+
+    @property
+    def integrator(self) -> str:
+        """"bdf2" or "euler"."""
+        return lib.pdyn_integrator(self._handle.pointer).decode()
+
+    # ---- state ----------------------------------------------------------------------------------
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """Acceleration of all bodies, three numbers, m/s^2. Assign an array to change it."""
+        gravity = np.empty(3)
+        lib.pdyn_get_gravity(self._handle.pointer, address(gravity))
+        gravity.flags.writeable = False
+        return gravity
+
+    @gravity.setter
+    def gravity(self, gravity: Any) -> None:
+        self._handle.call(lib.pdyn_set_gravity, address(doubles(gravity, (3,), "gravity")))
+
+    @property
+    def hash(self) -> int:
+        """Hash of positions and velocities: equal for equal bits."""
+        return lib.pdyn_state_hash(self._handle.pointer)
+
+    def save(self, path: Path) -> None:
+        """Saves the state to a file."""
+        self._handle.call(lib.pdyn_save, os.fsencode(path))
+
+    def restore(self, path: Path) -> None:
+        """Restores the state of a simulation of the same scene; it goes on with the same bits."""
+        self._handle.call(lib.pdyn_restore, os.fsencode(path))
+
+    # ---- results --------------------------------------------------------------------------------
+
+    @property
+    def warnings(self) -> List[Warning]:
+        """The warnings so far, those about the scene first."""
+        found: List[Warning] = []
+        info = WarningInfo()
+        while True:
+            lib.pdyn_get_warning_sized(self._handle.pointer, len(found), byref(info), sizeof(info))
+            if info.code is None:
+                return found
+            found.append(Warning(info.code.decode(), info.subject.decode(), info.text.decode(),
+                                 info.count, info.first, info.last))
+
+    def contact_forces(self) -> np.ndarray:
+        """Forces of contact and friction on all particles, n x 3, N."""
+        forces = np.empty_like(self.x)
+        self._handle.call(lib.pdyn_contact_forces, address(forces))
+        return forces
+
+    def fluid_at(self, points: Any) -> Tuple[np.ndarray, np.ndarray]:
+        """Pressure, n, Pa, and velocity, n x 3, m/s, of the fluid at points, n x 3, m; 0 where
+        there is no fluid."""
+        x = doubles(points, (None, 3), "points")
+        pressure, velocity = np.empty(len(x)), np.empty((len(x), 3))
+        self._handle.call(lib.pdyn_fluid_at, len(x), address(x), address(pressure),
+                          address(velocity))
+        return pressure, velocity
+
+    def write(self, directory: Path, *, ply: bool = False) -> Writer:
+        """A writer of frames, metrics.csv and report.json into a directory; see Writer."""
+        return Writer(self._handle, directory, ply)
+
+
+def _arrays(state: State, handle: Handle) -> Dict[str, np.ndarray]:
+    n = state.particles
+    live = view(state.live, (n,), handle, np.bool_) if state.live else np.ones(n, np.bool_)
+    live.flags.writeable = False
+    return {"x": view(state.x, (n, 3), handle), "v": view(state.v, (n, 3), handle),
+            "mass": view(state.mass, (n,), handle), "density": view(state.density, (n,), handle),
+            "pressure": view(state.pressure, (n,), handle), "live": live}
+
+
+def _constraints(handle: Handle, state: State) -> Dict[tuple, Constraint]:
+    found: Dict[tuple, Constraint] = {}
+    for index in range(state.constraints):
+        constraint = Constraint(handle, index, state.particles)
+        key, count = (constraint.body, constraint.type), 0
+        while key in found:
+            count += 1
+            key = (constraint.body, constraint.type, count)
+        found[key] = constraint
+    return found
+
+
+def _solids(handle: Handle) -> Dict[str, Solid]:
+    found: Dict[str, Solid] = {}
+    while True:
+        name = lib.pdyn_solid_name(handle.pointer, len(found))
+        if name is None:
+            return found
+        found[name.decode()] = Solid(handle, len(found), name.decode())

@@ -1,0 +1,41 @@
+"""Solids: the load on them, and their motion."""
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ._arrays import address, doubles
+from ._handles import Handle
+from ._library import lib
+
+
+class Load(NamedTuple):
+    """Force, N, and moment about the origin of the world, N m, three numbers each."""
+    force: np.ndarray
+    moment: np.ndarray
+
+
+class Solid:
+    """A wall or an obstacle."""
+
+    def __init__(self, handle: Handle, index: int, name: str) -> None:
+        self._handle, self._index, self.name = handle, index, name
+
+    def __repr__(self) -> str:
+        return f"<solid {self.name}>"
+
+    def load(self) -> Load:
+        """The load at the end of the last step: pressure of the fluid, contact and friction."""
+        force, moment = np.empty(3), np.empty(3)
+        self._handle.call(lib.pdyn_solid_load, self._index, address(force), address(moment))
+        return Load(force, moment)
+
+    def move(self, time: float, translate: Any = (0, 0, 0), rotate: Any = (0, 0, 0)) -> None:
+        """Moves the solid evenly so that at `time`, s, it has this pose, in which it rests.
+
+        translate: m, and rotate: degrees about x, then y, then z through the pivot, both from the
+        place of the solid in the scene. InputError: the solid has no "motion" in the scene.
+        """
+        step, turn = doubles(translate, (3,), "translate"), doubles(rotate, (3,), "rotate")
+        self._handle.call(lib.pdyn_move_solid, self._index, time, address(step), address(turn))

@@ -1,0 +1,49 @@
+"""Output of a simulation: frames, metrics.csv, report.json, as `projdyn run` writes them."""
+from __future__ import annotations
+
+import os
+from ctypes import byref, sizeof
+from typing import Any, Union
+
+from ._handles import Handle
+from ._library import lib
+from ._structs import StepInfo
+
+
+class Writer:
+    """Writes a run; the directory can be replayed (projdyn.notebook), read and rendered:
+
+        with sim.write("out") as writer:
+            for info in sim.run():
+                writer.step(info)
+
+    The first frame is written at the start, the report at the end.
+    """
+
+    def __init__(self, handle: Handle, directory: Union[str, "os.PathLike[str]"],
+                 ply: bool) -> None:
+        self.directory = os.fspath(directory)
+        writer = handle.make(lib.pdyn_writer_open, os.fsencode(directory), ply)
+        self._handle = Handle(writer, lib.pdyn_writer_close, handle)
+        self.frame()
+
+    def step(self, info: StepInfo) -> None:
+        """Writes the row of a step in metrics.csv, and a frame if the step reached one."""
+        self._handle.call(lib.pdyn_writer_step_sized, byref(info), sizeof(info))
+        if info.frame:
+            self.frame()
+
+    def frame(self) -> None:
+        """Writes a frame."""
+        self._handle.call(lib.pdyn_writer_frame)
+
+    def close(self, failed: str = "") -> None:
+        """Writes the report and closes the files. failed: why the run stopped early."""
+        self._handle.call(lib.pdyn_writer_report, None, False, failed.encode() or None)
+        self._handle.finalize()
+
+    def __enter__(self) -> Writer:
+        return self
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
+        self.close(repr(error) if error else "")

@@ -1,0 +1,133 @@
+"""Changes between two steps."""
+import pathlib
+import tempfile
+import unittest
+
+import numpy as np
+
+import projdyn
+from scenes import hanging_sheet
+
+
+def steps(sim, count):
+    for _ in range(count):
+        sim.step()
+
+
+class Control(unittest.TestCase):
+    def test_forces_carry_the_weight(self):
+        sim = hanging_sheet().load()
+        sheet = sim.bodies["sheet"]
+        sheet.set_forces(9.81 * sheet.mass[:, None] * [0, 1, 0])
+        steps(sim, 20)
+        np.testing.assert_allclose(sheet.x, sheet.rest, atol=1e-9)
+        sheet.add_forces(sheet.mass[:, None] * [0, 1, 0])
+        steps(sim, 20)
+        self.assertGreater(sheet.x[40, 1], 1e-3)
+        sheet.set_forces(None)
+        sheet.set_velocities([0, 0, 0])
+        steps(sim, 60)
+        self.assertLess(sheet.x[40, 1], -1e-3)
+
+    def test_one_force_for_all(self):
+        sims = [hanging_sheet().load() for _ in range(2)]
+        sims[0].bodies["sheet"].set_forces([0, 0, 0.01])
+        sims[1].bodies["sheet"].set_forces(np.tile([0, 0, 0.01], (81, 1)))
+        for sim in sims:
+            steps(sim, 3)
+        self.assertEqual(sims[0].hash, sims[1].hash)
+
+    def test_positions_and_velocities(self):
+        sim = hanging_sheet().load()
+        sheet = sim.bodies["sheet"]
+        sheet.set_positions(sheet.rest + [0, 1, 0])
+        sheet.set_velocities(np.zeros((81, 3)) + [1, 2, 3])
+        np.testing.assert_array_equal(sheet.x, sheet.rest + [0, 1, 0])
+        np.testing.assert_array_equal(sheet.v[17], [1, 2, 3])
+
+    def test_a_held_vertex_reaches_its_target_and_falls(self):
+        sim = hanging_sheet().load()
+        sheet, corner = sim.bodies["sheet"], 80
+        start, end = sheet.x[corner].copy(), sheet.x[corner] + [-0.1, 0.2, -0.1]
+        for k in range(100):
+            sheet.hold(corner, start + min(1, k / 50) * (end - start), stiffness=1e5)
+            sim.step()
+        self.assertLess(np.linalg.norm(sheet.x[corner] - end), 1e-3)
+        sheet.release(corner)
+        for _ in sim.run(until=sim.time + 0.2):
+            pass
+        self.assertLess(sheet.x[corner, 1], end[1] - 0.1)
+
+    def test_gravity(self):
+        sim = hanging_sheet().load()
+        sim.gravity = [0, 0, 0]
+        steps(sim, 3)
+        np.testing.assert_array_equal(sim.bodies["sheet"].x, sim.bodies["sheet"].rest)
+        with self.assertRaises(ValueError):
+            sim.gravity[0] = 1  # a copy
+
+    def test_a_parameter_has_the_bits_of_a_restored_state(self):
+        scene = hanging_sheet()
+        sim, other = scene.load(), scene.load()
+        steps(sim, 10)
+        sim.constraints["sheet", "spring"]["stretching_stiffness"] = 50
+        self.assertEqual(sim.constraints["sheet", "spring"]["stretching_stiffness"], 50)
+        with tempfile.TemporaryDirectory() as folder:
+            sim.save(pathlib.Path(folder, "state"))
+            other.restore(pathlib.Path(folder, "state"))
+        self.assertEqual(other.constraints["sheet", "spring"]["stretching_stiffness"], 50)
+        steps(sim, 20)
+        steps(other, 20)
+        self.assertEqual(sim.hash, other.hash)
+        unchanged = scene.load()
+        steps(unchanged, 30)
+        self.assertNotEqual(sim.hash, unchanged.hash)
+
+    def test_parameters(self):
+        spring = hanging_sheet().load().constraints["sheet", "spring"]
+        stiffness = spring.parameters["stretching_stiffness"]
+        self.assertEqual((stiffness.value, stiffness.unit, stiffness.changeable), (500, "N/m", True))
+        with self.assertRaisesRegex(KeyError, "stretching_stiffness"):
+            spring["stiffness"]
+        with self.assertRaises(projdyn.InputError):
+            spring["stretching_stiffness"] = -1
+        self.assertEqual(spring["stretching_stiffness"], 500)
+
+    def test_a_pin_is_switched_off(self):
+        sim = hanging_sheet().load()
+        pin = sim.constraints["sheet", "pin"]
+        self.assertTrue(pin.enabled)
+        pin.enabled = False
+        self.assertFalse(pin.enabled)
+        for _ in sim.run(until=0.2):
+            pass
+        self.assertAlmostEqual(sim.bodies["sheet"].x[0, 1], -0.5 * 9.81 * 0.2**2, delta=0.01)
+
+    def test_a_solid_moves(self):
+        scene = projdyn.Scene(threads=1, gravity=[0, 0, 0], contact={"thickness": 0.01})
+        scene.add_cloth(grid={"size": [0.4, 0.4], "vertices": [9, 9]}, name="sheet",
+                        area_density=0.2, spring={"stretching_stiffness": 500},
+                        bending={"bending_rigidity": 1e-3})
+        scene.add_solid(name="plate", box=([-1, -0.2, -1], [1, -0.05, 1]), motion=[{"time": 0}])
+        sim = scene.load()
+        sim.solids["plate"].move(0.2, translate=[0, 0.1, 0])
+        for _ in sim.run(until=0.3):
+            pass
+        self.assertGreater(sim.bodies["sheet"].x[:, 1].min(), 0.05)
+
+    def test_mistakes(self):
+        sheet = hanging_sheet().load().bodies["sheet"]
+        with self.assertRaisesRegex(projdyn.InputError, "forces: expected the shape 81 x 3"):
+            sheet.set_forces(np.zeros((80, 3)))
+        with self.assertRaises(projdyn.Error):
+            sheet.set_forces([np.nan, 0, 0])
+        with self.assertRaisesRegex(projdyn.InputError, "vertex from 0 to 80, found 81"):
+            sheet.hold(81, [0, 0, 0])
+        with self.assertRaisesRegex(projdyn.InputError, "target: expected the shape 3"):
+            sheet.hold(1, 7)
+        with self.assertRaises(projdyn.Error):
+            sheet.hold(1, [0, np.inf, 0])
+
+
+if __name__ == "__main__":
+    unittest.main()

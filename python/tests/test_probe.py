@@ -1,0 +1,42 @@
+"""Forces, energies and pressures at the end of a step."""
+import unittest
+
+import numpy as np
+
+from scenes import hanging_sheet, tank_of_water
+
+
+class Probes(unittest.TestCase):
+    def test_constraints_of_a_sheet(self):
+        sim = hanging_sheet(solver={"tolerance": 1e-6, "outer_iterations": 100}).load()
+        spring, pin = sim.constraints["sheet", "spring"], sim.constraints["sheet", "pin"]
+        self.assertEqual(np.abs(spring.forces()).max(), 0)
+        for info in sim.run(until=0.1):
+            pass
+        self.assertEqual(spring.energies().shape, (spring.elements,))
+        self.assertAlmostEqual(spring.energies().sum(), spring.energy)
+        stretched = np.linalg.norm(np.diff(sim.bodies["sheet"].x[sim.bodies["sheet"].edges], axis=1)[:, 0], axis=1)
+        self.assertEqual(spring.distances().shape, stretched.shape)
+        np.testing.assert_allclose(spring.forces().sum(0), 0, atol=1e-9)
+        force, moment = pin.load()
+        np.testing.assert_allclose(force, pin.forces().sum(0), atol=1e-9)
+        np.testing.assert_allclose(force, info.pin_reaction, atol=1e-3)
+        np.testing.assert_allclose(moment, np.cross(sim.x, pin.forces()).sum(0), atol=1e-9)
+        self.assertEqual(sim.contact_forces().shape, (81, 3))
+
+    def test_water(self):
+        sim = tank_of_water().load()
+        for info in sim.run(until=0.4):
+            pass
+        pressure, velocity = sim.fluid_at([[0.12, 0.05, 0.12], [0.12, 0.12, 0.12], [0.12, 0.38, 0.12]])
+        self.assertAlmostEqual((pressure[0] - pressure[1]) / (1000 * 9.81 * 0.07), 1, delta=0.15)
+        self.assertEqual(pressure[2], 0)
+        self.assertLess(np.abs(velocity).max(), 0.1)
+        force, moment = sim.solids["tank"].load()
+        weight = 9.81 * sim.mass.sum()
+        self.assertAlmostEqual(-force[1] / weight, 1, delta=0.1)
+        self.assertEqual(moment.shape, (3,))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,141 @@
+"""Scenes from arrays, files and keys."""
+import json
+import os
+import pathlib
+import tempfile
+import unittest
+
+import numpy as np
+
+import projdyn
+from scenes import hanging_sheet, square, tank_of_water
+
+SCENES = pathlib.Path(os.environ["PROJDYN_SOURCE_ROOT"], "scenes")
+
+
+class Scenes(unittest.TestCase):
+    def test_keys(self):
+        scene = hanging_sheet(gravity=[0, -1, 0])
+        scene["time_step.maximum"] = np.float64(0.002)
+        self.assertEqual(scene["time_step"], {"maximum": 0.002})
+        self.assertEqual(scene["bodies.sheet.constraints.pin.vertices.vertices.1"], 8)
+        self.assertEqual(scene["bodies.0.name"], "sheet")
+        with self.assertRaises(KeyError):
+            scene["bodies.water"]
+        sim = scene.load()
+        self.assertEqual(list(sim.gravity), [0, -1, 0])
+        self.assertLessEqual(sim.step().h, 0.002)
+
+    def test_all_kinds_of_bodies(self):
+        vertices, triangles = square()
+        scene = projdyn.Scene(threads=1)
+        scene.add_cloth(vertices + [0, 2, 0], triangles, name="sheet", area_density=0.1,
+                        triangle={"stretching_stiffness": 10})
+        scene.add_soft([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]], density=500,
+                       name="soft", velocity=[1, 0, 0], tet={"stiffness": 1e4})
+        scene.add_fluid([[5, 0, 0], [6, 0, 0]], velocities=[[0, 1, 0], [0, 2, 0]], radius=0.01,
+                        name="drops", fluid={"sound_speed": 10})
+        scene.add_solid([[9, 0, 0], [10, 0, 0], [9, 1, 0]], [[0, 1, 2]], name="wall")
+        sim = scene.load()
+        self.assertEqual(list(sim.bodies), ["sheet", "soft", "drops"])
+        self.assertEqual(list(sim.solids), ["wall"])
+        np.testing.assert_array_equal(sim.bodies["sheet"].x, vertices + [0, 2, 0])
+        np.testing.assert_array_equal(sim.bodies["sheet"].triangles, triangles)
+        self.assertEqual(sim.bodies["sheet"].edges.shape, (5, 2))
+        self.assertEqual(sim.bodies["soft"].tets.shape, (1, 4))
+        np.testing.assert_array_equal(sim.bodies["soft"].v, np.tile([1, 0, 0], (4, 1)))
+        np.testing.assert_array_equal(sim.bodies["drops"].v, [[0, 1, 0], [0, 2, 0]])
+        self.assertAlmostEqual(sim.bodies["sheet"].mass.sum(), 0.1)
+
+    def test_names_are_given(self):
+        vertices, triangles = square()
+        scene = projdyn.Scene(threads=1)
+        self.assertEqual(scene.add_cloth(vertices, triangles, area_density=1), "body0")
+        self.assertEqual(scene.add_cloth(vertices + 2, triangles, area_density=1), "body1")
+        self.assertEqual(list(scene.load().bodies), ["body0", "body1"])
+
+    def test_several_constraints_of_a_type(self):
+        scene = projdyn.Scene(threads=1)
+        scene.add_cloth(*square(), name="sheet", area_density=1, spring={"stretching_stiffness": 9},
+                        pin=[{"vertices": {"vertices": [0]}}, {"vertices": {"vertices": [1]}}])
+        self.assertEqual(list(scene.load().constraints),
+                         [("sheet", "spring"), ("sheet", "pin"), ("sheet", "pin", 1)])
+
+    def test_file_with_overrides(self):
+        sim = projdyn.load(SCENES / "hanging_cloth.json", {"time_step.fixed": 0.005}, threads=1)
+        self.assertEqual(sim.step().h, 0.005)
+
+    def test_written_scene_has_the_same_bits(self):
+        scene = projdyn.Scene("square", threads=1)
+        vertices, triangles = square()
+        scene.add_cloth(vertices / 3, triangles, name="sheet", area_density=0.1,
+                        spring={"stretching_stiffness": 10}, pin={"vertices": {"vertices": [0]}})
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "square.json")
+            scene.write(path)
+            self.assertEqual(json.loads(path.read_text()), scene.to_dict())
+            read, made = projdyn.load(path, threads=1), scene.load()
+        for sim in (read, made):
+            sim.step()
+        self.assertEqual(read.hash, made.hash)
+
+    def test_a_scene_is_loaded_again(self):
+        scene = hanging_sheet()
+        first = scene.load()
+        scene["bodies.sheet.constraints.spring.stretching_stiffness"] = 5
+        second = scene.load()
+        for sim in (first, second):
+            for _ in range(3):
+                sim.step()
+        self.assertNotEqual(first.hash, second.hash)
+
+    def test_threads_do_not_change_bits(self):
+        hashes = []
+        for threads in (1, 2):
+            sim = tank_of_water(threads=threads).load()
+            for _ in range(3):
+                sim.step()
+            hashes.append(sim.hash)
+        self.assertEqual(hashes[0], hashes[1])
+
+
+class Mistakes(unittest.TestCase):
+    def fails(self, text, function, *arguments, **keys):
+        with self.assertRaisesRegex(projdyn.InputError, text):
+            function(*arguments, **keys)
+
+    def test_scene(self):
+        scene = hanging_sheet(durration=3)
+        self.fails('durration.*did you mean "duration"', scene.load)
+        self.fails("duration: .*JSON", hanging_sheet, duration=float("nan"))
+
+    def test_arrays(self):
+        vertices, triangles = square()
+        scene = projdyn.Scene(threads=1)
+        self.fails("vertices: expected the shape n x 3, found 4 x 2", scene.add_cloth,
+                   vertices[:, :2], triangles, area_density=1)
+        self.fails("triangles: expected whole numbers", scene.add_cloth, vertices,
+                   np.array(triangles) + 0.5, area_density=1)
+        self.fails("", scene.add_cloth, vertices, np.array(triangles) + 2, area_density=1)
+        self.fails("", scene.add_cloth, vertices * np.nan, triangles, area_density=1)
+        self.fails("velocities: expected the shape 4 x 3, found 3 x 3", scene.add_fluid, vertices,
+                   radius=0.1, velocities=vertices[:3])
+        self.fails("box: expected the shape 2 x 3", scene.add_fluid, box=[1, 2], radius=0.1)
+        self.fails("spring: expected the parameters", scene.add_cloth, vertices, triangles,
+                   area_density=1, spring=3)
+        self.assertEqual(scene["bodies"], [])
+
+    def test_files(self):
+        with self.assertRaisesRegex(projdyn.Error, "no_such.json"):
+            projdyn.load("no_such.json")
+
+    def test_plugins_are_refused(self):
+        self.fails("plug-in", hanging_sheet(plugins=["./some.so"]).load)
+
+    def test_threads(self):
+        with self.assertRaisesRegex(projdyn.Error, "expected 0 to 1024, found -1"):
+            projdyn.Scene(threads=-1)
+
+
+if __name__ == "__main__":
+    unittest.main()

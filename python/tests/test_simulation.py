@@ -1,0 +1,161 @@
+"""Steps, views of the state, lifetimes, saved states and output."""
+import gc
+import json
+import logging
+import pathlib
+import pickle
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+
+import projdyn
+from projdyn._program import program_path
+from projdyn.notebook import replay
+from scenes import hanging_sheet, tank_of_water
+
+
+class Steps(unittest.TestCase):
+    def test_run(self):
+        sim = hanging_sheet(duration=0.1, time_step={"fixed": 0.01}).load()
+        infos = list(sim.run(until=0.05))
+        self.assertEqual([round(100 * info.time) for info in infos], [1, 2, 3, 4, 5])
+        self.assertEqual(len(list(sim.run())), 5)
+        self.assertEqual(infos[-1].h, 0.01)
+        self.assertEqual(len(infos[0].momentum), 3)
+        self.assertIn("step to 0.01 s", repr(infos[0]))
+
+    def test_step_of_a_given_length(self):
+        sim = hanging_sheet().load()
+        self.assertEqual(sim.step(h=0.0123).h, 0.0123)
+        self.assertEqual(sim.time, 0.0123)
+        with self.assertRaises(projdyn.Error):
+            sim.step(h=-1)
+
+    def test_a_failed_step(self):
+        scene = hanging_sheet(solver={"retries": 0})
+        scene["bodies.sheet.velocity"] = [1e6, 0, 0]
+        scene["time_step"] = {"fixed": 100}
+        sim = scene.load()
+        with self.assertRaises(projdyn.StepError):
+            for _ in range(50):
+                sim.step()
+
+
+class Views(unittest.TestCase):
+    def test_views_follow_the_steps(self):
+        sim = hanging_sheet().load()
+        sheet = sim.bodies["sheet"]
+        x = sheet.x
+        before = x.copy()
+        sim.step()
+        self.assertLess(x[:, 1].min(), before[:, 1].min())
+        self.assertIs(sheet.x, x)
+        np.testing.assert_array_equal(sheet.rest, before)
+        self.assertEqual(len(sheet), 81)
+        self.assertTrue(sheet.live.all())
+        self.assertAlmostEqual(float(sheet.mass.sum()), 0.2)
+
+    def test_views_are_read_only(self):
+        sim = hanging_sheet().load()
+        sheet = sim.bodies["sheet"]
+        for array in (sheet.x, sheet.v, sheet.mass, sheet.rest, sheet.triangles, sheet.live):
+            with self.assertRaises(ValueError):
+                array[0] = 1
+            with self.assertRaises(ValueError):
+                array.flags.writeable = True
+
+    def test_a_view_keeps_its_memory(self):
+        sim = hanging_sheet().load()
+        sim.step()
+        x, expected = sim.bodies["sheet"].x[3:], sim.bodies["sheet"].x[3:].copy()
+        handle = sim._handle.finalize
+        del sim
+        gc.collect()
+        self.assertTrue(handle.alive)
+        np.testing.assert_array_equal(x, expected)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(x)), expected)
+        del x
+        gc.collect()
+        self.assertFalse(handle.alive)
+
+    def test_the_garbage_collector_frees_in_order(self):
+        for _ in range(20):
+            scene = hanging_sheet(n=3)
+            sim = scene.load()
+            sim.cycle = [sim, scene]
+            scene.cycle = sim
+            del scene, sim
+        self.assertGreater(gc.collect(), 0)
+
+    def test_fluid(self):
+        sim = tank_of_water().load()
+        water = sim.bodies["water"]
+        for _ in sim.run(until=0.2):
+            pass
+        self.assertEqual(water.radius, 0.02)
+        self.assertAlmostEqual(water.density.mean() / water.rest_density, 1, delta=0.05)
+        deep = water.x[:, 1] < 0.04
+        self.assertAlmostEqual(water.pressure[deep].mean(), 1000 * 9.81 * 0.18, delta=250)
+        self.assertEqual(water.triangles.shape, (0, 3))
+
+
+class Files(unittest.TestCase):
+    def test_saved_state(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "state.pdyn")
+            scene = hanging_sheet()
+            sim, other = scene.load(), scene.load()
+            sim.step()
+            sim.save(path)
+            sim.step()
+            other.restore(path)
+            other.step()
+            self.assertEqual(sim.hash, other.hash)
+            self.assertEqual(sim.time, other.time)
+            with self.assertRaises(projdyn.Error):
+                tank_of_water().load().restore(path)
+
+    def test_writer_writes_what_the_program_writes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = hanging_sheet(duration=0.1)
+            scene.write(pathlib.Path(folder, "scene.json"))
+            subprocess.run([program_path(), "run", f"{folder}/scene.json", "-o", f"{folder}/program",
+                            "--quiet"], check=True)
+            sim = scene.load()
+            with sim.write(f"{folder}/package") as writer:
+                for info in sim.run():
+                    writer.step(info)
+            for frame in pathlib.Path(folder, "program").glob("*.vtk*"):
+                self.assertEqual(frame.read_bytes(),
+                                 pathlib.Path(folder, "package", frame.name).read_bytes())
+            report = json.loads(pathlib.Path(folder, "package/report.json").read_text())
+            self.assertEqual(report["steps"], len(list(scene.load().run())))
+            with self.assertRaisesRegex(projdyn.Error, "closed"):
+                writer.frame()
+            page = replay(f"{folder}/package")._repr_html_()
+            self.assertIn("<iframe srcdoc=", page)
+            self.assertNotIn('<script', page)  # escaped
+
+    def test_replay_of_nothing(self):
+        with self.assertRaisesRegex(projdyn.Error, "no_such"):
+            replay("no_such")
+
+
+class Messages(unittest.TestCase):
+    def test_warnings(self):
+        scene = hanging_sheet(solver={"outer_iterations": 1, "tolerance": 1e-9})
+        with self.assertLogs("projdyn", logging.WARNING) as log:
+            sim = scene.load()
+            for _ in range(3):
+                sim.step()
+        self.assertIn("unsolved", [warning.code for warning in sim.warnings])
+        self.assertIn("unsolved", log.output[0])
+
+    def test_version(self):
+        self.assertRegex(projdyn.version(), r"^\d+\.\d+\.\d+$")
+
+
+if __name__ == "__main__":
+    unittest.main()
