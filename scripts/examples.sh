@@ -1,9 +1,9 @@
 #!/bin/sh
 # Installs the library of a build folder (default build) into an empty prefix, and builds and runs all
-# of examples/ from there: what someone without the source tree can do.
+# of examples/, and an example of the Python package, from there: what someone without the source tree can do.
 set -eu
 cd "$(dirname "$0")/.."
-build=$(realpath "${1:-build}")
+build=$(realpath "${1:-build}") root=$(pwd)
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 meson install -C "$build" --no-rebuild --quiet --destdir "$dir"
@@ -45,7 +45,7 @@ done
 
 echo "== python"
 if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
-    /usr/bin/python3 cloth.py | tail -n 1
+    PYTHONPATH="$root/python" PROJDYN_LIBRARY="$library/libprojdyn.so.0" /usr/bin/python3 "$root/python/examples/drag_pin.py" | tail -n 1
 else
     echo "skipped: no numpy"
 fi

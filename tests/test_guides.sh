@@ -7,6 +7,7 @@ projdyn=$(realpath "$1") root=$(realpath "$2")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 PATH=$(dirname "$projdyn"):$PATH
+export PYTHONPATH="$root/python" PROJDYN_LIBRARY="$(dirname "$projdyn")/../src/libprojdyn.so.0"
 
 blocks() { # LANGUAGE PAGE: its code blocks, one after the other
     sed -n "/^\`\`\`$1\$/,/^\`\`\`\$/{/^\`\`\`/d;p}" "$root/docs/guide/$2.md"

@@ -2,8 +2,8 @@
 """Keeps a floating block at a height of its own choice: a controller sets the force on it every step."""
 import projdyn
 
-HEIGHT, STIFFNESS, DAMPING, INTEGRAL = 0.26, 400.0, 60.0, 600.0  # m, N/m, N s/m, N/(m s)
-scene = projdyn.Scene(duration=2, time_step={"maximum": 0.005}, solver={"tolerance": 0.2})
+HEIGHT, STIFFNESS, DAMPING, INTEGRAL = 0.26, 400.0, 80.0, 3000.0  # m, N/m, N s/m, N/(m s)
+scene = projdyn.Scene(duration=1.6, time_step={"maximum": 0.01}, contact={"thickness": 0.004})
 scene.add_fluid(box=([0, 0, 0], [0.6, 0.24, 0.6]), radius=0.02, name="water",
                 fluid={"compression": 0.005, "viscosity": 0.1})
 scene.add_soft(name="block", grid={"size": [0.24, 0.12, 0.24], "cells": [3, 2, 3]}, density=600,

@@ -1,7 +1,7 @@
 """numpy arrays: views of the library's memory, and arrays that are passed to it."""
 from __future__ import annotations
 
-from typing import Any, Optional, Tuple
+from typing import Any, Optional
 
 import numpy as np
 
@@ -11,13 +11,13 @@ from .errors import InputError
 class _Memory:
     """Memory of the library; the array that is made of it keeps the owner alive."""
 
-    def __init__(self, address: int, shape: Tuple[int, ...], dtype: Any, owner: object) -> None:
+    def __init__(self, address: int, shape: tuple[int, ...], dtype: Any, owner: object) -> None:
         self.owner = owner
         self.__array_interface__ = {"data": (address, True), "shape": shape,
                                     "typestr": np.dtype(dtype).str, "version": 3}
 
 
-def view(address: Optional[int], shape: Tuple[int, ...], owner: object,
+def view(address: Optional[int], shape: tuple[int, ...], owner: object,
          dtype: Any = np.float64) -> np.ndarray:
     """Read-only array of the memory at an address, without a copy; no address: an empty array."""
     if not address:
@@ -25,12 +25,12 @@ def view(address: Optional[int], shape: Tuple[int, ...], owner: object,
     return np.asarray(_Memory(address, shape, dtype, owner))
 
 
-def doubles(values: Any, shape: Tuple[Optional[int], ...], what: str) -> np.ndarray:
+def doubles(values: Any, shape: tuple[Optional[int], ...], what: str) -> np.ndarray:
     """Contiguous array of double precision of this shape; None in the shape: any number of rows."""
     return _array(values, shape, what, np.float64)
 
 
-def indices(values: Any, shape: Tuple[Optional[int], ...], what: str) -> np.ndarray:
+def indices(values: Any, shape: tuple[Optional[int], ...], what: str) -> np.ndarray:
     """Contiguous array of C integers of this shape. InputError: numbers that are not whole, or are
     out of the range of a C integer."""
     given = np.asarray(values)
@@ -40,7 +40,7 @@ def indices(values: Any, shape: Tuple[Optional[int], ...], what: str) -> np.ndar
     return found
 
 
-def _array(values: Any, shape: Tuple[Optional[int], ...], what: str, dtype: Any) -> np.ndarray:
+def _array(values: Any, shape: tuple[Optional[int], ...], what: str, dtype: Any) -> np.ndarray:
     try:
         found = np.ascontiguousarray(values, dtype)
     except (TypeError, ValueError) as error:

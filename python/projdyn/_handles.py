@@ -6,9 +6,9 @@ import weakref
 from ctypes import byref, c_void_p, sizeof
 from typing import Any, Callable, Optional
 
-from .errors import Error, error_of
 from ._library import lib
 from ._structs import Log, Options
+from .errors import Error, error_of
 
 _logger = logging.getLogger("projdyn")
 _LEVELS = (logging.INFO, logging.WARNING)  # of pdyn_log_level

@@ -22,6 +22,7 @@ FUNCTIONS = {
     "pdyn_default_options_sized": (None, POINTER(Options), c_size_t),
     "pdyn_destroy": (None, Context),
     "pdyn_last_error": (c_char_p, Context),
+    "pdyn_load": (Status, Context, c_char_p, Strings, c_int, Out),
     "pdyn_free": (None, Sim),
     "pdyn_step_sized": (Status, Sim, POINTER(StepInfo), c_size_t),
     "pdyn_time": (c_double, Sim),

@@ -4,8 +4,8 @@ from __future__ import annotations
 import os
 import shutil
 
-from .errors import Error
 from ._installed import installed_file
+from .errors import Error
 
 
 def program_path() -> str:

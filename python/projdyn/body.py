@@ -7,10 +7,10 @@ from typing import Any, Callable, Optional
 import numpy as np
 
 from ._arrays import address, doubles, view
-from .errors import InputError
 from ._handles import Handle
 from ._library import lib
 from ._structs import BodyInfo
+from .errors import InputError
 
 
 class Body:

@@ -2,15 +2,15 @@
 from __future__ import annotations
 
 from ctypes import byref, sizeof
-from typing import Any, Dict, NamedTuple, Tuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ._arrays import address, doubles
 from ._handles import Handle
 from ._library import lib
-from .solid import Load
 from ._structs import ConstraintInfo, ParameterInfo
+from .solid import Load
 
 
 class Parameter(NamedTuple):
@@ -43,9 +43,9 @@ class Constraint:
     # ---- parameters -----------------------------------------------------------------------------
 
     @property
-    def parameters(self) -> Dict[str, Parameter]:
+    def parameters(self) -> dict[str, Parameter]:
         """The numbers that the simulation uses, by their names."""
-        found: Dict[str, Parameter] = {}
+        found: dict[str, Parameter] = {}
         info = ParameterInfo()
         while True:
             lib.pdyn_get_parameter_sized(self._handle.pointer, self._index, len(found),
@@ -112,7 +112,7 @@ class Constraint:
         lib.pdyn_get_constraint_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
         return info
 
-    def _values(self) -> Tuple[np.ndarray, np.ndarray]:
+    def _values(self) -> tuple[np.ndarray, np.ndarray]:
         energy, distance = np.empty(self.elements), np.empty(self.elements)
         self._handle.call(lib.pdyn_element_values, self._index, address(energy), address(distance))
         return energy, distance

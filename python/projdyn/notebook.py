@@ -5,10 +5,10 @@ import html
 import os
 import pathlib
 import subprocess
-from typing import Union
 
-from .errors import Error
+from ._paths import Path
 from ._program import program_path
+from .errors import Error
 
 
 class Replay:
@@ -26,7 +26,7 @@ class Replay:
                 f'style="border:0" allowfullscreen></iframe>')
 
 
-def replay(directory: Union[str, "os.PathLike[str]"], *, height: int = 480) -> Replay:
+def replay(directory: Path, *, height: int = 480) -> Replay:
     """Packs the frames of a run into DIRECTORY/replay.html (`projdyn replay`). height: pixels."""
     done = subprocess.run([program_path(), "replay", os.fspath(directory)], text=True,
                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 from ctypes import byref, sizeof
-from typing import Tuple
 
 import numpy as np
 
@@ -22,7 +21,7 @@ class Probe:
 
     def __init__(self, handle: Handle, info: ProbeInfo) -> None:
         self.name: str = info.name.decode()
-        self.columns: Tuple[str, ...] = tuple(info.column[k].decode() for k in range(info.values))
+        self.columns: tuple[str, ...] = tuple(info.column[k].decode() for k in range(info.values))
         self.values: np.ndarray = view(info.value, (info.values,), handle)
 
     def __getitem__(self, column: str) -> float:

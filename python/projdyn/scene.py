@@ -3,20 +3,21 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Callable, Dict, Optional, Sequence, Union
+from ctypes import c_char_p
+from typing import Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 
 from ._arrays import address, doubles, indices
-from .errors import InputError
 from ._handles import Handle, new_context
 from ._library import lib
-from .simulation import Simulation
+from ._paths import Path
 from ._structs import Write
+from .errors import InputError
+from .simulation import Simulation
 
-Path = Union[str, "os.PathLike[str]"]
-Box = Union[Dict[str, Any], Sequence[Any]]  # {"minimum": ..., "maximum": ...} or the two corners
-Constraints = Union[Dict[str, Any], Sequence[Dict[str, Any]]]
+Box = Union[dict[str, Any], Sequence[Any]]  # {"minimum": ..., "maximum": ...} or the two corners
+Constraints = Union[dict[str, Any], Sequence[dict[str, Any]]]
 
 
 class Scene:
@@ -53,11 +54,7 @@ class Scene:
 
     def __setitem__(self, path: str, value: Any) -> None:
         """Sets a value; what is missing on the way is made. Checks are made by load."""
-        try:
-            text = json.dumps(value, default=_plain, allow_nan=False)
-        except (TypeError, ValueError) as error:
-            raise InputError(f"{path}: {error}") from None
-        self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", text.encode())
+        self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", _json(path, value).encode())
 
     def __getitem__(self, path: str) -> Any:
         """A copy of a value. KeyError: it was not given."""
@@ -65,7 +62,7 @@ class Scene:
         for key in path.split("."):
             try:
                 value = value[key] if isinstance(value, dict) else _element(value, key)
-            except (KeyError, IndexError, TypeError):
+            except (KeyError, IndexError, TypeError, ValueError):
                 raise KeyError(f"{path}: no {key}") from None
         return value
 
@@ -75,7 +72,7 @@ class Scene:
         self._handle.call(lib.pdyn_scene_text, Write(lambda _, text: pieces.append(text)), None)
         return b"".join(pieces).decode()
 
-    def to_dict(self) -> Dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """A copy of the scene as a dictionary."""
         return json.loads(self.to_text())
 
@@ -125,7 +122,7 @@ class Scene:
         return self._add_body(name, "volume", volume, velocity, constraints)
 
     def add_fluid(self, positions: Any = None, *, radius: float, velocities: Any = None,
-                  box: Optional[Box] = None, fill: Sequence[Dict[str, Any]] = (),
+                  box: Optional[Box] = None, fill: Sequence[dict[str, Any]] = (),
                   name: Optional[str] = None, velocity: Any = None,
                   rest_density: Optional[float] = None, inlets: Any = None,
                   budget: Optional[int] = None, overlap: Optional[str] = None,
@@ -186,31 +183,29 @@ class Scene:
         self._handle.call(lib.pdyn_scene_particles, file.encode(), len(x), address(x), address(v))
         return file
 
-    def _add_body(self, name: str, form: str, shape: Dict[str, Any], velocity: Any,
-                  constraints: Dict[str, Constraints]) -> str:
+    def _add_body(self, name: str, form: str, shape: dict[str, Any], velocity: Any,
+                  constraints: dict[str, Constraints]) -> str:
         parts = [{"type": kind, **part} for kind, given in constraints.items()
                  for part in _parts(kind, given)]
         self._append("bodies", _given(name=name, velocity=velocity, **{form: shape},
                                       constraints=parts))
         return name
 
-    def _append(self, key: str, entry: Dict[str, Any]) -> None:
-        scene = self.to_dict()
-        if key not in scene:
-            self[key] = []
-        self[f"{key}.{len(scene.get(key, []))}"] = entry
+    def _append(self, key: str, entry: dict[str, Any]) -> None:
+        self[f"{key}.{len(self.to_dict().get(key, []))}"] = entry
 
     def _free_name(self, key: str, word: str) -> str:
         return f"{word}{len(self.to_dict().get(key, []))}"
 
 
-def load(path: Path, overrides: Optional[Dict[str, Any]] = None, *, threads: int = 0,
+def load(path: Path, overrides: Optional[dict[str, Any]] = None, *, threads: int = 0,
          allow_plugins: bool = False) -> Simulation:
     """Loads a scene file. overrides: values by their path, e.g. {"solver.type": "cholesky"}."""
-    scene = Scene.open(path, threads=threads, allow_plugins=allow_plugins)
-    for key, value in (overrides or {}).items():
-        scene[key] = value
-    return scene.load()
+    context = new_context(threads, allow_plugins)
+    texts = [f"{key}={_json(key, value)}".encode() for key, value in (overrides or {}).items()]
+    sim = context.make(lib.pdyn_load, os.fsencode(path), (c_char_p * len(texts))(*texts),
+                       len(texts))
+    return Simulation(Handle(sim, lib.pdyn_free, context))
 
 
 def _new(make: Callable[..., int], name: Path, threads: int, allow_plugins: bool) -> Handle:
@@ -219,23 +214,31 @@ def _new(make: Callable[..., int], name: Path, threads: int, allow_plugins: bool
     return Handle(context.make(make, os.fsencode(name)), lib.pdyn_scene_free, context)
 
 
+def _json(path: str, value: Any) -> str:
+    """A value as JSON text; path: of the value, for messages."""
+    try:
+        return json.dumps(value, default=_plain, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: {error}") from None
+
+
 def _plain(value: Any) -> Any:
     """Paths and numpy's arrays and numbers as JSON has them."""
     return os.fspath(value) if isinstance(value, os.PathLike) else np.asarray(value).tolist()
 
 
-def _given(**keys: Any) -> Dict[str, Any]:
+def _given(**keys: Any) -> dict[str, Any]:
     return {key: value for key, value in keys.items() if value is not None}
 
 
-def _box(box: Box) -> Dict[str, Any]:
+def _box(box: Box) -> dict[str, Any]:
     if isinstance(box, dict):
         return box
     minimum, maximum = doubles(box, (2, 3), "box")
     return {"minimum": minimum, "maximum": maximum}
 
 
-def _parts(kind: str, given: Constraints) -> Sequence[Dict[str, Any]]:
+def _parts(kind: str, given: Constraints) -> Sequence[dict[str, Any]]:
     parts = [given] if isinstance(given, dict) else given
     if not isinstance(parts, (list, tuple)) or not all(isinstance(part, dict) for part in parts):
         raise InputError(f"{kind}: expected the parameters of a constraint as a dictionary, or a "
@@ -248,4 +251,4 @@ def _element(elements: Sequence[Any], key: str) -> Any:
     for element in elements:
         if isinstance(element, dict) and key in (element.get("name"), element.get("type")):
             return element
-    return elements[int(key)] if key.isdigit() else elements[key]
+    return elements[int(key)]

@@ -3,24 +3,26 @@ from __future__ import annotations
 
 import os
 from ctypes import byref, sizeof
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
+from dataclasses import dataclass
+from typing import Any, Iterator, Optional
 
 import numpy as np
 
 from ._arrays import address, doubles, view
-from .body import Body
-from .constraint import Constraint
 from ._handles import Handle
 from ._library import lib
+from ._paths import Path
+from ._structs import State, StepInfo, WarningInfo
+from .body import Body
+from .constraint import Constraint
 from .probe import Probe, probes_of
 from .solid import Solid
-from ._structs import State, StepInfo, WarningInfo
 from .writer import Writer
 
-Path = Union[str, "os.PathLike[str]"]
 
 
-class Warning(NamedTuple):
+@dataclass(frozen=True)
+class Warning:
     """Something legal but surely not meant, or what went wrong in steps
     (docs/guide/troubleshooting.md)."""
     code: str
@@ -51,10 +53,10 @@ class Simulation:
         self.v: np.ndarray = arrays["v"]
         self.mass: np.ndarray = arrays["mass"]
         bodies = (Body(handle, k, arrays) for k in range(state.bodies))
-        self.bodies: Dict[str, Body] = {body.name: body for body in bodies}
+        self.bodies: dict[str, Body] = {body.name: body for body in bodies}
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)
-        self.probes: Dict[str, Probe] = probes_of(handle)
+        self.probes: dict[str, Probe] = probes_of(handle)
 
     def __repr__(self) -> str:
         return f"<simulation at {self.time:.6g} s of {len(self.mass)} particles>"
@@ -133,9 +135,9 @@ class Simulation:
     # ---- results --------------------------------------------------------------------------------
 
     @property
-    def warnings(self) -> List[Warning]:
+    def warnings(self) -> list[Warning]:
         """The warnings so far, those about the scene first."""
-        found: List[Warning] = []
+        found: list[Warning] = []
         info = WarningInfo()
         while True:
             lib.pdyn_get_warning_sized(self._handle.pointer, len(found), byref(info), sizeof(info))
@@ -150,7 +152,7 @@ class Simulation:
         self._handle.call(lib.pdyn_contact_forces, address(forces))
         return forces
 
-    def fluid_at(self, points: Any) -> Tuple[np.ndarray, np.ndarray]:
+    def fluid_at(self, points: Any) -> tuple[np.ndarray, np.ndarray]:
         """Pressure, n, Pa, and velocity, n x 3, m/s, of the fluid at points, n x 3, m; 0 where
         there is no fluid."""
         x = doubles(points, (None, 3), "points")
@@ -164,7 +166,7 @@ class Simulation:
         return Writer(self._handle, directory, ply)
 
 
-def _arrays(state: State, handle: Handle) -> Dict[str, np.ndarray]:
+def _arrays(state: State, handle: Handle) -> dict[str, np.ndarray]:
     n = state.particles
     live = view(state.live, (n,), handle, np.bool_) if state.live else np.ones(n, np.bool_)
     live.flags.writeable = False
@@ -173,11 +175,12 @@ def _arrays(state: State, handle: Handle) -> Dict[str, np.ndarray]:
             "pressure": view(state.pressure, (n,), handle), "live": live}
 
 
-def _constraints(handle: Handle, state: State) -> Dict[tuple, Constraint]:
-    found: Dict[tuple, Constraint] = {}
+def _constraints(handle: Handle, state: State) -> dict[tuple[Any, ...], Constraint]:
+    found: dict[tuple[Any, ...], Constraint] = {}
     for index in range(state.constraints):
         constraint = Constraint(handle, index, state.particles)
-        key, count = (constraint.body, constraint.type), 0
+        key: tuple[Any, ...] = (constraint.body, constraint.type)
+        count = 0
         while key in found:
             count += 1
             key = (constraint.body, constraint.type, count)
@@ -185,8 +188,8 @@ def _constraints(handle: Handle, state: State) -> Dict[tuple, Constraint]:
     return found
 
 
-def _solids(handle: Handle) -> Dict[str, Solid]:
-    found: Dict[str, Solid] = {}
+def _solids(handle: Handle) -> dict[str, Solid]:
+    found: dict[str, Solid] = {}
     while True:
         name = lib.pdyn_solid_name(handle.pointer, len(found))
         if name is None:

@@ -3,10 +3,11 @@ from __future__ import annotations
 
 import os
 from ctypes import byref, sizeof
-from typing import Any, Union
+from typing import Any
 
 from ._handles import Handle
 from ._library import lib
+from ._paths import Path
 from ._structs import StepInfo
 
 
@@ -20,7 +21,7 @@ class Writer:
     The first frame is written at the start, the report at the end.
     """
 
-    def __init__(self, handle: Handle, directory: Union[str, "os.PathLike[str]"],
+    def __init__(self, handle: Handle, directory: Path,
                  ply: bool) -> None:
         self.directory = os.fspath(directory)
         writer = handle.make(lib.pdyn_writer_open, os.fsencode(directory), ply)

@@ -18,7 +18,7 @@ from scenes import hanging_sheet, tank_of_water
 
 class Steps(unittest.TestCase):
     def test_run(self):
-        sim = hanging_sheet(duration=0.1, time_step={"fixed": 0.01}).load()
+        sim = hanging_sheet(duration=0.1, frame_interval=0.01, time_step={"fixed": 0.01}).load()
         infos = list(sim.run(until=0.05))
         self.assertEqual([round(100 * info.time) for info in infos], [1, 2, 3, 4, 5])
         self.assertEqual(len(list(sim.run())), 5)
@@ -34,13 +34,13 @@ class Steps(unittest.TestCase):
             sim.step(h=-1)
 
     def test_a_failed_step(self):
-        scene = hanging_sheet(solver={"retries": 0})
-        scene["bodies.sheet.velocity"] = [1e6, 0, 0]
-        scene["time_step"] = {"fixed": 100}
-        sim = scene.load()
-        with self.assertRaises(projdyn.StepError):
-            for _ in range(50):
-                sim.step()
+        sim = hanging_sheet(solver={"retries": 0}, gravity=[0, -1e6, 0], duration=1000,
+                            time_step={"fixed": 100}, frame_interval=100).load()
+        sim.constraints["sheet", "pin"].enabled = False
+        with self.assertRaisesRegex(projdyn.StepError, "beyond"):
+            sim.step()
+        with self.assertRaisesRegex(projdyn.Error, "failed"):
+            sim.step()
 
 
 class Views(unittest.TestCase):
