@@ -53,7 +53,7 @@ class Handle:
         """Pointer to a new object that a function of this object makes."""
         out = c_void_p()
         self.call(function, *arguments, byref(out))
-        return out.value
+        return out.value or 0
 
 
 def new_context(threads: int, allow_plugins: bool) -> Handle:
@@ -64,4 +64,4 @@ def new_context(threads: int, allow_plugins: bool) -> Handle:
     status = lib.pdyn_create_sized(byref(options), sizeof(options), byref(out))
     if status:
         raise error_of(status, f"threads: expected 0 to 1024, found {threads}")
-    return Handle(out.value, lib.pdyn_destroy)
+    return Handle(out.value or 0, lib.pdyn_destroy)
