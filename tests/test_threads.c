@@ -75,7 +75,15 @@ static void test_one_context(void **state) {
     run_together(2, THREADS, hash);
 }
 
-/* A child has no workers. */
+static int run_in_child(pdyn_context *context, pdyn_sim *sim) {
+    if (!run(sim) || pdyn_step(sim, NULL) != PDYN_OK) return 255;
+    int code = (int)(pdyn_state_hash(sim) % 251);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return code;
+}
+
+/* A child has no workers: it steps, and frees its copy, without them. */
 static void test_fork(void **state) {
     (void)state;
     pdyn_context *context = test_context(4);
@@ -85,8 +93,7 @@ static void test_fork(void **state) {
     assert_true(child >= 0);
     if (!child) {
         alarm(60);
-        _exit(run(sim) && pdyn_step(sim, NULL) == PDYN_OK ? (int)(pdyn_state_hash(sim) % 251)
-                                                          : 255);
+        _exit(run_in_child(context, sim));
     }
     int status = 0;
     assert_int_equal(waitpid(child, &status, 0), child);

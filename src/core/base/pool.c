@@ -158,15 +158,21 @@ struct pool *pool_create(int threads) {
     return NULL;
 }
 
-void pool_destroy(struct pool *pool) {
-    pool_check_process(pool);
+/* Not in a forked child: workers of its parent wait on the conditions, and to destroy a condition
+ * waits for them. */
+static void end_workers(struct pool *pool) {
     pool->stop = true, pool->blocks = 0;
-    if (pool->threads > 1) start_job(pool);
+    start_job(pool);
     for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i].thread, NULL);
     pthread_cond_destroy(&pool->wake);
     pthread_cond_destroy(&pool->done);
     pthread_mutex_destroy(&pool->lock);
     pthread_mutex_destroy(&pool->caller);
+}
+
+void pool_destroy(struct pool *pool) {
+    pool_check_process(pool);
+    if (pool->threads > 1) end_workers(pool);
     free(pool->worker), free(pool->share);
     free(pool);
 }
