@@ -1,16 +1,10 @@
 #!/usr/bin/env python3
 """Plots the energies of a run while it runs; without a display it saves live_plot.png."""
-import os
-
-import matplotlib
-
-SHOWN = "DISPLAY" in os.environ or "WAYLAND_DISPLAY" in os.environ
-if not SHOWN:
-    matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 import projdyn
 
+SHOWN = plt.get_backend().lower() != "agg"  # what matplotlib takes without a display
 scene = projdyn.Scene(duration=1)
 scene.add_cloth(grid={"size": [1, 1], "vertices": [25, 25]}, name="sheet", area_density=0.2,
                 spring={"stretching_stiffness": 500}, pin={"vertices": {"vertices": [0, 24]}})

@@ -6,11 +6,11 @@ import projdyn
 
 
 def stretch(stiffness):
-    """m: how far the sheet hangs after a second."""
+    """m: how far a sheet that is held by a border hangs after a second."""
     scene = projdyn.Scene(duration=1, threads=1)
-    scene.add_cloth(grid={"size": [1, 1], "vertices": [25, 25]}, name="sheet", area_density=0.2,
-                    spring={"stretching_stiffness": stiffness, "damping": 0.02},
-                    pin={"vertices": {"vertices": [0, 24]}})
+    scene.add_cloth(grid={"size": [1, 1], "vertices": [25, 25]}, name="sheet", area_density=2,
+                    spring={"stretching_stiffness": stiffness, "damping": 0.1},
+                    pin={"vertices": {"border": True}})
     sim = scene.load()
     for info in sim.run():
         pass

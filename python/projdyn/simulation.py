@@ -41,7 +41,6 @@ class Simulation:
     constraints     Constraint by body and type, e.g. ["sheet", "spring"]; of several of one type the
                     second is ["sheet", "pin", 1], the third ["sheet", "pin", 2]
     solids          Solid by name
-    probes          Probe by name
     """
 
     def __init__(self, handle: Handle) -> None:
@@ -56,7 +55,6 @@ class Simulation:
         self.bodies: dict[str, Body] = {body.name: body for body in bodies}
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)
-        self.probes: dict[str, Probe] = probes_of(handle)
 
     def __repr__(self) -> str:
         return f"<simulation at {self.time:.6g} s of {len(self.mass)} particles>"
@@ -145,6 +143,11 @@ class Simulation:
                 return found
             found.append(Warning(info.code.decode(), info.subject.decode(), info.text.decode(),
                                  info.count, info.first, info.last))
+
+    @property
+    def probes(self) -> dict[str, Probe]:
+        """The probes of the scene by their names."""
+        return probes_of(self._handle)
 
     def contact_forces(self) -> np.ndarray:
         """Forces of contact and friction on all particles, n x 3, N."""

@@ -1,4 +1,5 @@
 """Every example runs, in at most 40 lines and 20 s, and does what it says."""
+import importlib.util
 import os
 import pathlib
 import re
@@ -17,7 +18,7 @@ def run(name, *arguments):
     """What an example prints, run in an empty folder."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([sys.executable, EXAMPLES / f"{name}.py", *arguments], cwd=folder,
-                              env={**os.environ, "DISPLAY": "", "TMPDIR": folder}, text=True,
+                              env={**os.environ, "MPLBACKEND": "agg", "TMPDIR": folder}, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
         files = os.listdir(folder)
     if done.returncode:
@@ -63,12 +64,12 @@ class Examples(unittest.TestCase):
 
     def test_sweep(self):
         said, _ = run("sweep")
-        self.assertEqual(len(said.splitlines()), 5)
+        depths = [float(m) for m in re.findall(r"N/m: (\S+) m", said)]
+        self.assertEqual(len(depths), 5)
+        self.assertEqual(sorted(depths, reverse=True), depths)
 
     def test_live_plot(self):
-        try:
-            import matplotlib  # noqa: F401
-        except ImportError:
+        if not importlib.util.find_spec("matplotlib"):
             self.skipTest("no matplotlib")
         _, files = run("live_plot")
         self.assertIn("live_plot.png", files)
@@ -76,6 +77,12 @@ class Examples(unittest.TestCase):
     def test_wind_field(self):
         said, _ = run("wind_field")
         self.assertGreater(float(re.findall(r"blows (\d+) mm", said)[-1]), 20)
+
+    def test_probes(self):
+        said, _ = run("probes")
+        pressures = [float(pa) for pa in re.findall(r"(\S+) Pa", said)]
+        self.assertEqual(len(pressures), 20)
+        self.assertGreater(pressures[0], 300)
 
     def test_notebook_replay(self):
         said, _ = run("notebook_replay")

@@ -1,7 +1,11 @@
-"""Small scenes of the tests."""
+"""Small scenes of the tests. Messages of the library are not printed."""
+import logging
+
 import numpy as np
 
 import projdyn
+
+logging.getLogger("projdyn").addHandler(logging.NullHandler())
 
 
 def hanging_sheet(n=9, **keys):
