@@ -29,6 +29,30 @@ class Control(unittest.TestCase):
         steps(sim, 60)
         self.assertLess(sheet.x[40, 1], -1e-3)
 
+    def test_the_second_of_two_bodies(self):
+        scene = projdyn.Scene(threads=1, gravity=[0, 0, 0])
+        for name, y in (("first", 0), ("second", 1)):
+            scene.add_cloth(grid={"size": [1, 1], "vertices": [3, 3]}, translate=[0, y, 0],
+                            name=name, area_density=1, spring={"stretching_stiffness": 10})
+        sim = scene.load()
+        first, second = sim.bodies["first"], sim.bodies["second"]
+        self.assertEqual(second.particles, slice(9, 18))
+        np.testing.assert_array_equal(sim.x[second.particles], second.x)
+        second.set_forces([0, 0.01, 0])
+        second.add_forces([0, 0.02, 0])
+        sim.step()
+        self.assertTrue((second.v[:, 1] > 0).all())
+        second.set_forces(None)
+        second.set_velocities([0, 0, 0])
+        second.set_positions(second.rest)
+        second.hold(4, [0, 1.5, 0], stiffness=10)
+        sim.step()
+        self.assertEqual(second.v[:, 1].argmax(), 4)
+        second.release(4)
+        np.testing.assert_allclose(first.x, first.rest, atol=1e-12)
+        sim.constraints["second", "spring"]["stretching_stiffness"] = 20
+        self.assertEqual(sim.constraints["first", "spring"]["stretching_stiffness"], 10)
+
     def test_one_force_for_all(self):
         sims = [hanging_sheet().load() for _ in range(2)]
         sims[0].bodies["sheet"].set_forces([0, 0, 0.01])
