@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gcc libc6-dev ninja-build pkg-config libsuitesparse-dev libjansson-dev zlib1g-dev \
     patchelf python3-mesonpy python3-numpy python3-pip python3-venv python3-wheel
-root=$(pwd) out=$(realpath -m "${1:-dist}")
+out=$(realpath -m "${1:-dist}")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 unset PYTHONPATH PROJDYN_LIBRARY PROJDYN_PROGRAM
@@ -26,6 +26,6 @@ cd "$dir"
 echo "== run"
 venv/bin/python3 -m projdyn run hanging_cloth.json --time 0.1 --quiet -o run
 [ -s run/report.json ]
-venv/bin/python3 scene_from_arrays.py "$root/scenes/water_on_cloth.json" 3
+venv/bin/python3 scene_from_arrays.py 3
 venv/bin/python3 -c 'import projdyn; print(projdyn.__file__, projdyn.version())'
 echo "the wheel is $wheel"

@@ -5,14 +5,14 @@ from importlib import metadata
 from typing import Optional
 
 
-def installed_file(name: str) -> Optional[str]:
-    """Path of the file whose name starts with `name` beside the modules of the wheel that this
-    package was installed from; None: the package was not installed from a wheel."""
+def installed_file(pattern: str) -> Optional[str]:
+    """Path of the first file of the wheel whose name matches the pattern; None: the package was not
+    installed from a wheel."""
     try:
         files = metadata.files("projdyn") or []
     except metadata.PackageNotFoundError:
         return None
     for file in files:
-        if file.name.startswith(name) and not file.name.endswith(".h"):
+        if file.match(pattern):
             return str(file.locate())
     return None

@@ -83,7 +83,7 @@ FUNCTIONS = {
 
 def library_path() -> str:
     """PROJDYN_LIBRARY of the environment, the library of the wheel, or that of the system."""
-    return os.environ.get("PROJDYN_LIBRARY") or installed_file("libprojdyn.so") or "libprojdyn.so.0"
+    return os.environ.get("PROJDYN_LIBRARY") or installed_file("libprojdyn.so*") or "libprojdyn.so.0"
 
 
 def open_library(path: str) -> CDLL:
