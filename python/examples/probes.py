@@ -12,12 +12,11 @@ scene.add_fluid(box=([0, 0, 0], [0.2, 0.4, 0.2]), radius=0.01, name="water",
                 fluid={"compression": 0.002})
 scene.add_solid(name="tank", box=([0, 0, 0], [0.6, 0.6, 0.2]), open=["+y"])
 sim = scene.load()
+corner, wall = sim.probes["corner"], sim.probes["wall"]
 for info in sim.run():
     if info.frame and round(info.time * 30) % 4 == 0:
-        values = [f"{column} {value:.4g}" for probe in sim.probes.values()
-                  for column, value in zip(probe.columns, probe.values)]
-        print(f"{info.time:.2f} s: {', '.join(values)}")
-
+        print(f"{info.time:.2f} s: {corner['pressure_Pa']:5.0f} Pa in the corner, "
+              f"{wall['force_x_N']:6.1f} N on the walls across")
 depths = np.linspace(0.01, 0.2, 20)
 pressure, velocity = sim.fluid_at(np.column_stack([np.full(20, 0.58), depths, np.full(20, 0.1)]))
 for y, p, v in zip(depths, pressure, velocity):

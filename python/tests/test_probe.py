@@ -15,8 +15,10 @@ class Probes(unittest.TestCase):
             pass
         self.assertEqual(spring.energies().shape, (spring.elements,))
         self.assertAlmostEqual(spring.energies().sum(), spring.energy)
-        stretched = np.linalg.norm(np.diff(sim.bodies["sheet"].x[sim.bodies["sheet"].edges], axis=1)[:, 0], axis=1)
-        self.assertEqual(spring.distances().shape, stretched.shape)
+        sheet = sim.bodies["sheet"]
+        ends, rest = sheet.x[sheet.edges], sheet.rest[sheet.edges]
+        change = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) - np.linalg.norm(rest[:, 1] - rest[:, 0], axis=1)
+        np.testing.assert_allclose(spring.distances(), np.abs(change), atol=1e-12)
         np.testing.assert_allclose(spring.forces().sum(0), 0, atol=1e-9)
         force, moment = pin.load()
         np.testing.assert_allclose(force, pin.forces().sum(0), atol=1e-9)
@@ -25,8 +27,9 @@ class Probes(unittest.TestCase):
         self.assertEqual(sim.contact_forces().shape, (81, 3))
 
     def test_water(self):
-        sim = tank_of_water().load()
-        for info in sim.run(until=0.4):
+        sim = tank_of_water(probes=[{"name": "deep", "point": [0.12, 0.05, 0.12]},
+                                    {"name": "walls", "solid": "tank"}]).load()
+        for _ in sim.run(until=0.4):
             pass
         pressure, velocity = sim.fluid_at([[0.12, 0.05, 0.12], [0.12, 0.12, 0.12], [0.12, 0.38, 0.12]])
         self.assertAlmostEqual((pressure[0] - pressure[1]) / (1000 * 9.81 * 0.07), 1, delta=0.15)
@@ -36,6 +39,14 @@ class Probes(unittest.TestCase):
         weight = 9.81 * sim.mass.sum()
         self.assertAlmostEqual(-force[1] / weight, 1, delta=0.1)
         self.assertEqual(moment.shape, (3,))
+        deep, walls = sim.probes["deep"], sim.probes["walls"]
+        self.assertEqual(deep["pressure_Pa"], pressure[0])
+        self.assertEqual(deep.columns[0], "deep.pressure_Pa")
+        self.assertEqual(walls["walls.force_y_N"], force[1])
+        with self.assertRaisesRegex(KeyError, "deep.pressure_Pa"):
+            deep["presure"]
+        sim.step()
+        self.assertNotEqual(deep["pressure_Pa"], pressure[0])
 
 
 if __name__ == "__main__":
