@@ -5,18 +5,18 @@ import numpy as np
 import projdyn
 
 scene = projdyn.Scene(duration=0.8, probes=[
-    {"name": "corner", "point": [0.58, 0.03, 0.1]},
+    {"name": "impact", "wall": [0.6, 0.05, 0.1]},
     {"name": "wall", "solid": "tank"},
 ])
 scene.add_fluid(box=([0, 0, 0], [0.2, 0.4, 0.2]), radius=0.01, name="water",
                 fluid={"compression": 0.002})
 scene.add_solid(name="tank", box=([0, 0, 0], [0.6, 0.6, 0.2]), open=["+y"])
 sim = scene.load()
-corner, wall = sim.probes["corner"], sim.probes["wall"]
+impact, wall = sim.probes["impact"], sim.probes["wall"]
 for info in sim.run():
     if info.frame and round(info.time * 30) % 4 == 0:
-        print(f"{info.time:.2f} s: {corner['pressure_Pa']:5.0f} Pa in the corner, "
-              f"{wall['force_x_N']:6.1f} N on the walls across")
+        print(f"{info.time:.2f} s: {impact['pressure_Pa']:5.0f} Pa on the wall, "
+              f"{wall['force_x_N']:6.1f} N on all walls across")
 depths = np.linspace(0.01, 0.2, 20)
 pressure, velocity = sim.fluid_at(np.column_stack([np.full(20, 0.58), depths, np.full(20, 0.1)]))
 for y, p, v in zip(depths, pressure, velocity):
