@@ -22,10 +22,12 @@ water = [-0.25, 0.24, -0.25] + radius * (2 * np.column_stack([x, y, z]) + 1)
 
 scene = projdyn.Scene(duration=3, frame_interval=0.04, time_step={"maximum": 0.005, "cfl": 1},
                       solver={"tolerance": 0.5, "outer_iterations": 100, "linear_tolerance": 0.3},
-                      outlets=[{"box": {"minimum": [-0.6, -0.1, -0.6], "maximum": [0.6, 2, 0.6]}, "outside": True}])
+                      outlets=[{"box": {"minimum": [-0.6, -0.1, -0.6], "maximum": [0.6, 2, 0.6]},
+                                "outside": True}])
 scene.add_fluid(water, name="water", radius=radius, fluid={"compression": 0.002, "viscosity": 0.2})
-scene.add_cloth(vertices, triangles.reshape(-1, 3), name="sheet", area_density=0.3, spring={"stretching_stiffness": 10000},
-                bending={"bending_rigidity": 1e-4}, pin={"vertices": {"border": True}})
+scene.add_cloth(vertices, triangles.reshape(-1, 3), name="sheet", area_density=0.3,
+                spring={"stretching_stiffness": 10000}, bending={"bending_rigidity": 1e-4},
+                pin={"vertices": {"border": True}})
 scene.add_solid(name="tray", box=([-0.55, 0, -0.55], [0.55, 0.4, 0.55]), open=["+y"])
 sim = scene.load()
 for _ in range(int(sys.argv[1]) if len(sys.argv) > 1 else 3):

@@ -17,8 +17,8 @@ class Probes(unittest.TestCase):
         self.assertAlmostEqual(spring.energies().sum(), spring.energy)
         sheet = sim.bodies["sheet"]
         ends, rest = sheet.x[sheet.edges], sheet.rest[sheet.edges]
-        change = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) - np.linalg.norm(rest[:, 1] - rest[:, 0], axis=1)
-        np.testing.assert_allclose(spring.distances(), np.abs(change), atol=1e-12)
+        length, at_rest = (np.linalg.norm(x[:, 1] - x[:, 0], axis=1) for x in (ends, rest))
+        np.testing.assert_allclose(spring.distances(), np.abs(length - at_rest), atol=1e-12)
         np.testing.assert_allclose(spring.forces().sum(0), 0, atol=1e-9)
         force, moment = pin.load()
         np.testing.assert_allclose(force, pin.forces().sum(0), atol=1e-9)
@@ -31,7 +31,7 @@ class Probes(unittest.TestCase):
                                     {"name": "walls", "solid": "tank"}]).load()
         for _ in sim.run(until=0.4):
             pass
-        pressure, velocity = sim.fluid_at([[0.12, 0.05, 0.12], [0.12, 0.12, 0.12], [0.12, 0.38, 0.12]])
+        pressure, velocity = sim.fluid_at([[0.12, y, 0.12] for y in (0.05, 0.12, 0.38)])
         self.assertAlmostEqual((pressure[0] - pressure[1]) / (1000 * 9.81 * 0.07), 1, delta=0.15)
         self.assertEqual(pressure[2], 0)
         self.assertLess(np.abs(velocity).max(), 0.1)
