@@ -9,6 +9,7 @@ out=$(realpath -m "${1:-dist}")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 unset PYTHONPATH PROJDYN_LIBRARY PROJDYN_PROGRAM
+export TMPDIR="$dir" # of its own: meson asks Python with a script there, which imports what lies beside it
 
 echo "== build"
 /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index --wheel-dir "$dir/wheel" .
