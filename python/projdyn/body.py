@@ -7,13 +7,14 @@ from typing import Any, Callable, Optional
 import numpy as np
 
 from ._arrays import address, doubles, view
+from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._structs import BodyInfo
 from .errors import InputError
 
 
-class Body:
+class Body(Fixed):
     """A fluid, a sheet or a soft solid of n particles (vertices).
 
     Arrays are read-only views of the simulation's memory, without copies: they change with every
@@ -51,6 +52,7 @@ class Body:
         self.tets = view(info.tet, (info.tets, 4), handle, np.intc)
         self.radius: float = info.radius
         self.rest_density: float = info.rest_density
+        self.fix()
 
     def __len__(self) -> int:
         """Number of particles, n."""

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._arrays import address, doubles
+from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._structs import ConstraintInfo, ParameterInfo
@@ -23,7 +24,7 @@ class Parameter(NamedTuple):
     doc: str
 
 
-class Constraint:
+class Constraint(Fixed):
     """A constraint on a body. Its parameters are items:
 
         spring = sim.constraints["sheet", "spring"]
@@ -36,6 +37,7 @@ class Constraint:
         self.type: str = info.type.decode()
         self.body: str = info.body.decode()
         self.elements: int = info.elements
+        self.fix()
 
     def __repr__(self) -> str:
         return f"<{self.type} on {self.body}, {self.elements} elements>"

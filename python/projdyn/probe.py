@@ -6,12 +6,13 @@ from ctypes import byref, sizeof
 import numpy as np
 
 from ._arrays import view
+from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._structs import ProbeInfo
 
 
-class Probe:
+class Probe(Fixed):
     """A probe of the scene ("probes" in docs/guide/scene.md).
 
     name      str
@@ -23,6 +24,7 @@ class Probe:
         self.name: str = info.name.decode()
         self.columns: tuple[str, ...] = tuple(info.column[k].decode() for k in range(info.values))
         self.values: np.ndarray = view(info.value, (info.values,), handle)
+        self.fix()
 
     def __getitem__(self, column: str) -> float:
         """The value of a column, by its name or by the part after the dot."""

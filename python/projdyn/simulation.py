@@ -9,6 +9,7 @@ from typing import Any, Iterator, Optional
 import numpy as np
 
 from ._arrays import address, doubles, view
+from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 from ._paths import Path
@@ -33,7 +34,7 @@ class Warning:
     last: float
 
 
-class Simulation:
+class Simulation(Fixed):
     """A scene that is simulated. Scene.load and projdyn.load make it.
 
     x, v, mass      arrays of all particles, as in Body
@@ -55,6 +56,7 @@ class Simulation:
         self.bodies: dict[str, Body] = {body.name: body for body in bodies}
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)
+        self.fix()
 
     def __repr__(self) -> str:
         return f"<simulation at {self.time:.6g} s of {len(self.mass)} particles>"

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._arrays import address, doubles
+from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
 
@@ -16,11 +17,12 @@ class Load(NamedTuple):
     moment: np.ndarray
 
 
-class Solid:
+class Solid(Fixed):
     """A wall or an obstacle."""
 
     def __init__(self, handle: Handle, index: int, name: str) -> None:
         self._handle, self._index, self.name = handle, index, name
+        self.fix()
 
     def __repr__(self) -> str:
         return f"<solid {self.name}>"

@@ -139,6 +139,14 @@ class Control(unittest.TestCase):
             pass
         self.assertGreater(sim.bodies["sheet"].x[:, 1].min(), 0.05)
 
+    def test_what_cannot_be_assigned(self):
+        sim = hanging_sheet().load()
+        spring = sim.constraints["sheet", "spring"]
+        for thing, name in ((sim.bodies["sheet"], "x"), (sim.bodies["sheet"], "forces"),
+                            (sim, "graviti"), (sim, "time"), (spring, "stretching_stiffness")):
+            with self.assertRaises(AttributeError):
+                setattr(thing, name, 0)
+
     def test_mistakes(self):
         sheet = hanging_sheet().load().bodies["sheet"]
         with self.assertRaisesRegex(projdyn.InputError, "forces: expected the shape 81 x 3"):

@@ -80,6 +80,12 @@ class Declarations(unittest.TestCase):
             expected = [kind(part) for part in (found[name][0], *split(found[name][1]))]
             self.assertEqual([ctypes_kind(part) for part in (result, *arguments)], expected, name)
 
+    def test_wheel_has_all_modules(self):
+        python = pathlib.Path(os.environ["PROJDYN_SOURCE_ROOT"], "python")
+        listed = re.findall(r"'projdyn/([\w.]+)'", (python / "meson.build").read_text())
+        files = [path.name for path in (python / "projdyn").iterdir() if path.is_file()]
+        self.assertEqual(listed, sorted(files))
+
     def test_library_has_all(self):
         for name in _library.FUNCTIONS:
             self.assertTrue(hasattr(_library.lib, name), name)
