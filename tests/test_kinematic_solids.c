@@ -46,6 +46,28 @@ static void test_carry(void **state) {
     pdyn_destroy(context);
 }
 
+/* The mesh of a solid is where its pose at the current time puts it; that of a solid at rest stays.
+ */
+static void test_vertices(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, turning);
+    double before[2][24], after[2][24];
+    for (int s = 0; s < 2; s++) {
+        assert_int_equal(pdyn_solid_vertices(sim, s, NULL), 8);
+        assert_int_equal(pdyn_solid_vertices(sim, s, before[s]), 8);
+    }
+    assert_int_equal(pdyn_solid_vertices(sim, 2, NULL), 0);
+    assert_int_equal(pdyn_solid_vertices(sim, -1, NULL), 0);
+    sim->time = 3.0; /* two turns later, 2 m further */
+    for (int s = 0; s < 2; s++) pdyn_solid_vertices(sim, s, after[s]);
+    for (int i = 0; i < 24; i++)
+        assert_true(fabs(after[0][i] - before[0][i] - (i % 3 ? 0.0 : 2.0)) < 1e-12);
+    assert_memory_equal(before[1], after[1], sizeof before[1]);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Largest speed of a point by central differences, m/s. */
 static double measured_speed(pdyn_sim *sim, double *before, double time) {
     const pdyn_state s = pdyn_get_state(sim);
@@ -255,13 +277,10 @@ static void test_divergence(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_carry),
-        cmocka_unit_test(test_speed),
-        cmocka_unit_test(test_carried_tank),
-        cmocka_unit_test(test_paddle),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_carry),         cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_speed),         cmocka_unit_test(test_carried_tank),
+        cmocka_unit_test(test_paddle),        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_divergence),
     };
     return cmocka_run_group_tests_name("motion", tests, test_enter_directory, test_leave_directory);
