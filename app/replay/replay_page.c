@@ -28,16 +28,18 @@ static int write_metadata(struct stream *stream, const struct run *run) {
 }
 
 /* Writes the template; replaces @META@ by the metadata and @DATA@ by the data. */
-static int write_page(const struct run *run, struct stream *stream) {
+int replay_print_page(const struct run *run, FILE *file) {
+    static struct stream stream; /* static: 48 KiB are too much for a stack */
     static const char meta[] = "@META@", data[] = "@DATA@";
     const char *at_meta = strstr(replay_template, meta), *at_data = strstr(replay_template, data);
-    stream_text(stream, replay_template, (size_t)(at_meta - replay_template));
-    int code = write_metadata(stream, run);
+    stream = (struct stream){.file = file};
+    stream_text(&stream, replay_template, (size_t)(at_meta - replay_template));
+    int code = write_metadata(&stream, run);
     at_meta += sizeof meta - 1;
-    stream_text(stream, at_meta, (size_t)(at_data - at_meta));
-    if (code == EXIT_GOOD) code = replay_write_data(run, stream);
+    stream_text(&stream, at_meta, (size_t)(at_data - at_meta));
+    if (code == EXIT_GOOD) code = replay_write_data(run, &stream);
     at_data += sizeof data - 1;
-    stream_text(stream, at_data, strlen(at_data));
+    stream_text(&stream, at_data, strlen(at_data));
     return code;
 }
 
@@ -48,12 +50,11 @@ static int report_errno(const char *path, const char *what) {
 
 /* The page appears complete or not at all, see new_file.h. */
 int replay_write_page(const struct run *run, const char *path) {
-    static struct stream stream; /* static: 48 KiB are too much for a stack */
     char *temporary;
-    stream = (struct stream){.file = new_file_open(path, &temporary)};
-    if (!stream.file) return report_errno(path, "cannot create the file");
-    int code = write_page(run, &stream);
-    bool good = code == EXIT_GOOD && !stream.failed;
-    if (new_file_close(stream.file, temporary, path, good) || code != EXIT_GOOD) return code;
+    FILE *file = new_file_open(path, &temporary);
+    if (!file) return report_errno(path, "cannot create the file");
+    int code = replay_print_page(run, file);
+    bool good = code == EXIT_GOOD && !ferror(file);
+    if (new_file_close(file, temporary, path, good) || code != EXIT_GOOD) return code;
     return report_errno(path, "writing failed");
 }

@@ -4,8 +4,10 @@
 
 #include "replay_run.h"
 
-/* Writes the page of a run whose ranges are known. Returns an exit code, after a message unless
- * it is EXIT_GOOD. */
+/* Write the page of a run whose ranges are known, to an open file or to a new one. Return an exit
+ * code, after a message unless it is EXIT_GOOD; of a failed write to the open file there is none,
+ * see ferror(). */
+int replay_print_page(const struct run *run, FILE *file);
 int replay_write_page(const struct run *run, const char *path);
 
 /* Metadata for the placeholder @META@: times, parts, facts about the run, columns for the plots.

@@ -3,7 +3,6 @@
 #include "replay_filled.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,7 +14,7 @@ struct plane {
     uint16_t *now, *previous, *preceding; /* count; preceding: two frames before `now` */
 };
 
-static uint16_t quantise(double value, double min, double max, double levels) {
+uint16_t replay_quantise(double value, double min, double max, double levels) {
     if (!(max > min)) return 0;
     return (uint16_t)lrint(levels * fmin(1.0, fmax(0.0, (value - min) / (max - min))));
 }
@@ -117,11 +116,11 @@ static void quantise_frame(const struct part *part, struct plane *plane,
     for (int i = 0; i < frame->count; i++) {
         for (int k = 0; k < 3; k++)
             plane[k].now[i] =
-                quantise(frame->x[3 * i + k], part->box.min[k], part->box.max[k], 65535.0);
+                replay_quantise(frame->x[3 * i + k], part->box.min[k], part->box.max[k], 65535.0);
         for (int c = 0; c < part->channels; c++) {
             double value = replay_value(part, frame, (enum channel)c, i);
             if (c == FILLED && filled) value = filled[i];
-            plane[3 + c].now[i] = quantise(sqrt(value), 0.0, sqrt(part->most[c]), 255.0);
+            plane[3 + c].now[i] = replay_quantise(sqrt(value), 0.0, sqrt(part->most[c]), 255.0);
         }
     }
 }

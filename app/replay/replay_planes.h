@@ -9,6 +9,11 @@
 #include "replay_run.h"
 #include "replay_stream.h"
 
+#include <stdint.h>
+
+/* Position of a value between min and max: 0 ... levels; 0 where max <= min. */
+uint16_t replay_quantise(double value, double min, double max, double levels);
+
 /* Writes the triangles of all parts, then all frames of a run. Returns an exit code, after a
  * message unless it is EXIT_GOOD. */
 int replay_write_data(const struct run *run, struct stream *stream);

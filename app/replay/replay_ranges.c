@@ -9,11 +9,10 @@
 
 enum { RADIUS_SAMPLES = 64 }; /* particles, see estimate_radius() */
 
-static const struct box empty_box = {{INFINITY, INFINITY, INFINITY},
+const struct box replay_empty_box = {{INFINITY, INFINITY, INFINITY},
                                      {-INFINITY, -INFINITY, -INFINITY}};
 
-/* Extends a box to include all points of a frame. */
-static void extend_box(struct box *box, const struct vtk_frame *frame) {
+void replay_extend_box(struct box *box, const struct vtk_frame *frame) {
     for (int i = 0; i < frame->count; i++)
         for (int k = 0; k < 3; k++) {
             box->min[k] = fmin(box->min[k], frame->x[3 * i + k]);
@@ -109,7 +108,7 @@ static int add_frame(const struct run *run, struct part *part, struct vtk_frame 
     if (frame->count > part->count) part->count = frame->count;
     if (frame->density && frame->count && !(part->radius > 0.0))
         part->radius = estimate_radius(frame);
-    extend_box(&part->box, frame);
+    replay_extend_box(&part->box, frame);
     for (int c = 0; c < part->channels; c++)
         for (int i = 0; i < frame->count; i++)
             part->most[c] = fmax(part->most[c], replay_value(part, frame, (enum channel)c, i));
@@ -127,7 +126,7 @@ int replay_read_frame(const struct run *run, const struct part *part, int f, cha
 
 static int find_part_ranges(const struct run *run, struct part *part) {
     char path[REPLAY_PATH];
-    part->box = empty_box;
+    part->box = replay_empty_box;
     for (int f = 0; f < replay_frames(run, part); f++) {
         struct vtk_frame frame;
         int code = replay_read_frame(run, part, f, path, &frame);
@@ -147,7 +146,7 @@ int replay_find_ranges(struct run *run) {
         seen |= run->part[p].kind == BODY && run->part[p].count;
         if (!run->part[p].count) run->part[p].box = (struct box){0};
     }
-    if (seen) return EXIT_GOOD;
+    if (seen || run->live) return EXIT_GOOD;
     return replay_error("%s: expected at least one particle in some frame, found none",
                         run->directory);
 }

@@ -266,6 +266,7 @@ void replay_close(struct run *run) {
     }
     free(run->part);
     json_decref(run->metrics);
+    json_decref(run->live);
     json_decref(run->body_list);
     json_decref(run->report);
 }

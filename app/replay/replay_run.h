@@ -53,6 +53,7 @@ struct run {
     json_t *report;    /* report.json; NULL: missing */
     json_t *body_list; /* array of the bodies, as in report.json */
     json_t *metrics;   /* columns of metrics.csv for the plots; NULL: missing */
+    json_t *live;      /* of a live view: what the page needs to talk to it; NULL: a replay */
     int parts, frames;
     struct part *part; /* the bodies, then solids, then boundary points */
 };
@@ -75,7 +76,8 @@ int replay_load(struct run *run);
 void replay_close(struct run *run);
 /* Reads run->metrics; leaves it NULL if metrics.csv is missing. */
 int replay_read_metrics(struct run *run);
-/* Reads all frames for boxes, counts and largest values. */
+/* Reads all frames for boxes, counts and largest values. Of a live view, all may be without
+ * points. */
 int replay_find_ranges(struct run *run);
 
 /* Time of frame f of a part, s. */
@@ -87,6 +89,9 @@ int replay_read_frame(const struct run *run, const struct part *part, int f, cha
                       struct vtk_frame *frame);
 /* Checks that a frame has the mesh of the first frame. */
 int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path);
+/* Extends a box to include all points of a frame. replay_empty_box: contains nothing. */
+extern const struct box replay_empty_box;
+void replay_extend_box(struct box *box, const struct vtk_frame *frame);
 /* Value of a channel at point i, at least 0; a density error, max(0, density / rest density - 1),
  * is at most 1e9; FILLED: its largest value, 1. */
 double replay_value(const struct part *part, const struct vtk_frame *frame, enum channel channel,

@@ -54,10 +54,14 @@ class Backdrop {
     this.back = compile(gl, commonText, windowVertex, backdropText.fragment);
     this.ground = compile(gl, lightText, backdropText.groundVertex, backdropText.groundFragment);
     this.own = {
-      centre: [camera.centre[0], ground, camera.centre[2]], reach: 9 * camera.radius,
+      centre: [camera.centre[0], 0, camera.centre[2]], reach: 9 * camera.radius,
       spacing: roundSpacing(0.16 * camera.radius),
     };
-    this.height = ground;
+    this.place(ground);
+  }
+  /* Moves the ground to a height, m. */
+  place(height) {
+    this.height = this.own.centre[1] = height;
   }
   drawBackground(values) {
     this.gl.disable(this.gl.DEPTH_TEST);

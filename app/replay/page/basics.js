@@ -1,7 +1,8 @@
 /* Short names and text of numbers. */
 const $ = (id) => document.getElementById(id);
 const meta = JSON.parse($("meta").textContent);
-const frames = meta.times.length;
+const frameCount = () => meta.times.length; /* grows in a live view */
+const lastFrame = () => frameCount() - 1;
 const allParts = () => [...meta.bodies, ...meta.solids, ...meta.boundary];
 
 function element(parent, tag, properties = {}) {

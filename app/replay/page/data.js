@@ -56,10 +56,14 @@ function unpack(bytes) {
     part.index = new Uint32Array(bytes.slice(at, at + 12 * part.triangles).buffer);
     at += 12 * part.triangles;
   }
-  for (let f = 0; f < frames; f++)
+  for (let f = 0; f < frameCount(); f++)
     for (const part of parts) if (!f || !part.rest) at = readFrame(bytes, at, part, f);
 }
 
 /* Positions of a part in a frame, and its number of points there. */
 const positions = (part, frame) => part.x[part.rest ? 0 : frame];
+/* Box of these positions, m, and the largest value of a channel: of all frames in a replay; in a live view each
+ * frame has its own, because later ones are not known. */
+const boxOf = (part, frame) => part.boxes ? part.boxes[frame] : part.box;
+const mostOf = (part, channel, frame) => part.mosts ? part.mosts[frame][channel] : part.most[channel];
 const pointsOf = (part, frame) => part.points ? part.points[frame] : part.count;

@@ -41,8 +41,7 @@ function applyView(text) {
     const [yaw, pitch, scale, ...target] = camera;
     Object.assign(renderer.camera, { yaw: yaw * Math.PI / 180, pitch: pitch * Math.PI / 180, scale, target });
   }
-  player.show(Math.floor(Number(wanted.frame)) || 0);
-  player.play(wanted.play !== "0");
+  player.open(Math.floor(Number(wanted.frame)) || 0, wanted.play !== "0");
 }
 
 function copyLink() {

@@ -2,7 +2,7 @@
 
 /* Positions of a part in a frame, m. */
 function metres(part, frame) {
-  const x = positions(part, frame), [low, high] = part.box, size = high.map((v, k) => (v - low[k]) / 65535);
+  const x = positions(part, frame), [low, high] = boxOf(part, frame), size = high.map((v, k) => (v - low[k]) / 65535);
   const out = new Float32Array(x.length);
   for (let i = 0; i < x.length; i++) out[i] = low[i % 3] + size[i % 3] * x[i];
   return out;

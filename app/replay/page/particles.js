@@ -67,8 +67,7 @@ void main() {
 /* The points of one part on the graphics card. */
 class Points {
   constructor(gl, part) {
-    this.gl = gl;
-    this.part = part;
+    Object.assign(this, { gl, part, scale: 0 });
     this.array = gl.createVertexArray();
     this.x = addAttribute(gl, this.array, 0, 3, gl.UNSIGNED_SHORT);
     if (!part.channels.length) return;
@@ -91,14 +90,16 @@ class Points {
   upload(frame, channel) {
     const { gl, part } = this;
     this.count = pointsOf(part, frame);
+    this.box = boxOf(part, frame);
     fillBuffer(gl, this.x, positions(part, frame));
     if (!this.value) return;
+    this.scale = mostOf(part, channel, frame) / ranges[channel]?.top || 0;
     fillBuffer(gl, this.value, part[channel][frame]);
     fillBuffer(gl, this.filled, part.filled[frame]);
   }
   values() {
-    const [low, high] = this.part.box;
-    return { origin: low, size: high.map((v, k) => v - low[k]), radius: this.part.radius };
+    const [low, high] = this.box, { scale, part: { radius } } = this;
+    return { origin: low, size: high.map((v, k) => v - low[k]), radius, scale };
   }
   draw(program, values, sparse) {
     use(this.gl, program, { ...values, ...this.values() });

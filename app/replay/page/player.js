@@ -12,7 +12,7 @@ class Player {
     this.atEnd = () => {}; /* called once when the last frame has been shown */
   }
   show(frame) {
-    this.frame = Math.min(frames - 1, Math.max(0, frame));
+    this.frame = Math.min(lastFrame(), Math.max(0, frame));
     this.time = meta.times[this.frame];
     this.refresh();
   }
@@ -21,17 +21,64 @@ class Player {
     $("scrub").value = this.frame;
     $("time").innerHTML = "";
     $("time").append(meta.times[this.frame].toFixed(3) + " s");
-    element($("time"), "span", { textContent: `frame ${this.frame} of ${frames - 1}` });
+    element($("time"), "span", { textContent: this.frameText() });
+    this.showPlots();
+  }
+  showPlots() {
     for (const plot of this.plots) plot.show(this.frame);
   }
+  frameText() {
+    return `frame ${this.frame} of ${lastFrame()}`;
+  }
   play(on) {
-    this.playing = on && frames > 1;
-    if (this.playing && this.frame === frames - 1) this.show(0);
+    this.playing = on && frameCount() > 1;
+    if (this.playing && this.frame === lastFrame()) this.show(0);
+    this.showIcon();
+  }
+  showIcon() {
     $("play").innerHTML = `<svg viewBox="0 0 13 13"><path d="${icons[this.playing]}"/></svg>`;
+  }
+  /* Pauses and goes on or back by some frames. */
+  stepFrames(by) {
+    this.play(false);
+    this.show(this.frame + by);
+  }
+  /* Called once, when all is ready. */
+  start() {}
+  gestures() {
+    return [];
+  }
+  /* A frame that a link names, and whether it plays on. */
+  open(frame, playing) {
+    this.show(frame);
+    this.play(playing);
+  }
+  /* Choices of the speed: [value, text, title]. */
+  speeds() {
+    return [0.1, 0.25, 0.5, 1, 2, 4].map((rate) => [rate, `${rate} ×`]);
+  }
+  setSpeed(value) {
+    this.rate = Number(value);
+  }
+  /* Buttons: [text, title, action]. */
+  actions() {
+    return [["PNG", "Save this picture", savePicture], ["WebM", "Record a film of all frames", recordFilm],
+      ["Link", "Copy a link to this view", copyLink], ["?", "Keys", () => $("help").showModal()]];
+  }
+  /* Plays all frames once, for a film; then calls stop(). */
+  film(button, stop) {
+    button.disabled = true;
+    this.show(0);
+    this.play(true);
+    this.atEnd = () => {
+      this.play(false);
+      button.disabled = false;
+      stop();
+    };
   }
   /* Plays on by some seconds of wall time; shows the last frame for 0.6 s and starts again. */
   advance(seconds) {
-    const first = meta.times[0], last = meta.times[frames - 1];
+    const first = meta.times[0], last = meta.times[lastFrame()];
     this.time += this.rate * seconds;
     if (this.time > last + 0.6 * this.rate) {
       this.time = first;

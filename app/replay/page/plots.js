@@ -1,7 +1,7 @@
 /* Plots of the numbers of metrics.csv over time. */
 const margin = { left: 46, right: 10, top: 8, bottom: 30 };
 const charts = [
-  { title: "Density error", unit: "%", log: true, factor: 100,
+  { title: "Density error", unit: "%", log: true, factor: 100, fluid: true,
     lines: [["density_error_mean", "mean", "#009e73"], ["density_error_max", "max", "#8a5fb0"]] },
   { title: "Energy", unit: "J",
     lines: [["kinetic_J", "kinetic", "#0072b2"], ["potential_J", "potential", "#c98a00"],
@@ -40,10 +40,8 @@ function tickLabel(value, log) {
 class Plot {
   constructor(parent, chart) {
     this.chart = chart;
-    this.time = meta.metrics.time_s;
-    this.last = Math.max(meta.times[frames - 1], this.time[this.time.length - 1] || 0) || 1;
-    this.lines = chart.lines.map(([column, name, colour]) =>
-      ({ name, colour, values: meta.metrics[column].map((v) => v === null ? NaN : v * (chart.factor || 1)) }));
+    this.lines = chart.lines.map(([column, name, colour]) => ({ column, name, colour }));
+    this.read();
     const figure = element(parent, "figure"), caption = element(figure, "figcaption");
     const heading = element(caption, "div");
     element(heading, "b", { textContent: chart.title });
@@ -63,6 +61,13 @@ class Plot {
         player.show(nearestFrame(left / this.width * this.last));
       });
     new ResizeObserver(() => this.draw()).observe(this.box);
+  }
+  /* Takes the numbers from the columns. */
+  read() {
+    this.time = meta.metrics.time_s.slice();
+    this.last = Math.max(meta.times[lastFrame()], this.time[this.time.length - 1] || 0) || 1;
+    for (const line of this.lines)
+      line.values = meta.metrics[line.column].map((v) => v === null ? NaN : v * (this.chart.factor || 1));
   }
   draw() {
     const ratio = devicePixelRatio || 1, c = this.canvas.getContext("2d");
@@ -125,7 +130,7 @@ class Plot {
   }
   show(frame) {
     const time = meta.times[frame];
-    this.cursor.style.transform = `translateX(${margin.left + this.width * time / this.last}px)`;
+    this.cursor.style.transform = `translateX(${margin.left + this.width * Math.min(1, time / this.last)}px)`;
     const step = lastBefore(this.time, time + 1e-9);
     for (const line of this.lines) {
       const value = step < 0 ? NaN : line.values[step];
@@ -146,6 +151,6 @@ function lastBefore(numbers, limit) {
 }
 
 function nearestFrame(time) {
-  const below = Math.max(0, lastBefore(meta.times, time)), above = Math.min(frames - 1, below + 1);
+  const below = Math.max(0, lastBefore(meta.times, time)), above = Math.min(lastFrame(), below + 1);
   return time - meta.times[below] < meta.times[above] - time ? below : above;
 }

@@ -1,18 +1,18 @@
 /* Ranges of values over all frames: ends of the colour maps, bounds of the first view. */
 
 /* Value of a channel from its 8 bits, which hold the square root. */
-const channelValue = (part, channel, code) => (code / 255) ** 2 * part.most[channel];
+const channelValue = (part, channel, frame, code) => (code / 255) ** 2 * mostOf(part, channel, frame);
 
-/* Range of a channel over some bodies: top, the 99.5 % quantile, at which the colour map ends, because few larger
+/* Range of a channel over some bodies and frames: top, the 99.5 % quantile, at which the colour map ends, because few larger
  * values would leave most colours unused; and most, the largest value. */
-function measureChannel(bodies, channel) {
+function measureChannel(bodies, channel, frames) {
   const histogram = new Float64Array(256);
   let total = 0, code = -1, sum = 0;
-  const most = Math.max(0, ...bodies.map((body) => body.most[channel]));
+  const most = Math.max(0, ...bodies.flatMap((body) => frames.map((f) => mostOf(body, channel, f))));
   for (const body of bodies)
-    for (let f = 0; f < body[channel].length; f++)
+    for (const f of frames)
       for (let i = 0, values = body[channel][f]; i < body.points[f]; i += 7) {
-        histogram[Math.ceil(Math.sqrt(channelValue(body, channel, values[i]) / (most || 1)) * 255)]++;
+        histogram[Math.ceil(Math.sqrt(channelValue(body, channel, f, values[i]) / (most || 1)) * 255)]++;
         total++;
       }
   while (code < 255 && sum <= 0.995 * total) sum += histogram[++code];
@@ -26,16 +26,16 @@ function coordinateRange(body, f, k) {
   for (let i = 0; i < body.points[f]; i += step) values.push(x[3 * i + k]);
   if (!values.length) return [Infinity, -Infinity];
   values.sort((a, b) => a - b);
-  const [low, high] = body.box, rest = body.triangles ? 0 : 0.01;
+  const [low, high] = boxOf(body, f), rest = body.triangles ? 0 : 0.01;
   const place = (part) => values[Math.round(part * (values.length - 1))] / 65535;
   return [rest, 1 - rest].map((part) => low[k] + (high[k] - low[k]) * place(part));
 }
 
 /* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40. Three pairs, m. */
 function measureBounds() {
-  const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frames / 40));
+  const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frameCount() / 40));
   for (const body of meta.bodies)
-    for (let f = 0; f < frames; f += step)
+    for (let f = 0; f < frameCount(); f += step)
       for (let k = 0; k < 3; k++) {
         const [low, high] = coordinateRange(body, f, k);
         bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
@@ -54,4 +54,18 @@ function includeGround(bounds, ground) {
 function groundHeight() {
   const parts = [...meta.bodies, ...(meta.solids.length ? meta.solids : meta.boundary)];
   return Math.min(...parts.map((part) => part.box[0][1]));
+}
+
+/* Bounds of a live view, whose later frames are not known: those of the first frame, with solids that are not much
+ * larger than the bodies, and sides of at least 0.6 of the longest one; downwards, where things fall. */
+function guessBounds(bounds) {
+  const span = () => Math.max(...bounds.map(([a, b]) => b - a)) || 1, largest = 3 * span();
+  for (const { box: [low, high] } of [...meta.solids, ...meta.boundary])
+    if (high.every((v, k) => v - low[k] < largest))
+      bounds = bounds.map(([a, b], k) => [Math.min(a, low[k]), Math.max(b, high[k])]);
+  const least = 0.6 * span();
+  return bounds.map(([a, b], k) => {
+    const more = Math.max(0, least - (b - a));
+    return k === 1 ? [a - more, b] : [a - more / 2, b + more / 2];
+  });
 }

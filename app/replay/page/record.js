@@ -12,7 +12,7 @@ function savePicture() {
   renderer.gl.canvas.toBlob((blob) => download(blob, `${String(player.frame).padStart(6, "0")}.png`));
 }
 
-/* Plays all frames once, at the chosen speed, and records them as WebM. */
+/* Records as WebM what the player shows for a film. */
 function recordFilm(button) {
   if (!window.MediaRecorder) {
     button.textContent = "No WebM in this browser";
@@ -21,16 +21,11 @@ function recordFilm(button) {
   const recorder = new MediaRecorder(renderer.gl.canvas.captureStream(), { videoBitsPerSecond: 12e6 }), pieces = [];
   recorder.ondataavailable = (e) => pieces.push(e.data);
   recorder.onstop = () => {
+    player.recording = false;
     download(new Blob(pieces, { type: recorder.mimeType }), "webm");
-    button.disabled = player.recording = false;
   };
-  button.disabled = player.recording = true;
-  player.show(0);
-  player.play(true);
-  player.atEnd = () => {
-    player.play(false);
-    recorder.stop();
-  };
+  player.recording = true;
+  player.film(button, () => recorder.stop());
   recorder.start();
 }
 

@@ -45,8 +45,9 @@ class Renderer {
     this.gl = gl;
     if (!gl.getExtension("EXT_color_buffer_float"))
       throw new Error("This page needs a graphics driver with float render targets (EXT_color_buffer_float).");
-    this.groundHeight = groundHeight();
-    this.camera = new Camera(includeGround(measureBounds(), this.groundHeight));
+    const bounds = meta.live ? guessBounds(measureBounds()) : measureBounds();
+    this.groundHeight = meta.live ? Math.min(groundHeight(), bounds[1][0]) : groundHeight();
+    this.camera = new Camera(includeGround(bounds, this.groundHeight));
     this.shadows = new Shadows(gl, this.camera);
     this.backdrop = new Backdrop(gl, this.camera, this.groundHeight - 0.002 * this.camera.radius);
     this.balls = new Balls(gl);
@@ -117,7 +118,7 @@ class Renderer {
     };
   }
   drawShadows(sorted, shared, { shadow: size, soft }) {
-    const { view, projection } = this.shadows, values = { ...shared, view, projection, height: size, scale: 0 };
+    const { view, projection } = this.shadows, values = { ...shared, view, projection, height: size };
     const low = { ...values, height: size / 4, shrink: soft ? 1 : 1.5 };
     this.shadows.opaque.begin(size, size);
     for (const shape of sorted.surfaces) shape.draw(this.fabric.shadow, values);
@@ -126,9 +127,8 @@ class Renderer {
     for (const shape of sorted.water) shape.draw(this.balls.shadow, low, !soft);
   }
   ballLook(shape) {
-    const channel = fluidChannel(), { most = {}, fluid } = shape.part;
-    const plain = shape.solid || !fluid && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
-    return { plain, map: this.maps[channels[channel].map], scale: most[channel] / ranges[channel]?.top || 0, shrink: 0 };
+    const plain = shape.solid || !shape.part.fluid && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
+    return { plain, map: this.maps[channels[fluidChannel()].map], shrink: 0 };
   }
   surfaceLook(shape) {
     const channel = channels[settings.surface];
@@ -150,11 +150,10 @@ class Renderer {
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
   }
   drawWater(sorted, values, level) {
-    const { width, height } = this.scene, channel = fluidChannel();
-    const most = Math.max(...sorted.water.map((shape) => shape.part.most[channel]));
+    const { width, height } = this.scene;
     const own = {
-      ...values, sceneDepth: this.scene.depth, scene: this.scene.colour, shrink: 1, scale: most / ranges[channel].top,
-      radius: Math.max(...sorted.water.map((shape) => shape.part.radius)), map: this.maps[channels[channel].map],
+      ...values, sceneDepth: this.scene.depth, scene: this.scene.colour, shrink: 1,
+      radius: Math.max(...sorted.water.map((shape) => shape.part.radius)), map: this.maps[channels[fluidChannel()].map],
       mapped: settings.fluid === "plain" ? 0 : 1, clear: 0.35 * this.camera.radius,
       distance: this.camera.distance, extent: this.camera.radius,
     };

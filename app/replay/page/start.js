@@ -1,44 +1,48 @@
 /* Start of the page. */
-const player = new Player();
+const player = meta.live ? new LivePlayer() : new Player();
 let renderer;
 
 function describeRun() {
   const { name, scene, version, threads, integrator, simulated_s: simulated, wall_s: wall } = meta.about;
   $("title").textContent = name || scene || "Replay";
-  document.title = $("title").textContent + " – projdyn replay";
+  document.title = `${$("title").textContent} – projdyn ${meta.live ? "view" : "replay"}`;
   const facts = [
     simulated !== undefined && `${formatNumber(simulated)} s simulated`,
     wall !== undefined && `${formatNumber(wall)} s of wall time`,
     threads && `${threads} thread${threads > 1 ? "s" : ""}`,
-    `${frames} frame${frames > 1 ? "s" : ""}`, integrator, version && `projdyn ${version}`];
+    !meta.live && `${frameCount()} frame${frameCount() > 1 ? "s" : ""}`, integrator, version && `projdyn ${version}`];
   $("about").textContent = facts.filter(Boolean).join("  ·  ");
 }
 
-/* The warnings of the run; each leads to the frame in which it came first, which is marked on the timeline. */
+/* The warnings of the run; each leads to the frame in which it came first, which is marked on the timeline of a
+ * replay. */
 function listWarnings() {
   const list = meta.warnings || [];
   $("warnings").hidden = !list.length;
+  $("warnings").replaceChildren($("warnings").firstElementChild);
   $("warnings").firstElementChild.textContent = `${list.length} warning${list.length > 1 ? "s" : ""}`;
   for (const { code, subject, text, first_s: time } of list) {
-    const frame = nearestFrame(time), line = `${subject ? subject + ": " : ""}${text} [${code}]`;
-    element($("warnings"), "button", { textContent: line, onclick: () => player.show(frame) });
-    if (time > 0 && frames > 1)
-      element($("track"), "i", { title: line }).style.left = `${100 * frame / (frames - 1)}%`;
+    const line = `${subject ? subject + ": " : ""}${text} [${code}]`;
+    element($("warnings"), "button", { textContent: line, onclick: () => player.show(nearestFrame(time)) });
+    if (time > 0 && frameCount() > 1 && !meta.live)
+      element($("track"), "i", { title: line }).style.left = `${100 * nearestFrame(time) / lastFrame()}%`;
   }
 }
 
 function buildPlots() {
-  const known = (chart) => meta.metrics && chart.lines.some(([column]) => meta.metrics[column].some((v) => v));
+  const fluid = meta.bodies.some((body) => body.fluid);
+  const known = (chart) => meta.live ? fluid || !chart.fluid
+    : meta.metrics && chart.lines.some(([column]) => meta.metrics[column].some((v) => v));
   player.plots = charts.filter(known).map((chart) => new Plot($("plots"), chart));
   if (!player.plots.length) document.body.classList.add("plain");
 }
 
 const keys = {
   " ": ["play or pause", () => player.play(!player.playing)],
-  ArrowLeft: ["one frame back", () => stepFrames(-1)],
-  ArrowRight: ["one frame on", () => stepFrames(1)],
+  ArrowLeft: ["one frame back", () => player.stepFrames(-1)],
+  ArrowRight: ["one frame on", () => player.stepFrames(1)],
   Home: ["first frame", () => player.show(0)],
-  End: ["last frame", () => player.show(frames - 1)],
+  End: ["last frame", () => player.show(lastFrame())],
   r: ["first view", () => { renderer.camera.reset(); player.dirty = true; }],
   v: ["fluid as surface or particles", () => nextChoice("look")],
   c: ["next colour of the fluid", () => nextChoice("fluid")],
@@ -47,11 +51,6 @@ const keys = {
   l: ["copy a link to this view", copyLink],
   "?": ["this help", () => $("help").showModal()],
 };
-
-function stepFrames(by) {
-  player.play(false);
-  player.show(player.frame + by);
-}
 
 function nextChoice(name) {
   const options = [...(inputs[name]?.options || [])].map((option) => option.value);
@@ -65,7 +64,7 @@ function buildHelp() {
     element(row.insertCell(), "kbd", { textContent: names[key] || key });
     row.insertCell().textContent = keys[key][0];
   }
-  const gestures = [["drag", "turn"], ["shift or right button and drag", "move"], ["wheel, two fingers", "zoom"]];
+  const gestures = [...player.gestures(), ["drag", "turn"], ["shift or right button and drag", "move"], ["wheel, two fingers", "zoom"]];
   for (const [what, effect] of gestures) {
     const row = table.insertRow();
     row.insertCell().textContent = what;
@@ -74,18 +73,16 @@ function buildHelp() {
 }
 
 function controlPlayer() {
-  $("scrub").max = frames - 1;
+  $("scrub").max = lastFrame();
   $("scrub").addEventListener("input", () => player.show(Number($("scrub").value)));
   $("play").addEventListener("click", () => player.play(!player.playing));
-  for (const rate of [0.1, 0.25, 0.5, 1, 2, 4])
-    element($("rate"), "option", { value: rate, textContent: `${rate} ×`, selected: rate === 1 });
-  $("rate").addEventListener("change", () => { player.rate = Number($("rate").value); });
-  const actions = [["PNG", "Save this picture", savePicture], ["WebM", "Record a film of all frames", recordFilm],
-    ["Link", "Copy a link to this view", copyLink], ["?", "Keys", () => $("help").showModal()]];
-  for (const [text, title, act] of actions)
+  for (const [value, textContent, title = ""] of player.speeds())
+    element($("rate"), "option", { value, textContent, title, selected: value === player.rate });
+  $("rate").addEventListener("change", () => player.setSpeed($("rate").value));
+  for (const [text, title, act] of player.actions())
     element($("actions"), "button", { textContent: text, title, onclick: (e) => act(e.currentTarget) });
   addEventListener("keydown", (e) => {
-    if (!keys[e.key] || e.target.tagName === "SELECT" || e.ctrlKey || e.metaKey || e.altKey) return;
+    if (!keys[e.key] || e.target.matches("select, #controls input") || e.ctrlKey || e.metaKey || e.altKey) return;
     if (e.key === " " && e.target.matches("button, input[type=checkbox], summary")) return; /* the focused control's */
     e.preventDefault();
     keys[e.key][1]();
@@ -103,6 +100,7 @@ function prepareParts() {
 }
 
 async function start() {
+  if (meta.live) buildLive();
   describeRun();
   listWarnings();
   const gl = $("scene").getContext("webgl2", { antialias: false, alpha: false });
@@ -114,11 +112,12 @@ async function start() {
   $("data").remove();
   prepareParts();
   for (const name in channels) {
-    const bodies = meta.bodies.filter((body) => body.most[name] > 0);
-    if (bodies.length) ranges[name] = measureChannel(bodies, name);
+    const bodies = meta.bodies.filter((body) => meta.live ? name in body.most : body.most[name] > 0);
+    if (bodies.length) ranges[name] = measureChannel(bodies, name, [...bodies[0].x.keys()]);
   }
   renderer = new Renderer(gl);
-  ranges.stretch = measureStretch(renderer.parts);
+  ranges.stretch = measureStretch(renderer.parts,
+    Array.from({ length: 10 }, (_, k) => Math.floor((k + 1) * lastFrame() / 10)));
   buildPlots();
   controlCamera(renderer);
   controlPlayer();
@@ -131,6 +130,7 @@ async function start() {
   $("message").hidden = true;
   document.body.classList.add("ready");
   animation.tick(performance.now());
+  player.start();
 }
 
 start().catch((error) => {

@@ -79,7 +79,7 @@ class Surface {
       return out.map((_, i) => 0.5 + 0.5 * stretch[this.same[i]] / range.top);
     }
     const values = this.part[channel][frame];
-    return out.map((_, i) => channelValue(this.part, channel, values[this.source[i]]) / range.top);
+    return out.map((_, i) => channelValue(this.part, channel, frame, values[this.source[i]]) / range.top);
   }
   upload(frame, channel, range) {
     const gl = this.gl, x = this.gather(frame);
@@ -102,13 +102,13 @@ class Fabric {
   }
 }
 
-/* Range of the stretch of bodies: the largest value in ten frames, and the 99.5 % quantile of its size. */
-function measureStretch(shapes) {
+/* Range of the stretch of bodies in some frames: the largest value, and the 99.5 % quantile of its size. */
+function measureStretch(shapes, frames) {
   const sizes = [];
   for (const shape of shapes) {
     if (!(shape instanceof Surface) || shape.solid) continue;
-    for (let k = 1; k <= 10; k++) {
-      const x = shape.gather(Math.floor(k * (frames - 1) / 10));
+    for (const f of frames) {
+      const x = shape.gather(f);
       const stretch = vertexStretch(shape.edges, shape.rest, x, new Float32Array(shape.source.length));
       for (const v of stretch) sizes.push(Math.abs(v));
     }

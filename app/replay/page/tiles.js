@@ -31,7 +31,7 @@ class Tiles {
   /* Adds the tiles of a body's particles and those around them. reach: radius on the window of a ball at w = 1, as a
    * part of its height */
   coverBody(part, frame, values, reach) {
-    const x = positions(part, frame), rows = windowRows(values, part.box);
+    const x = positions(part, frame), rows = windowRows(values, boxOf(part, frame));
     const aspect = values.projection[5] / values.projection[0];
     const at = (row, i) => row[0] * x[i] + row[1] * x[i + 1] + row[2] * x[i + 2] + row[3];
     for (let p = 0; p < pointsOf(part, frame); p++) {
