@@ -18,6 +18,7 @@ int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 int mesh_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
+int view_main(int argc, char **argv);
 int render_main(int argc, char **argv);
 
 /* Default output directory: out/PREFIX + NAME for a scene file .../NAME.json. The caller frees

@@ -21,6 +21,7 @@ static const struct command {
     {"list", list_main, "print constraint types and solvers with their parameters and units"},
     {"mesh", mesh_main, "make triangle meshes of the surfaces of fluids"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},
+    {"view", view_main, "run a scene and show it in a browser: drag, change, save"},
     {"render", render_main, "draw a run to a picture or a film, with Chromium and ffmpeg"},
 };
 

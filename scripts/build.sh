@@ -3,6 +3,6 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gcc libc6-dev meson ninja-build pkg-config libsuitesparse-dev libjansson-dev \
-    libcmocka-dev zlib1g-dev
+    libcmocka-dev zlib1g-dev libwebsockets-dev
 [ -f build/build.ninja ] || meson setup build "$@" >/dev/null
 ninja -C build

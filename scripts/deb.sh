@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gcc libc6-dev make dpkg-dev debhelper dh-python help2man lintian meson ninja-build pkg-config \
-    libsuitesparse-dev libjansson-dev zlib1g-dev python3-numpy
+    libsuitesparse-dev libjansson-dev zlib1g-dev libwebsockets-dev python3-numpy
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 say() { "$@" >"$dir/said" 2>&1 || { cat "$dir/said" >&2; exit 1; }; } # prints what a command says if it fails

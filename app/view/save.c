@@ -1,0 +1,53 @@
+/* Writes the state of a live view as a run of one frame. */
+#include "save.h"
+#include "run_record.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { NAMES = 10000 }; /* numbers that are tried */
+
+/* Makes the directory SCENE_live_N with the smallest free N; false with errno. */
+static bool make_directory(const char *scene, char **path) {
+    const char *slash = strrchr(scene, '/'), *name = slash ? slash + 1 : scene;
+    const char *dot = strrchr(name, '.');
+    int length = dot ? (int)(dot - name) : (int)strlen(name);
+    for (int n = 1; n < NAMES; n++) {
+        if (asprintf(path, "%.*s_live_%d", length, name, n) < 0) return *path = NULL, false;
+        if (!mkdir(*path, 0777)) return true;
+        free(*path);
+        *path = NULL;
+        if (errno != EEXIST) return false;
+    }
+    return false;
+}
+
+static pdyn_status write_run(struct live *live, const char *path) {
+    pdyn_writer *writer;
+    pdyn_status status = pdyn_writer_open(live->sim, path, false, &writer);
+    if (status != PDYN_OK) return status;
+    status = pdyn_writer_frame(writer);
+    if (status == PDYN_OK) status = pdyn_writer_report(writer, NULL, false, NULL);
+    if (status == PDYN_OK) status = pdyn_writer_save(writer);
+    pdyn_writer_close(writer);
+    if (status == PDYN_OK && run_record_write(path, live->scene) != EXIT_GOOD)
+        status = PDYN_IO_FAILED;
+    return status;
+}
+
+void save_run(struct live *live) {
+    char *path = NULL;
+    if (!make_directory(live->scene->scene, &path)) {
+        live_note(live, true, "cannot make a directory: %s", strerror(errno));
+        return;
+    }
+    pdyn_status status = write_run(live, path);
+    if (status == PDYN_OK)
+        live_note(live, false, "saved to %s; to continue: projdyn run --resume %s --time %.4g",
+                  path, path, pdyn_time(live->sim) + 1.0);
+    else live_note(live, true, "%s: %s", path, status_message(live->context, status));
+    free(path);
+}

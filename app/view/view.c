@@ -1,0 +1,72 @@
+/* projdyn view: runs a scene and shows it in a browser. */
+#include "live.h"
+#include "server.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char usage[] =
+    "Usage: projdyn view SCENE [OPTIONS]\n"
+    "\n"
+    "Runs a scene and shows it in a browser: drag cloth and soft bodies with the mouse, change\n"
+    "parameters and gravity, save the state. Prints the address of the page.\n"
+    "\n"
+    "      --port N          port on 127.0.0.1 (default: a free one)\n"
+    "      --no-browser      opens no browser\n"
+    "      --threads N       worker threads (default: one per core)\n"
+    "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky\n"
+    "      --plugin FILE     loads the constraint types and solvers of a plug-in before the scene\n"
+    "      --allow-plugins   loads the plug-ins that the scene names\n"
+    "  -h, --help            prints this text\n"
+    "\n"
+    "Ctrl-C ends the view after the current step, a second Ctrl-C at once.\n";
+
+struct view_options {
+    struct scene_options scene;
+    struct server_options server;
+};
+
+static bool parse_port(struct view_options *o, const char *text) {
+    long port;
+    if (!parse_integer("--port", text, 1, 65535, &port)) return false;
+    o->server.port = (int)port;
+    return true;
+}
+
+static bool accept_option(void *self, int option) {
+    struct view_options *o = self;
+    if (option == 'n') o->server.open_browser = false;
+    if (option == 'p') return parse_port(o, optarg);
+    if (option == 't') return scene_threads(&o->scene, optarg);
+    if (option == 's') return scene_set(&o->scene, optarg);
+    if (option == 'P') return scene_plugin(&o->scene, optarg);
+    if (option == 'A') return scene_allow_plugins();
+    return option != '?';
+}
+
+static int view(const struct view_options *o) {
+    struct live live;
+    char *page = NULL;
+    int code = live_open(&live, &o->scene, &page);
+    if (code == EXIT_GOOD) code = server_run(&live, page, &o->server);
+    live_close(&live);
+    free(page);
+    return code;
+}
+
+int view_main(int argc, char **argv) {
+    static const struct option long_options[] = {
+        {"port", required_argument, NULL, 'p'},    {"no-browser", no_argument, NULL, 'n'},
+        {"threads", required_argument, NULL, 't'}, {"set", required_argument, NULL, 's'},
+        {"plugin", required_argument, NULL, 'P'},  {"allow-plugins", no_argument, NULL, 'A'},
+        {"help", no_argument, NULL, 'h'},          {0}};
+    struct view_options o = {.server = {.open_browser = true}};
+    int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &o);
+    if (code < 0 && argc - optind != 1) code = report_usage("view", "one scene file", usage);
+    if (code < 0) {
+        o.scene.scene = argv[optind];
+        code = view(&o);
+    }
+    scene_options_free(&o.scene);
+    return code;
+}
