@@ -95,6 +95,13 @@ expect "command like no other" 1 "" sh -c "'$program' frobnicate 2>&1 | grep 'di
 for command in run sweep compare trade check list mesh replay render; do
     expect "$command --help" 0 "Usage: projdyn $command" "$program" $command --help
 done
+if "$program" view --help 2>&1 | grep -q "no live view"; then
+    expect "view without libwebsockets" 2 "no live view" "$program" view "$scene"
+else
+    expect "view --help" 0 "Usage: projdyn view" "$program" view --help
+    expect "view without a scene" 2 "expected one scene" "$program" view
+    expect "port of none" 2 "from 1 to 65535" "$program" view "$scene" --port 0
+fi
 expect "run without a scene" 2 "expected one scene" "$program" run
 expect "missing scene" 2 "nowhere.json" "$program" run "$dir/nowhere.json" -o "$dir/out"
 expect "unknown option" 2 "frobnicate" "$program" run "$scene" --frobnicate

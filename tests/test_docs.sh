@@ -60,6 +60,10 @@ while read -r command; do
     "projdyn compare"*) command="$command --steps 1 --rounds 1" ;;
     "projdyn render"*docs/gallery/*) continue ;; # scripts/gallery.sh draws these
     "projdyn render"*) command -v chromium >/dev/null && command -v ffmpeg >/dev/null || continue ;;
+    "projdyn view"*)
+        projdyn view --help >/dev/null 2>&1 || continue # a build without libwebsockets
+        command="timeout --preserve-status -s INT 1 $command --no-browser"
+        ;;
     "projdyn trade"*) command="$command --window 0.02 --minutes 0.05" ;;
     esac
     eval "$command" >said 2>&1 || { echo "not ok $command:"; tail -n 20 said; exit 1; }
