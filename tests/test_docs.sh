@@ -62,7 +62,7 @@ while read -r command; do
     "projdyn render"*) command -v chromium >/dev/null && command -v ffmpeg >/dev/null || continue ;;
     "projdyn view"*)
         projdyn view --help >/dev/null 2>&1 || continue # a build without libwebsockets
-        command="timeout --preserve-status -s INT 1 $command --no-browser"
+        command="timeout --preserve-status -s INT 3 $command --no-browser"
         ;;
     "projdyn trade"*) command="$command --window 0.02 --minutes 0.05" ;;
     esac

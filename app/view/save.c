@@ -44,10 +44,11 @@ void save_run(struct live *live) {
         live_note(live, true, "cannot make a directory: %s", strerror(errno));
         return;
     }
+    bool plugins = live->scene->plugins || scene_plugins_allowed();
     pdyn_status status = write_run(live, path);
     if (status == PDYN_OK)
-        live_note(live, false, "saved to %s; to continue: projdyn run --resume %s --time %.4g",
-                  path, path, pdyn_time(live->sim) + 1.0);
+        live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",
+                  path, path, plugins ? " --allow-plugins" : "", pdyn_time(live->sim) + 1.0);
     else live_note(live, true, "%s: %s", path, status_message(live->context, status));
     free(path);
 }
