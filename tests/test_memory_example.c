@@ -1,5 +1,5 @@
-/* examples/memory.c makes the scene scenes/water_on_cloth.json: it prints the same hash of the state
- * after two steps. Argument: the program. */
+/* examples/memory.c makes the scene scenes/water_on_cloth.json: it prints the same hash of the
+ * state after two steps. Argument: the program. */
 #include "support.h"
 
 #include <string.h>
