@@ -3,8 +3,9 @@
  * anything: PDYN_BAD_CALL: no such particle, constraint or solid, or the simulation has failed;
  * PDYN_BAD_INPUT: a number that is not finite or out of range, with an error text.
  *
- * Cost of the next step, beside that of the call: "nothing"; "a factor": solvers with a factor
- * (cholesky, hybrid) compute it anew; "a pattern": solvers are built anew. */
+ * Cost of the next step, beside that of the call: "nothing", or "solvers": the linear solvers are
+ * made anew, which costs an analysis and a factorisation (cholesky, hybrid) or little (cg, dual).
+ * Several such changes before a step cost as much as one. */
 #ifndef PROJDYN_CONTROL_H
 #define PROJDYN_CONTROL_H
 
@@ -34,17 +35,17 @@ PDYN_API pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, co
 
 /* Sets a parameter of a constraint: 1 number; 3 for a vector; 4 for each key of a path (time and
  * three numbers). PDYN_BAD_INPUT: unknown, out of bounds, or not changeable
- * (pdyn_parameter_info.changeable). A factor. */
+ * (pdyn_parameter_info.changeable). Solvers; a path: nothing. */
 PDYN_API pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name,
                                         const double *value, int count);
-/* Switches a constraint off and on. PDYN_BAD_INPUT: a constraint that is matrix-free, as "fluid". A
- * factor. */
+/* Switches a constraint off and on. PDYN_BAD_INPUT: a constraint that is matrix-free, as "fluid".
+ * Solvers. */
 PDYN_API pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled);
 PDYN_API bool pdyn_is_enabled(const pdyn_sim *sim, int constraint);
 
 /* Holds a particle: a spring of the stiffness, N/m, pulls it to the target, m. Given again for the
- * same particle: moves the target (nothing), or changes the stiffness (a factor). A new hold and a
- * release: a pattern. */
+ * same particle: moves the target (nothing), or changes the stiffness (solvers). A new hold and a
+ * release: solvers. */
 PDYN_API pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness,
                                const double target[3]);
 PDYN_API pdyn_status pdyn_release(pdyn_sim *sim, int particle); /* not held: does nothing */
