@@ -1,4 +1,5 @@
-# projdyn with library and headers in /usr/local, on Debian 12.
+# projdyn with library and headers in /usr/local, on Debian 12. Without `projdyn view`, whose server answers its own
+# machine only.
 #
 #     docker build -t projdyn .
 #     docker run --rm -v "$PWD:/work" --user "$(id -u):$(id -g)" projdyn run scenes/dam_break.json
@@ -7,7 +8,7 @@ RUN apt-get update && apt-get install -y --no-install-recommends \
     gcc libc6-dev meson pkg-config python3 libsuitesparse-dev libjansson-dev zlib1g-dev
 COPY . /source
 WORKDIR /source
-RUN meson setup /build --libdir=lib -Dtests=false -Dbench=false -Dexamples=false \
+RUN meson setup /build --libdir=lib -Dview=disabled -Dtests=false -Dbench=false -Dexamples=false \
     && ninja -C /build \
     && DESTDIR=/installed meson install -C /build --no-rebuild
 
