@@ -3,6 +3,7 @@
  * at the stretch l in both directions, R the radius of a sphere of the same volume. */
 #include "interface.h"
 
+#include "projdyn/control.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -10,14 +11,14 @@
 
 static const double stiffness = 500.0, area_density = 0.3; /* N/m, kg/m^2 */
 static const double pi = 3.14159265358979;
-static const double thick = 0.5; /* XSPH's viscosity */
-/* The initial lattice is too dense and expands: contact keeps it inside. */
+static const double thick = 0.5;     /* XSPH's viscosity */
 static const double contact = 0.001; /* m */
 
 struct bag {
     double d, radius, fill; /* m, m; volume of the water over that of the bag at rest */
     double middle[3];       /* m, of the lattice */
     double lattice;         /* radius of the lattice's part that is water, m */
+    double area;            /* of the mesh at rest, m^2 */
 };
 
 static bool keep(const void *user, double x[3]) {
@@ -56,7 +57,18 @@ static void write_bag(FILE *file, int n, double radius) {
     fclose(file);
 }
 
-/* The lattice is scaled to keep 0.7 spacings from the bag. */
+/* Scales all positions about the origin. */
+static void scale_all(pdyn_sim *sim, double factor) {
+    const pdyn_state s = pdyn_get_state(sim);
+    double *x = malloc(3 * (size_t)s.particles * sizeof *x);
+    if (!x) die("out of memory");
+    for (int k = 0; k < 3 * s.particles; k++) x[k] = factor * s.x[k];
+    if (pdyn_set_positions(sim, 0, s.particles, x) != PDYN_OK) die("positions");
+    free(x);
+}
+
+/* In the scene the bag is at rest and the lattice is shrunk, so that it keeps 0.7 spacings from the
+ * bag. The run begins with both scaled so that the lattice has its spacing and the bag is taut. */
 static pdyn_sim *load_bag(const struct job *job, struct bag *b) {
     char water[4096], mesh[4096];
     static struct scene s;
@@ -77,18 +89,20 @@ static pdyn_sim *load_bag(const struct job *job, struct bag *b) {
               "'constraints': [{'type': 'triangle', 'stretching_stiffness': %g, 'damping': 0.01}, "
               "{'type': 'bending', 'bending_rigidity': 1e-5}]}]}",
               stiffness);
-    return scene_load(job, &s);
+    pdyn_sim *sim = scene_load(job, &s);
+    b->area = body_area(sim, 1);
+    scale_all(sim, 1.0 / shrunk);
+    return sim;
 }
 
 struct found {
     struct sample water, stretch, inside, laplace, scatter; /* volume share; 1; Pa, Pa, Pa */
 };
 
-static void add_state(struct found *f, const struct bag *b, const pdyn_sim *sim, double area,
-                      double h) {
+static void add_state(struct found *f, const struct bag *b, const pdyn_sim *sim, double h) {
     const pdyn_state s = pdyn_get_state(sim);
     const pdyn_body_info w = pdyn_get_body(sim, 0);
-    double volume = body_volume(sim, 1), stretch = sqrt(body_area(sim, 1) / area);
+    double volume = body_volume(sim, 1), stretch = sqrt(body_area(sim, 1) / b->area);
     double radius = cbrt(0.75 / pi * volume), middle[3], d3 = b->d * b->d * b->d;
     struct sample pressure = {0};
     body_middle(sim, 1, middle);
@@ -117,16 +131,15 @@ static int lost(const pdyn_sim *sim) {
 
 static void run(const struct job *job, FILE *csv, struct bag *b, double seconds) {
     pdyn_sim *sim = load_bag(job, b);
-    double area = body_area(sim, 1);
     struct found found = {0};
     while (pdyn_time(sim) < seconds) {
         struct found now = {0};
         pdyn_step_info info = take_step(job->context, sim);
-        add_state(&now, b, sim, area, 1.0);
+        add_state(&now, b, sim, 1.0);
         fprintf(csv, "%g,%g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g\n", b->radius / b->d, b->fill, info.time,
                 now.water.sum, now.stretch.sum, now.inside.sum, now.laplace.sum,
                 info.step_residual);
-        if (info.time > 0.6 * seconds) add_state(&found, b, sim, area, info.h);
+        if (info.time > 0.6 * seconds) add_state(&found, b, sim, info.h);
     }
     double inside = sample_mean(&found.inside), laplace = sample_mean(&found.laplace);
     printf("| %g | %g | %g | %d | %.3f | %.3f | %.1f | %.1f | %.3f | %.1f %% | %d |\n", 1e3 * b->d,
