@@ -2,8 +2,7 @@
 """Checks that the folders of src/ and app/ include one way (docs/architecture.md, Folders).
 
 A folder of src/core may include itself and the folders before it in CORE; the other folders may
-include what ALLOWED lists, and the files in EXEMPT what stands there: a constraint needs no more
-than an installed plug-in can include. Prints each include that goes against this, and exits with 1.
+include what ALLOWED lists: a constraint or a solver includes no more than a plug-in can. Prints each include that goes against this, and exits with 1.
 """
 import pathlib
 import re
@@ -15,11 +14,6 @@ ALLOWED = {
     "solvers": [],
     "conformance": CORE,
     "app": ["replay"],  # the reader of a run, of `projdyn mesh`
-}
-EXEMPT = {
-    "constraints/fluid.c": ["sph"],
-    "constraints/fluid.h": ["sph"],
-    "constraints/fluid_limit.c": ["geometry"],
 }
 
 root = pathlib.Path(__file__).resolve().parent.parent
@@ -33,7 +27,7 @@ def check(folder, name, allowed):
             include = re.match(r'#include "([a-z_]+)/', line)
             if not include or include[1] in ("projdyn", name):
                 continue
-            if include[1] not in allowed + EXEMPT.get(f"{name}/{path.name}", []):
+            if include[1] not in allowed:
                 print(f"{path.relative_to(root)}:{number}: {name} must not include {include[1]}/")
                 faults += 1
 

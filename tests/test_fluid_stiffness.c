@@ -2,7 +2,8 @@
  * compression of a settled tank. */
 #include "scene_support.h"
 
-#include "sph/kernel.h"
+#include "projdyn/kernel.h"
+#include "projdyn/vec3.h"
 
 #include <string.h>
 

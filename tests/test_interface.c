@@ -3,9 +3,9 @@
 #include "support.h"
 
 #include "geometry/sampling.h"
+#include "projdyn/kernel.h"
 #include "scene/choices.h"
 #include "sph/boundary.h"
-#include "sph/kernel.h"
 
 #include "projdyn/vec3.h"
 

@@ -3,7 +3,7 @@
 #include "support.h"
 
 #include "geometry/compress.h"
-#include "sph/kernel.h"
+#include "projdyn/kernel.h"
 
 #include "projdyn/vec3.h"
 

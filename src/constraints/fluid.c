@@ -15,8 +15,8 @@
  * add density (Akinci et al. 2012). */
 #include "fluid.h"
 
+#include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
-#include "sph/kernel.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
 #ifndef PDYN_FLUID_H
 #define PDYN_FLUID_H
 
+#include "projdyn/kernel.h"
 #include "projdyn/module.h"
-#include "sph/kernel.h"
 
 #include <math.h>
 

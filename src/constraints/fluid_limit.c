@@ -5,7 +5,7 @@
  * towards water is not slowed down. */
 #include "fluid_pairs.h"
 
-#include "geometry/bvh.h"
+#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 /* Density over the rest density that the listed surface points first to last - 1 add at `at`. */

@@ -1,7 +1,8 @@
 #include "wet_sides.h"
 
+#include "projdyn/kernel.h"
+#include "projdyn/vec3.h"
 #include "scene/scene.h"
-#include "sph/kernel.h"
 #include "sph/neighbours.h"
 
 #include <string.h>

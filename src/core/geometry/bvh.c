@@ -6,15 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-const struct box box_empty = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-
-void box_add(struct box *box, const double x[3]) {
-    for (int a = 0; a < 3; a++) {
-        if (x[a] < box->min[a]) box->min[a] = x[a];
-        if (x[a] > box->max[a]) box->max[a] = x[a];
-    }
-}
-
 /* Computes for `count` boxes the number of levels and the first group of each; returns the number
  * of groups in all levels. */
 static int count_groups(int count, int *levels, int *first) {

@@ -7,10 +7,7 @@
 #define PDYN_BVH_H
 
 #include "base/context.h"
-
-struct box {
-    double min[3], max[3];
-};
+#include "projdyn/box.h"
 
 enum { BVH_WIDTH = 4, BVH_LEVELS = 16 };
 
@@ -44,9 +41,5 @@ static inline bool box_overlaps(const struct box *a, const struct box *b) {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &
            (b->min[1] <= a->max[1]) & (a->min[2] <= b->max[2]) & (b->min[2] <= a->max[2]);
 }
-
-/* Extends the box to contain x. An empty box (box_empty) has min > max. */
-void box_add(struct box *box, const double x[3]);
-extern const struct box box_empty;
 
 #endif

@@ -1,8 +1,8 @@
 /* The boundary models "surface" and "points". */
 #include "boundary.h"
 
-#include "kernel.h"
 #include "neighbours.h"
+#include "projdyn/kernel.h"
 #include "scene/choices.h"
 
 /* Walls of a box have fluid on one side only, so their points lie behind the faces: the force then

@@ -1,7 +1,8 @@
 /* Neighbour lists by uniform grids: build, validity, moving boundary points. */
 #include "neighbour_lists.h"
 
-#include "kernel.h"
+#include "projdyn/kernel.h"
+#include "projdyn/vec3.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
  * on the other side. */
 #include "neighbour_lists.h"
 
-#include "kernel.h"
+#include "projdyn/kernel.h"
 
 #include "projdyn/vec3.h"
 

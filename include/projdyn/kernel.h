@@ -1,9 +1,7 @@
 /* Kernels of the density sums: the cubic spline W (Monaghan 1992, normalised in 3-D, support H)
  * between fluid particles, and the surface kernel S between particles and surfaces. */
-#ifndef PDYN_KERNEL_H
-#define PDYN_KERNEL_H
-
-#include "projdyn/vec3.h"
+#ifndef PROJDYN_KERNEL_H
+#define PROJDYN_KERNEL_H
 
 #include <math.h>
 

@@ -1,0 +1,23 @@
+/* Axis-aligned boxes. */
+#ifndef PROJDYN_BOX_H
+#define PROJDYN_BOX_H
+
+#include <math.h>
+
+struct box {
+    double min[3], max[3];
+};
+
+/* Contains no point: min > max. */
+static const struct box box_empty = {{INFINITY, INFINITY, INFINITY},
+                                     {-INFINITY, -INFINITY, -INFINITY}};
+
+/* Extends the box to contain x. */
+static inline void box_add(struct box *box, const double x[3]) {
+    for (int a = 0; a < 3; a++) {
+        if (x[a] < box->min[a]) box->min[a] = x[a];
+        if (x[a] > box->max[a]) box->max[a] = x[a];
+    }
+}
+
+#endif
