@@ -25,7 +25,7 @@ FRAME_MS = 100.0  # processor time of a frame, both processes: 20 frames a secon
 def sheet(vertices, **more):
     """A sheet of n x n vertices, pinned at two corners."""
     return {"name": "Sheet", "duration": 1, "frame_interval": 1 / 60, "time_step": {"fixed": 1 / 60},
-            "solver": {"type": "hybrid", "tolerance": 1e-2, "linear_tolerance": 0.1, "outer_iterations": 20},
+            "solver": {"type": "hybrid", "linear_tolerance": 0.1, "outer_iterations": 20},
             "bodies": [{"name": "sheet",
                         "surface": {"grid": {"size": [1, 1], "vertices": [vertices, vertices]}, "translate": [0, 1.5, 0],
                                     "area_density": 0.2},

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 static const char usage[] =
     "Usage: projdyn view SCENE [OPTIONS]\n"
@@ -20,6 +21,8 @@ static const char usage[] =
     "  -h, --help            prints this text\n"
     "\n"
     "Ctrl-C ends the view after the current step, a second Ctrl-C at once.\n";
+
+enum { YIELDING = 5 }; /* niceness: a browser that draws on the same cores comes first */
 
 struct view_options {
     struct scene_options scene;
@@ -47,6 +50,7 @@ static bool accept_option(void *self, int option) {
 static int view(const struct view_options *o) {
     struct live live;
     char *page = NULL;
+    nice(YIELDING); /* the threads of the simulation inherit it */
     int code = live_open(&live, &o->scene, &page);
     if (code == EXIT_GOOD) code = server_run(&live, page, &o->server);
     live_close(&live);

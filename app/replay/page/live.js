@@ -45,6 +45,7 @@ class LivePlayer extends Player {
   constructor() {
     super();
     this.rate = "fast";
+    this.pictureTime = 1 / 90; /* without a graphics card, the simulation needs the processor, too */
     this.rates = { step: 0, frame: 0, last: 0, shown: 0 };
     this.bytes = this.drawn = this.undrawn = 0;
   }

@@ -7,6 +7,7 @@ class Player {
     this.time = meta.times[0];
     this.playing = this.recording = false; /* recording: at full quality, without a change of size */
     this.rate = 1;
+    this.pictureTime = 1 / 30; /* s that a picture of the animation may take */
     this.plots = [];
     this.dirty = true;
     this.atEnd = () => {}; /* called once when the last frame has been shown */
@@ -115,7 +116,7 @@ class Animation {
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4)); /* waits for the picture */
       return (performance.now() - start) / 1000;
     });
-    return [3, 1, 0.6, 0.35].filter((part) => part * seconds[1] > 1 / 30).length;
+    return [3, 1, 0.6, 0.35].filter((part) => part * seconds[1] > player.pictureTime).length;
   }
   drawMoving(now, passed) {
     const moving = now - this.changed < 300 + passed; /* a slow draw makes the next tick late */
