@@ -1,4 +1,4 @@
-/* Vertices of a surface at obstacles. */
+/* Attaches vertices of the surface of the water to sheets, bodies and solids beside it. */
 #include "parallel.h"
 #include "surface.h"
 
