@@ -1,6 +1,7 @@
 /* Changes while a simulation runs: forces, gravity, positions, parameters, holds, solids, steps of
  * the caller; saved states with changes; failed allocations. */
 #include "projdyn/control.h"
+#include "projdyn/module.h"
 #include "small_scenes.h"
 #include "support.h"
 
@@ -287,6 +288,52 @@ static void test_enable(void **state) {
     pdyn_free(water);
 }
 
+/* A type without parameters: its constraints have nothing but their bodies to tell them apart. */
+static int all_points(const void *par, const pdyn_body *body) { return (void)par, body->count; }
+static void select_point(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->column[e] = b->body->first + e, b->coefficient[e] = 1.0;
+}
+static void weigh_point(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = 1e5;
+}
+static void stop_point(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] = k % 3 == 1 ? 0.0 : b->u[k];
+}
+
+static void test_enable_without_parameters(void **state) {
+    (void)state;
+    static const pdyn_param none[] = {{0}};
+    static const pdyn_constraint_type level = {.name = "level",
+                                               .summary = "keeps points at y = 0",
+                                               .flags = PDYN_ANCHORED,
+                                               .params = none,
+                                               .elements = all_points,
+                                               .rows = 1,
+                                               .width = 1,
+                                               .select = select_point,
+                                               .weight = weigh_point,
+                                               .project = stop_point};
+    static const pdyn_constraint_type *const types[] = {&level, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "level", types, NULL};
+    static const char two[] =
+        SCENE(FIXED,
+              PAIR(GRID_SHEET("'name': 'a', ", "0.4, 0.4", "3, 3", "'area_density': 0.5",
+                              "{'type': 'level'}"),
+                   GRID_SHEET("'name': 'b', ", "0.4, 0.4", "3, 3",
+                              "'translate': [1, 0, 0], 'area_density': 0.5", "{'type': 'level'}")),
+              "");
+    good(pdyn_register(context, &plugin));
+    pdyn_sim *sim = test_load(context, two);
+    good(pdyn_enable(sim, 0, false));
+    assert_true(!pdyn_is_enabled(sim, 0) && pdyn_is_enabled(sim, 1));
+    take_steps(sim, 20);
+    assert_true(pdyn_get_state(sim).x[1] < -0.03 && fabs(pdyn_get_state(sim).x[3 * 9 + 1]) < 1e-3);
+    pdyn_free(sim);
+}
+
 /* ---- holds ----------------------------------------------------------------------------------- */
 
 static void hold_and_release(const char *text) {
@@ -485,6 +532,7 @@ int main(void) {
         cmocka_unit_test(test_wrong_parameters),
         cmocka_unit_test(test_elements_stay),
         cmocka_unit_test(test_enable),
+        cmocka_unit_test(test_enable_without_parameters),
         cmocka_unit_test(test_holds),
         cmocka_unit_test(test_hold_in_water),
         cmocka_unit_test(test_wrong_holds),

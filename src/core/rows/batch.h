@@ -61,6 +61,13 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
                          const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
 void batch_free(struct batch *batch);
 
+/* Whether `batch` is that of a constraint of the scene, or that of its damping. */
+static inline bool batch_belongs_to(const struct batch *batch, const struct batch *constraint) {
+    return batch == constraint ||
+           (batch->damper && batch->type == constraint->type &&
+            batch->params == constraint->params && batch->view.body == constraint->view.body);
+}
+
 /* Whether the selector is the same in all steps. */
 static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
 

@@ -1,6 +1,6 @@
-/* Changing values of a JSON text by their path: keys with dots between them. The existing part of a
- * path is followed first; what is missing is made apart and attached in one place, so that a call
- * that fails changes nothing. */
+/* Changing values of a JSON text by their path: keys with dots between them. The keys of a
+ * path that exist are followed; the values of the others are built on their own and attached last,
+ * with one call, so that a failure changes nothing. */
 #include "base/text.h"
 #include "json_file.h"
 

@@ -103,7 +103,7 @@ struct scene_probe {
     struct point_list at; /* m, where, not of a box, solid or body */
     struct scene_box box; /* of PROBE_BOX */
     int target;           /* index of the solid, or of the body with pins */
-    double radius;        /* m, around a place: what is nearer counts; 0: two particle spacings */
+    double radius;        /* m: particles and boundary points within it count; 0: two spacings */
     double time;          /* s, time constant of an exponential mean; 0: none */
 };
 
@@ -156,7 +156,7 @@ struct scene {
 
 /* Reads and checks a scene; `file` stays as it is. Names of files are relative to the folder of a
  * scene file. On failure *out is empty and the error text is FILE:LINE:COLUMN: JSON path: what was
- * expected, what was found; without line and column for what a program made. */
+ * expected, what was found; a value that a program has set has no line and column. */
 pdyn_status scene_read(const struct json_file *file, struct scene *out);
 void scene_free(pdyn_context *context, struct scene *scene);
 

@@ -188,13 +188,6 @@ static void forget_start(struct pdyn_sim *sim) {
 
 /* ---- neighbours: fluid, cloth and walls ------------------------------------------------------ */
 
-/* The body whose constraints work on SPH sums, or NULL. */
-static const pdyn_body *fluid_body(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->bodies; b++)
-        if (has_neighbour_lists(sim, b)) return &sim->body[b];
-    return NULL;
-}
-
 /* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
 static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, int particles,
                                 double *volume, bool *centre, bool *is_wall) {
@@ -277,7 +270,7 @@ static void warn_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
 }
 
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
-    const pdyn_body *fluid = fluid_body(sim);
+    const pdyn_body *fluid = sim_fluid(sim);
     if (!fluid) return PDYN_OK;
     double spacing = 2.0 * fluid->radius;
     pdyn_status status = solid_points_sample(sim, spacing);

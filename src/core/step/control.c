@@ -1,6 +1,5 @@
 #include "control.h"
 
-#include "applied_force.h"
 #include "crossings.h"
 #include "forces.h"
 #include "live_particles.h"
@@ -9,7 +8,6 @@
 #include "warn.h"
 
 #include "projdyn/control.h"
-#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <string.h>
@@ -50,8 +48,8 @@ pdyn_status control_settle(struct pdyn_sim *sim) {
     pdyn_status status = holds_make_batches(sim);
     sim->anchored = sim->control.anchored || sim->control.holds;
     if (status == PDYN_OK) status = make_solvers(sim);
-    sim->control.stale =
-        status != PDYN_OK; /* a failed simulation can be saved, which tries again */
+    /* a failed simulation can be saved, which tries again */
+    sim->control.stale = status != PDYN_OK;
     sim->failed |= status != PDYN_OK;
     return status;
 }
@@ -121,13 +119,11 @@ void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]) {
 
 /* ---- positions and velocities ---------------------------------------------------------------- */
 
-/* The next step begins from the state alone. */
-static void forget_history(struct pdyn_sim *sim) {
+/* After a change of the state. */
+static void forget_last_step(struct pdyn_sim *sim) {
     sim->control.driven = true;
     forces_forget(sim);
-    sim->history = 0.0;
-    solver_choice_reject(sim);
-    if (sim->scene.settings.newton) sim->damping = 1.0;
+    integrator_forget(sim);
 }
 
 static void copy_live(const struct pdyn_sim *sim, int first, int count, const double *from,
@@ -159,7 +155,7 @@ pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double
     memcpy(before, sim->x + 3 * (size_t)first, 3 * (size_t)count * sizeof *before);
     status = place(sim, first, count, x);
     if (status == PDYN_OK) {
-        forget_history(sim);
+        forget_last_step(sim);
         crossings_forget(sim, first, count);
     } else sim->failed |= replace(sim, first, count, before) != PDYN_OK;
     FREE_VECTOR(sim->context, before, count);
@@ -171,7 +167,7 @@ pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const doubl
     pdyn_status status = begin_vectors(sim, first, count, v, STEP_MAX_SPEED, "a velocity", "m/s");
     if (status != PDYN_OK) return status;
     copy_live(sim, first, count, v, sim->v);
-    forget_history(sim);
+    forget_last_step(sim);
     return PDYN_OK;
 }
 

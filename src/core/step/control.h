@@ -21,8 +21,8 @@ pdyn_status control_check(const struct pdyn_sim *sim);
 /* Whether the simulation has the particles from `first`. */
 bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
 
-/* Makes batches and solvers fit what was changed since the last step. A failure ends the
- * simulation. */
+/* After changes of constraints: makes the batches of holds and the linear solvers anew. After a
+ * failure the simulation takes no further step. */
 pdyn_status control_settle(struct pdyn_sim *sim);
 
 /* Writes or reads what was changed; settles it after reading. */

@@ -18,12 +18,6 @@
 static const double ridge = 1e-4;
 enum { LEAST_NEIGHBOURS = 4 }; /* of a fit; the mean is taken of fewer */
 
-const pdyn_body *fluid_at_body(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->bodies && sim->neighbours; b++)
-        if (has_neighbour_lists(sim, b)) return &sim->body[b];
-    return NULL;
-}
-
 /* ---- the fit --------------------------------------------------------------------------------- */
 
 struct fit { /* sums over the particles, lengths in units of the radius */
@@ -109,7 +103,7 @@ static void climb(void *user, int i) {
 }
 
 double fluid_at_height(const struct pdyn_sim *sim, const double *at) {
-    const pdyn_body *fluid = fluid_at_body(sim);
+    const pdyn_body *fluid = sim_fluid(sim);
     const double *g = sim->scene.settings.gravity, size = vec3_length(g);
     if (!sim->forces_known || !fluid || size == 0.0) return 0.0;
     struct column c = {sim, at, {-g[0] / size, -g[1] / size, -g[2] / size}, 2.0 * fluid->radius,
@@ -132,7 +126,7 @@ pdyn_status pdyn_fluid_at(const pdyn_sim *sim, int count, const double *x, doubl
         if (!isfinite(x[k]))
             return context_fail(sim->context, PDYN_BAD_INPUT,
                                 "expected finite coordinates of point %d, found %g", k / 3, x[k]);
-    const pdyn_body *fluid = fluid_at_body(sim);
+    const pdyn_body *fluid = sim_fluid(sim);
     for (int k = 0; k < count; k++) {
         double value[FLUID_VALUES];
         fluid_at_fit(sim, x + 3 * (size_t)k, fluid ? 4.0 * fluid->radius : 1.0, value);

@@ -4,9 +4,6 @@
 
 #include "sim.h"
 
-/* The body of particles whose neighbour lists the scene has; NULL: none. */
-const pdyn_body *fluid_at_body(const struct pdyn_sim *sim);
-
 enum { FLUID_VALUES = 4 };
 /* Pressure, Pa, and velocity, m/s, at `at`, m: the first-order moving least-squares fit of the
  * particles within `radius`, m; 0 where there is none. */

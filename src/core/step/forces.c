@@ -49,13 +49,6 @@ static void add_gradient(const struct pdyn_sim *sim, struct batch *b, double *gr
 
 typedef bool choose_fn(const struct batch *batch, const struct batch *constraint);
 
-/* The batch of a constraint of the scene, or that of its damping. */
-static bool belongs_to(const struct batch *batch, const struct batch *constraint) {
-    return batch == constraint ||
-           (batch->damper && batch->type == constraint->type &&
-            batch->params == constraint->params && batch->view.body == constraint->view.body);
-}
-
 static bool is_of_contact(const struct batch *batch, const struct batch *none) {
     (void)none;
     return batch->type == &pdyn_constraint_contact || batch->type == &pdyn_constraint_friction ||
@@ -96,7 +89,7 @@ static void add_row_load(const struct pdyn_sim *sim, const struct batch *b,
 static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
                               struct solid_load *load) {
     double *force = sim->trial;
-    sum_forces(sim, belongs_to, b, force);
+    sum_forces(sim, batch_belongs_to, b, force);
     for (int i = 0; i < sim->objective.particles; i++)
         solid_load_add(load, sim->x_next + 3 * (size_t)i, force + 3 * (size_t)i);
 }
@@ -104,26 +97,22 @@ static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
 void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load) {
     const struct objective *sys = &sim->objective;
     for (int b = 0; sim->forces_known && b < sys->batches; b++)
-        if (belongs_to(sys->batch[b], sys->batch[k]))
+        if (batch_belongs_to(sys->batch[b], sys->batch[k]))
             (sys->batch[b]->op ? add_operator_load : add_row_load)(sim, sys->batch[b], load);
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */
 
-static bool has_constraint(const pdyn_sim *sim, int k) {
-    return sim && k >= 0 && k < sim->constraints;
-}
-
 pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *force) {
-    if (!has_constraint(sim, constraint) || !force) return PDYN_BAD_CALL;
-    sum_forces(sim, belongs_to, sim->objective.batch[constraint], force);
+    if (!sim_has_constraint(sim, constraint) || !force) return PDYN_BAD_CALL;
+    sum_forces(sim, batch_belongs_to, sim->objective.batch[constraint], force);
     return PDYN_OK;
 }
 
 pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, double force[3],
                                  double moment[3]) {
     struct solid_load load = {{0}, {0}};
-    if (!has_constraint(sim, constraint) || !force || !moment) return PDYN_BAD_CALL;
+    if (!sim_has_constraint(sim, constraint) || !force || !moment) return PDYN_BAD_CALL;
     forces_add_load(sim, constraint, &load);
     memcpy(force, load.force, sizeof load.force);
     memcpy(moment, load.moment, sizeof load.moment);
@@ -164,7 +153,7 @@ static struct element operator_element(const pdyn_sim *sim, const struct batch *
 
 pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *energy,
                                 double *distance) {
-    if (!has_constraint(sim, constraint)) return PDYN_BAD_CALL;
+    if (!sim_has_constraint(sim, constraint)) return PDYN_BAD_CALL;
     const struct batch *b = sim->objective.batch[constraint];
     for (int e = 0; e < b->view.elements; e++) {
         struct element value = {0};

@@ -94,6 +94,12 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     return count;
 }
 
+void integrator_forget(struct pdyn_sim *sim) {
+    sim->history = 0.0;
+    solver_choice_reject(sim);
+    if (sim->scene.settings.newton) sim->damping = 1.0;
+}
+
 static const struct integrator integrators[] = {
     {"bdf2", "second order; one implicit step from two states", begin_bdf2, true},
     {"euler", "first order; implicit, as published", begin_euler, false},

@@ -24,6 +24,10 @@ struct integrator {
     bool history; /* needs sim->x_before and sim->v_before */
 };
 
+/* The next step begins from the state alone: without history, and with solvers that keep nothing of
+ * earlier steps. */
+void integrator_forget(struct pdyn_sim *sim);
+
 /* Call after a step of length h, s, with its velocities known. Replaces velocities of impacts by
  * those of an Euler step, also in the history. Returns the number of constraints with an impact; 0
  * with Euler. */

@@ -131,11 +131,10 @@ static struct scene_key key_at(const struct scene_solid *solid, double time) {
     return key;
 }
 
-static pdyn_status replace_keys(struct pdyn_sim *sim, struct scene_solid *solid, int count,
-                                const struct scene_key *keys) {
+static pdyn_status resize_keys(struct pdyn_sim *sim, struct scene_solid *solid, int count) {
+    if (count == solid->keys) return PDYN_OK;
     struct scene_key *key = NEW_ARRAY(sim->context, count, struct scene_key);
     if (!key) return PDYN_NO_MEMORY;
-    memcpy(key, keys, (size_t)count * sizeof *key);
     FREE_ARRAY(sim->context, solid->key, solid->keys);
     solid->key = key, solid->keys = count;
     return PDYN_OK;
@@ -149,9 +148,11 @@ pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time, const double 
     memcpy(key[1].rotate, rotate, sizeof key->rotate);
     pdyn_status status = check_move(sim, solid, &key[1]);
     if (status != PDYN_OK) return status;
-    key[0] = key_at(&sim->scene.solid[solid], sim->time);
-    status = replace_keys(sim, &sim->scene.solid[solid], 2, key);
+    struct scene_solid *moved = &sim->scene.solid[solid];
+    key[0] = key_at(moved, sim->time);
+    status = resize_keys(sim, moved, 2);
     if (status != PDYN_OK) return status;
+    memcpy(moved->key, key, sizeof key);
     sim->control.driven = true;
     kinematic_move(sim, sim->time);
     return PDYN_OK;
@@ -161,15 +162,8 @@ static void persist_keys(struct pdyn_sim *sim, struct scene_solid *solid, struct
     int count = solid->keys;
     snapshot_file_count(a, &count, sizeof *solid->key, "the number of keys is out of range");
     snapshot_file_require(a, count > 0, "a moving solid has no key");
-    if (a->status != PDYN_OK) return;
-    if (count != solid->keys) {
-        struct scene_key *key = NEW_ARRAY(sim->context, count, struct scene_key);
-        if (!key) a->status = PDYN_NO_MEMORY;
-        if (!key) return;
-        FREE_ARRAY(sim->context, solid->key, solid->keys);
-        solid->key = key, solid->keys = count;
-    }
-    for (int k = 0; k < count; k++) {
+    if (a->status == PDYN_OK) a->status = resize_keys(sim, solid, count);
+    for (int k = 0; k < count && a->status == PDYN_OK; k++) {
         struct scene_key *key = &solid->key[k];
         snapshot_file_range(a, &key->time, 1, SCENE_MAX_POSITION, "a time of a key");
         snapshot_file_range(a, key->translate, 3, SCENE_MAX_POSITION, "a translation of a key");

@@ -29,6 +29,7 @@ void kinematic_free(pdyn_context *context, struct kinematic_solids *motion);
 /* Moves the boundary points to their positions at `time`, s, and informs the neighbour lists. */
 void kinematic_move(struct pdyn_sim *sim, double time);
 
+/* Writes or reads the keys of all moving solids. */
 void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 
 /* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of

@@ -19,10 +19,6 @@ bool parameter_is_changeable(const pdyn_constraint_type *type, const pdyn_param 
     return !type->matrix_free || type->matrix_free->set_params;
 }
 
-static bool has_constraint(const struct pdyn_sim *sim, int constraint) {
-    return sim && constraint >= 0 && constraint < sim->constraints;
-}
-
 /* ---- all batches of a constraint ------------------------------------------------------------- */
 
 static bool is_damped(const struct batch *b) {
@@ -35,8 +31,7 @@ static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
     const struct batch *changed = sys->batch[constraint];
     pdyn_status status = PDYN_OK;
     for (int b = 0; b < sys->batches && status == PDYN_OK; b++)
-        if (sys->batch[b]->params == changed->params && sys->batch[b]->type == changed->type)
-            status = batch_refresh(sys->batch[b]);
+        if (batch_belongs_to(sys->batch[b], changed)) status = batch_refresh(sys->batch[b]);
     sim->control.driven = sim->control.stale = true;
     forces_forget(sim);
     return status;
@@ -46,8 +41,7 @@ static void switch_batches(struct pdyn_sim *sim, int constraint, bool off) {
     struct objective *sys = &sim->objective;
     const struct batch *changed = sys->batch[constraint];
     for (int b = 0; b < sys->batches; b++)
-        if (sys->batch[b]->params == changed->params && sys->batch[b]->type == changed->type)
-            sys->batch[b]->off = off;
+        if (batch_belongs_to(sys->batch[b], changed)) sys->batch[b]->off = off;
 }
 
 /* ---- values ---------------------------------------------------------------------------------- */
@@ -127,7 +121,7 @@ static pdyn_status set_value(struct pdyn_sim *sim, int constraint, double *field
 
 pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, const double *value,
                                int count) {
-    if (!has_constraint(sim, constraint) || !name || !value) return PDYN_BAD_CALL;
+    if (!sim_has_constraint(sim, constraint) || !name || !value) return PDYN_BAD_CALL;
     pdyn_status status = control_check(sim);
     if (status != PDYN_OK) return status;
     struct batch *b = sim->objective.batch[constraint];
@@ -144,7 +138,7 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
-    if (!has_constraint(sim, constraint)) return PDYN_BAD_CALL;
+    if (!sim_has_constraint(sim, constraint)) return PDYN_BAD_CALL;
     pdyn_status status = control_check(sim);
     const struct batch *b = sim->objective.batch[constraint];
     if (status != PDYN_OK || b->off == !enabled) return status;
@@ -158,7 +152,7 @@ pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
 }
 
 bool pdyn_is_enabled(const pdyn_sim *sim, int constraint) {
-    return has_constraint(sim, constraint) && !sim->objective.batch[constraint]->off;
+    return sim_has_constraint(sim, constraint) && !sim->objective.batch[constraint]->off;
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */

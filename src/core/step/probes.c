@@ -16,7 +16,7 @@
 typedef void measure_fn(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out);
 
 static double radius_of(const struct pdyn_sim *sim, const struct scene_probe *probe) {
-    return probe->radius > 0.0 ? probe->radius : 4.0 * fluid_at_body(sim)->radius;
+    return probe->radius > 0.0 ? probe->radius : 4.0 * sim_fluid(sim)->radius;
 }
 
 static void measure_points(const struct pdyn_sim *sim, const struct scene_probe *probe,
@@ -55,7 +55,7 @@ static void measure_height(const struct pdyn_sim *sim, const struct scene_probe 
 
 /* The volume of the fluid in the box, and its mean velocity. */
 static void measure_box(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
-    const pdyn_body *fluid = fluid_at_body(sim);
+    const pdyn_body *fluid = sim_fluid(sim);
     const double *low = probe->box.min, *high = probe->box.max;
     double count = 0.0, sum[3] = {0};
     for (int i = fluid->first; i < fluid->first + fluid->count; i++) {

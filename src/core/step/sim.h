@@ -101,6 +101,17 @@ static inline bool has_neighbour_lists(const struct pdyn_sim *sim, int b) {
     return false;
 }
 
+/* The body of particles whose constraints work on neighbour lists; NULL: none. */
+static inline const pdyn_body *sim_fluid(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++)
+        if (has_neighbour_lists(sim, b)) return &sim->body[b];
+    return NULL;
+}
+
+static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint) {
+    return sim && constraint >= 0 && constraint < sim->constraints;
+}
+
 /* The functions that core offers to operators. */
 pdyn_services sim_services(pdyn_context *context);
 

@@ -62,7 +62,7 @@ static pdyn_body_info get_body(const pdyn_sim *sim, int body) {
 }
 
 static pdyn_constraint_info get_constraint(const pdyn_sim *sim, int constraint) {
-    if (!sim || constraint < 0 || constraint >= sim->constraints) return (pdyn_constraint_info){0};
+    if (!sim_has_constraint(sim, constraint)) return (pdyn_constraint_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     return (pdyn_constraint_info){b->type->name, b->view.body->name, b->view.elements, b->energy};
 }
@@ -73,7 +73,7 @@ static bool has_value(const pdyn_param *p, const double *value) {
 }
 
 static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, int parameter) {
-    if (!sim || constraint < 0 || constraint >= sim->constraints) return (pdyn_parameter_info){0};
+    if (!sim_has_constraint(sim, constraint)) return (pdyn_parameter_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     for (const pdyn_param *p = b->type->params; p->name; p++) {
         const double *value = (const double *)((const char *)b->params + p->offset);

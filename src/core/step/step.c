@@ -105,9 +105,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
 /* After a failed attempt: moves solids back and discards the history and the solver's state. */
 static pdyn_status reject_attempt(struct pdyn_sim *sim) {
     kinematic_move(sim, sim->time);
-    sim->history = 0.0;
-    solver_choice_reject(sim);
-    if (sim->scene.settings.newton) sim->damping = 1.0;
+    integrator_forget(sim);
     return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
 
