@@ -3,9 +3,9 @@
 #include "film.h"
 #include "replay_page.h"
 #include "replay_run.h"
+#include "temporary_folder.h"
 
 #include <errno.h>
-#include <ftw.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -127,26 +127,16 @@ static int draw_frames(const struct run *run, const struct options *options, con
     return code == EXIT_GOOD ? closed : code;
 }
 
-/* ---- temporary files ------------------------------------------------------------------------- */
-
-static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *at) {
-    (void)info, (void)kind, (void)at;
-    remove(path);
-    return 0;
-}
-
 static int render(struct run *run, struct options *options) {
-    char page[REPLAY_PATH], folder[REPLAY_PATH];
-    const char *place = getenv("TMPDIR");
+    char page[REPLAY_PATH], folder[TEMPORARY_FOLDER];
     int code = replay_load(run);
     if (code == EXIT_GOOD) code = choose_frame(run, options);
+    if (code == EXIT_GOOD) code = temporary_folder_make("render", folder);
     if (code != EXIT_GOOD) return code;
-    snprintf(folder, sizeof folder, "%.3000s/projdyn-render-XXXXXX", place ? place : "/tmp");
-    if (!mkdtemp(folder)) return report_write_error(folder);
     snprintf(page, sizeof page, "%.4000s/page.html", folder);
     code = replay_write_page(run, page);
     if (code == EXIT_GOOD) code = draw_frames(run, options, folder);
-    nftw(folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+    temporary_folder_remove(folder);
     if (code == EXIT_GOOD) printf("written to %s\n", options->output);
     return code;
 }

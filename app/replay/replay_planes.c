@@ -14,9 +14,21 @@ struct plane {
     uint16_t *now, *previous, *preceding; /* count; preceding: two frames before `now` */
 };
 
-uint16_t replay_quantise(double value, double min, double max, double levels) {
+/* Position of a value between min and max: 0 ... levels; 0 where max <= min. */
+static uint16_t quantise(double value, double min, double max, double levels) {
     if (!(max > min)) return 0;
     return (uint16_t)lrint(levels * fmin(1.0, fmax(0.0, (value - min) / (max - min))));
+}
+
+uint16_t replay_code_position(const struct vtk_frame *frame, const struct box *box, int i, int k) {
+    return quantise(frame->x[3 * i + k], box->min[k], box->max[k], 65535.0);
+}
+
+uint16_t replay_code_value(const struct part *part, const struct vtk_frame *frame,
+                           enum channel channel, const double *filled, double most, int i) {
+    bool given = channel == FILLED && filled;
+    double value = given ? filled[i] : replay_value(part, frame, channel, i);
+    return quantise(sqrt(value), 0.0, sqrt(most), 255.0);
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */
@@ -106,22 +118,16 @@ static void write_plane(struct stream *stream, struct plane *plane, int count, i
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* Positions are quantised linearly in the box of the part, channels by their square root: a few
- * large values set the range, and the root keeps small values distinct. Points that a frame does
- * not have are zero. filled: values of the channel FILLED; NULL: 1 */
+/* Points that a frame does not have are zero. */
 static void quantise_frame(const struct part *part, struct plane *plane,
                            const struct vtk_frame *frame, const double *filled) {
     for (int p = 0; p < plane_count(part); p++)
         memset(plane[p].now, 0, (size_t)part->count * sizeof *plane[p].now);
     for (int i = 0; i < frame->count; i++) {
-        for (int k = 0; k < 3; k++)
-            plane[k].now[i] =
-                replay_quantise(frame->x[3 * i + k], part->box.min[k], part->box.max[k], 65535.0);
-        for (int c = 0; c < part->channels; c++) {
-            double value = replay_value(part, frame, (enum channel)c, i);
-            if (c == FILLED && filled) value = filled[i];
-            plane[3 + c].now[i] = replay_quantise(sqrt(value), 0.0, sqrt(part->most[c]), 255.0);
-        }
+        for (int k = 0; k < 3; k++) plane[k].now[i] = replay_code_position(frame, &part->box, i, k);
+        for (int c = 0; c < part->channels; c++)
+            plane[3 + c].now[i] =
+                replay_code_value(part, frame, (enum channel)c, filled, part->most[c], i);
     }
 }
 

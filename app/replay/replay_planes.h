@@ -11,8 +11,13 @@
 
 #include <stdint.h>
 
-/* Position of a value between min and max: 0 ... levels; 0 where max <= min. */
-uint16_t replay_quantise(double value, double min, double max, double levels);
+/* Codes of the page. Coordinate k, x, y or z, of point i, linear in the box: 0 to 65535. */
+uint16_t replay_code_position(const struct vtk_frame *frame, const struct box *box, int i, int k);
+/* The value of a channel at point i by its square root, up to `most`: 0 to 255. A few large values
+ * set the range, and the root keeps small values distinct. filled: values of the channel FILLED;
+ * NULL: 1 */
+uint16_t replay_code_value(const struct part *part, const struct vtk_frame *frame,
+                           enum channel channel, const double *filled, double most, int i);
 
 /* Writes the triangles of all parts, then all frames of a run. Returns an exit code, after a
  * message unless it is EXIT_GOOD. */

@@ -9,15 +9,9 @@
 
 enum { RADIUS_SAMPLES = 64 }; /* particles, see estimate_radius() */
 
-const struct box replay_empty_box = {{INFINITY, INFINITY, INFINITY},
-                                     {-INFINITY, -INFINITY, -INFINITY}};
-
 void replay_extend_box(struct box *box, const struct vtk_frame *frame) {
-    for (int i = 0; i < frame->count; i++)
-        for (int k = 0; k < 3; k++) {
-            box->min[k] = fmin(box->min[k], frame->x[3 * i + k]);
-            box->max[k] = fmax(box->max[k], frame->x[3 * i + k]);
-        }
+    for (const float *x = frame->x; x < frame->x + 3 * (size_t)frame->count; x += 3)
+        box_add(box, (const double[3]){x[0], x[1], x[2]});
 }
 
 static double speed(const struct vtk_frame *frame, int i) {
@@ -126,7 +120,7 @@ int replay_read_frame(const struct run *run, const struct part *part, int f, cha
 
 static int find_part_ranges(const struct run *run, struct part *part) {
     char path[REPLAY_PATH];
-    part->box = replay_empty_box;
+    part->box = box_empty;
     for (int f = 0; f < replay_frames(run, part); f++) {
         struct vtk_frame frame;
         int code = replay_read_frame(run, part, f, path, &frame);

@@ -5,16 +5,12 @@
 #define REPLAY_RUN_H
 
 #include "app.h"
+#include "projdyn/box.h"
 #include "vtk_frame.h"
 
 #include <jansson.h>
 
 enum { REPLAY_PATH = 4096 }; /* size of a path with its NUL */
-
-/* Axis-aligned box, m. */
-struct box {
-    double min[3], max[3];
-};
 
 /* Values of points that the page can show as colours, and what it needs to draw water. */
 enum channel {
@@ -89,8 +85,7 @@ int replay_read_frame(const struct run *run, const struct part *part, int f, cha
                       struct vtk_frame *frame);
 /* Checks that a frame has the mesh of the first frame. */
 int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path);
-/* Extends a box to include all points of a frame. replay_empty_box: contains nothing. */
-extern const struct box replay_empty_box;
+/* Extends a box to include all points of a frame. */
 void replay_extend_box(struct box *box, const struct vtk_frame *frame);
 /* Value of a channel at point i, at least 0; a density error, max(0, density / rest density - 1),
  * is at most 1e9; FILLED: its largest value, 1. */

@@ -9,7 +9,9 @@
  *     {"do": "set", "constraint": 0, "name": "stretching_stiffness", "value": 2000}
  *     {"do": "gravity", "value": [0, -9.81, 0]}              m/s^2 */
 #include "live.h"
+#include "projdyn/box.h"
 #include "projdyn/control.h"
+#include "projdyn/vec3.h"
 #include "save.h"
 
 #include <math.h>
@@ -77,16 +79,9 @@ static pdyn_body_info body_of(const pdyn_sim *sim, int particle) {
 
 /* Diagonal of the box around a body at rest, m. */
 static double size_of(const pdyn_body_info *body) {
-    double square = 0.0;
-    for (int k = 0; k < 3; k++) {
-        double low = INFINITY, high = -INFINITY;
-        for (int i = 0; i < body->count; i++) {
-            low = fmin(low, body->rest[3 * i + k]);
-            high = fmax(high, body->rest[3 * i + k]);
-        }
-        square += (high - low) * (high - low);
-    }
-    return sqrt(square);
+    struct box box = box_empty;
+    for (int i = 0; i < body->count; i++) box_add(&box, body->rest + 3 * i);
+    return vec3_distance(box.min, box.max);
 }
 
 /* Stiffness of a hold, N/m: ten times that of the particle's inertia over a step, m / h^2, and
@@ -98,8 +93,7 @@ static double hold_stiffness(const struct live *live, int particle) {
     double h = live->step.h > 0.0 ? live->step.h : pdyn_frame_interval(live->sim);
     pdyn_get_gravity(live->sim, gravity);
     for (int i = body.first; i < body.first + body.count; i++) mass += state.mass[i];
-    double weight = mass * fmax(9.81, sqrt(gravity[0] * gravity[0] + gravity[1] * gravity[1] +
-                                           gravity[2] * gravity[2]));
+    double weight = mass * fmax(9.81, vec3_length(gravity));
     return fmax(10.0 * state.mass[particle] / (h * h), 100.0 * weight / size_of(&body));
 }
 

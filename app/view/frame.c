@@ -89,11 +89,11 @@ static bool code_points(const struct vtk_frame *frame, const struct box *box, st
     uint16_t *x = (uint16_t *)(void *)append(out, 6 * (size_t)frame->count);
     if (!x) return false;
     for (int i = 0; i < 3 * frame->count; i++)
-        x[i] = replay_quantise(frame->x[i], box->min[i % 3], box->max[i % 3], 65535.0);
+        x[i] = replay_code_position(frame, box, i / 3, i % 3);
     return true;
 }
 
-/* Codes a channel by the square root of its values, up to the largest, *most. */
+/* Codes the values of a channel up to the largest, *most. */
 static bool code_channel(const struct part *part, const struct vtk_frame *frame,
                          enum channel channel, const double *filled, double *most,
                          struct bytes *out) {
@@ -102,11 +102,8 @@ static bool code_channel(const struct part *part, const struct vtk_frame *frame,
     *most = 0.0;
     for (int i = 0; i < frame->count; i++)
         *most = fmax(*most, replay_value(part, frame, channel, i));
-    for (int i = 0; i < frame->count; i++) {
-        bool given = channel == FILLED && filled;
-        double value = given ? filled[i] : replay_value(part, frame, channel, i);
-        values[i] = (unsigned char)replay_quantise(sqrt(value), 0.0, sqrt(*most), 255.0);
-    }
+    for (int i = 0; i < frame->count; i++)
+        values[i] = (unsigned char)replay_code_value(part, frame, channel, filled, *most, i);
     return true;
 }
 
@@ -122,7 +119,7 @@ static json_t *part_to_json(const struct part *part, const struct vtk_frame *fra
 /* Appends the numbers of a part to `out` and its ranges to `parts`. */
 static bool code_part(const struct part *part, const struct vtk_frame *frame, json_t *parts,
                       struct bytes *out) {
-    struct box box = replay_empty_box;
+    struct box box = box_empty;
     double most[CHANNELS];
     double *filled = part->fluid ? replay_find_filled(frame, part->radius) : NULL;
     replay_extend_box(&box, frame);

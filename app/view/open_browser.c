@@ -1,5 +1,6 @@
 /* Starts the browser of the desktop on a private file that leads to the page. */
 #include "open_browser.h"
+#include "app.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -7,7 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 128 };
+enum { PATH_SIZE = TEMPORARY_FOLDER + 16 };
 
 /* Runs xdg-open as a child of no process that waits for it. */
 static void start_program(const char *path) {
@@ -22,24 +23,12 @@ static void start_program(const char *path) {
     _exit(0);
 }
 
-void open_browser(const char *url, char *folder, size_t size) {
+void open_browser(const char *url, char folder[TEMPORARY_FOLDER]) {
     char path[PATH_SIZE];
-    snprintf(folder, size, "/tmp/projdyn-view-XXXXXX");
-    if (!mkdtemp(folder)) {
-        *folder = '\0';
-        return;
-    }
+    if (temporary_folder_make("view", folder) != EXIT_GOOD) return;
     snprintf(path, sizeof path, "%s/open.html", folder);
     FILE *file = fopen(path, "wx");
     if (!file) return;
     fprintf(file, "<!DOCTYPE html><meta http-equiv=\"refresh\" content=\"0;url=%s\">\n", url);
     if (!fclose(file)) start_program(path);
-}
-
-void close_browser(const char *folder) {
-    char path[PATH_SIZE];
-    if (!*folder) return;
-    snprintf(path, sizeof path, "%s/open.html", folder);
-    unlink(path);
-    rmdir(folder);
 }

@@ -2,13 +2,11 @@
 #ifndef OPEN_BROWSER_H
 #define OPEN_BROWSER_H
 
-#include <stddef.h>
+#include "temporary_folder.h"
 
 /* Starts xdg-open, if it is installed, on a file that leads to `url` and that only the user can
- * read: others would see the token among the arguments of a process. Puts the name of the file's
- * directory into `folder`, size bytes. */
-void open_browser(const char *url, char *folder, size_t size);
-/* Removes the file and its directory; folder "": does nothing. */
-void close_browser(const char *folder);
+ * read: others would see the token among the arguments of a process. folder: gets the
+ * temporary folder of the file, which the caller removes. */
+void open_browser(const char *url, char folder[TEMPORARY_FOLDER]);
 
 #endif

@@ -25,16 +25,14 @@ static bool make_directory(const char *scene, char **path) {
     return false;
 }
 
-static pdyn_status write_run(struct live *live, const char *path) {
+pdyn_status save_frame(pdyn_sim *sim, const char *folder, bool state) {
     pdyn_writer *writer;
-    pdyn_status status = pdyn_writer_open(live->sim, path, false, &writer);
+    pdyn_status status = pdyn_writer_open(sim, folder, false, &writer);
     if (status != PDYN_OK) return status;
     status = pdyn_writer_frame(writer);
     if (status == PDYN_OK) status = pdyn_writer_report(writer, NULL, false, NULL);
-    if (status == PDYN_OK) status = pdyn_writer_save(writer);
+    if (status == PDYN_OK && state) status = pdyn_writer_save(writer);
     pdyn_writer_close(writer);
-    if (status == PDYN_OK && run_record_write(path, live->scene) != EXIT_GOOD)
-        status = PDYN_IO_FAILED;
     return status;
 }
 
@@ -45,7 +43,9 @@ void save_run(struct live *live) {
         return;
     }
     bool plugins = live->scene->plugins || scene_plugins_allowed();
-    pdyn_status status = write_run(live, path);
+    pdyn_status status = save_frame(live->sim, path, true);
+    if (status == PDYN_OK && run_record_write(path, live->scene) != EXIT_GOOD)
+        status = PDYN_IO_FAILED;
     if (status == PDYN_OK)
         live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",
                   path, path, plugins ? " --allow-plugins" : "", pdyn_time(live->sim) + 1.0);

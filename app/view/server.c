@@ -219,15 +219,15 @@ static void catch_signals(void) {
 
 /* Serves until a signal; the second one ends the program at once. */
 static void serve(struct server *server, const struct server_options *options) {
-    char url[128], folder[64] = "";
+    char url[128], folder[TEMPORARY_FOLDER] = "";
     snprintf(url, sizeof url, "%s/?token=%s", server->origin, server->token);
     printf("%s\nCtrl-C ends.\n", url);
     fflush(stdout);
-    if (options->open_browser) open_browser(url, folder, sizeof folder);
+    if (options->open_browser) open_browser(url, folder);
     check_signals(&server->check);
     while (!ended && lws_service(server->lws, 0) >= 0)
         ;
-    close_browser(folder);
+    temporary_folder_remove(folder);
 }
 
 int server_run(struct live *live, const char *page, const struct server_options *options) {

@@ -1,0 +1,25 @@
+#include "temporary_folder.h"
+#include "app.h"
+
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+int temporary_folder_make(const char *name, char path[TEMPORARY_FOLDER]) {
+    const char *place = getenv("TMPDIR");
+    snprintf(path, TEMPORARY_FOLDER, "%.3000s/projdyn-%s-XXXXXX", place ? place : "/tmp", name);
+    if (mkdtemp(path)) return EXIT_GOOD;
+    int code = report_write_error(path);
+    *path = '\0';
+    return code;
+}
+
+static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *at) {
+    (void)info, (void)kind, (void)at;
+    remove(path);
+    return 0;
+}
+
+void temporary_folder_remove(const char *path) {
+    if (*path) nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+}
