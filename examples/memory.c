@@ -16,7 +16,7 @@ static const char *const values[][2] = {
     {"duration", "3"},
     {"frame_interval", "0.04"},
     {"time_step.maximum", "0.005"},
-    {"solver", "{\"tolerance\": 0.5, \"outer_iterations\": 100, \"linear_tolerance\": 0.3}"},
+    {"solver", "{\"tolerance\": 0.3, \"outer_iterations\": 100, \"linear_tolerance\": 0.3}"},
     {"bodies.water.particles", "{\"radius\": 0.005, \"fill\": [{\"file\": \"water.ply\"}]}"},
     {"bodies.water.constraints.fluid", "{\"compression\": 0.002, \"viscosity\": 0.2}"},
     {"bodies.sheet.surface", "{\"translate\": [0, 0.28, 0], \"area_density\": 0.3}"},

@@ -332,12 +332,46 @@ static void test_calls(void **state) {
     pdyn_destroy(c);
 }
 
+/* ---- loads ----------------------------------------------------------------------------------- */
+
+/* Water on a sheet that pins hold, without contact. */
+static const char pool_scene[] = SCENE(
+    SOLVED,
+    PAIR(WATER("0.04, 0.095, 0.04", "0.16, 0.175, 0.16"),
+         GRID_SHEET("", "0.16, 0.16", "9, 9", "'translate': [0.1, 0.09, 0.1], 'area_density': 0.3",
+                    PAIR(SPRINGS("2000"), PINS("'border': true")))),
+    "");
+
+/* The scale of the residual is weight plus load: that of the sheet contains the norm of the forces
+ * of the water, which is more than its weight; that of the water has no load. */
+static void test_loads(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, pool_scene);
+    for (int step = 0; step < 20; step++) test_step(context, sim);
+    const struct objective_body *water = &sim->objective.body[0], *sheet = water + 1;
+    int n = sim->objective.particles;
+    double *force = calloc(3 * (size_t)n, sizeof *force), squares = 0.0;
+    assert_int_equal(pdyn_constraint_forces(sim, 0, force), PDYN_OK);
+    for (int k = 3 * sheet->first; k < 3 * n; k++) squares += force[k] * force[k];
+    assert_true(sheet->weight > 0.0 && sheet->load > 2.0 * sheet->weight);
+    assert_true(fabs(sheet->load - sqrt(squares)) < 1e-9 * sheet->load);
+    assert_true(water->load == 0.0);
+    assert_true(pdyn_get_body(sim, 1).residual <= 1e-7);
+    free(force);
+    pdyn_free(sim);
+    sim = test_load(context, tank_scene);
+    assert_null(sim->objective.before); /* no scratch where there are no loads */
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_balance),   cmocka_unit_test(test_third_law),
-        cmocka_unit_test(test_energies),  cmocka_unit_test(test_springs),
-        cmocka_unit_test(test_untouched), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_calls),
+        cmocka_unit_test(test_loads),     cmocka_unit_test(test_balance),
+        cmocka_unit_test(test_third_law), cmocka_unit_test(test_energies),
+        cmocka_unit_test(test_springs),   cmocka_unit_test(test_untouched),
+        cmocka_unit_test(test_threads),   cmocka_unit_test(test_calls),
     };
     return cmocka_run_group_tests_name("forces", tests, test_enter_directory, test_leave_directory);
 }

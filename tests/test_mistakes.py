@@ -79,6 +79,7 @@ MISTAKES = [
     Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
             "[scale]"),
     Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)), "[contact-thickness]"),
+    Mistake("a step that counts as solved too early", change(FREE, ("solver", {"tolerance": 2})), "[tolerance]"),
     Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[light-sheet]"),
     Mistake("cloth far coarser than the water",
             change(("bodies.1.surface.grid", {"size": [0.7, 0.7], "vertices": [2, 2]}), ("solids", []),

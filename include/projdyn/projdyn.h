@@ -154,7 +154,7 @@ typedef struct pdyn_step_info {
     int particles;             /* live particles of all bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;
-    double step_residual; /* largest |grad E| / |M g| of a body, at the end */
+    double step_residual; /* largest |grad E| / (|M g| + load) of a body, at the end */
     double kinetic_energy, potential_energy, constraint_energy; /* J */
     double momentum[3];                                         /* kg m/s */
     double pin_reaction[3]; /* N, gradient of all other terms at the pinned points */
@@ -178,7 +178,7 @@ typedef struct pdyn_iteration {
     int iteration;         /* 0: the starting point of the step */
     int linear_iterations; /* in this iteration */
     double energy;         /* J, minimised function */
-    double residual;       /* largest |grad E| / |M g| of a body */
+    double residual;       /* largest |grad E| / (|M g| + load) of a body */
     double damping;        /* eps: 0 for "newton", 1 for "projective" */
     const double *x;       /* particles x 3 */
 } pdyn_iteration;
@@ -225,7 +225,8 @@ typedef struct pdyn_body_info {
     double rest_density; /* kg/m^3, of a body of particles; 0 for a surface */
     int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, relative to `first` */
-    double residual;     /* |grad E| / |M g| of its particles, at the end of the last step */
+    double residual;     /* |grad E| / (|M g| + load) of its particles, at the end of the last
+                            step; load: norm of the forces by other bodies */
     const double *rest;  /* m, count x 3: positions in the scene, before the first step */
     int edges;           /* of a surface or soft solid */
     const int *edge;     /* edges x 2, relative to `first` */

@@ -21,7 +21,7 @@ z, y, x = np.indices((50, 8, 50)).reshape(3, -1)
 water = [-0.25, 0.24, -0.25] + radius * (2 * np.column_stack([x, y, z]) + 1)
 
 scene = projdyn.Scene(duration=3, frame_interval=0.04, time_step={"maximum": 0.005, "cfl": 1},
-                      solver={"tolerance": 0.5, "outer_iterations": 100, "linear_tolerance": 0.3},
+                      solver={"tolerance": 0.3, "outer_iterations": 100, "linear_tolerance": 0.3},
                       outlets=[{"box": {"minimum": [-0.6, -0.1, -0.6], "maximum": [0.6, 2, 0.6]},
                                 "outside": True}])
 scene.add_fluid(water, name="water", radius=radius, fluid={"compression": 0.002, "viscosity": 0.2})

@@ -13,6 +13,7 @@
     X(DENSITY, "density")                                                                          \
     X(SCALE, "scale")                                                                              \
     X(THICKNESS, "contact-thickness")                                                              \
+    X(TOLERANCE, "tolerance")                                                                      \
     X(LIGHT_SHEET, "light-sheet")                                                                  \
     X(EDGE_LENGTH, "edge-length")                                                                  \
     X(FRAMES, "frames")                                                                            \

@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "projdyn/simd.h"
 #include "projdyn/vec3.h"
+#include "residual.h"
 
 #include <math.h>
 #include <string.h>
@@ -92,9 +93,13 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
     sys->x = x;
     for_particles(sys, inertia, x, NULL, gradient, 0.0);
     *energy = objective_partial_sum(sys);
+    residual_forget_loads(sys);
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
-        status = batch_local(sys->batch[b], sys->batch[b]->samples ? all : x, sys->time, gradient);
-        *energy += sys->batch[b]->energy;
+        struct batch *batch = sys->batch[b];
+        residual_open_load(sys, batch, gradient);
+        status = batch_local(batch, batch->samples ? all : x, sys->time, gradient);
+        residual_add_load(sys, batch, gradient);
+        *energy += batch->energy;
     }
     sys->ms_local += clock_ms() - start;
     return status;
@@ -247,56 +252,6 @@ WIDE static void dot_block(void *arg, int first, int last, int block) {
 double objective_dot(struct objective *sys, const double *a, const double *b) {
     for_particles(sys, dot_block, a, b, NULL, 0.0);
     return objective_partial_sum(sys);
-}
-
-/* ---- residuals ------------------------------------------------------------------------------- */
-
-int objective_body_of(const struct objective *sys, int particle) {
-    int low = 0, high = sys->bodies;
-    while (high - low > 1) {
-        int middle = low + (high - low) / 2;
-        if (sys->body[middle].first <= particle) low = middle;
-        else high = middle;
-    }
-    return low;
-}
-
-/* The sum over bodies of |r|^2 / |M g|^2, of particles from `first` to before `last`. */
-INLINE double norm_part(const struct objective *sys, const double *r, int first, int last) {
-    double sum = 0.0;
-    for (int b = objective_body_of(sys, first), end; first < last; first = end, b++) {
-        const struct objective_body *body = &sys->body[b];
-        end = body->first + body->count < last ? body->first + body->count : last;
-        const double *own = r + 3 * (size_t)first;
-        sum += simd_dot(own, own, 3 * (end - first)) / (body->weight * body->weight);
-    }
-    return sum;
-}
-
-WIDE static void norm_block(void *arg, int first, int last, int block) {
-    const struct call *c = arg;
-    c->objective->partial[block] = norm_part(c->objective, c->a, first, last);
-}
-
-double objective_norm(struct objective *sys, const double *r) {
-    for_particles(sys, norm_block, r, NULL, NULL, 0.0);
-    return sqrt(objective_partial_sum(sys));
-}
-
-double objective_residual(struct objective *sys, const double *gradient) {
-    double largest = 0.0;
-    for (int b = 0; b < sys->bodies; b++) {
-        struct objective_body *body = &sys->body[b];
-        const double *own = gradient + 3 * (size_t)body->first;
-        struct call call = {sys, own, own, NULL, 0.0};
-        pool_for(sys->context->pool, body->count, PARTICLE_GRAIN, dot_block, &call);
-        double sum = 0.0;
-        for (int k = 0; k < pool_blocks(body->count, PARTICLE_GRAIN); k++) sum += sys->partial[k];
-        body->residual = sqrt(sum) / body->weight;
-        /* unlike fmax, keeps a NaN */
-        if (!(body->residual <= largest)) largest = body->residual;
-    }
-    return largest;
 }
 
 WIDE static void axpy_block(void *arg, int first, int last, int block) {

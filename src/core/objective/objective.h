@@ -15,9 +15,10 @@
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
 
-struct objective_body { /* residual: |grad E| / |M g| over the particles of the body */
+struct objective_body { /* residual: |grad E| / (weight + load) over its particles (residual.h) */
     int first, count;   /* particles */
     double weight;      /* |M g|, N, in this step */
+    double load;        /* by other bodies, N, at the x of the last local step */
     double residual;    /* at the last measurement */
 };
 
@@ -41,6 +42,7 @@ struct objective {
     bool dynamic_rows;               /* some batch changes its elements from step to step */
     int bodies;
     struct objective_body *body; /* bodies, by first particle; together they have all particles */
+    double *before;              /* particles x 3: scratch of residual.h; NULL: no loads */
     double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
 };
@@ -108,8 +110,8 @@ void objective_diagonal(struct objective *objective, pdyn_part part, double *blo
 /* a . b, the same bits for any number of threads. */
 double objective_dot(struct objective *objective, const double *a, const double *b);
 
-/* The length of a residual: the root of the sum over bodies of |r|^2 / |M g|^2. It bounds the
- * residual of every body. */
+/* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2 (residual.h). It
+ * bounds the residual of every body. */
 double objective_norm(struct objective *objective, const double *r);
 
 /* The body of a particle. */

@@ -131,7 +131,7 @@ struct scene_settings {    /* "time_step", "solver" and general values of a scen
     const struct integrator *integrator;
     const struct boundary_model *boundary;
     int retries;             /* attempts with shorter steps after one that diverged */
-    double tolerance;        /* step residual, |grad E| / |M g|, at which a step is solved */
+    double tolerance;        /* step residual (residual.h) at which a step is solved */
     int outer_iterations;    /* largest number per step */
     double linear_tolerance; /* relative residual |r| / |r_0| at which a linear solve ends */
     int linear_iterations;   /* largest number per linear solve */

@@ -4,6 +4,7 @@
 #include "crossings.h"
 #include "geometry/sampling.h"
 #include "live_particles.h"
+#include "objective/residual.h"
 #include "probes.h"
 #include "scene/scene_file.h"
 #include "sim.h"
@@ -133,7 +134,8 @@ static pdyn_status list_bodies(struct pdyn_sim *sim) {
     if (!sys->body) return PDYN_NO_MEMORY;
     sys->bodies = sim->bodies;
     for (int b = 0; b < sys->bodies; b++)
-        sys->body[b] = (struct objective_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0};
+        sys->body[b] =
+            (struct objective_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0, 0.0};
     return PDYN_OK;
 }
 
@@ -382,6 +384,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = make_batches(sim);
     if (status == PDYN_OK) status = make_slip(sim);
     if (status == PDYN_OK) status = contact_create(sim);
+    if (status == PDYN_OK) status = residual_create(&sim->objective);
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->control.anchored = sim->anchored;
     if (status == PDYN_OK) status = probes_create(sim);
@@ -421,6 +424,7 @@ static void free_system(struct pdyn_sim *sim) {
     for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
     contact_free(sys->contact);
     wet_sides_free(sys->wet_sides);
+    residual_free(sys);
     FREE_ARRAY(c, sys->batch, sys->capacity);
     FREE_ARRAY(c, sys->body, sys->bodies);
     FREE_ARRAY(c, sys->mass, sys->particles);

@@ -155,9 +155,22 @@ static void check_frames(struct pdyn_sim *sim) {
              set->duration, set->frame_interval);
 }
 
+/* Half of the load of a body may then be without balance in a step that counts as solved. */
+static const double loose_tolerance = 0.5;
+
+static void check_tolerance(struct pdyn_sim *sim) {
+    double tolerance = sim->scene.settings.tolerance;
+    if (sim->objective.before && tolerance > loose_tolerance)
+        WARN(sim, TOLERANCE, "",
+             "with a tolerance of %g, steps count as solved although the forces between bodies are "
+             "not balanced; expected at most %g",
+             tolerance, loose_tolerance);
+}
+
 void warn_of_scene(struct pdyn_sim *sim) {
     const pdyn_body *fluid = find_fluid(sim);
     check_frames(sim);
+    check_tolerance(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_density(sim, b);
