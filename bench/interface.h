@@ -69,6 +69,10 @@ void sheet_write(FILE *file, int along, int across,
                  void (*place)(const void *user, double s, double t, double x[3]),
                  const void *user);
 
+/* Writes OBJ of a sphere about the origin: the surface of a cube of n x n x n cells, projected;
+ * 6 n^2 + 2 vertices, triangles face outward. Closes the file. */
+void sphere_write(FILE *file, int n, double radius);
+
 /* Writes a ball of radius 1 of n x n x n cells, n even, six tetrahedra each: DIRECTORY/NAME.node
  * (its path: 4096 bytes) and NAME.ele. */
 void ball_write(const struct job *job, const char *name, int n, char *path);

@@ -27,36 +27,6 @@ static bool keep(const void *user, double x[3]) {
     return vec3_length(r) < b->lattice;
 }
 
-/* Writes OBJ of a sphere: the surface of a cube of n x n x n cells, projected. */
-static void write_bag(FILE *file, int n, double radius) {
-    int m = n + 1, count = 0;
-    int *number = calloc((size_t)(m * m * m), sizeof *number);
-    if (!number) die("out of memory");
-    for (int i = 0; i < m * m * m; i++) {
-        int c[3] = {i % m, i / m % m, i / (m * m)}, sides = 0;
-        double x[3];
-        for (int k = 0; k < 3; k++) {
-            sides += c[k] == 0 || c[k] == n;
-            x[k] = tan(0.25 * pi * (2.0 * c[k] / n - 1.0));
-        }
-        if (!sides) continue;
-        double scale = radius / vec3_length(x);
-        number[i] = ++count;
-        fprintf(file, "v %.17g %.17g %.17g\n", scale * x[0], scale * x[1], scale * x[2]);
-    }
-    for (int side = 0; side < 6; side++)
-        for (int k = 0; k < n * n; k++) {
-            const int stride[3] = {1, m, m * m};
-            int axis = side / 2, far = side % 2; /* triangles face outward */
-            int u = stride[(axis + 1 + !far) % 3], v = stride[(axis + 1 + far) % 3];
-            int a = far * n * stride[axis] + k % n * u + k / n * v;
-            fprintf(file, "f %d %d %d\nf %d %d %d\n", number[a], number[a + u], number[a + u + v],
-                    number[a], number[a + u + v], number[a + v]);
-        }
-    free(number);
-    fclose(file);
-}
-
 /* Scales all positions about the origin. */
 static void scale_all(pdyn_sim *sim, double factor) {
     const pdyn_state s = pdyn_get_state(sim);
@@ -77,7 +47,7 @@ static pdyn_sim *load_bag(const struct job *job, struct bag *b) {
     for (int k = 0; k < 3; k++) b->middle[k] = 0.5 * n * b->d;
     double shrunk = fmin(1.0, (b->radius - 0.7 * b->d) / b->lattice), pressure = 0.2 * stiffness;
     lattice_write(job_file(job, "bag.ply", water), b->d, cells, keep, b);
-    write_bag(job_file(job, "bag.obj", mesh), (int)ceil(1.6 * b->radius / b->d), b->radius);
+    sphere_write(job_file(job, "bag.obj", mesh), (int)ceil(1.6 * b->radius / b->d), b->radius);
     scene_start(&s, ordinary, contact);
     scene_put(&s, "'gravity': [0, 0, 0], ");
     pressure /= b->radius;

@@ -1,7 +1,11 @@
 /* Scenes of the interface measurements: JSON text and mesh files. */
 #include "interface.h"
 
+#include "projdyn/vec3.h"
+
+#include <math.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void put(struct scene *s, const char *format, va_list args) {
@@ -120,5 +124,35 @@ void sheet_write(FILE *file, int along, int across,
             if ((i + j) % 2) fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, c, b, e, c);
             else fprintf(file, "f %d %d %d\nf %d %d %d\n", a, b, e, a, e, c);
         }
+    fclose(file);
+}
+
+void sphere_write(FILE *file, int n, double radius) {
+    const double quarter_turn = 0.785398163397448;
+    int m = n + 1, count = 0;
+    int *number = calloc((size_t)(m * m * m), sizeof *number);
+    if (!number) die("out of memory");
+    for (int i = 0; i < m * m * m; i++) {
+        int c[3] = {i % m, i / m % m, i / (m * m)}, sides = 0;
+        double x[3];
+        for (int k = 0; k < 3; k++) {
+            sides += c[k] == 0 || c[k] == n;
+            x[k] = tan(quarter_turn * (2.0 * c[k] / n - 1.0));
+        }
+        if (!sides) continue;
+        double scale = radius / vec3_length(x);
+        number[i] = ++count;
+        fprintf(file, "v %.17g %.17g %.17g\n", scale * x[0], scale * x[1], scale * x[2]);
+    }
+    for (int side = 0; side < 6; side++)
+        for (int k = 0; k < n * n; k++) {
+            const int stride[3] = {1, m, m * m};
+            int axis = side / 2, far = side % 2; /* triangles face outward */
+            int u = stride[(axis + 1 + !far) % 3], v = stride[(axis + 1 + far) % 3];
+            int a = far * n * stride[axis] + k % n * u + k / n * v;
+            fprintf(file, "f %d %d %d\nf %d %d %d\n", number[a], number[a + u], number[a + u + v],
+                    number[a], number[a + u + v], number[a + v]);
+        }
+    free(number);
     fclose(file);
 }

@@ -311,7 +311,6 @@ static void test_mathematics(void **state) {
     t = good, t.tangent = tangent_nan, wrong_expect(t, "J that is not finite");
     t = good, t.tangent = NULL, t.tangent_rank1 = axial_large,
     wrong_expect(t, "an eigenvalue outside of [0, 1]");
-    t.rows = 2, t.width = 1, wrong_expect(t, "expected 1 as its tangent is axial");
     t = good, t.linear = linear, wrong_expect(t, "`linear` calls linear");
     t = good, t.damping_rest = damping_rest_nothing,
     wrong_expect(t, "after damping_rest, u is not its own projection");

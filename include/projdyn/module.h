@@ -301,6 +301,8 @@ enum {                             /* pdyn_constraint_type.flags */
        PDYN_ONE_SIDED = 128,       /* it pushes on one side only; a force that begins is treated as
                                       an impact and not expected to last */
        PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not once a step */
+       PDYN_ON_CLOSED = 512,       /* needs a body with triangles that enclose a volume: no border,
+                                      all triangles face outwards or all inwards */
 };
 
 typedef struct pdyn_constraint_type {
@@ -349,8 +351,9 @@ typedef struct pdyn_constraint_type {
      * eigenvalues in [0, 1] (clamp them: H must stay positive definite). J is zero on entry.
      * Finite for any u, also 0. NULL: J = 0. */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
-    /* Instead of `tangent`, for elements of one row with J = s I - a a', such as points on a plane
-     * or a sphere: 4 numbers each, a and s. Takes less memory and time. */
+    /* Instead of `tangent`, for elements with J = s I - a a', such as points on a plane or a
+     * sphere: 3 rows + 1 numbers each, a and s. Takes less memory and time. An element may have
+     * thousands of rows: preconditioners leave elements of several rows out. */
     void (*tangent_rank1)(const void *params, const pdyn_batch *batch, int first, int last,
                           double *axis);
     /* Returns true if p = 0 and J = 0 for all elements and all u: core then adds the rows up to one
@@ -435,7 +438,9 @@ typedef struct pdyn_model {
     /* The sum of weight G' G over all elements, without inertia, dim 1: which particles are tied,
      * and how stiffly. Valid until the next call. */
     pdyn_status (*graph)(struct pdyn_model *model, pdyn_matrix *matrix);
-    /* Elements of constraint k < elements_count, as H contains them. */
+    /* Elements of constraint k < elements_count, as H contains them. None of a constraint that has
+     * tangent_rank1 and elements of several rows, which `graph` leaves out, too: such an element
+     * couples all its particles. */
     pdyn_elements (*elements)(struct pdyn_model *model, int k);
     /* The one-sided constraints of matrix-free constraint k < one_sided_count at the iterate, and
      * the body that they belong to. */

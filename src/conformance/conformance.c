@@ -35,7 +35,8 @@ static void check_type_on(struct check *check) {
 }
 
 static void check_type(struct check *check) {
-    static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME,
+    static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME |
+                                                              PDYN_ON_CLOSED,
                                                   [PARTICLES] = PDYN_ON_SURFACE | PDYN_ON_VOLUME,
                                                   [VOLUME] = PDYN_ON_PARTICLES};
     for (int kind = 0; kind < BODY_KINDS && !check->faults; kind++) {

@@ -18,11 +18,12 @@ static size_t point_bytes(const struct batch *b) { return 3 * (size_t)b->rows * 
 /* ---- projection ------------------------------------------------------------------------------ */
 
 /* project(project(u)) = project(u), to 1e-6. Not required of matrix-free types, whose rows may
- * project to the linearised constraint. */
+ * project to the linearised constraint, and of types that have an energy of their own and one
+ * element of many particles, whose p is the end of a step along the gradient. */
 void check_projection(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     size_t bytes = point_bytes(b);
-    if (check->type->matrix_free) return;
+    if (check->type->matrix_free || (check->type->energy && b->wide)) return;
     batch_local(b, t->x, 0.0, t->y);
     double *once = NEW_ARRAY(t->context, 3 * (size_t)b->rows, double);
     if (!once) return;
@@ -182,12 +183,13 @@ static double tangent_error(const double *J, double *D, int n) {
 /* J of element e, n x n, from tangent or tangent_rank1. */
 static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, int e, int n,
                        double *J) {
-    double axis[4];
+    double axis[MAX_NUMBERS + 1];
     memset(J, 0, (size_t)(n * n) * sizeof *J);
     if (type->tangent) type->tangent(b->params, &b->view, e, e + 1, J);
     if (!type->tangent_rank1) return;
     type->tangent_rank1(b->params, &b->view, e, e + 1, axis);
-    vec3_axis_tangent(J, axis);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) J[n * i + j] = (i == j ? axis[n] : 0.0) - axis[i] * axis[j];
 }
 
 /* J = dp/du by finite differences, to 0.02, among the elements that pull and among those that do

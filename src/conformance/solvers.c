@@ -150,9 +150,9 @@ void check_solver(struct check *check) {
     int fitting = 0;
     for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t && !check->faults;
          t++) {
-        check->kind = (*t)->flags & PDYN_ON_PARTICLES ? PARTICLES
-                      : (*t)->flags & PDYN_ON_VOLUME  ? VOLUME
-                                                      : SURFACE;
+        check->kind = (*t)->flags & PDYN_ON_PARTICLES                   ? PARTICLES
+                      : (*t)->flags & (PDYN_ON_VOLUME | PDYN_ON_CLOSED) ? VOLUME
+                                                                        : SURFACE;
         if (!solver_fits(check, *t, check->solver)) continue;
         fitting++;
         solve_all(check, *t, check->solver);

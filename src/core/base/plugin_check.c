@@ -102,6 +102,8 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
         return "without row_sizes, it needs rows and width";
     if ((t->flags & (PDYN_ON_SURFACE | PDYN_ON_VOLUME)) && (t->flags & PDYN_ON_PARTICLES))
         return "no body is both a surface and particles";
+    if (t->flags & PDYN_ON_CLOSED && !(t->flags & PDYN_ON_SURFACE))
+        return "PDYN_ON_CLOSED needs PDYN_ON_SURFACE";
     if (alternatives_fault(t)) return alternatives_fault(t);
     if (update_fault(t)) return update_fault(t);
     if (t->tangent && t->tangent_rank1)

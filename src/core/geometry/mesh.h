@@ -68,6 +68,10 @@ pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh
  * triangles, so that inside and outside are defined. */
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* Checks what a volume of gas needs in addition to mesh_check_closed: triangles all face outwards
+ * or all inwards, and enclose a volume. */
+pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, const char *name);
+
 /* Allocates a mesh, zeroed. PDYN_NO_MEMORY: *out is empty. */
 pdyn_status mesh_allocate(pdyn_context *context, int vertices, int triangles, struct mesh *out);
 void mesh_free(pdyn_context *context, struct mesh *mesh);

@@ -142,6 +142,47 @@ pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, co
     return check_edges(context, mesh, name, check_closed_edge);
 }
 
+static pdyn_status check_oriented_edge(pdyn_context *context, const struct mesh *mesh,
+                                       const char *name, const struct side *side, int count) {
+    const int *one = mesh->triangle + side[0].corner / 3 * 3;
+    for (int k = 1; k < count; k++) {
+        const int *other = mesh->triangle + side[k].corner / 3 * 3;
+        if (one[(side[0].corner + 1) % 3] != other[(side[k].corner + 1) % 3]) continue;
+        return context_fail(context, PDYN_BAD_INPUT,
+                            "%.1024s: triangles %d and %d face opposite sides: both have the edge "
+                            "from vertex %d to %d, expected one of them from %d to %d",
+                            name, side[0].corner / 3, side[k].corner / 3,
+                            one[(side[0].corner + 1) % 3], one[(side[0].corner + 2) % 3],
+                            one[(side[0].corner + 2) % 3], one[(side[0].corner + 1) % 3]);
+    }
+    return PDYN_OK;
+}
+
+/* The volume that the triangles enclose, m^3; negative where they face inwards. */
+static double volume_of(const struct mesh *mesh) {
+    double sum = 0.0;
+    for (int t = 0; t < mesh->triangles; t++) {
+        double side[3][3], normal[3];
+        for (int k = 0; k < 3; k++)
+            vec3_subtract(side[k], mesh->vertex + 3 * (size_t)mesh->triangle[3 * t + k],
+                          mesh->vertex + 3 * (size_t)mesh->triangle[0]);
+        vec3_cross(normal, side[1], side[2]);
+        sum += vec3_dot(side[0], normal) / 6.0;
+    }
+    return sum;
+}
+
+pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    double area = 0.0;
+    pdyn_status status = mesh_check_closed(context, mesh, name);
+    if (status == PDYN_OK) status = check_edges(context, mesh, name, check_oriented_edge);
+    if (status != PDYN_OK) return status;
+    for (int t = 0; t < mesh->triangles; t++) area += area_of(mesh, t);
+    if (fabs(volume_of(mesh)) > 1e-9 * area * sqrt(area)) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh is flat: it encloses no volume",
+                        name);
+}
+
 /* ---- vertices at the same place -------------------------------------------------------------- */
 
 static int compare_positions(const void *a, const void *b, void *vertex) {

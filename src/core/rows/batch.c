@@ -1,6 +1,7 @@
 #include "row_arrays.h"
 
 #include "projdyn/simd.h"
+#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -246,7 +247,8 @@ static void linearise_rows(void *arg, int first, int last, int block) {
     }
 }
 
-/* B = m m' + a I from J = s I - a a', in place of it: 4 numbers. */
+/* B = m m' + a I from J = s I - a a', in place of it: 4 numbers of each element, which has one row.
+ */
 WIDE static void damp_axes(struct batch *b, int first, int last, double eps) {
     double *B = b->block + b->block_start[first], root[PIECE];
     const double *w = b->view.weight + first;
@@ -257,6 +259,16 @@ WIDE static void damp_axes(struct batch *b, int first, int last, double eps) {
     }
 }
 
+/* As damp_axes, for elements of any number of rows. */
+static void damp_wide(struct batch *b, int first, int last, double eps) {
+    for (int e = first; e < last; e++) {
+        double w = b->view.weight[e], *B = b->block + b->block_start[e];
+        size_t n = b->block_start[e + 1] - b->block_start[e] - 1;
+        for (size_t k = 0; k < n; k++) B[k] *= sqrt((1.0 - eps) * w);
+        B[n] = w * (1.0 - (1.0 - eps) * B[n]);
+    }
+}
+
 static void linearise_axes(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -264,7 +276,7 @@ static void linearise_axes(void *arg, int first, int last, int block) {
     for (int e = first, end; e < last; e = end) {
         end = last - e > PIECE ? e + PIECE : last;
         b->type->tangent_rank1(b->params, &b->view, e, end, b->block + b->block_start[e]);
-        damp_axes(b, e, end, c->number);
+        (b->wide ? damp_wide : damp_axes)(b, e, end, c->number);
     }
 }
 
@@ -315,6 +327,33 @@ WIDE static void apply_axes(void *arg, int first, int last, int block) {
     for (int e = first; e < last; e++) multiply_axis(c->batch, e, c->in);
 }
 
+/* flux = B u for element e with B = m m' + a I */
+INLINE void multiply_wide(const struct batch *b, int e, const double *x) {
+    int first = b->view.element_row[e], last = b->view.element_row[e + 1];
+    const double *m = b->block + b->block_start[e], a = m[3 * (size_t)(last - first)];
+    v4 along = {0};
+    for (int r = first; r < last; r++) {
+        v4 u, part;
+        gather_row(b, r, x, &u);
+        memcpy(&part, m + 3 * (size_t)(r - first), sizeof part);
+        along += part * u;
+        u *= a;
+        v4_store(b->flux, r, &u);
+    }
+    double dot = along[0] + along[1] + along[2];
+    for (int r = first; r < last; r++) {
+        v4 part;
+        memcpy(&part, m + 3 * (size_t)(r - first), sizeof part);
+        v4_add_to(b->flux + 4 * (size_t)r, &(v4){dot * part[0], dot * part[1], dot * part[2]});
+    }
+}
+
+WIDE static void apply_wide(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int e = first; e < last; e++) multiply_wide(c->batch, e, c->in);
+}
+
 WIDE static void apply_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
@@ -327,6 +366,11 @@ WIDE static void apply_rows(void *arg, int first, int last, int block) {
         }
 }
 
+static pdyn_range_fn *apply_of(const struct batch *b) {
+    if (!b->type->tangent_rank1 || !batch_has_blocks(b)) return apply_rows;
+    return b->wide ? apply_wide : apply_axes;
+}
+
 void batch_apply(struct batch *b, const double *u, double *y) {
     if (b->op) {
         one_sided_apply(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
@@ -337,8 +381,7 @@ void batch_apply(struct batch *b, const double *u, double *y) {
         linear_rows_apply(b->linear, u, y);
         return;
     }
-    bool axes = b->type->tangent_rank1 && batch_has_blocks(b);
-    for_range(b, b->view.elements, BATCH_GRAIN, axes ? apply_axes : apply_rows, u, NULL, 0.0);
+    for_range(b, b->view.elements, BATCH_GRAIN, apply_of(b), u, NULL, 0.0);
     batch_scatter(b, y);
 }
 
@@ -471,10 +514,11 @@ void batch_velocity(struct batch *b, double *v) {
     memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }
 
-/* m m' + a I */
-static void block_of_axis(const double *axis, double B[9]) {
+/* The part of m m' + a I between two rows with the parts m and n of m; a: 0 unless they are the
+ * same. */
+static void block_of_axis(const double *m, const double *n, double a, double B[9]) {
     for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) B[3 * i + j] = axis[i] * axis[j] + (i == j ? axis[3] : 0.0);
+        for (int j = 0; j < 3; j++) B[3 * i + j] = m[i] * n[j] + (i == j ? a : 0.0);
 }
 
 void batch_block(const struct batch *b, int k, int m, double B[9]) {
@@ -483,7 +527,8 @@ void batch_block(const struct batch *b, int k, int m, double B[9]) {
     bool same = b->entry_row[k] == b->entry_row[m], blocks = batch_has_blocks(b);
     const double *own = blocks ? b->block + b->block_start[e] : NULL;
     if (blocks && b->type->tangent_rank1) {
-        block_of_axis(own, B);
+        block_of_axis(own + 3 * (b->entry_row[k] - r0), own + 3 * (b->entry_row[m] - r0),
+                      same ? own[n] : 0.0, B);
         return;
     }
     const double *from =
@@ -501,6 +546,7 @@ static void diagonal_of_entry(const struct batch *b, int k, double *block) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     const pdyn_batch *v = &b->view;
     int e = b->entry_element[k], r0 = v->element_row[e], r1 = v->element_row[e + 1];
+    if (!batch_has_blocks(b)) r0 = b->entry_row[k], r1 = r0 + 1; /* B = w I */
     for (int m = v->row_entry[r0]; m < v->row_entry[r1]; m++) {
         if (v->column[m] != v->column[k]) continue;
         double B[9], c = v->coefficient[k] * v->coefficient[m];
@@ -563,8 +609,32 @@ WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
     }
 }
 
+/* As diagonal_axes, for elements of any number of rows: the entries of a particle in an element
+ * have the sum m of their parts of m, and add m m'. */
+static void diagonal_wide(void *arg, int first, int last, int block) {
+    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+    (void)block;
+    const struct call *c = arg;
+    const struct batch *b = c->batch;
+    for (int i = first; i < last; i++) {
+        double *out = c->out + 6 * (size_t)(b->touch_first + i);
+        for (int t = b->touch_start[i], end = b->touch_start[i + 1]; t < end;) {
+            int e = b->entry_element[b->touch[t].entry], r0 = b->view.element_row[e];
+            double m[3] = {0}, plain = 0.0;
+            for (; t < end && b->entry_element[b->touch[t].entry] == e; t++) {
+                double k = b->touch[t].coefficient;
+                vec3_add(m, k, b->block + b->block_start[e] + 3 * (b->touch[t].row - r0));
+                plain += k * k * b->block[b->block_start[e + 1] - 1];
+            }
+            for (int a = 0; a < 6; a++)
+                out[a] += m[row[a]] * m[column[a]] + (row[a] == column[a] ? plain : 0.0);
+        }
+    }
+}
+
 /* The function that adds the blocks of a range of particles. */
 static pdyn_range_fn *diagonal_of(const struct batch *b) {
+    if (b->wide && batch_has_blocks(b)) return diagonal_wide;
     if (!b->single) return diagonal_rows;
     return b->type->tangent_rank1 && batch_has_blocks(b) ? diagonal_axes : diagonal_single;
 }

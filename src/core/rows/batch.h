@@ -37,15 +37,17 @@ struct batch {
     int rows, entries;
     struct {
         int elements, rows, entries;
-    } room;              /* of the arrays */
-    unsigned revision;   /* changes when the selector does */
-    int width;           /* entries of every row, or 0 where they differ */
-    bool single;         /* every element is a row that selects no particle twice */
-    double *flux;        /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
+    } room;            /* of the arrays */
+    unsigned revision; /* changes when the selector does */
+    int width;         /* entries of every row, or 0 where they differ */
+    bool single;       /* every element is a row that selects no particle twice */
+    bool wide;         /* tangent_rank1 and elements of several rows: each couples all its particles
+                          and is in products and diagonals of H, but not in preconditioners */
+    double *flux;      /* rows x 4: w (u - p), or w ((1 - eps)(I - J) + eps I) u */
     size_t *block_start; /* elements + 1 */
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
-                            with tangent_rank1 B = m m' + a I, 4 numbers, m and a; NULL until eps
-                            is below 1 for the first time */
+                            with tangent_rank1 B = m m' + a I, 3 rows + 1 numbers, m and a; NULL
+                            until eps is below 1 for the first time */
     double *partial;     /* one number for each parallel block */
     struct linear_rows *linear;     /* replaces all rows in products and local steps; NULL: none */
     int *entry_element, *entry_row; /* entries: their elements and rows */

@@ -15,9 +15,7 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
         if (t->row_sizes) t->row_sizes(b->params, v, e, &n, &width);
         if (n < 0 || width < 0)
             return rows_fault(b, "element %d has %d rows of %d entries", e, n, width);
-        if (t->tangent_rank1 && n != 1)
-            return rows_fault(b, "element %d has %d rows, expected 1 as its tangent is axial", e,
-                              n);
+        b->wide |= t->tangent_rank1 && n != 1;
         rows += n;
         entries += (long)n * width;
         if (rows > INT32_MAX / 3 || entries > INT32_MAX)
@@ -101,7 +99,9 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     pdyn_status status = PDYN_OK;
     if (b->view.elements < 0)
         status = rows_fault(b, "it has %d elements", b->view.elements), b->view.elements = 0;
-    else if (type->update) b->single = type->rows == 1, b->width = type->width;
+    else if (type->update)
+        b->single = type->rows == 1, b->wide = type->tangent_rank1 && !b->single,
+        b->width = type->width;
     else if (!type->matrix_free || rows_only) status = create_rows(b);
     else if (!(b->op = type->matrix_free->create(params, body, services)))
         status = context_no_memory(context);

@@ -76,7 +76,7 @@ static void number_rows(struct batch *b) {
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < b->room.elements; e++) {
         size_t n = 3 * (size_t)(v->element_row[e + 1] - v->element_row[e]);
-        b->block_start[e + 1] = b->block_start[e] + (b->type->tangent_rank1 ? 4 : n * n);
+        b->block_start[e + 1] = b->block_start[e] + (b->type->tangent_rank1 ? n + 1 : n * n);
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
                 b->entry_element[k] = e, b->entry_row[k] = r;

@@ -84,6 +84,7 @@ static void describe_constraint(const struct sink *to, const pdyn_constraint_typ
     table(to, type->params);
     alternatives(to, type->alternatives);
     if (type->flags & PDYN_ON_SURFACE) line(to, "\nworks on a body with a surface\n");
+    if (type->flags & PDYN_ON_CLOSED) line(to, "\nneeds a surface that encloses a volume\n");
     if (type->flags & PDYN_ON_VOLUME) line(to, "\nworks on a volume of tetrahedra\n");
     if (type->flags & PDYN_ON_PARTICLES) line(to, "\nworks on a body of particles\n");
 }

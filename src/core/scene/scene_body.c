@@ -8,6 +8,7 @@
 #include "transform.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- particles ------------------------------------------------------------------------------- */
@@ -204,6 +205,12 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
                              body->name);
     if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
         return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
+    if (type->flags & PDYN_ON_CLOSED) {
+        char name[64];
+        snprintf(name, sizeof name, "\"%.40s\"", type->name);
+        pdyn_status status = mesh_check_encloses(r->context, &body->mesh, name);
+        if (status != PDYN_OK) return json_wrap(at, status);
+    }
     if (type->flags & PDYN_ON_VOLUME && !body->tets.count)
         return json_fail(at, "\"%s\" works on a volume, found %s", type->name,
                          body->is_surface ? "a surface" : "a body of particles");

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
 enum { SHORTEST_WAIT = 32, LONGEST_WAIT = 512 }; /* steps between trials */
 
 /* Steps with fewer products are not worth a trial. */
@@ -37,6 +38,22 @@ static const pdyn_global_solver *best_solver(struct pdyn_sim *sim, bool dual, co
     return best;
 }
 
+/* A direct solver factors H, and an element that couples all its particles makes that dense. */
+static pdyn_status check_dense(struct pdyn_sim *sim, const pdyn_global_solver *solver) {
+    for (int k = 0; k < sim->objective.batches; k++) {
+        const struct batch *b = sim->objective.batch[k];
+        if (!solver->direct || !sim->scene.settings.newton || !b->wide || b->rows <= MAX_DENSE)
+            continue;
+        return context_fail(sim->context, PDYN_BAD_INPUT,
+                            "solver \"%s\": constraint \"%s\" on body \"%s\" couples %d vertices "
+                            "with each other, and the newton step's matrix is dense; expected at "
+                            "most %d, or the solver \"hybrid\" or \"cg\"",
+                            solver->name, b->type->name, b->view.body->name, b->view.body->count,
+                            MAX_DENSE);
+    }
+    return PDYN_OK;
+}
+
 static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
                                const pdyn_global_solver **out) {
     const char *reason = "";
@@ -46,7 +63,7 @@ static pdyn_status find_solver(struct pdyn_sim *sim, const char *name,
     if (!bid_of(sim, solver, &reason))
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "solver \"%s\" does not fit this scene: %s", name, solver->summary);
-    return PDYN_OK;
+    return check_dense(sim, solver);
 }
 
 void solver_choice_warn(struct pdyn_sim *sim) {
