@@ -68,6 +68,9 @@ pdyn_status mesh_count_duplicates(pdyn_context *context, const struct mesh *mesh
  * triangles, so that inside and outside are defined. */
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* The volume that triangles (vertices of x) enclose, m^3; negative where they face inwards. */
+double mesh_volume(int triangles, const int *triangle, const double *x);
+
 /* Checks what a volume of gas needs in addition to mesh_check_closed: triangles all face outwards
  * or all inwards, and enclose a volume. */
 pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, const char *name);

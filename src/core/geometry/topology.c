@@ -158,14 +158,13 @@ static pdyn_status check_oriented_edge(pdyn_context *context, const struct mesh 
     return PDYN_OK;
 }
 
-/* The volume that the triangles enclose, m^3; negative where they face inwards. */
-static double volume_of(const struct mesh *mesh) {
+double mesh_volume(int triangles, const int *triangle, const double *x) {
+    const double *origin = x + 3 * (size_t)triangle[0];
     double sum = 0.0;
-    for (int t = 0; t < mesh->triangles; t++) {
+    for (int t = 0; t < triangles; t++) {
         double side[3][3], normal[3];
         for (int k = 0; k < 3; k++)
-            vec3_subtract(side[k], mesh->vertex + 3 * (size_t)mesh->triangle[3 * t + k],
-                          mesh->vertex + 3 * (size_t)mesh->triangle[0]);
+            vec3_subtract(side[k], x + 3 * (size_t)triangle[3 * t + k], origin);
         vec3_cross(normal, side[1], side[2]);
         sum += vec3_dot(side[0], normal) / 6.0;
     }
@@ -178,7 +177,8 @@ pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, 
     if (status == PDYN_OK) status = check_edges(context, mesh, name, check_oriented_edge);
     if (status != PDYN_OK) return status;
     for (int t = 0; t < mesh->triangles; t++) area += area_of(mesh, t);
-    if (fabs(volume_of(mesh)) > 1e-9 * area * sqrt(area)) return PDYN_OK;
+    double volume = mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex);
+    if (fabs(volume) > 1e-9 * area * sqrt(area)) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh is flat: it encloses no volume",
                         name);
 }

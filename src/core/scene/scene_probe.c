@@ -73,22 +73,29 @@ static pdyn_status read_solid(struct reader *r, const struct json_at *at,
     return reader_choice(at, "solid", names, count, &probe->target);
 }
 
-static bool has_pins(const struct scene_body *body) {
-    for (int k = 0; k < body->constraints; k++)
-        if (body->constraint[k].type->flags & PDYN_REACTION) return true;
-    return false;
-}
-
-static pdyn_status read_pins(struct reader *r, const struct json_at *at,
-                             struct scene_probe *probe) {
+/* Reads the name of a body that has a constraint with this flag, such as `example`. */
+static pdyn_status read_body_with(struct reader *r, const struct json_at *at, unsigned flag,
+                                  const char *example, struct scene_probe *probe) {
     const char *names[READER_NAMES];
     int count = 0;
     for (; count < r->scene->bodies && count < READER_NAMES; count++)
         names[count] = r->scene->body[count].name;
     pdyn_status status = reader_choice(at, "body", names, count, &probe->target);
-    if (status == PDYN_OK && !has_pins(&r->scene->body[probe->target]))
-        status = json_fail(at, "expected a body with a \"pin\"");
-    return status;
+    if (status != PDYN_OK) return status;
+    const struct scene_body *body = &r->scene->body[probe->target];
+    for (int k = 0; k < body->constraints; k++)
+        if (body->constraint[k].type->flags & flag) return PDYN_OK;
+    return json_fail(at, "expected a body with a \"%s\"", example);
+}
+
+static pdyn_status read_pins(struct reader *r, const struct json_at *at,
+                             struct scene_probe *probe) {
+    return read_body_with(r, at, PDYN_REACTION, "pin", probe);
+}
+
+static pdyn_status read_inside(struct reader *r, const struct json_at *at,
+                               struct scene_probe *probe) {
+    return read_body_with(r, at, PDYN_ON_CLOSED, "gas", probe);
 }
 
 static const struct {
@@ -97,13 +104,13 @@ static const struct {
 } kinds[PROBE_KINDS] = {{read_point, true, true},   {read_line, true, true},
                         {read_wall, true, true},    {read_height, true, false},
                         {read_region, true, false}, {read_solid, false, false},
-                        {read_pins, false, false}};
+                        {read_pins, false, false},  {read_inside, false, false}};
 
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
     static const char *const names[PROBE_KINDS] = {"point", "line",  "wall", "height",
-                                                   "box",   "solid", "pins"};
-    static const char *const keys[] = {"name", "point", "line", "wall", "height",
-                                       "box",  "solid", "pins", NULL};
+                                                   "box",   "solid", "pins", "inside"};
+    static const char *const keys[] = {"name", "point", "line", "wall",   "height",
+                                       "box",  "solid", "pins", "inside", NULL};
     struct scene_probe *probe = &r->scene->probe[index];
     struct json_at radius = json_member(at, "radius");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);

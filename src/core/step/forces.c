@@ -101,6 +101,17 @@ void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load)
             (sys->batch[b]->op ? add_operator_load : add_row_load)(sim, sys->batch[b], load);
 }
 
+double forces_virial(const struct pdyn_sim *sim, int k) {
+    const struct batch *b = sim->objective.batch[k];
+    double sum = 0.0;
+    for (int r = 0; sim->forces_known && r < b->rows; r++) {
+        double d[3], weight = b->view.weight[b->entry_element[b->view.row_entry[r]]];
+        row_distance(sim, b, r, d);
+        sum -= weight * vec3_dot(d, b->view.u + 3 * (size_t)r);
+    }
+    return sum;
+}
+
 /* ---- public functions ------------------------------------------------------------------------ */
 
 pdyn_status pdyn_constraint_forces(const pdyn_sim *sim, int constraint, double *force) {

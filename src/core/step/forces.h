@@ -12,4 +12,8 @@ void forces_forget(struct pdyn_sim *sim);
  * Nothing while forces are unknown. May overwrite sim->trial. */
 void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load);
 
+/* The sum of force . position over the particles of constraint k, N m, of rows whose forces sum to
+ * zero. */
+double forces_virial(const struct pdyn_sim *sim, int k);
+
 #endif

@@ -91,6 +91,21 @@ static void measure_pins(const struct pdyn_sim *sim, const struct scene_probe *p
     copy_load(&load, out);
 }
 
+/* The volume V inside a surface, and the pressure p of its filling above that outside: its forces
+ * are p grad V, and grad V . x = 3 V. */
+static void measure_inside(const struct pdyn_sim *sim, const struct scene_probe *probe,
+                           double *out) {
+    const pdyn_body *body = &sim->body[probe->target];
+    double virial = 0.0;
+    for (int k = 0; k < sim->constraints; k++) {
+        const struct batch *b = sim->objective.batch[k];
+        if (b->type->flags & PDYN_ON_CLOSED && b->view.body == body)
+            virial += forces_virial(sim, k);
+    }
+    out[0] = fabs(mesh_volume(body->triangles, body->triangle, sim->x + 3 * (size_t)body->first));
+    out[1] = out[0] > 0.0 ? virial / (3.0 * out[0]) : 0.0;
+}
+
 struct quantity {
     const char *name, *unit;
 };
@@ -121,6 +136,7 @@ static const struct {
          {{"volume", "m3"}, {"velocity_x", "m_s"}, {"velocity_y", "m_s"}, {"velocity_z", "m_s"}}},
     [PROBE_SOLID] = {6, measure_solid, LOAD},
     [PROBE_PINS] = {6, measure_pins, LOAD},
+    [PROBE_INSIDE] = {2, measure_inside, {{"volume", "m3"}, {"overpressure", "Pa"}}},
 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
