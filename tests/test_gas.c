@@ -164,6 +164,32 @@ static void test_fall(void **state) {
     pdyn_destroy(context);
 }
 
+/* H = M/h^2 + w G'(I - (1 - eps) J) G is linear in eps. */
+static void test_linear(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load_good(context, "'solver': {'type': 'cg'}", ball_mesh(),
+                              GAS(", 'overpressure': 1000"), "");
+    struct objective *sys = &sim->objective;
+    int n = 3 * sys->particles;
+    double *y[3], energy, largest = 0.0, off = 0.0;
+    test_step(context, sim);
+    for (int k = 0; k < 3; k++) assert_non_null(y[k] = calloc((size_t)n + 1, sizeof **y));
+    assert_int_equal(objective_local(sys, sim->x, &energy, y[0]), PDYN_OK);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(objective_linearise(sys, 0.5 * k), PDYN_OK);
+        objective_apply(sys, sim->x, y[k]); /* x has a part along grad V */
+    }
+    for (int i = 0; i < n; i++) {
+        largest = fmax(largest, fabs(y[2][i] - y[0][i]));
+        off = fmax(off, fabs(y[0][i] - 2.0 * y[1][i] + y[2][i]));
+    }
+    assert_true(largest > 1.0 && off < 1e-9 * largest);
+    for (int k = 0; k < 3; k++) free(y[k]);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Parameters change between steps: the ball is pumped up. */
 static void test_pump(void **state) {
     (void)state;
@@ -223,8 +249,9 @@ static void test_refused(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_laws), cmocka_unit_test(test_tension),
-                                       cmocka_unit_test(test_fall), cmocka_unit_test(test_pump),
-                                       cmocka_unit_test(test_refused)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_laws),   cmocka_unit_test(test_tension),
+        cmocka_unit_test(test_fall),   cmocka_unit_test(test_pump),
+        cmocka_unit_test(test_linear), cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests_name("gas", tests, test_enter_directory, test_leave_directory);
 }

@@ -14,7 +14,11 @@ import unittest
 PAGE = pathlib.Path(__file__).parent.parent / "docs/guide/metrics.md"
 PROBES = [{"point": [0, 0, 0]}, {"line": {"from": [0, 0, 0], "to": [1, 0, 0], "count": 2}},
           {"height": [0, 0, 0]}, {"box": {"minimum": [0, 0, 0], "maximum": [1, 1, 1]}},
-          {"wall": [0, 0, 0]}, {"solid": "tank"}, {"pins": "sheet"}]
+          {"wall": [0, 0, 0]}, {"solid": "tank"}, {"pins": "sheet"},
+          {"inside": "ball"}]
+BALL = {"name": "ball", "constraints": [{"type": "gas"}, {"type": "pin", "vertices": {"all": True}}],
+        "surface": {"mesh": str(PAGE.parents[2] / "scenes/meshes/ball.obj"), "scale": 0.01,
+                    "translate": [0, 2, 0], "area_density": 1}}
 OPEN_KEYS = {"constraints": "TYPE", "parameters[].numbers": "NAME"}  # keys that the scene chooses
 
 
@@ -42,8 +46,10 @@ class MetricsPage(unittest.TestCase):
     def setUpClass(cls):
         with tempfile.TemporaryDirectory() as name:
             run = pathlib.Path(name)
+            bodies = json.loads(pathlib.Path(SCENE).read_text())["bodies"] + [BALL]
             done = subprocess.run(
                 [PROJDYN, "run", SCENE, "-o", run, "--quiet", "--time", "0.1", "--no-frames",
+                 "--set", "bodies=" + json.dumps(bodies),
                  "--set", "probes=" + json.dumps(PROBES), "--set", "frame_interval=0.03",
                  "--set", "time_step={\"fixed\": 0.02}"],
                 capture_output=True, text=True, timeout=300)
