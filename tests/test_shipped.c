@@ -21,6 +21,12 @@ struct shipped {
 #define TOP 9 /* open: water may splash out */
 
 static const struct shipped shipped[] = {
+    {.name = "ball_on_water",
+     .seconds = 0.24,
+     .kinetic = {0.2, 0.5},
+     .lowest = {-0.0082, 0.0318},
+     .low = {0, 0, 0},
+     .high = {0.6, TOP, 0.6}},
     {.name = "balloon",
      .seconds = 0.2,
      .kinetic = {0.319, 0.797},
