@@ -16,10 +16,11 @@
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
 
 struct objective_body { /* residual: |grad E| / (weight + load) over its particles (residual.h) */
-    int first, count;   /* particles */
-    double weight;      /* |M g|, N, in this step */
-    double load;        /* by other bodies, N, at the x of the last local step */
-    double residual;    /* at the last measurement */
+    const pdyn_body *of;
+    int first, count; /* particles */
+    double weight;    /* |M g|, N, in this step */
+    double load;      /* by other bodies, N, at the x of the last local step */
+    double residual;  /* at the last measurement */
 };
 
 struct objective {

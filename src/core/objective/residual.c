@@ -62,9 +62,9 @@ void residual_free(struct objective *sys) {
     FREE_VECTOR(sys->context, sys->before, sys->particles);
 }
 
-/* An operator puts no load on its own body: what acts there are the forces that are solved for. */
+/* A constraint puts no load on its own body: what acts there are the forces that are solved for. */
 static bool is_own(const struct batch *batch, const struct objective_body *body) {
-    return batch->op && batch->view.body->first == body->first;
+    return batch->view.body == body->of;
 }
 
 void residual_forget_loads(struct objective *sys) {

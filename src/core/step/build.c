@@ -134,8 +134,10 @@ static pdyn_status list_bodies(struct pdyn_sim *sim) {
     if (!sys->body) return PDYN_NO_MEMORY;
     sys->bodies = sim->bodies;
     for (int b = 0; b < sys->bodies; b++)
-        sys->body[b] =
-            (struct objective_body){sim->body[b].first, sim->body[b].count, 1.0, 0.0, 0.0};
+        sys->body[b] = (struct objective_body){.of = &sim->body[b],
+                                               .first = sim->body[b].first,
+                                               .count = sim->body[b].count,
+                                               .weight = 1.0};
     return PDYN_OK;
 }
 
