@@ -173,6 +173,9 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     const pdyn_wet_sides *wet_sides;          /* NULL where no surface has friction with a fluid */
     uint64_t *key;                            /* elements: see `end`; NULL without memory_size */
     void *memory;                             /* elements x memory_size: see `end` */
+    /* The integrator: h above is the effective length of a step of this length, s, and `begin` gets
+     * x^ = x_n + extrapolation (x_n - x_(n-1)). Implicit Euler: h and 0. */
+    double length, extrapolation;
 } pdyn_batch;
 
 /* ---- saved states ---------------------------------------------------------------------------- */
@@ -303,6 +306,8 @@ enum {                             /* pdyn_constraint_type.flags */
        PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not once a step */
        PDYN_ON_CLOSED = 512,       /* needs a body with triangles that enclose a volume: no border,
                                       all triangles face outwards or all inwards */
+       PDYN_NEIGHBOURS = 1024,     /* works on the neighbour lists of its body of particles; every
+                                      matrix-free type does */
 };
 
 typedef struct pdyn_constraint_type {

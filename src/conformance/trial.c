@@ -88,6 +88,7 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
     " \"rotate\": [20, 30, 10], \"density\": 300}"
 
 static bool needs_other(const pdyn_constraint_type *type) {
+    if (type->flags & PDYN_NEIGHBOURS) return true; /* a sheet through its particles */
     for (const pdyn_param *p = type->params; p->name; p++)
         if (p->kind == PDYN_OTHER) return true;
     return false;

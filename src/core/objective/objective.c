@@ -118,8 +118,9 @@ pdyn_status objective_limit(struct objective *sys, const double *x, double *way)
 
 pdyn_status objective_open(struct objective *sys, const double *x, const double *v) {
     pdyn_status status = PDYN_OK;
+    const struct batch_step step = {sys->length, sys->extrapolation, sys->h, sys->time};
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        status = batch_open(sys->batch[b], x, v, sys->h, sys->time);
+        status = batch_open(sys->batch[b], x, v, &step);
     return status;
 }
 

@@ -29,6 +29,8 @@ struct objective {
     double *mass;     /* particles, kg */
     double *s;        /* the inertial prediction, m */
     double h;         /* s, effective length of the current step (integrator.h) */
+    double length;        /* s, of the current step */
+    double extrapolation; /* its base is x^ = x_n + extrapolation (x_n - x_(n-1)) */
     unsigned weights; /* counter of changes of weights for another reason than h */
     double time;      /* s, at the end of the step */
     const double *x;  /* of the last local step */

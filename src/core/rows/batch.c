@@ -202,8 +202,10 @@ static void begin_rows(void *arg, int first, int last, int block) {
     rows_weigh(b, first, last);
 }
 
-pdyn_status batch_open(struct batch *b, const double *x, const double *v, double h, double time) {
-    b->view.h = h, b->view.time = time;
+pdyn_status batch_open(struct batch *b, const double *x, const double *v,
+                       const struct batch_step *step) {
+    b->view.h = step->h, b->view.time = step->time;
+    b->view.length = step->length, b->view.extrapolation = step->extrapolation;
     return b->type->update && !updates_always(b) ? batch_update(b, x, v) : PDYN_OK;
 }
 

@@ -89,10 +89,16 @@ pdyn_status batch_update(struct batch *batch, const double *x, const double *v);
 /* The step that ended at the last local step was taken: calls the type's `end`, if it has one. */
 pdyn_status batch_end(struct batch *batch);
 
-/* A step of length h, s, to `time` begins at the state x, v (particles x 3): updates elements that
- * come and go from step to step. */
-pdyn_status batch_open(struct batch *batch, const double *x, const double *v, double h,
-                       double time);
+struct batch_step {               /* of the integrator, see pdyn_batch */
+    double length, extrapolation; /* s; 1 */
+    double h;                     /* s, effective length */
+    double time;                  /* s, at its end */
+};
+
+/* A step begins at the state x, v (particles x 3): updates elements that come and go from step to
+ * step. */
+pdyn_status batch_open(struct batch *batch, const double *x, const double *v,
+                       const struct batch_step *step);
 
 /* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
  * weights change even where h does not. */

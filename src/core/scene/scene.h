@@ -40,6 +40,10 @@ struct scene_constraint {
     void *params; /* type->params_size bytes, filled by the table type->params */
 };
 
+static inline bool needs_neighbour_lists(const pdyn_constraint_type *type) {
+    return type->matrix_free || type->flags & PDYN_NEIGHBOURS;
+}
+
 struct scene_body {
     char *name; /* unique in the scene; letters, digits, '_', '-', because it names files */
     /* a body has either particles or a mesh: */

@@ -11,6 +11,7 @@
 
 /* x^ = x_n + part (x_n - x_(n-1)), and v^ in the same way. */
 static void extrapolate(struct pdyn_sim *sim, double part) {
+    sim->objective.extrapolation = part;
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
         sim->x_base[k] = sim->x[k] + part * (sim->x[k] - sim->x_before[k]);
         sim->v_base[k] = sim->v[k] + part * (sim->v[k] - sim->v_before[k]);
@@ -18,6 +19,7 @@ static void extrapolate(struct pdyn_sim *sim, double part) {
 }
 
 static double begin_euler(struct pdyn_sim *sim, double h) {
+    sim->objective.extrapolation = 0.0;
     memcpy(sim->x_base, sim->x, objective_bytes(&sim->objective));
     memcpy(sim->v_base, sim->v, objective_bytes(&sim->objective));
     return h;

@@ -97,7 +97,7 @@ static inline bool solves_fluid_alone(const struct pdyn_sim *sim) {
 static inline bool has_neighbour_lists(const struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     for (int k = 0; k < body->constraints; k++)
-        if (body->constraint[k].type->matrix_free) return true;
+        if (needs_neighbour_lists(body->constraint[k].type)) return true;
     return false;
 }
 

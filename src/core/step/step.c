@@ -23,6 +23,7 @@
 /* Computes the prediction s = x^ + H v^ + H^2 (g + f/m), f: applied forces, which is the first
  * iterate. */
 static pdyn_status predict(struct pdyn_sim *sim, double h) {
+    sim->objective.length = h;
     double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, h);
     sim->objective.time = sim->time + h;
     for (int k = 0; k < 3 * sim->objective.particles; k++)

@@ -1,0 +1,142 @@
+/* Viscous friction of a fluid on the surfaces in it, which keeps its velocity there at that of the
+ * surface: a dashpot between every particle i and every point s of a surface that adds to the
+ * density of i (docs/theory/interface.md), in all directions,
+ *
+ *     E = c / (2 H) |u - a|^2,    u = x_i - x_s,     a: u at the base of the step
+ *     c = 2 mu d lambda_is / lambda_0
+ *
+ * lambda_is: what s adds to the density of i; lambda_0: what a plane adds at d/2. A layer at this
+ * distance then feels the stress mu v / (d/2). mu: Pa s; d: particle spacing. u selects the corners
+ * of a sample; a point of a solid moves a. */
+#include "projdyn/kernel.h"
+#include "projdyn/module.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { WIDTH = 4 };
+
+struct params {
+    double viscosity; /* mu, Pa s */
+};
+
+static const pdyn_param params[] = {
+    {"viscosity", PDYN_REAL, offsetof(struct params, viscosity), true, 0, 0, 1e9, "Pa s",
+     "dynamic viscosity of the fluid at the surfaces"},
+    {0}};
+
+struct dashpot {
+    double coefficient; /* c, N s/m */
+    double base[3];     /* a, m, without the motion of a point of a solid */
+    double point_x[3];  /* m: the point of a solid when the step begins */
+    int particle, point;
+};
+
+static struct dashpot *dashpots(const pdyn_batch *b) { return b->data; }
+
+/* lambda at half a spacing, of a plane of areas and of a plane of volumes (projdyn/kernel.h,
+ * src/core/sph/boundary.c) */
+static const double of_areas = 0.127, of_volumes = 0.150;
+
+struct surfaces { /* what the points of surfaces add to the density of particles */
+    struct kernel volume;
+    struct surface_kernel area;
+};
+
+/* lambda_is / lambda_0 of the entry k of the list of particle i; r: vector between the two */
+static double share_of(const struct surfaces *s, const pdyn_neighbours *l, int i, int k,
+                       const double r[3]) {
+    bool has_area = k < l->boundary_start[i] ? !l->has_volumes : k >= l->patch_start[i];
+    double volume = l->volume[l->index[k]];
+    return has_area ? volume * surface_kernel_value(&s->area, vec3_dot(r, r)) / of_areas
+                    : volume * kernel_value(&s->volume, vec3_length(r)) / of_volumes;
+}
+
+static const double *position_of(const pdyn_neighbours *l, int point, const double *x,
+                                 double sample[3]) {
+    int k = point - (l->particles - l->samples);
+    if (point >= l->particles) return l->boundary_x + 3 * (size_t)(point - l->particles);
+    memset(sample, 0, 3 * sizeof *sample);
+    for (int c = 3 * k; c < 3 * k + 3; c++)
+        vec3_add(sample, l->sample_weight[c], x + 3 * (size_t)l->sample_vertex[c]);
+    return sample;
+}
+
+static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
+                  int room) {
+    const pdyn_neighbours *l = b->neighbours;
+    double mu = ((const struct params *)par)->viscosity, spacing = 2.0 * b->body->radius;
+    const struct surfaces surfaces = {kernel_make(l->support), surface_kernel_make(spacing)};
+    int count = 0;
+    (void)v;
+    for (int i = b->body->first; mu > 0.0 && i < b->body->first + b->body->count; i++)
+        for (int k = l->surface_start[i]; k < l->end[i]; k++) {
+            double r[3], sample[3];
+            const double *at = position_of(l, l->index[k], x, sample);
+            vec3_subtract(r, x + 3 * (size_t)i, at);
+            double share = share_of(&surfaces, l, i, k, r);
+            if (!(share > 0.0) || count++ >= room) continue;
+            dashpots(b)[count - 1] = (struct dashpot){.coefficient = 2.0 * mu * spacing * share,
+                                                      .point_x = {at[0], at[1], at[2]},
+                                                      .particle = i,
+                                                      .point = l->index[k]};
+        }
+    return count;
+}
+
+/* The particle, then the corners of the sample; 0 for the corners of a point of a solid. */
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    const pdyn_neighbours *l = b->neighbours;
+    (void)par;
+    for (int e = first; e < last; e++) {
+        int i = dashpots(b)[e].particle, point = dashpots(b)[e].point;
+        int corner = 3 * (point - (l->particles - l->samples));
+        b->column[WIDTH * e] = i, b->coefficient[WIDTH * e] = 1.0;
+        for (int k = 0; k < 3; k++) {
+            bool sample = point < l->particles;
+            b->column[WIDTH * e + 1 + k] = sample ? l->sample_vertex[corner + k] : i;
+            b->coefficient[WIDTH * e + 1 + k] = sample ? -l->sample_weight[corner + k] : 0.0;
+        }
+    }
+}
+
+static void begin(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        memcpy(dashpots(b)[e].base, b->u + 3 * e, 3 * sizeof *b->u);
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = dashpots(b)[e].coefficient / b->h;
+}
+
+/* p: a, moved by h times the velocity of a point of a solid */
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    const pdyn_neighbours *l = b->neighbours;
+    (void)par;
+    for (int e = first; e < last; e++) {
+        const struct dashpot *d = dashpots(b) + e;
+        double *p = b->p + 3 * e;
+        memcpy(p, d->base, sizeof d->base);
+        if (d->point < l->particles) continue;
+        const double *x = l->boundary_x + 3 * (size_t)(d->point - l->particles);
+        for (int a = 0; a < 3; a++) p[a] += b->h / b->length * (x[a] - d->point_x[a]);
+    }
+}
+
+const pdyn_constraint_type pdyn_constraint_no_slip = {
+    .name = "no_slip",
+    .summary = "viscous friction of a fluid on walls, solids and sheets",
+    .flags = PDYN_ON_PARTICLES | PDYN_NEIGHBOURS | PDYN_ANCHORED | PDYN_LOSSY,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .data_size = sizeof(struct dashpot),
+    .update = update,
+    .rows = 1,
+    .width = WIDTH,
+    .select = select,
+    .weight = weight,
+    .project = project,
+    .begin = begin,
+};
