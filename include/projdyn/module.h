@@ -385,6 +385,8 @@ typedef struct pdyn_constraint_type {
     void (*damping_rest)(const void *params, const pdyn_batch *batch, int first, int last);
     /* NULL: core derives everything from the rows above. */
     const pdyn_operator *matrix_free;
+    /* As pdyn_operator.boundary_force, of rows whose p follows points of solids. */
+    void (*boundary_force)(const void *params, const pdyn_batch *batch, double *force);
 } pdyn_constraint_type;
 
 /* ---- the solver table ------------------------------------------------------------------------ */
@@ -493,7 +495,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 11u
+#define PDYN_ABI 12u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -72,7 +72,8 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
     "\"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": " vertices "},"                  \
     " \"rotate\": [20, 30, 10], \"area_density\": 0.3}"
 /* The first body, so that the first particle of the checked one is not that of the system. OTHER:
- * with a surface, for types with a PDYN_OTHER parameter; DROPS: for other types on particles. */
+ * with a surface, for types with a PDYN_OTHER parameter or on neighbour lists; DROPS: for other
+ * types on particles. */
 #define OTHER                                                                                      \
     "{\"name\": \"other\", \"surface\": {\"grid\": {\"size\": [0.4, 0.5], \"vertices\": [4, 3]},"  \
     " \"rotate\": [20, 30, 10], \"translate\": [0, 0.3, 0], \"area_density\": 0.3}}"

@@ -20,10 +20,10 @@ struct params {
     double viscosity; /* mu, Pa s */
 };
 
-static const pdyn_param params[] = {
-    {"viscosity", PDYN_REAL, offsetof(struct params, viscosity), true, 0, 0, 1e9, "Pa s",
-     "dynamic viscosity of the fluid at the surfaces"},
-    {0}};
+static const pdyn_param params[] = {{"viscosity", PDYN_REAL, offsetof(struct params, viscosity),
+                                     true, 0, 0, 1e9, "Pa s",
+                                     "dynamic viscosity of the fluid at the surfaces"},
+                                    {0}};
 
 struct dashpot {
     double coefficient; /* c, N s/m */
@@ -102,8 +102,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
 
 static void begin(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int e = first; e < last; e++)
-        memcpy(dashpots(b)[e].base, b->u + 3 * e, 3 * sizeof *b->u);
+    for (int e = first; e < last; e++) memcpy(dashpots(b)[e].base, b->u + 3 * e, 3 * sizeof *b->u);
 }
 
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
@@ -125,6 +124,18 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
     }
 }
 
+/* The fluid pulls a point of a solid with w (u - p). */
+static void boundary_force(const void *par, const pdyn_batch *b, double *force) {
+    const pdyn_neighbours *l = b->neighbours;
+    (void)par;
+    for (int e = 0; e < b->elements; e++) {
+        double pull[3];
+        if (dashpots(b)[e].point < l->particles) continue;
+        vec3_subtract(pull, b->u + 3 * e, b->p + 3 * e);
+        vec3_add(force + 3 * (size_t)(dashpots(b)[e].point - l->particles), b->weight[e], pull);
+    }
+}
+
 const pdyn_constraint_type pdyn_constraint_no_slip = {
     .name = "no_slip",
     .summary = "viscous friction of a fluid on walls, solids and sheets",
@@ -139,4 +150,5 @@ const pdyn_constraint_type pdyn_constraint_no_slip = {
     .weight = weight,
     .project = project,
     .begin = begin,
+    .boundary_force = boundary_force,
 };

@@ -26,15 +26,15 @@ struct objective_body { /* residual: |grad E| / (weight + load) over its particl
 struct objective {
     pdyn_context *context;
     int particles;
-    double *mass;     /* particles, kg */
-    double *s;        /* the inertial prediction, m */
-    double h;         /* s, effective length of the current step (integrator.h) */
+    double *mass;         /* particles, kg */
+    double *s;            /* the inertial prediction, m */
+    double h;             /* s, effective length of the current step (integrator.h) */
     double length;        /* s, of the current step */
     double extrapolation; /* its base is x^ = x_n + extrapolation (x_n - x_(n-1)) */
-    unsigned weights; /* counter of changes of weights for another reason than h */
-    double time;      /* s, at the end of the step */
-    const double *x;  /* of the last local step */
-    double eps;       /* damping of the current linearisation: 0 newton, 1 projective */
+    unsigned weights;     /* counter of changes of weights for another reason than h */
+    double time;          /* s, at the end of the step */
+    const double *x;      /* of the last local step */
+    double eps;           /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
     struct batch **batch;            /* capacity */
     struct contact *contact;         /* NULL in a scene without contact */

@@ -31,6 +31,8 @@ static void add_fluid(const struct pdyn_sim *sim) {
         const struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->boundary_force)
             batch->type->matrix_free->boundary_force(batch->op, sim->loads->force);
+        if (!batch->op && batch->type->boundary_force)
+            batch->type->boundary_force(batch->params, &batch->view, sim->loads->force);
     }
     add_point_forces(sim, sim->loads->force);
 }

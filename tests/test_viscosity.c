@@ -1,0 +1,218 @@
+/* Viscosity and no_slip: the stress of a shear, rigid rotation, momentum, flow between walls. */
+#include "support.h"
+
+#include "projdyn/scene.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+enum { MOST = 4096 };
+
+static const double spacing = 0.01;
+
+struct block { /* particles of a lattice */
+    int count;
+    double x[MOST][3], v[MOST][3];
+};
+
+static void add_block(struct block *b, int nx, int ny, int nz) {
+    b->count = 0;
+    for (int k = 0; k < nx * ny * nz; k++, b->count++) {
+        const int cell[3] = {k % nx, k / nx % ny, k / nx / ny};
+        const int size[3] = {nx, ny, nz};
+        for (int a = 0; a < 3; a++) {
+            b->x[k][a] = spacing * (cell[a] + 0.5 - 0.5 * size[a]);
+            b->v[k][a] = 0.0;
+        }
+    }
+}
+
+static void set(pdyn_context *context, pdyn_scene *scene, const char *path, const char *value) {
+    if (pdyn_scene_set(scene, path, "%s", quoted(value)) != PDYN_OK)
+        fail_msg("%s", pdyn_last_error(context));
+}
+
+/* The block with viscosity mu, Pa s; more: keys and values, ends with NULL. */
+static pdyn_sim *load(pdyn_context *context, const struct block *b, const char *mu,
+                      const char *const *more) {
+    pdyn_scene *scene;
+    pdyn_sim *sim;
+    assert_int_equal(pdyn_scene_create(context, "viscosity", &scene), PDYN_OK);
+    assert_int_equal(pdyn_scene_particles(scene, "p.ply", b->count, b->x[0], b->v[0]), PDYN_OK);
+    set(context, scene, "duration", "1000");
+    set(context, scene, "frame_interval", "1000");
+    set(context, scene, "gravity", "[0, 0, 0]");
+    set(context, scene, "solver", "{'tolerance': 1e-9, 'linear_tolerance': 1e-4}");
+    set(context, scene, "bodies.honey.particles", "{'radius': 0.005, 'fill': [{'file': 'p.ply'}]}");
+    set(context, scene, "bodies.honey.constraints.fluid", "{'sound_speed': 30, 'viscosity': 0}");
+    set(context, scene, "bodies.honey.constraints.viscosity.viscosity", mu);
+    for (; *more; more += 2) set(context, scene, more[0], more[1]);
+    if (pdyn_scene_load(scene, &sim) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    pdyn_scene_free(scene);
+    return sim;
+}
+
+/* The power of the stress in a uniform shear inside a lattice is mu times the square of the shear
+ * rate, along the axes of the lattice and along its diagonals. */
+static void test_stress(void **state) {
+    (void)state;
+    static const double shear[2][9] = {{0, 1, 0, 0, 0, 0, 0, 0, 0},
+                                       {0.5, 0, 0, 0, -0.5, 0, 0, 0, 0}};
+    static const char *const more[] = {"time_step.fixed", "1e-4", NULL};
+    static struct block b;
+    pdyn_context *context = test_context(1);
+    add_block(&b, 9, 9, 9);
+    for (int k = 0; k < 2; k++) {
+        pdyn_sim *sim = load(context, &b, "10", more);
+        test_step(context, sim);
+        struct batch *batch = sim->objective.batch[1];
+        double power = 0.0;
+        int centre = 4 + 9 * (4 + 9 * 4);
+        for (int e = 0; e < batch->view.elements; e++) {
+            const int *pair = batch->view.column + 2 * e;
+            double u[3], rate = 0.0;
+            if (pair[0] != centre && pair[1] != centre) continue;
+            vec3_subtract(u, b.x[pair[0]], b.x[pair[1]]);
+            for (int i = 0; i < 9; i++) rate += u[i / 3] * shear[k][i] * u[i % 3];
+            rate /= vec3_length(u);
+            power += 0.5 * batch->view.weight[e] * batch->view.h * rate * rate;
+        }
+        assert_true(fabs(power / (10.0 * pow(spacing, 3)) - 1.0) < 0.01);
+        pdyn_free(sim);
+    }
+    pdyn_destroy(context);
+}
+
+struct sums {
+    double linear[3], angular[3], radius, size;
+};
+
+static struct sums sums_of(const pdyn_sim *sim) {
+    const pdyn_state s = pdyn_get_state(sim);
+    struct sums sum = {0};
+    for (int i = 0; i < s.particles; i++) {
+        double moment[3];
+        vec3_cross(moment, s.x + 3 * i, s.v + 3 * i);
+        vec3_add(sum.linear, s.mass[i], s.v + 3 * i);
+        vec3_add(sum.angular, s.mass[i], moment);
+        sum.radius += hypot(s.x[3 * i], s.x[3 * i + 1]);
+        sum.size += s.mass[i] * vec3_length(s.v + 3 * i);
+    }
+    return sum;
+}
+
+/* A block so viscous that it is rigid turns by 114 degrees: it keeps its size, its linear and its
+ * angular momentum. The rotation that a step resolves badly makes it neither larger nor smaller. */
+static void test_rotation(void **state) {
+    (void)state;
+    static const char *const more[][5] = {
+        {"time_step", "{'fixed': 0.005}", NULL},
+        {"time_step", "{'fixed': 0.005, 'integrator': 'euler'}", NULL}};
+    static const double largest_loss[] = {5e-3, 0.1};
+    static struct block b;
+    pdyn_context *context = test_context(1);
+    for (int k = 0; k < 2; k++) {
+        add_block(&b, 6, 6, 3);
+        for (int i = 0; i < b.count; i++) {
+            b.v[i][0] = 0.3 - 10.0 * b.x[i][1], b.v[i][1] = -0.2 + 10.0 * b.x[i][0];
+            b.v[i][2] = 0.1;
+        }
+        pdyn_sim *sim = load(context, &b, "1e5", more[k]);
+        struct sums before = sums_of(sim);
+        for (int n = 0; n < 40; n++) test_step(context, sim);
+        for (int i = 0; i < b.count; i++) /* relative to the centre */
+            for (int a = 0; a < 3; a++) sim->x[3 * i + a] -= 0.2 * (double[]){0.3, -0.2, 0.1}[a];
+        struct sums after = sums_of(sim);
+        assert_true(vec3_distance(before.linear, after.linear) < 1e-12 * before.size);
+        assert_true(fabs(after.radius / before.radius - 1.0) < 1e-3);
+        double loss = 1.0 - after.angular[2] / before.angular[2];
+        assert_true(fabs(loss) < largest_loss[k]);
+        pdyn_free(sim);
+    }
+    pdyn_destroy(context);
+}
+
+/* Plane Couette flow between a wall at rest and one that moves: a linear profile, and the load
+ * mu v / H per area on both walls. */
+static void test_couette(void **state) {
+    (void)state;
+    enum { LAYERS = 6 };
+    static const char *const more[] = {
+        "time_step.fixed",
+        "0.05",
+        "bodies.honey.constraints.no_slip.viscosity",
+        "10",
+        "solids.low",
+        "{'box': {'minimum': [-1, -0.03, -1], 'maximum': [1, 0.5, 1]}, 'open': ['+y', '+x', '-x', "
+        "'+z', '-z']}",
+        "solids.top",
+        "{'box': {'minimum': [-1, -0.5, -1], 'maximum': [1, 0.03, 1]}, 'open': ['-y', '+x', '-x', "
+        "'+z', '-z'], 'motion': [{'time': 0}, {'time': 100, 'translate': [0.01, 0, 0]}]}",
+        NULL};
+    static struct block b;
+    pdyn_context *context = test_context(1);
+    const double speed = 1e-4, height = LAYERS * spacing;
+    add_block(&b, 36, LAYERS, 6);
+    pdyn_sim *sim = load(context, &b, "10", more);
+    for (int n = 0; n < 20; n++) test_step(context, sim);
+    for (int i = 0; i < b.count; i++) {
+        double exact = speed * (b.x[i][1] / height + 0.5);
+        if (fabs(b.x[i][0]) < 0.5 * height) assert_true(fabs(sim->v[3 * i] - exact) < 0.02 * speed);
+    }
+    double low[3], top[3], moment[3], exact = 10.0 * speed / height * 36 * 6 * spacing * spacing;
+    assert_int_equal(pdyn_solid_load(sim, 0, low, moment), PDYN_OK);
+    assert_int_equal(pdyn_solid_load(sim, 1, top, moment), PDYN_OK);
+    assert_true(fabs(low[0] / -top[0] - 1.0) < 0.01);
+    assert_true(fabs(low[0] / exact - 1.0) < 0.15); /* free sides: the outer layers pull less */
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A sheet in the middle of a block that is at rest takes the velocity of the block, and the block
+ * gets the momentum that the sheet loses. */
+static void test_sheet(void **state) {
+    (void)state;
+    static const char *const more[] = {
+        "time_step.fixed",
+        "0.001",
+        "bodies.honey.constraints.no_slip.viscosity",
+        "10",
+        "bodies.sheet",
+        "{'surface': {'grid': {'size': [0.06, 0.06], 'vertices': [7, 7]}, 'area_density': 1}, "
+        "'velocity': [0.1, 0, 0]}",
+        NULL};
+    static struct block b;
+    pdyn_context *context = test_context(1);
+    add_block(&b, 6, 6, 6);
+    pdyn_sim *sim = load(context, &b, "10", more);
+    struct sums before = sums_of(sim);
+    for (int n = 0; n < 100; n++) test_step(context, sim);
+    struct sums after = sums_of(sim);
+    double mean = 0.0;
+    for (int i = 0; i < 49; i++) mean += sim->v[3 * (sim->body[1].first + i)] / 49.0;
+    assert_true(vec3_distance(before.linear, after.linear) < 1e-6 * before.size);
+    assert_true(fabs(mean) < 0.03);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* A viscosity of 0 has no element, and its step is that of the fluid alone. */
+static void test_zero(void **state) {
+    (void)state;
+    static const char *const more[] = {"time_step.fixed", "0.001", NULL};
+    static struct block b;
+    pdyn_context *context = test_context(1);
+    add_block(&b, 4, 4, 4);
+    pdyn_sim *sim = load(context, &b, "0", more);
+    test_step(context, sim);
+    assert_int_equal(sim->objective.batch[1]->view.elements, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_stress), cmocka_unit_test(test_rotation),
+        cmocka_unit_test(test_couette), cmocka_unit_test(test_sheet), cmocka_unit_test(test_zero)};
+    return cmocka_run_group_tests_name("viscosity", tests, NULL, NULL);
+}
