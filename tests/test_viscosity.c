@@ -196,6 +196,56 @@ static void test_sheet(void **state) {
     pdyn_destroy(context);
 }
 
+static const char *const stirred[] = {
+    "time_step.fixed",
+    "0.002",
+    "gravity",
+    "[0, -9.81, 0]",
+    "bodies.honey.constraints.no_slip.viscosity",
+    "10",
+    "bodies.sheet",
+    "{'surface': {'grid': {'size': [0.06, 0.06], 'vertices': [7, 7]}, 'area_density': 1}, "
+    "'velocity': [0.1, 0, 0]}",
+    "solids.tray",
+    "{'box': {'minimum': [-0.04, -0.04, -0.04], 'maximum': [0.04, 0.1, 0.04]}, 'open': ['+y'], "
+    "'motion': [{'time': 0}, {'time': 1, 'rotate': [0, 90, 0]}]}",
+    NULL};
+
+/* The state after some steps has the same bits for any number of threads, and after a restart from
+ * a saved state. */
+static void test_bits(void **state) {
+    (void)state;
+    static struct block b;
+    uint64_t hash = 0;
+    add_block(&b, 8, 6, 8);
+    for (int threads = 1; threads <= 3; threads += 2) {
+        pdyn_context *context = test_context(threads);
+        pdyn_sim *sim = load(context, &b, "10", stirred), *again = load(context, &b, "10", stirred);
+        for (int n = 0; n < 5; n++) test_step(context, sim);
+        assert_int_equal(pdyn_save(sim, "state.pdyn"), PDYN_OK);
+        assert_int_equal(pdyn_restore(again, "state.pdyn"), PDYN_OK);
+        for (int n = 0; n < 5; n++) test_step(context, sim), test_step(context, again);
+        assert_true(pdyn_state_hash(sim) == pdyn_state_hash(again));
+        if (threads > 1) assert_true(pdyn_state_hash(sim) == hash);
+        hash = pdyn_state_hash(sim);
+        test_remove_file("state.pdyn");
+        pdyn_free(sim), pdyn_free(again);
+        pdyn_destroy(context);
+    }
+}
+
+/* Viscosity alone keeps no particles apart. */
+static void test_warning(void **state) {
+    (void)state;
+    struct warnings warnings = {"no constraint keeps its particles apart", 0};
+    pdyn_context *context = test_warned_context(1, &warnings);
+    pdyn_free(test_load(context, "{'duration': 1, 'bodies': [{'particles': {'radius': 0.1, 'fill': "
+                                 "[{'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}}]}, "
+                                 "'constraints': [{'type': 'viscosity', 'viscosity': 1}]}]}"));
+    assert_int_equal(warnings.count, 1);
+    pdyn_destroy(context);
+}
+
 /* A viscosity of 0 has no element, and its step is that of the fluid alone. */
 static void test_zero(void **state) {
     (void)state;
@@ -212,7 +262,10 @@ static void test_zero(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stress), cmocka_unit_test(test_rotation),
-        cmocka_unit_test(test_couette), cmocka_unit_test(test_sheet), cmocka_unit_test(test_zero)};
-    return cmocka_run_group_tests_name("viscosity", tests, NULL, NULL);
+        cmocka_unit_test(test_stress),  cmocka_unit_test(test_rotation),
+        cmocka_unit_test(test_couette), cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_zero),    cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_warning)};
+    return cmocka_run_group_tests_name("viscosity", tests, test_enter_directory,
+                                       test_leave_directory);
 }

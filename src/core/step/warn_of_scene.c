@@ -53,14 +53,22 @@ static bool is_held(const struct scene_body *body) {
 
 /* ---- checks ---------------------------------------------------------------------------------- */
 
+/* Whether a constraint acts besides viscosity. */
+static bool is_constrained(const struct scene_body *body) {
+    for (int k = 0; k < body->constraints; k++)
+        if (!(body->constraint[k].type->flags & PDYN_NEIGHBOURS)) return true;
+    return false;
+}
+
 static void check_constraints(struct pdyn_sim *sim, int b) {
-    if (sim->scene.body[b].constraints) return;
+    if (is_constrained(&sim->scene.body[b])) return;
     if (sim->body[b].triangles)
         WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");
     else
-        WARN(sim, UNCONSTRAINED, sim->body[b].name,
-             "its particles have no constraint and pass through each other; water needs "
-             "{\"type\": \"fluid\"}");
+        WARN(
+            sim, UNCONSTRAINED, sim->body[b].name,
+            "no constraint keeps its particles apart and they pass through each other; water needs "
+            "{\"type\": \"fluid\"}");
 }
 
 static void check_density(struct pdyn_sim *sim, int b) {
