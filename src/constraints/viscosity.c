@@ -28,8 +28,8 @@ struct dashpot {
 
 static struct dashpot *dashpots(const pdyn_batch *b) { return b->data; }
 
-/* 15 V^2 / (2 pi) over the integral of f r^4 from 0 to 2d: in a continuum, the power of the
- * dashpots is that of the stress mu. */
+/* 30 d^5 over the integral of f |u|^2 over the ball of radius 2d: in a continuum, the power of the
+ * dashpots in a shear is that of mu. */
 static const double amplitude = 2.161;
 
 static double coefficient_at(double mu, double spacing, double distance) {
