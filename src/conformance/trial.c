@@ -150,7 +150,7 @@ static pdyn_status disturb(struct trial *t, enum strain strain) {
         sys->s[k] = t->sim->x[k] + 0.01 * trial_random(&seed);
     }
     for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
-    sys->h = 0.004;
+    sys->h = sys->length = 0.004;
     pdyn_status status = objective_open(sys, t->sim->x, t->sim->v);
     if (status != PDYN_OK) return status;
     objective_begin(sys, t->sim->x, t->sim->v);
