@@ -79,4 +79,5 @@ void block_jacobi_update(struct block_jacobi *s) {
 
 void block_jacobi_apply(const struct block_jacobi *s, const double *r, double *z) {
     for_particles(s, block_jacobi_multiply, &(struct call){s, r, z});
+    if (s->model->solve_bodies) s->model->solve_bodies(s->model, r, z);
 }

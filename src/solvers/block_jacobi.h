@@ -15,7 +15,7 @@ void block_jacobi_free(struct block_jacobi *jacobi); /* zeroed is fine */
 /* Takes the blocks from H. Call it when H has changed. */
 void block_jacobi_update(struct block_jacobi *jacobi);
 
-/* z = D^-1 r */
+/* z = D^-1 r; of a rigid body, the inverse of its whole part of H times r */
 void block_jacobi_apply(const struct block_jacobi *jacobi, const double *r, double *z);
 
 #endif

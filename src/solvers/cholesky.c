@@ -16,6 +16,7 @@ static int suits(const pdyn_model *model, const char **reason) {
     bool constant = !model->dynamic && !model->newton;
     *reason = constant ? "the matrix is constant: it is factored once per length of step"
                        : "a factorisation in every iteration";
+    if (model->solve_bodies) return 0; /* of rigid bodies, H is no sparse matrix of particles */
     return constant ? 20 : 2;
 }
 

@@ -27,6 +27,17 @@ pdyn_status contact_local(struct contact *c, const double *x) {
 
 /* ---- paths ----------------------------------------------------------------------------------- */
 
+/* Shortens the displacements of the particles that carry rigid bodies as those of the bodies, from
+ * x (NULL: 0) to target, particles x 3. */
+static void shorten_carriers(const struct contact *c, const double *x, double *target) {
+    for (int k = 0; k < c->rigids; k++) {
+        double part = c->taken[c->rigid[k].first];
+        size_t first = 3 * (size_t)c->rigid[k].carrier;
+        for (size_t j = first; part < 1.0 && j < first + 3 * (size_t)RIGID_POINTS; j++)
+            target[j] = (x ? x[j] : 0.0) + part * (target[j] - (x ? x[j] : 0.0));
+    }
+}
+
 /* Moves solids by the part of their displacement that is free. */
 static void move_solids(struct contact *c) {
     size_t first = (size_t)c->free, count = 3 * (size_t)(c->points - c->free);
@@ -56,6 +67,7 @@ pdyn_status contact_start(struct contact *c, const double *x, double *target) {
         if (c->taken[i] < 1.0)
             for (int a = 0; a < 3; a++)
                 target[3 * c->column[i] + a] = c->x[3 * i + a] + c->step[3 * i + a];
+    shorten_carriers(c, x, target);
     move_solids(c);
     c->ms += clock_ms() - start;
     return status;
@@ -71,6 +83,7 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
     for (int i = 0; i < c->free; i++)
         if (c->taken[i] < 1.0)
             memcpy(direction + 3 * c->column[i], c->step + 3 * i, 3 * sizeof *direction);
+    shorten_carriers(c, NULL, direction);
     c->ms += clock_ms() - start;
     return status;
 }

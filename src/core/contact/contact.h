@@ -55,6 +55,11 @@ struct contact_solid {
     int first, count; /* its points */
 };
 
+struct contact_rigid { /* a rigid body */
+    int first, count;  /* its points */
+    int carrier;       /* the first of the four particles of the system that carry it */
+};
+
 struct contact {
     pdyn_context *context;
     const struct scene_contact *set;
@@ -77,6 +82,9 @@ struct contact {
     int *edge; /* edges_room x 2: points */
     int groups, bodies;
     struct contact_solid *solid; /* groups - bodies */
+    int rigids;
+    struct contact_rigid *rigid; /* rigids */
+    bool *is_rigid;              /* groups: no pair within them comes into contact */
     pdyn_body body;              /* all free particles, for the batches */
     double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
     bool moving;          /* some solid moves in this scene */
@@ -171,6 +179,11 @@ void contact_list_free(pdyn_context *context, struct contact_list *list);
 
 /* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. */
 pdyn_status contact_check(struct contact *contact);
+
+/* Whether pairs within the group of a point come into contact. */
+static inline bool contact_has_self(const struct contact *c, int point) {
+    return c->set->self && !c->is_rigid[c->group[point]];
+}
 
 static inline const struct pair_kind *pair_kind_of(uint64_t key) {
     return key >> 63 ? &pair_edge_edge : &pair_vertex_face;

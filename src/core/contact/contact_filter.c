@@ -1,7 +1,7 @@
 /* Continuous collision detection: paths without collision. Every point moves by a part of its
  * displacement. A pair that would collide shortens the parts of its four points; then all pairs of
- * these points are tested again, until no pair collides. All points of a solid move by the same
- * part, the smallest one. */
+ * these points are tested again, until no pair collides. All points of a solid or a rigid
+ * body move by the same part, the smallest one. */
 #include "contact.h"
 
 #include "projdyn/vec3.h"
@@ -66,13 +66,17 @@ static void find_blocked(void *arg, int first, int last, int block) {
     c->blocked_count[block] = count;
 }
 
-/* Makes the factor the same for all points of a solid, the smallest one. */
-static void keep_solids_whole(struct contact *c) {
-    for (int s = 0; s < c->groups - c->bodies; s++) {
-        double *cut = c->cut + c->solid[s].first, least = 1.0;
-        for (int i = 0; i < c->solid[s].count; i++) least = fmin(least, cut[i]);
-        for (int i = 0; i < c->solid[s].count; i++) cut[i] = least;
-    }
+/* Makes the factors of some points the same, the smallest one. */
+static void keep_whole(double *cut, int count) {
+    double least = 1.0;
+    for (int i = 0; i < count; i++) least = fmin(least, cut[i]);
+    for (int i = 0; i < count; i++) cut[i] = least;
+}
+
+static void keep_rigid_whole(struct contact *c) {
+    for (int s = 0; s < c->groups - c->bodies; s++)
+        keep_whole(c->cut + c->solid[s].first, c->solid[s].count);
+    for (int k = 0; k < c->rigids; k++) keep_whole(c->cut + c->rigid[k].first, c->rigid[k].count);
 }
 
 /* Shortens the displacements of blocked pairs. Returns false if there are none. */
@@ -89,7 +93,7 @@ static bool shorten(struct contact *c) {
             }
         }
     if (!any) return false;
-    keep_solids_whole(c);
+    keep_rigid_whole(c);
     for (int i = 0; i < c->points; i++) {
         if (c->cut[i] == 1.0) continue;
         c->taken[i] *= c->cut[i], c->length[i] *= c->cut[i];

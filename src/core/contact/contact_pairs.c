@@ -113,7 +113,7 @@ static double distance_in(const struct pair *p, const double *x) {
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
-    if (share_point(p->point, first) || (same && !c->set->self)) return false;
+    if (share_point(p->point, first) || (same && !contact_has_self(c, p->point[0]))) return false;
     p->distance = distance_in(p, c->built);
     p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
     double nearest = p->distance - farthest(c->reach, p->point, first);

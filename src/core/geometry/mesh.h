@@ -75,6 +75,15 @@ double mesh_volume(int triangles, const int *triangle, const double *x);
  * or all inwards, and enclose a volume. */
 pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* Checks what a rigid body needs in addition to mesh_check_closed and mesh_check_cloth: the
+ * triangles of every edge have the same orientation. */
+pdyn_status mesh_check_oriented(pdyn_context *context, const struct mesh *mesh, const char *name);
+
+/* Volume, m^3, centre, m, and second moments about the centre over the volume, m^2 (symmetric, row
+ * by row), of the inside of a closed mesh whose triangles are oriented; the volume is negative
+ * where they are so inwards. Sums over the tetrahedra between the triangles and a vertex. */
+double mesh_moments(const struct mesh *mesh, double centre[3], double second[9]);
+
 /* Allocates a mesh, zeroed. PDYN_NO_MEMORY: *out is empty. */
 pdyn_status mesh_allocate(pdyn_context *context, int vertices, int triangles, struct mesh *out);
 void mesh_free(pdyn_context *context, struct mesh *mesh);

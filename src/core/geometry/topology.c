@@ -142,6 +142,7 @@ pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, co
     return check_edges(context, mesh, name, check_closed_edge);
 }
 
+/* The triangles of an edge pass it in opposite directions. */
 static pdyn_status check_oriented_edge(pdyn_context *context, const struct mesh *mesh,
                                        const char *name, const struct side *side, int count) {
     const int *one = mesh->triangle + side[0].corner / 3 * 3;
@@ -156,6 +157,10 @@ static pdyn_status check_oriented_edge(pdyn_context *context, const struct mesh 
                             one[(side[0].corner + 2) % 3], one[(side[0].corner + 1) % 3]);
     }
     return PDYN_OK;
+}
+
+pdyn_status mesh_check_oriented(pdyn_context *context, const struct mesh *mesh, const char *name) {
+    return check_edges(context, mesh, name, check_oriented_edge);
 }
 
 double mesh_volume(int triangles, const int *triangle, const double *x) {
@@ -174,7 +179,7 @@ double mesh_volume(int triangles, const int *triangle, const double *x) {
 pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, const char *name) {
     double area = 0.0;
     pdyn_status status = mesh_check_closed(context, mesh, name);
-    if (status == PDYN_OK) status = check_edges(context, mesh, name, check_oriented_edge);
+    if (status == PDYN_OK) status = mesh_check_oriented(context, mesh, name);
     if (status != PDYN_OK) return status;
     for (int t = 0; t < mesh->triangles; t++) area += area_of(mesh, t);
     double volume = mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex);

@@ -101,6 +101,8 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
         residual_add_load(sys, batch, gradient);
         *energy += batch->energy;
     }
+    if (sys->rigid) rigid_map_update(sys->rigid, x);
+    objective_pull(sys, gradient);
     sys->ms_local += clock_ms() - start;
     return status;
 }
@@ -161,14 +163,26 @@ WIDE static void apply_inertia(void *arg, int first, int last, int block) {
     }
 }
 
+const double *objective_extended(const struct objective *sys, const double *u) {
+    return sys->rigid ? rigid_map_extended(sys->rigid, u) : u;
+}
+
+void objective_pull(const struct objective *sys, double *y) {
+    if (sys->rigid) rigid_map_pull(sys->rigid, y);
+}
+
 void objective_apply(struct objective *sys, const double *u, double *y) {
+    u = objective_extended(sys, u);
     for_particles(sys, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
+    objective_pull(sys, y);
 }
 
 void objective_apply_rest(struct objective *sys, const double *u, double *y) {
+    u = objective_extended(sys, u);
     for_particles(sys, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < sys->batches; b++) batch_apply_rest(sys->batch[b], u, y);
+    objective_pull(sys, y);
 }
 
 /* ---- the model along a direction ------------------------------------------------------------- */
@@ -220,6 +234,7 @@ int objective_step_along(struct objective *sys, double t, double *y) {
     int changed = 0;
     for_particles(sys, scale_block, NULL, NULL, y, t);
     for (int b = 0; b < sys->batches; b++) changed += batch_step_along(sys->batch[b], t, y);
+    objective_pull(sys, y);
     return changed;
 }
 
@@ -233,6 +248,9 @@ static void sum_diagonal(struct objective *sys, pdyn_part part, add_diagonal_fn 
         blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
     for (int b = 0; b < sys->batches; b++)
         if (part == PDYN_WHOLE || !batch_is_static(sys->batch[b])) add(sys->batch[b], blocks);
+    if (!sys->rigid) return;
+    if (part == PDYN_WHOLE) rigid_map_factor(sys->rigid, blocks);
+    rigid_map_close_blocks(sys->rigid, 1.0 / (sys->h * sys->h), blocks);
 }
 
 void objective_diagonal(struct objective *sys, pdyn_part part, double *blocks) {

@@ -11,6 +11,7 @@
 #include "contact/contact.h"
 #include "contact/wet_sides.h"
 #include "rows/batch.h"
+#include "rows/rigid_map.h"
 #include "sph/neighbours.h"
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
@@ -41,6 +42,7 @@ struct objective {
     struct wet_sides *wet_sides;     /* NULL where no surface has friction with a fluid */
     struct neighbours *neighbours;   /* NULL where no constraint needs them */
     struct surface_samples *samples; /* on surfaces, for SPH sums; NULL: none */
+    struct rigid_map *rigid;         /* NULL in a scene without rigid bodies */
     unsigned lists;                  /* revision of the neighbour lists */
     bool dynamic_rows;               /* some batch changes its elements from step to step */
     int bodies;
@@ -73,7 +75,7 @@ pdyn_status objective_build_lists(struct objective *objective, const double *x);
 /* Gives new neighbour lists to every batch. */
 pdyn_status objective_share_lists(struct objective *objective);
 
-/* The local step: E and its gradient at x. The caller checks that E is finite. */
+/* The local step: E and its gradient at x, where rigid bodies are rigid. The caller checks that E is finite. */
 pdyn_status objective_local(struct objective *objective, const double *x, double *energy,
                             double *gradient);
 
@@ -82,6 +84,12 @@ pdyn_status objective_linearise(struct objective *objective, double eps);
 
 /* A counter of changes of rows' selectors. */
 unsigned objective_revision(const struct objective *objective);
+
+/* u where there are no rigid bodies, otherwise a copy in which these move as a whole: valid until
+ * the next call. */
+const double *objective_extended(const struct objective *objective, const double *u);
+/* Replaces the forces y on rigid bodies by forces on their points. */
+void objective_pull(const struct objective *objective, double *y);
 
 /* y = H u */
 void objective_apply(struct objective *objective, const double *u, double *y);
@@ -93,7 +101,7 @@ void objective_rest_diagonal(struct objective *objective, pdyn_part part, double
 /* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
  * direction after the other. It is quadratic in pieces: one-sided constraints change sides. */
 
-/* Sets the direction u of the functions below. */
+/* Sets the direction u of the functions below, in which rigid bodies move as a whole. */
 void objective_set_direction(struct objective *objective, const double *u);
 
 /* The number of constraints that change sides between d and d + u. */

@@ -1,5 +1,7 @@
 #include "solver_view.h"
 
+#include <string.h>
+
 static struct objective *objective_of(pdyn_model *model) {
     return ((struct solver_view *)model)->objective;
 }
@@ -40,6 +42,10 @@ static void rest_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
     objective_rest_diagonal(objective_of(model), part, blocks);
 }
 
+static void solve_bodies(pdyn_model *model, const double *r, double *z) {
+    rigid_map_solve(objective_of(model)->rigid, r, z);
+}
+
 static double dot(pdyn_model *model, const double *a, const double *b) {
     return objective_dot(objective_of(model), a, b);
 }
@@ -60,6 +66,10 @@ static pdyn_matrix matrix_view(const struct matrix *m) {
 
 static pdyn_status matrix(pdyn_model *model, pdyn_matrix *out) {
     struct solver_view *view = (struct solver_view *)model;
+    if (model->solve_bodies)
+        return context_fail(view->objective->context, PDYN_SOLVER_FAILED,
+                            "the matrix of a scene with rigid bodies is not assembled; use solver "
+                            "\"cg\"");
     struct hessian_matrix *h = &view->hessian;
     bool pattern = false, values = false;
     pdyn_status status = h->context ? PDYN_OK : hessian_matrix_create(h, view->objective);
@@ -108,11 +118,13 @@ static pdyn_one_sided one_sided(pdyn_model *model, int k, const pdyn_body **body
 }
 
 static void rate(pdyn_model *model, int k, const bool *which, const double *u, double *out) {
-    batch_rate(batch_at(model, is_matrix_free, k), which, u, out);
+    batch_rate(batch_at(model, is_matrix_free, k), which, objective_extended(objective_of(model), u),
+               out);
 }
 
 static void force(pdyn_model *model, int k, const double *multiplier, double *out) {
     batch_force(batch_at(model, is_matrix_free, k), multiplier, out);
+    objective_pull(objective_of(model), out);
 }
 
 /* ---- the view -------------------------------------------------------------------------------- */
@@ -128,6 +140,10 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
     view->in_rows = NEW_ARRAY(o->context, o->particles, bool);
     if (o->particles && !view->in_rows) return PDYN_NO_MEMORY;
     for (int b = 0; b < o->batches; b++) batch_mark_held(o->batch[b], view->in_rows);
+    for (int k = 0; o->rigid && k < o->rigid->bodies; k++) {
+        const struct rigid_body *body = &o->rigid->body[k];
+        memset(view->in_rows + body->first, true, (size_t)(body->vertices + RIGID_POINTS));
+    }
     view->model = (pdyn_model){.services = services,
                                .particles = o->particles,
                                .mass = o->mass,
@@ -139,6 +155,7 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .dynamic_count = count_batches(o, comes_and_goes),
                                .product = product,
                                .diagonal = diagonal,
+                               .solve_bodies = o->rigid ? solve_bodies : NULL,
                                .dot = dot,
                                .norm = norm,
                                .matrix = matrix,

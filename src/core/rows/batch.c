@@ -437,7 +437,9 @@ static void find_acceleration(struct batch *b, const struct velocity_change *cha
         one_sided_forces(&b->one_sided, begin_output(b, a));
         end_output(b, a);
     } else batch_scatter(b, a);
+    if (change->rigid) rigid_map_pull(change->rigid, a);
     for (int k = 0; k < n; k++) a[k] /= change->mass[k / 3];
+    if (change->rigid) rigid_map_extend(change->rigid, a);
 }
 
 /* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is

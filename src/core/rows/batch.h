@@ -9,6 +9,7 @@
 #include "linear_rows.h"
 #include "one_sided.h"
 #include "projdyn/module.h"
+#include "rigid_map.h"
 #include "row_memory.h"
 #include "sph/neighbours.h"
 
@@ -123,6 +124,7 @@ struct velocity_change {  /* by a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
     int particles;
     const double *mass; /* particles, kg */
+    const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
     double *scratch; /* particles x 3 */
 };

@@ -12,6 +12,7 @@
 
 struct json_file;
 
+enum { RIGID_POINTS = 4 };        /* particles that carry a rigid body */
 enum { MAX_PARTICLES = 1 << 27 }; /* of a scene */
 #define SCENE_MAX_POSITION 1e6    /* m, largest coordinate of an object that a scene places */
 
@@ -59,7 +60,13 @@ struct scene_body {
     double rest_density;              /* kg/m^3 */
     double area_density;              /* kg/m^2, of a surface */
     double fluid_friction;            /* Pa s/m, friction of a surface or a volume with the fluid */
-    double density;                   /* kg/m^3, of a volume */
+    double density;                   /* kg/m^3, of a volume or a rigid body */
+    bool is_rigid;                    /* a rigid body, whose surface is `mesh`: */
+    double mass;                      /* kg */
+    double point[RIGID_POINTS][3];    /* m: four points of a fourth of the mass each that have its
+                                         centre and inertia tensor (rows/rigid_map.h) */
+    double centre[3];                 /* m, of its mass */
+    double angular_velocity[3];       /* rad/s, at the start */
     int inlets;                       /* inlets of a body of particles */
     struct scene_inlet *inlet;
     int budget;         /* number of particles that the inlets may add to the initial ones */

@@ -5,6 +5,7 @@
 #include "inlet.h"
 #include "params.h"
 #include "reader.h"
+#include "scene_rigid.h"
 #include "transform.h"
 
 #include <math.h>
@@ -260,15 +261,16 @@ typedef pdyn_status read_kind_fn(struct reader *r, const struct json_at *at);
 
 pdyn_status scene_read_body(struct reader *r, const struct json_at *at, int index) {
     static const char *const others[] = {"name",   "particles",   "surface",
-                                         "volume", "constraints", NULL};
-    static const char *const kinds[] = {"particles", "surface", "volume"};
-    static read_kind_fn *const readers[] = {read_particles, read_surface, read_volume};
+                                         "volume", "rigid", "constraints", NULL};
+    static const char *const kinds[] = {"particles", "surface", "volume", "rigid"};
+    static read_kind_fn *const readers[] = {read_particles, read_surface, read_volume,
+                                            scene_read_rigid};
     int kind;
     struct scene_body *body = r->body = &r->scene->body[index];
     struct json_at constraints = json_member(at, "constraints");
     pdyn_status status = params_check_keys(at, body_params, others);
     if (status == PDYN_OK) status = reader_name(r, at, "body", index, &body->name);
-    if (status == PDYN_OK) status = reader_one_of(at, kinds, 3, &kind);
+    if (status == PDYN_OK) status = reader_one_of(at, kinds, 4, &kind);
     if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
     if (status != PDYN_OK) return status;
     struct json_at body_at = json_member(at, kinds[kind]);

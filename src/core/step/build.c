@@ -6,6 +6,7 @@
 #include "live_particles.h"
 #include "objective/residual.h"
 #include "probes.h"
+#include "rigid_bodies.h"
 #include "scene/scene_file.h"
 #include "sim.h"
 #include "solid_points.h"
@@ -62,6 +63,8 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct point_list *all) {
             status = point_list_add(c, all, (const double[3]){0});
         if (status != PDYN_OK) return status;
         body->count = all->count - body->first;
+        if (from->is_rigid) status = point_list_append(c, all, *from->point, RIGID_POINTS);
+        if (status != PDYN_OK) return status;
     }
     return PDYN_OK;
 }
@@ -128,6 +131,11 @@ static pdyn_status describe_surface(struct pdyn_sim *sim, int b) {
     return PDYN_OK;
 }
 
+/* The points of a rigid body follow its vertices. */
+static int particles_of(const struct pdyn_sim *sim, int b) {
+    return sim->body[b].count + (sim->scene.body[b].is_rigid ? RIGID_POINTS : 0);
+}
+
 static pdyn_status list_bodies(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     sys->body = NEW_ARRAY(sim->context, sim->bodies, struct objective_body);
@@ -136,7 +144,7 @@ static pdyn_status list_bodies(struct pdyn_sim *sim) {
     for (int b = 0; b < sys->bodies; b++)
         sys->body[b] = (struct objective_body){.of = &sim->body[b],
                                                .first = sim->body[b].first,
-                                               .count = sim->body[b].count,
+                                               .count = particles_of(sim, b),
                                                .weight = 1.0};
     return PDYN_OK;
 }
@@ -379,6 +387,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     point_list_free(sim->context, &all);
     if (status == PDYN_OK) status = list_bodies(sim);
     if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) status = rigid_bodies_create(sim);
     if (status == PDYN_OK) find_others(sim);
     if (status == PDYN_OK) status = live_particles_create(sim);
     if (status == PDYN_OK) forget_start(sim);
@@ -425,6 +434,7 @@ static void free_system(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
     contact_free(sys->contact);
+    rigid_map_free(sys->rigid);
     wet_sides_free(sys->wet_sides);
     residual_free(sys);
     FREE_ARRAY(c, sys->batch, sys->capacity);

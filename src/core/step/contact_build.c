@@ -37,6 +37,7 @@ static void count_parts(struct contact *c, const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->triangles) c->vertices += body->count;
+        c->rigids += sim->scene.body[b].is_rigid;
         c->free += body->count, c->free_faces += body->triangles, c->free_edges += body->edges;
         if (body->first < low) low = body->first;
         if (body->first + body->count > high) high = body->first + body->count;
@@ -56,6 +57,8 @@ static bool allocate(struct contact *c) {
     size_t n = (size_t)c->points, solids = n - (size_t)c->free;
     c->owner = NEW_ARRAY(x, c->groups, const char *);
     c->near = NEW_ARRAY(x, c->groups, double);
+    c->is_rigid = NEW_ARRAY(x, c->groups, bool);
+    c->rigid = NEW_ARRAY(x, c->rigids, struct contact_rigid);
     c->group = NEW_ARRAY(x, n, int);
     c->column = NEW_ARRAY(x, c->free, int);
     c->face = NEW_ARRAY(x, 3 * (size_t)c->faces, int);
@@ -63,7 +66,7 @@ static bool allocate(struct contact *c) {
     c->solid = NEW_ARRAY(x, c->groups - c->bodies, struct contact_solid);
     double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->step};
     double **numbers[] = {&c->moved, &c->reach, &c->length, &c->taken, &c->cut};
-    bool good = c->owner && c->near && c->group && c->column && c->face && c->edge;
+    bool good = c->owner && c->near && c->is_rigid && (c->rigid || !c->rigids) && c->group && c->column && c->face && c->edge;
     for (int k = 0; k < 5; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
     for (int k = 0; k < 5; k++) good &= (*numbers[k] = NEW_ARRAY(x, n, double)) != NULL;
     if (solids) good &= c->solid && (c->begin = NEW_ARRAY(x, 3 * solids, double));
@@ -84,6 +87,7 @@ static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int p
     const pdyn_body *body = &sim->body[b];
     c->owner[b] = body->name;
     c->near[b] = c->set->thickness;
+    c->is_rigid[b] = sim->scene.body[b].is_rigid;
     if (!body->triangles) c->near[b] = fmin(c->near[b], particle_thickness * body->radius);
     for (int i = 0; i < body->count; i++) {
         c->column[points + i] = body->first + i;
@@ -93,11 +97,13 @@ static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int p
 }
 
 static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
-    int points = 0, particles = c->vertices, faces = 0, edges = 0;
+    int points = 0, particles = c->vertices, faces = 0, edges = 0, rigids = 0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         int *first = body->triangles ? &points : &particles;
         add_body(c, sim, b, *first);
+        if (c->is_rigid[b])
+            c->rigid[rigids++] = (struct contact_rigid){points, body->count, body->first + body->count};
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
@@ -234,6 +240,8 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->edge_box, c->edges_room);
     FREE_ARRAY(x, c->owner, c->groups);
     FREE_ARRAY(x, c->near, c->groups);
+    FREE_ARRAY(x, c->is_rigid, c->groups);
+    FREE_ARRAY(x, c->rigid, c->rigids);
     FREE_ARRAY(x, c->group, n);
     FREE_ARRAY(x, c->column, c->free);
     FREE_ARRAY(x, c->face, 3 * (size_t)c->faces);
@@ -275,7 +283,7 @@ static void try_face(void *user, int id) {
     bool same = c->group[e[0]] == c->group[f[0]];
     for (int k = 0; k < 6; k++)
         if (e[k / 3] == f[k % 3]) return;
-    if (s->face >= 0 || (same && !c->set->self)) return;
+    if (s->face >= 0 || (same && !contact_has_self(c, e[0]))) return;
     const double *x = c->at;
     if (passes(x + 3 * e[0], x + 3 * e[1], x + 3 * f[0], x + 3 * f[1], x + 3 * f[2]))
         s->face = s->base + id;

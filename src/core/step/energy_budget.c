@@ -186,7 +186,8 @@ static const char *fastest_body(const struct pdyn_sim *sim) {
     const char *name = "";
     for (int b = 0; b < sim->bodies; b++) {
         double sum = 0.0;
-        for (int i = sim->body[b].first; i < sim->body[b].first + sim->body[b].count; i++) {
+        const struct objective_body *body = &sim->objective.body[b];
+        for (int i = body->first; i < body->first + body->count; i++) {
             double moved = vec3_distance(sim->x_next + 3 * (size_t)i, sim->x + 3 * (size_t)i);
             sum += sim->objective.mass[i] * moved * moved;
         }

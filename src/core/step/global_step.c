@@ -59,6 +59,7 @@ static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, co
     memcpy(at->Hd, at->b, objective_bytes(&sim->objective));
     memset(at->d, 0, objective_bytes(&sim->objective));
     pdyn_status status = sim->solver->solve(sim->solver_state, at->Hd, at->d, stop, &done);
+    if (sim->objective.rigid) rigid_map_extend(sim->objective.rigid, at->d);
     *iterations += done;
     return status;
 }
@@ -102,6 +103,7 @@ pdyn_status global_step(struct pdyn_sim *sim, double eps, bool first_of_step, in
     else
         status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &stop,
                                     &iterations);
+    if (sim->objective.rigid) rigid_map_extend(sim->objective.rigid, sim->direction);
     *linear += iterations;
     return status;
 }

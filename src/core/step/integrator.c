@@ -2,6 +2,7 @@
 #include "integrator.h"
 
 #include "live_particles.h"
+#include "rigid_bodies.h"
 #include "scene/choices.h"
 #include "sim.h"
 
@@ -78,7 +79,12 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
 int integrator_impacts(struct pdyn_sim *sim, double h) {
     struct objective *sys = &sim->objective;
     double H = sys->h, *force = sim->trial_gradient, *slowed = sim->trial;
-    struct velocity_change change = {slowed, sys->particles, sys->mass, H, sim->direction};
+    struct velocity_change change = {.slowed = slowed,
+                                     .particles = sys->particles,
+                                     .mass = sys->rigid ? sys->rigid->mass : sys->mass,
+                                     .rigid = sys->rigid,
+                                     .h = H,
+                                     .scratch = sim->direction};
     int count = 0;
     if (!sim->v_before) return 0;
     memset(force, 0, objective_bytes(sys));
@@ -86,6 +92,7 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     objective_axpy(sys, -1.0, sim->v, slowed);
     for (int b = 0; b < sys->batches; b++) count += batch_impacts(sys->batch[b], &change, force);
     double excess[2][3];
+    objective_pull(sys, force);
     for (int k = 0; k < 3 * sys->particles; k++) force[k] = -H * force[k] / sys->mass[k / 3];
     shift_velocities(sim, h, force, excess);
     for (int k = 0; !sim->anchored && k < 3 * sys->particles; k++) {
@@ -93,6 +100,8 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
         sim->v[k] -= excess[0][k % 3];
         sim->v_before[k] -= excess[1][k % 3];
     }
+    rigid_bodies_project(sim, sim->x_next, sim->v);
+    rigid_bodies_project(sim, sim->x, sim->v_before);
     return count;
 }
 

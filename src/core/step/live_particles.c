@@ -21,6 +21,8 @@ static void init_vacant(struct pdyn_sim *sim, int b) {
     int filled = from->is_surface ? body->count : from->start.count;
     p->vacant[b] = body->count - filled;
     for (int k = 0; k < filled; k++) p->live[body->first + k] = true;
+    for (int k = 0; from->is_rigid && k < RIGID_POINTS; k++)
+        p->live[body->first + body->count + k] = true;
     for (int k = 0; k < p->vacant[b]; k++)
         p->slot[body->first + k] = body->first + body->count - 1 - k;
 }

@@ -31,10 +31,27 @@ static void accept_trial(struct pdyn_sim *sim) {
     memcpy(sim->gradient, sim->trial_gradient, objective_bytes(&sim->objective));
 }
 
+/* The same for rigid bodies, which move by the same part of the displacements of all particles. */
+static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
+    const struct rigid_map *map = sim->objective.rigid;
+    double all = 1.0;
+    for (int k = 0; map && k < map->bodies; k++) {
+        const struct rigid_body *body = &map->body[k];
+        int end = body->first + body->vertices + RIGID_POINTS;
+        double least = 1.0;
+        for (int i = body->first; i < end; i++)
+            if (vec3_length(moves + 3 * (size_t)i) > sim->way[i])
+                least = fmin(least, sim->way[i] / vec3_length(moves + 3 * (size_t)i));
+        for (int j = 3 * body->first; least < 1.0 && j < 3 * end; j++) moves[j] *= least;
+        all = fmin(all, least);
+    }
+    return all;
+}
+
 /* Limits displacements (particles x 3) to sim->way, so that no particle passes a surface. Returns
  * the smallest part of a displacement that is left. */
 static double limit_displacements(const struct pdyn_sim *sim, double *moves) {
-    double least = 1.0;
+    double least = sim->way ? limit_bodies(sim, moves) : 1.0;
     for (int i = 0; sim->way && i < sim->objective.particles; i++) {
         double *own = moves + 3 * (size_t)i, length = vec3_length(own);
         if (!(length > sim->way[i])) continue;
@@ -45,11 +62,24 @@ static double limit_displacements(const struct pdyn_sim *sim, double *moves) {
     return least;
 }
 
+/* Makes the shapes of rigid bodies rigid at x. */
+static void retract(const struct pdyn_sim *sim, double *x) {
+    if (sim->objective.rigid) rigid_map_retract(sim->objective.rigid, x);
+}
+
 static pdyn_status update_way(struct pdyn_sim *sim, const double *x) {
     return sim->way ? objective_limit(&sim->objective, x, sim->way) : PDYN_OK;
 }
 
 /* ---- one iteration ----------------------------------------------------------------------- */
+
+/* Displacements of rigid bodies from x_next become those to rigid positions. */
+static void rigid_moves(struct pdyn_sim *sim, double *moves) {
+    if (!sim->objective.rigid) return;
+    objective_axpy(&sim->objective, 1.0, sim->x_next, moves);
+    retract(sim, moves);
+    objective_axpy(&sim->objective, -1.0, sim->x_next, moves);
+}
 
 /* sim->trial = x_next + part x direction, every point stopped where its way ends. *least: the
  * smallest part that a point has gone so far. *slope, of E along the direction, becomes the slope
@@ -58,6 +88,7 @@ static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, d
     struct objective *sys = &sim->objective;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 * sys->particles; k++) sim->trial[k] = part * sim->direction[k];
+    rigid_moves(sim, sim->trial);
     bool blocked = part > *least;
     double taken = blocked ? limit_displacements(sim, sim->trial) : 1.0;
     if (blocked && sys->contact) {
@@ -67,6 +98,7 @@ static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, d
     if (blocked) *least = part * taken;
     *slope = part > *least ? objective_dot(sys, sim->gradient, sim->trial) : part * *slope;
     objective_axpy(sys, 1.0, sim->x_next, sim->trial);
+    retract(sim, sim->trial);
     return status;
 }
 
@@ -197,6 +229,7 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
                             double *gradient) {
     struct contact *contact = sim->objective.contact;
     *least = 1.0;
+    retract(sim, x);
     if (sim->way) {
         objective_axpy(&sim->objective, -1.0, sim->x, x);
         *least = limit_displacements(sim, x);
@@ -204,6 +237,7 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     }
     pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
     if (contact) *least = fmin(*least, contact_least(contact));
+    retract(sim, x);
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 

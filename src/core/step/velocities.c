@@ -3,6 +3,7 @@
 
 #include "applied_force.h"
 #include "live_particles.h"
+#include "rigid_bodies.h"
 
 #include "projdyn/vec3.h"
 
@@ -82,6 +83,7 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
 static void update_unsolved(struct pdyn_sim *sim, double h) {
     compute_velocities(sim, sim->x, h);
     remove_energy_gain(sim, h);
+    rigid_bodies_project(sim, sim->x_next, sim->v);
     sim->history = 0.0;
     sim->impacts = 0;
 }
@@ -97,6 +99,7 @@ void velocities_update(struct pdyn_sim *sim, double h) {
         return;
     }
     compute_velocities(sim, sim->x_base, sim->objective.h);
+    rigid_bodies_set_velocities(sim);
     sim->impacts = integrator_impacts(sim, h);
 }
 

@@ -61,7 +61,7 @@ static bool is_constrained(const struct scene_body *body) {
 }
 
 static void check_constraints(struct pdyn_sim *sim, int b) {
-    if (is_constrained(&sim->scene.body[b])) return;
+    if (is_constrained(&sim->scene.body[b]) || sim->scene.body[b].is_rigid) return;
     if (sim->body[b].triangles)
         WARN(sim, UNCONSTRAINED, sim->body[b].name, "no constraint holds its vertices together");
     else
@@ -127,7 +127,8 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
 static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const pdyn_body *body = &sim->body[b];
     double ratio = mean_edge(body) / (2.0 * fluid->radius);
-    if (!body->triangles || (ratio >= min_edge && ratio <= max_edge)) return;
+    bool large = ratio > max_edge && !sim->scene.body[b].is_rigid; /* flat faces are sampled */
+    if (!body->triangles || (ratio >= min_edge && !large)) return;
     WARN(sim, EDGE_LENGTH, body->name,
          "its mean edge length is %.3g particle spacings; expected %g to %g", ratio, min_edge,
          max_edge);

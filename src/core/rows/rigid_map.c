@@ -1,0 +1,354 @@
+#include "rigid_map.h"
+
+#include "projdyn/svd3.h"
+
+#include <string.h>
+
+static int particles_of(const struct rigid_body *b) { return b->vertices + RIGID_POINTS; }
+static int first_point(const struct rigid_body *b) { return b->first + b->vertices; }
+
+/* Adds |r|^2 I - r r'. */
+static void add_inertia(double I[9], double mass, const double *r) {
+    for (int k = 0; k < 9; k++)
+        I[k] += mass * ((k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3]);
+}
+
+/* Cofactors over the determinant of a symmetric matrix. */
+static void invert(const double I[9], double inverse[9]) {
+    for (int k = 0; k < 3; k++)
+        vec3_cross(inverse + 3 * k, I + 3 * ((k + 1) % 3), I + 3 * ((k + 2) % 3));
+    double determinant = vec3_dot(I, inverse);
+    for (int k = 0; k < 9; k++) inverse[k] /= determinant;
+}
+
+/* ---- one body -------------------------------------------------------------------------------- */
+
+void rigid_body_centre(const struct rigid_body *b, const double *x, double c[3]) {
+    c[0] = c[1] = c[2] = 0.0;
+    for (int a = 0; a < RIGID_POINTS; a++)
+        vec3_add(c, 1.0 / RIGID_POINTS, x + 3 * (size_t)(first_point(b) + a));
+}
+
+void rigid_body_matrix(const struct rigid_body *b, const double *x, double A[9]) {
+    double c[3], r[3];
+    rigid_body_centre(b, x, c);
+    memset(A, 0, 9 * sizeof *A);
+    for (int a = 0; a < RIGID_POINTS; a++) {
+        vec3_subtract(r, x + 3 * (size_t)(first_point(b) + a), c);
+        for (int k = 0; k < 9; k++) A[k] += r[k / 3] * b->frame[a][k % 3];
+    }
+}
+
+void rigid_body_place(const struct rigid_body *b, const double c[3], const double R[9], double *x) {
+    for (int i = 0; i < particles_of(b); i++) {
+        double r[3], *to = x + 3 * (size_t)(b->first + i);
+        vec3_subtract(r, b->rest + 3 * (size_t)i, b->centre);
+        vec3_multiply(to, R, r);
+        vec3_add(to, 1.0, c);
+    }
+}
+
+void rigid_body_moment(const struct rigid_body *b, int begin, const double *x, const double c[3],
+                       const double *y, double force[3], double moment[3]) {
+    memset(force, 0, 3 * sizeof *force), memset(moment, 0, 3 * sizeof *moment);
+    for (int i = begin; i < b->first + particles_of(b); i++) {
+        double r[3], turn[3];
+        vec3_subtract(r, x + 3 * (size_t)i, c);
+        vec3_cross(turn, r, y + 3 * (size_t)i);
+        vec3_add(force, 1.0, y + 3 * (size_t)i), vec3_add(moment, 1.0, turn);
+    }
+}
+
+void rigid_body_inertia(const struct rigid_body *b, const double *x, const double c[3],
+                        double I[9]) {
+    memset(I, 0, 9 * sizeof *I);
+    for (int a = 0; a < RIGID_POINTS; a++) {
+        double r[3];
+        vec3_subtract(r, x + 3 * (size_t)(first_point(b) + a), c);
+        add_inertia(I, b->mass / RIGID_POINTS, r);
+    }
+}
+
+/* ---- positions ------------------------------------------------------------------------------- */
+
+/* Largest entry of A'A - I up to which positions are rigid: rounding errors. */
+static const double rigid_enough = 1e-12;
+
+/* Svd3.h has matrices column by column: A = sum s_i left_i right_i' for F = A', R accordingly. */
+static void closest_rotation(const double A[9], double R[9]) {
+    const double ones[3] = {1.0, 1.0, 1.0};
+    double columns[9], rotation[9];
+    for (int k = 0; k < 9; k++) columns[k] = A[3 * (k % 3) + k / 3];
+    const svd3 d = svd3_of(columns);
+    svd3_compose(&d, ones, rotation);
+    for (int k = 0; k < 9; k++) R[k] = rotation[3 * (k % 3) + k / 3];
+}
+
+static bool is_rotation(const double A[9]) {
+    double worst = 0.0;
+    for (int k = 0; k < 9; k++) {
+        const double *p = A + k / 3, *q = A + k % 3;
+        double dot = p[0] * q[0] + p[3] * q[3] + p[6] * q[6];
+        worst = fmax(worst, fabs(dot - (k % 4 == 0)));
+    }
+    return worst <= rigid_enough;
+}
+
+struct call {
+    const struct rigid_map *map;
+    const double *in;
+    double *out;
+};
+
+static void for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
+                       double *out) {
+    struct call call = {map, in, out};
+    pool_for(map->context->pool, map->bodies, RIGID_GRAIN, fn, &call);
+}
+
+static void retract(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        const struct rigid_body *b = &c->map->body[k];
+        double A[9], R[9], centre[3];
+        rigid_body_matrix(b, c->out, A);
+        if (is_rotation(A)) continue;
+        closest_rotation(A, R);
+        rigid_body_centre(b, c->out, centre);
+        rigid_body_place(b, centre, R, c->out);
+    }
+}
+
+void rigid_map_retract(const struct rigid_map *map, double *x) { for_bodies(map, retract, NULL, x); }
+
+static void update(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        struct rigid_body *b = &c->map->body[k];
+        double centre[3], I[9];
+        rigid_body_centre(b, c->in, centre);
+        for (int i = 0; i < particles_of(b); i++)
+            vec3_subtract(b->arm + 3 * (size_t)i, c->in + 3 * (size_t)(b->first + i), centre);
+        rigid_body_inertia(b, c->in, centre, I);
+        invert(I, b->inverse);
+        for (int m = 0; m < 9; m++) b->inverse[m] *= b->mass / RIGID_POINTS;
+    }
+}
+
+void rigid_map_update(struct rigid_map *map, const double *x) { for_bodies(map, update, x, NULL); }
+
+/* ---- displacements and forces ---------------------------------------------------------------- */
+
+/* Sum and moment of f over the body's particles from number `begin` of the body on. */
+static void sum_forces(const struct rigid_body *b, int begin, const double *f, double sum[6]) {
+    memset(sum, 0, 6 * sizeof *sum);
+    for (int i = begin; i < particles_of(b); i++) {
+        double turn[3];
+        const double *own = f + 3 * (size_t)(b->first + i);
+        vec3_cross(turn, b->arm + 3 * (size_t)i, own);
+        for (int a = 0; a < 3; a++) sum[a] += own[a], sum[3 + a] += turn[a];
+    }
+}
+
+/* u_i = t + w x r_i for the body's particles from number `begin` on */
+static void move(const struct rigid_body *b, int begin, const double t[3], const double w[3],
+                 double *u) {
+    for (int i = begin; i < particles_of(b); i++) {
+        double *own = u + 3 * (size_t)(b->first + i);
+        vec3_cross(own, w, b->arm + 3 * (size_t)i);
+        vec3_add(own, 1.0, t);
+    }
+}
+
+/* The mean over the points of sums of them, and the rotation that has these moments. */
+static void mean_motion(const struct rigid_body *b, const double sum[6], double t[3], double w[3]) {
+    for (int a = 0; a < 3; a++) t[a] = sum[a] / RIGID_POINTS;
+    vec3_multiply(w, b->inverse, sum + 3);
+}
+
+static void extend(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        const struct rigid_body *b = &c->map->body[k];
+        double sum[6], t[3], w[3];
+        sum_forces(b, b->vertices, c->out, sum);
+        mean_motion(b, sum, t, w);
+        move(b, 0, t, w, c->out);
+    }
+}
+
+void rigid_map_extend(const struct rigid_map *map, double *u) { for_bodies(map, extend, NULL, u); }
+
+const double *rigid_map_extended(struct rigid_map *map, const double *u) {
+    memcpy(map->input, u, 3 * (size_t)map->particles * sizeof *u);
+    rigid_map_extend(map, map->input);
+    return map->input;
+}
+
+static void pull(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        const struct rigid_body *b = &c->map->body[k];
+        double sum[6], t[3], w[3];
+        sum_forces(b, 0, c->out, sum);
+        mean_motion(b, sum, t, w);
+        memset(c->out + 3 * (size_t)b->first, 0, 3 * (size_t)b->vertices * sizeof(double));
+        move(b, b->vertices, t, w, c->out);
+    }
+}
+
+void rigid_map_pull(const struct rigid_map *map, double *y) { for_bodies(map, pull, NULL, y); }
+
+/* ---- blocks ---------------------------------------------------------------------------------- */
+
+enum { SIZE = 6 }; /* unknowns of a body: t, w */
+
+/* B += G' D G, G = (I, -[r]x) */
+static void add_block(double B[36], const double *r, const double *packed) {
+    static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const double G[3][SIZE] = {{1, 0, 0, 0, r[2], -r[1]},
+                               {0, 1, 0, -r[2], 0, r[0]},
+                               {0, 0, 1, r[1], -r[0], 0}};
+    double DG[3][SIZE];
+    for (int a = 0; a < 3; a++)
+        for (int j = 0; j < SIZE; j++)
+            DG[a][j] = packed[at[a][0]] * G[0][j] + packed[at[a][1]] * G[1][j] +
+                       packed[at[a][2]] * G[2][j];
+    for (int i = 0; i < SIZE; i++)
+        for (int j = 0; j <= i; j++)
+            B[SIZE * i + j] += G[0][i] * DG[0][j] + G[1][i] * DG[1][j] + G[2][i] * DG[2][j];
+}
+
+/* B, the lower triangle row by row, becomes its Cholesky factor L, B = L L'. */
+static void factor(double B[36]) {
+    for (int i = 0; i < SIZE; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = B[SIZE * i + j];
+            for (int k = 0; k < j; k++) sum -= B[SIZE * i + k] * B[SIZE * j + k];
+            B[SIZE * i + j] = i == j ? sqrt(sum) : sum / B[SIZE * j + j];
+        }
+}
+
+static void factor_bodies(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        struct rigid_body *b = &c->map->body[k];
+        memset(b->factor, 0, sizeof b->factor);
+        for (int i = 0; i < particles_of(b); i++)
+            add_block(b->factor, b->arm + 3 * (size_t)i, c->in + 6 * (size_t)(b->first + i));
+        factor(b->factor);
+    }
+}
+
+void rigid_map_factor(struct rigid_map *map, const double *blocks) {
+    for_bodies(map, factor_bodies, blocks, NULL);
+}
+
+void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks) {
+    for (int k = 0; k < map->bodies; k++) {
+        const struct rigid_body *b = &map->body[k];
+        for (int i = b->first; i < first_point(b); i++) {
+            double *own = blocks + 6 * (size_t)i;
+            memset(own, 0, 6 * sizeof *own);
+            own[0] = own[3] = own[5] = inertia * map->mass[i];
+        }
+    }
+}
+
+/* q becomes B^-1 q. */
+static void solve(const double L[36], double q[SIZE]) {
+    for (int i = 0; i < SIZE; i++) {
+        for (int k = 0; k < i; k++) q[i] -= L[SIZE * i + k] * q[k];
+        q[i] /= L[SIZE * i + i];
+    }
+    for (int i = SIZE - 1; i >= 0; i--) {
+        for (int k = i + 1; k < SIZE; k++) q[i] -= L[SIZE * k + i] * q[k];
+        q[i] /= L[SIZE * i + i];
+    }
+}
+
+static void solve_bodies(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        const struct rigid_body *b = &c->map->body[k];
+        double q[SIZE];
+        sum_forces(b, b->vertices, c->in, q);
+        solve(b->factor, q);
+        move(b, 0, q, q + 3, c->out);
+    }
+}
+
+void rigid_map_solve(const struct rigid_map *map, const double *r, double *z) {
+    for_bodies(map, solve_bodies, r, z);
+}
+
+/* ---- creation -------------------------------------------------------------------------------- */
+
+/* The gradients of the affine coordinates: frame_a = M^-1 r_a with M = sum r_a r_a'. */
+static void set_frame(struct rigid_body *b) {
+    double M[9] = {0}, inverse[9], r[RIGID_POINTS][3];
+    for (int a = 0; a < RIGID_POINTS; a++) {
+        vec3_subtract(r[a], b->rest + 3 * (size_t)(b->vertices + a), b->centre);
+        for (int k = 0; k < 9; k++) M[k] += r[a][k / 3] * r[a][k % 3];
+    }
+    invert(M, inverse);
+    for (int a = 0; a < RIGID_POINTS; a++) vec3_multiply(b->frame[a], inverse, r[a]);
+}
+
+/* 1/m + (turns of a unit force at r by I^-1, moved back to r), its mean over three directions. */
+static double mass_at(const struct rigid_body *b, const double *r) {
+    double sum = 3.0 / b->mass;
+    for (int a = 0; a < 3; a++) {
+        double unit[3] = {0}, turn[3], spin[3], moved[3];
+        unit[a] = 1.0;
+        vec3_cross(turn, r, unit);
+        vec3_multiply(spin, b->inverse, turn);
+        vec3_cross(moved, spin, r);
+        sum += RIGID_POINTS / b->mass * moved[a];
+    }
+    return 3.0 / sum;
+}
+
+static bool resize(struct rigid_map *map, enum array_action action) {
+    const struct array_entry table[] = {ARRAY(map->input, 3 * (size_t)map->particles + 1),
+                                        ARRAY(map->mass, map->particles)};
+    bool good = context_arrays(map->context, table, ARRAY_ROWS(table), action);
+    for (int k = 0; k < map->bodies; k++) {
+        struct rigid_body *b = &map->body[k];
+        const struct array_entry own[] = {ARRAY(b->arm, 3 * (size_t)particles_of(b))};
+        good &= context_arrays(map->context, own, ARRAY_ROWS(own), action);
+    }
+    return good;
+}
+
+pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const double *mass) {
+    if (!resize(map, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
+    for (int k = 0; k < map->bodies; k++) {
+        struct rigid_body *b = &map->body[k];
+        b->rest = rest + 3 * (size_t)b->first;
+        rigid_body_centre(b, rest, b->centre);
+        rigid_body_inertia(b, rest, b->centre, b->inertia);
+        set_frame(b);
+    }
+    rigid_map_update(map, rest);
+    memcpy(map->mass, mass, (size_t)map->particles * sizeof *mass);
+    for (int k = 0; k < map->bodies; k++)
+        for (int i = 0; i < map->body[k].vertices; i++)
+            map->mass[map->body[k].first + i] =
+                mass_at(&map->body[k], map->body[k].arm + 3 * (size_t)i);
+    return PDYN_OK;
+}
+
+void rigid_map_free(struct rigid_map *map) {
+    if (!map) return;
+    pdyn_context *c = map->context;
+    resize(map, ARRAYS_FREE);
+    FREE_ARRAY(c, map->body, map->bodies);
+    FREE_ARRAY(c, map, 1);
+}

@@ -1,0 +1,86 @@
+/* Rigid bodies in the vectors of the system. Four points of mass m/4 stand for a body of mass m:
+ * they have its mass, centre and inertia tensor (an equimomental system). In the system they follow
+ * the vertices, which they carry and which have no mass. A displacement u of a body is
+ *
+ *     u_i = t + w x r_i,     r_i = x_i - c,     c: centre,     i: vertices and points
+ *
+ * so vertices are no unknowns: rows and samples select them like other particles, u is extended to
+ * them, and forces f on them act on the points with the same sum and the same moment. */
+#ifndef PDYN_RIGID_MAP_H
+#define PDYN_RIGID_MAP_H
+
+#include "base/context.h"
+#include "scene/scene.h"
+
+enum { RIGID_GRAIN = 4 }; /* bodies of a parallel block */
+
+struct rigid_body {
+    int first, vertices; /* particles of the system: the vertices, then the four points */
+    double mass;         /* kg */
+    double centre[3];    /* m: of the rest shape */
+    double inertia[9];   /* kg m^2: of the rest shape about its centre */
+    const double *rest;  /* (vertices + 4) x 3, m */
+    double frame[RIGID_POINTS][3]; /* 1/m: an affine map of the rest shape has the matrix
+                                      sum over points of x_a frame_a' */
+    double *arm;                   /* (vertices + 4) x 3, m: r at the last update */
+    double inverse[9]; /* 1/m^2: of sum over points of |r|^2 I - r r', at the last update */
+    double momentum[3]; /* kg m^2/s: angular momentum of the base of the step (rigid_bodies.h) */
+    double factor[36]; /* Cholesky factor, see rigid_map_factor */
+};
+
+struct rigid_map {
+    pdyn_context *context;
+    int particles; /* of the system */
+    int bodies;
+    struct rigid_body *body; /* bodies */
+    double *input;           /* particles x 3: an extended vector */
+    double *mass;            /* particles, kg: those of the system; of a vertex, the mass that a
+                                force there accelerates, in the mean over its directions */
+};
+
+/* rest: particles x 3, m; mass: particles, kg. Bodies have `first`, `vertices` and `mass`; the
+ * rest of them is computed. */
+pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const double *mass);
+void rigid_map_free(struct rigid_map *map); /* NULL: nothing */
+
+/* Moves every body to the rigid pose with the same centre and the rotation closest to the affine
+ * map of its points. Positions that are rigid already stay. x: particles x 3, m. */
+void rigid_map_retract(const struct rigid_map *map, double *x);
+
+/* The functions below refer to the positions x of the last update. */
+void rigid_map_update(struct rigid_map *map, const double *x);
+
+/* Makes u (particles x 3) rigid, as the points move in the mean. */
+void rigid_map_extend(const struct rigid_map *map, double *u);
+/* The same for a copy of u, which is returned: valid until the next call. */
+const double *rigid_map_extended(struct rigid_map *map, const double *u);
+
+/* Replaces the forces y (particles x 3) on a body by forces on its points. */
+void rigid_map_pull(const struct rigid_map *map, double *y);
+
+/* Factors B, the sum over a body of G_i' D_i G_i, where D are symmetric blocks, packed xx xy xz yy
+ * yz zz, and u_i = G_i (t, w). */
+void rigid_map_factor(struct rigid_map *map, const double *blocks);
+/* The vertices' blocks become I times inertia x mass. */
+void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks);
+/* z of every body becomes G B^-1 G' r. */
+void rigid_map_solve(const struct rigid_map *map, const double *r, double *z);
+
+/* ---- one body -------------------------------------------------------------------------------- */
+
+/* The centre of the points at x, m; x is that of the system. */
+void rigid_body_centre(const struct rigid_body *body, const double *x, double c[3]);
+/* The matrix of the affine map of the rest shape to the points at x, row by row: the rotation where
+ * x is rigid. */
+void rigid_body_matrix(const struct rigid_body *body, const double *x, double A[9]);
+/* Sets x of the body to the pose with centre c and rotation R. */
+void rigid_body_place(const struct rigid_body *body, const double c[3], const double R[9],
+                      double *x);
+/* Sum and moment about c of the forces y on the body's particles from `begin` on, at x. */
+void rigid_body_moment(const struct rigid_body *body, int begin, const double *x, const double c[3],
+                       const double *y, double force[3], double moment[3]);
+/* The inertia tensor of the points at x about their centre c, kg m^2. */
+void rigid_body_inertia(const struct rigid_body *body, const double *x, const double c[3],
+                        double I[9]);
+
+#endif

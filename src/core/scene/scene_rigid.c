@@ -1,0 +1,124 @@
+#include "scene_rigid.h"
+
+#include "file_ref.h"
+#include "fill.h"
+#include "params.h"
+#include "primitive_mesh.h"
+#include "transform.h"
+
+#include "projdyn/svd3.h"
+
+#include <string.h>
+
+/* ---- shape ----------------------------------------------------------------------------------- */
+
+static pdyn_status read_mesh(const struct json_at *at, struct scene_body *body) {
+    return file_ref_mesh(at, &body->mesh, &body->obj);
+}
+
+static pdyn_status read_box(const struct json_at *at, struct scene_body *body) {
+    struct scene_box box;
+    pdyn_status status = params_box(at, &box);
+    return status == PDYN_OK ? primitive_box(at->file->context, &box, 0, &body->mesh) : status;
+}
+
+static pdyn_status read_sphere(const struct json_at *at, struct scene_body *body) {
+    double middle[3];
+    return primitive_read_sphere(at, &body->mesh, middle);
+}
+
+static pdyn_status read_capsule(const struct json_at *at, struct scene_body *body) {
+    double middle[3];
+    return primitive_read_capsule(at, &body->mesh, middle);
+}
+
+enum { SHAPES = 4 };
+static const char *const shapes[SHAPES] = {"mesh", "box", "sphere", "capsule"};
+static pdyn_status (*const shape_readers[SHAPES])(const struct json_at *at,
+                                                  struct scene_body *body) = {
+    read_mesh, read_box, read_sphere, read_capsule};
+
+static pdyn_status check_mesh(pdyn_context *context, const struct mesh *mesh) {
+    pdyn_status status = mesh_check(context, mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_cloth(context, mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_closed(context, mesh, "as placed");
+    return status == PDYN_OK ? mesh_check_oriented(context, mesh, "as placed") : status;
+}
+
+static pdyn_status read_shape(struct reader *r, const struct json_at *at) {
+    struct mesh *mesh = &r->body->mesh;
+    struct transform transform;
+    int shape;
+    pdyn_status status = reader_one_of(at, shapes, SHAPES, &shape);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status != PDYN_OK) return status;
+    struct json_at shape_at = json_member(at, shapes[shape]);
+    status = shape_readers[shape](&shape_at, r->body);
+    if (status == PDYN_OK)
+        status = fill_count(&shape_at, mesh->vertices + (double)RIGID_POINTS, &r->particles);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, mesh->vertex, mesh->vertices);
+    return json_wrap(&shape_at, check_mesh(r->context, mesh));
+}
+
+/* ---- mass ------------------------------------------------------------------------------------ */
+
+/* Four points of mass m/4 have the second moments m Q diag(d^2) Q' at c + Q diag(d) t, where t are
+ * alternate corners of the cube of edge 2. */
+static void place_points(struct scene_body *body, const double second[9]) {
+    static const double corner[RIGID_POINTS][3] = {
+        {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
+    const svd3 axes = svd3_of(second);
+    for (int a = 0; a < RIGID_POINTS; a++) {
+        memcpy(body->point[a], body->centre, sizeof body->centre);
+        for (int k = 0; k < 3; k++)
+            vec3_add(body->point[a], corner[a][k] * sqrt(axes.s[k]), axes.right[k]);
+    }
+}
+
+/* Smallest extent of a body over its largest: its inertia tensor is known to six digits then. */
+static const double flattest = 1e-5;
+
+static pdyn_status weigh(const struct json_at *at, struct scene_body *body) {
+    double second[9], volume = mesh_moments(&body->mesh, body->centre, second);
+    if (!(volume > 0.0))
+        return json_fail(at,
+                         "the mesh has a volume of %g m^3, expected more than 0: the corners of "
+                         "triangles are counter-clockwise as seen from outside",
+                         volume);
+    const svd3 axes = svd3_of(second);
+    if (!(axes.s[2] > flattest * flattest * axes.s[0]))
+        return json_fail(at, "the body is too flat: its extent along one axis is less than %g of "
+                             "its length",
+                         flattest);
+    if (body->density > 0.0) body->mass = body->density * volume;
+    body->density = body->mass / volume;
+    place_points(body, second);
+    return PDYN_OK;
+}
+
+/* ---- the body -------------------------------------------------------------------------------- */
+
+/* 0: absent; one of density and mass is given. */
+static const pdyn_param rigid_params[] = {
+    {"density", PDYN_REAL, offsetof(struct scene_body, density), false, 0, 1e-6, 1e6, "kg/m^3", ""},
+    {"mass", PDYN_REAL, offsetof(struct scene_body, mass), false, 0, 1e-12, 1e12, "kg", ""},
+    {"angular_velocity", PDYN_VECTOR, offsetof(struct scene_body, angular_velocity), false, 0, -1e6,
+     1e6, "rad/s", ""},
+    {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
+     "Pa s/m", ""},
+    {0}};
+
+pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"mesh",  "box",    "sphere",    "capsule",
+                                         "scale", "rotate", "translate", NULL};
+    static const char *const masses[] = {"density", "mass"};
+    struct scene_body *body = r->body;
+    int unused;
+    body->is_surface = body->is_rigid = true;
+    pdyn_status status = params_check_keys(at, rigid_params, others);
+    if (status == PDYN_OK) status = params_read(at, rigid_params, NULL, body);
+    if (status == PDYN_OK) status = reader_one_of(at, masses, 2, &unused);
+    if (status == PDYN_OK) status = read_shape(r, at);
+    return status == PDYN_OK ? weigh(at, body) : status;
+}
