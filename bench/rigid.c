@@ -210,7 +210,7 @@ static void stack(double seconds) {
     enum { BOXES = 10 };
     static char bodies[1 << 13];
     size_t used = 0;
-    const double side = 0.1, gap = 0.0015, h = 0.005;
+    const double side = 0.1, gap = 0.00185, h = 0.005;
     for (int k = 0; k < BOXES; k++) {
         double low = gap + k * (side + gap);
         used += (size_t)snprintf(
@@ -219,7 +219,7 @@ static void stack(double seconds) {
             "'density': 1000}}",
             k ? ", " : "", low, low + side);
     }
-    pdyn_sim *sim = load("{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, "
+    pdyn_sim *sim = load("{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, 'solver': {'tolerance': 0.001}, "
                          "'contact': {'thickness': 0.002, 'stiffness': 1e5}, 'solids': [{'plane': "
                          "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], 'bodies': [%s]}",
                          h, bodies);
@@ -228,7 +228,7 @@ static void stack(double seconds) {
     double start[3], x[3], v[3], outer = 0.0, linear = 0.0, ms = 0.0;
     long steps = 0;
     middle_of(sim, BOXES - 1, pdyn_get_state(sim).x, start);
-    for (double next = 0.1; next < 1.01 * seconds; next *= next < 0.9 ? 10.0 : seconds) {
+    for (double next = 0.1; next < seconds + 0.01; next += next < 0.9 ? 0.9 : 1.0) {
         while (pdyn_time(sim) < next - 0.5 * h) {
             pdyn_step_info info = take_step(context, sim);
             outer += info.outer_iterations, linear += info.linear_iterations, steps++;
@@ -248,6 +248,62 @@ static void stack(double seconds) {
     pdyn_free(sim);
 }
 
+/* ---- many bodies in a dam break -------------------------------------------------------------- */
+
+/* 10 x 10 boxes, three particle spacings wide, over the water and beside it. */
+static void write_boxes(char *text, size_t size) {
+    size_t used = 0;
+    for (int k = 0; k < 100; k++) {
+        double x = 0.1 + 0.14 * (k % 10), z = 0.06 + 0.1 * (k / 10 % 5);
+        double low = 0.56 + 0.1 * (k / 50), turn = 7.0 * k;
+        used += (size_t)snprintf(
+            text + used, size - used,
+            ", {'rigid': {'box': {'minimum': [-0.03, -0.03, -0.03], 'maximum': [0.03, 0.03, 0.03]},"
+            " 'rotate': [%g, %g, %g], 'translate': [%g, %g, %g], 'density': %d}}",
+            turn, 2.0 * turn, 3.0 * turn, x, low + 0.03, z, k % 2 ? 500 : 2000);
+    }
+}
+
+struct cost {
+    double ms, outer, linear, unsolved;
+    int particles;
+};
+
+static struct cost cost_of(const char *more, int steps) {
+    pdyn_sim *sim = load(
+        "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.002}, 'solids': "
+        "[{'box': {'minimum': [0, 0, 0], 'maximum': [1.62, 1.2, 0.54]}, 'open': ['+y']}], "
+        "'bodies': [{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
+        "[0, 0, 0], 'maximum': [0.54, 0.54, 0.54]}}]}, 'constraints': [{'type': 'fluid'}]}%s}",
+        more);
+    struct cost cost = {.particles = 0};
+    for (int n = 0; n < steps; n++) {
+        pdyn_step_info info = take_step(context, sim);
+        cost.ms += info.ms_cpu / steps, cost.outer += (double)info.outer_iterations / steps;
+        cost.linear += (double)info.linear_iterations / steps;
+        cost.unsolved += (info.step_residual > 0.1) / (double)steps, cost.particles = info.particles;
+    }
+    pdyn_free(sim);
+    return cost;
+}
+
+static void many(int steps) {
+    static char more[1 << 16] = "";
+    write_boxes(more, sizeof more);
+    strcat(more, "], 'contact': {'thickness': 0.004, 'stiffness': 1e4}");
+    const char *const texts[2] = {"]", more};
+    struct cost cost[2];
+    printf("| bodies | particles | outer, linear iterations | unsolved steps | CPU time of a step, "
+           "ms |\n|---|---|---|---|---|\n");
+    for (int k = 0; k < 2; k++) {
+        cost[k] = cost_of(texts[k], steps);
+        printf("| %d | %d | %.1f, %.0f | %.0f %% | %.1f |\n", 100 * k, cost[k].particles,
+               cost[k].outer, cost[k].linear, 100.0 * cost[k].unsolved, cost[k].ms);
+        fflush(stdout);
+    }
+    printf("\nratio %.2f\n", cost[1].ms / cost[0].ms);
+}
+
 /* ---- main ------------------------------------------------------------------------------------ */
 
 int main(int argc, char **argv) {
@@ -259,7 +315,8 @@ int main(int argc, char **argv) {
     if (!strcmp(command, "flight")) flight(number > 0.0 ? (int)number : 1000);
     else if (!strcmp(command, "incline")) incline();
     else if (!strcmp(command, "stack")) stack(number > 0.0 ? number : 10.0);
-    else die("usage: rigid flight [STEPS] | incline | stack [SECONDS]");
+    else if (!strcmp(command, "many")) many(number > 0.0 ? (int)number : 400);
+    else die("usage: rigid flight [STEPS] | incline | stack [SECONDS] | many [STEPS]");
     pdyn_destroy(context);
     return EXIT_SUCCESS;
 }

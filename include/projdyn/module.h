@@ -123,6 +123,8 @@ typedef struct pdyn_contact {
     double separation[3];  /* m: the shortest vector when the contact was found */
     double distance;       /* m: its length, below the thickness */
     double thickness;      /* m: the distance at which contact begins */
+    double share;          /* of the stiffness, up to 1; less for nearly parallel edges of rigid
+                              bodies, whose vertices touch faces in the same place */
 } pdyn_contact;
 
 /* Constraints with PDYN_EVERY_ITERATION see the contacts of the local step. Other constraints see

@@ -46,8 +46,9 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     (void)par;
     double sum = 0.0;
     for (int e = first; e < last; e++) {
-        double n[3], d = distance(b, e, n), T = b->contacts->contact[e].thickness;
-        sum += 0.5 * b->contacts->stiffness * (T - d) * (T - d) * (T - d) / d;
+        const pdyn_contact *contact = &b->contacts->contact[e];
+        double n[3], d = distance(b, e, n), T = contact->thickness;
+        sum += 0.5 * contact->share * b->contacts->stiffness * (T - d) * (T - d) * (T - d) / d;
     }
     return sum;
 }

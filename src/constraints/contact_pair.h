@@ -3,7 +3,8 @@
  *
  *     b(d) = k (T - d)^3 / (2 d),    -b' = k/2 (T - d)^2 (T + 2 d) / d^2,    b'' = k (T^3/d^3 - 1),
  *
- * with two continuous derivatives at T; k is the stiffness of the scene's contact, N/m. */
+ * with two continuous derivatives at T; k is the stiffness of the scene's contact, N/m, times the
+ * share of the pair. */
 #ifndef PDYN_CONTACT_PAIR_H
 #define PDYN_CONTACT_PAIR_H
 
@@ -21,7 +22,8 @@ static inline void contact_select(const pdyn_batch *b, int e) {
 /* The force -b' at a distance d below the thickness, N. */
 static inline double contact_force(const pdyn_batch *b, const pdyn_contact *contact, double d) {
     double depth = contact->thickness - d;
-    return 0.5 * b->contacts->stiffness * depth * depth * (contact->thickness + 2.0 * d) / (d * d);
+    double stiffness = contact->share * b->contacts->stiffness;
+    return 0.5 * stiffness * depth * depth * (contact->thickness + 2.0 * d) / (d * d);
 }
 
 /* Fills the weights of a range: b'' at the distance at which the contact was found. */
@@ -30,7 +32,7 @@ static inline void contact_weight(const void *par, const pdyn_batch *b, int firs
     for (int e = first; e < last; e++) {
         const pdyn_contact *contact = &b->contacts->contact[e];
         double ratio = contact->thickness / contact->distance;
-        b->weight[e] = b->contacts->stiffness * (ratio * ratio * ratio - 1.0);
+        b->weight[e] = contact->share * b->contacts->stiffness * (ratio * ratio * ratio - 1.0);
     }
 }
 

@@ -24,6 +24,7 @@ struct pair {         /* two primitives that may come into contact */
     int point[4];     /* of the first primitive, then of the second */
     double thickness; /* m: of the scene, or less where the two are closer in the rest shape */
     double distance;  /* m, when the pair was listed */
+    double share;     /* of the stiffness, see pdyn_contact; of when the pair was listed */
 };
 
 struct hit { /* a pair that is closer than its thickness */
