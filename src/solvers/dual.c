@@ -36,15 +36,17 @@ static const double max_room = 0.1;
  * MAX_PER_PARTICLE: a saved state has at most so many multipliers for each particle. */
 enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
 
-/* Beside rows: reduction of the residual of A at the ends of a solve and within it; reduction of
- * the gradient's estimate in a solve, at least; and the largest number of iterations of a solve.
+/* Beside rows: reduction of the residual of A at the ends of a solve and within it; beside cloth
+ * and solids, too, reduction of the gradient's estimate in a solve, at least, and the largest
+ * number of iterations of a solve.
  * The model changes from one outer iteration to the next, and more of these is worth more. */
 static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 0.1;
 enum { MAX_COUPLED = 10 };
 
 struct dual {
     pdyn_model *model;
-    bool coupled; /* there are rows beside the constraints: A is not diagonal */
+    bool coupled; /* there are rows or rigid bodies beside the constraints: A is not diagonal */
+    bool limited; /* solves end early, because A^-1 takes many iterations: cloth or solids */
     struct rest_solve rest;
     double *u, *rhs;       /* particles x 3: displacement by p; right side of a solve with A */
     int products;          /* with A in this solve */
@@ -90,7 +92,7 @@ static void release(void *self) {
 }
 
 static int suits(const pdyn_model *model, const char **reason) {
-    bool alone = model->one_sided_count == 1 && !model->elements_count && !model->dynamic_count;
+    bool alone = !model->elements_count && !model->dynamic_count && !model->solve_bodies;
     *reason = "one matrix-free constraint acts alone: its pressures are the unknowns";
     if (model->one_sided_count != 1) return 0;
     return model->newton && alone ? 40 : 1;
@@ -99,7 +101,8 @@ static int suits(const pdyn_model *model, const char **reason) {
 static pdyn_status create(void *self, pdyn_model *model) {
     struct dual *s = self;
     s->model = model;
-    s->coupled = model->elements_count || model->dynamic_count;
+    s->coupled = model->elements_count || model->dynamic_count || model->solve_bodies;
+    s->limited = s->coupled && !(model->solve_bodies && !model->elements_count);
     if (!s->coupled) return PDYN_OK;
     s->u = NEW(model->services, vector_size(model), double);
     s->rhs = NEW(model->services, vector_size(model), double);
@@ -329,7 +332,7 @@ static void start(struct dual *s, const double *b) {
     for_all(s, s->count, compute_residual, 0.0, NULL, NULL);
     memset(s->q, 0, (size_t)s->count * sizeof *s->q);
     for_all(s, s->count, step_along_direction, 0.0, NULL, NULL);
-    if (s->coupled) s->target = fmin(s->target, max_reduction * sqrt(sum_of(s, 2)));
+    if (s->limited) s->target = fmin(s->target, max_reduction * sqrt(sum_of(s, 2)));
 }
 
 static void iterate(struct dual *s, int max_iterations, int *iterations) {
@@ -358,7 +361,7 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     if (s->coupled) rest_solve_update(&s->rest, stop->first_of_step);
     start(s, b);
     int most =
-        s->coupled && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
+        s->limited && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
     iterate(s, most, iterations);
     for_all(s, s->count, compute_change, 0.0, NULL, NULL);
     if (s->coupled) correct_displacement(s, b, s->p);

@@ -75,7 +75,7 @@ void rigid_body_inertia(const struct rigid_body *b, const double *x, const doubl
 static const double rigid_enough = 1e-12;
 
 /* Svd3.h has matrices column by column: A = sum s_i left_i right_i' for F = A', R accordingly. */
-static void closest_rotation(const double A[9], double R[9]) {
+void rigid_closest_rotation(const double A[9], double R[9]) {
     const double ones[3] = {1.0, 1.0, 1.0};
     double columns[9], rotation[9];
     for (int k = 0; k < 9; k++) columns[k] = A[3 * (k % 3) + k / 3];
@@ -114,7 +114,7 @@ static void retract(void *arg, int first, int last, int block) {
         double A[9], R[9], centre[3];
         rigid_body_matrix(b, c->out, A);
         if (is_rotation(A)) continue;
-        closest_rotation(A, R);
+        rigid_closest_rotation(A, R);
         rigid_body_centre(b, c->out, centre);
         rigid_body_place(b, centre, R, c->out);
     }

@@ -73,6 +73,8 @@ void rigid_body_centre(const struct rigid_body *body, const double *x, double c[
 /* The matrix of the affine map of the rest shape to the points at x, row by row: the rotation where
  * x is rigid. */
 void rigid_body_matrix(const struct rigid_body *body, const double *x, double A[9]);
+/* R: the rotation closest to A, both row by row. */
+void rigid_closest_rotation(const double A[9], double R[9]);
 /* Sets x of the body to the pose with centre c and rotation R. */
 void rigid_body_place(const struct rigid_body *body, const double c[3], const double R[9],
                       double *x);

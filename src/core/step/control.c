@@ -4,6 +4,7 @@
 #include "forces.h"
 #include "live_particles.h"
 #include "parameters.h"
+#include "rigid_bodies.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -133,15 +134,17 @@ static void copy_live(const struct pdyn_sim *sim, int first, int count, const do
             memcpy(to + 3 * (size_t)i, from + 3 * (size_t)(i - first), 3 * sizeof *to);
 }
 
-static pdyn_status replace(struct pdyn_sim *sim, int first, int count, const double *x) {
+static pdyn_status put_back(struct pdyn_sim *sim, const double *x) {
     struct contact *contact = sim->objective.contact;
-    copy_live(sim, first, count, x, sim->x);
+    memcpy(sim->x, x, objective_bytes(&sim->objective));
     return contact ? contact_local(contact, sim->x) : PDYN_OK;
 }
 
 static pdyn_status place(struct pdyn_sim *sim, int first, int count, const double *x) {
     struct contact *contact = sim->objective.contact;
-    pdyn_status status = replace(sim, first, count, x);
+    copy_live(sim, first, count, x, sim->x);
+    rigid_bodies_fit(sim, first, count, sim->x, NULL);
+    pdyn_status status = contact ? contact_local(contact, sim->x) : PDYN_OK;
     return status == PDYN_OK && contact ? contact_check(contact) : status;
 }
 
@@ -149,24 +152,27 @@ pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double
     if (!x) return PDYN_BAD_CALL;
     pdyn_status status =
         begin_vectors(sim, first, count, x, SCENE_MAX_POSITION, "a coordinate", "m");
+    if (status == PDYN_OK) status = rigid_bodies_check(sim, first, count);
     if (status != PDYN_OK) return status;
-    double *before = NEW_VECTOR(sim->context, count);
+    double *before = NEW_VECTOR(sim->context, sim->objective.particles);
     if (!before) return PDYN_NO_MEMORY;
-    memcpy(before, sim->x + 3 * (size_t)first, 3 * (size_t)count * sizeof *before);
+    memcpy(before, sim->x, objective_bytes(&sim->objective));
     status = place(sim, first, count, x);
     if (status == PDYN_OK) {
         forget_last_step(sim);
         crossings_forget(sim, first, count);
-    } else sim->failed |= replace(sim, first, count, before) != PDYN_OK;
-    FREE_VECTOR(sim->context, before, count);
+    } else sim->failed |= put_back(sim, before) != PDYN_OK;
+    FREE_VECTOR(sim->context, before, sim->objective.particles);
     return status;
 }
 
 pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v) {
     if (!v) return PDYN_BAD_CALL;
     pdyn_status status = begin_vectors(sim, first, count, v, STEP_MAX_SPEED, "a velocity", "m/s");
+    if (status == PDYN_OK) status = rigid_bodies_check(sim, first, count);
     if (status != PDYN_OK) return status;
     copy_live(sim, first, count, v, sim->v);
+    rigid_bodies_fit(sim, first, count, sim->x, sim->v);
     forget_last_step(sim);
     return PDYN_OK;
 }

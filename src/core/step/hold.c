@@ -121,6 +121,10 @@ static pdyn_status check_hold(struct pdyn_sim *sim, int particle, double stiffne
     if (!particle_is_live(sim, particle))
         return context_fail(sim->context, PDYN_BAD_INPUT, "particle %d is not in the scene",
                             particle);
+    if (particle >= body_of(sim, particle)->first + body_of(sim, particle)->count)
+        return context_fail(sim->context, PDYN_BAD_INPUT,
+                            "particle %d is a point within a rigid body, expected a vertex",
+                            particle);
     if (!(stiffness >= 0.0 && stiffness <= max_stiffness))
         return context_fail(sim->context, PDYN_BAD_INPUT,
                             "expected a stiffness from 0 to %g N/m, found %g", max_stiffness,

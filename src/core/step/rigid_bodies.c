@@ -170,6 +170,21 @@ static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *b
     rotate(error, R);
 }
 
+/* s of the centre, and the angular momentum by the forces that a program applies, which act at x_n.
+ */
+static void add_applied(const struct pdyn_sim *sim, struct rigid_body *body, double s[3]) {
+    double H = sim->objective.h, c[3], velocity[3], force[3] = {0}, moment[3] = {0};
+    rigid_body_centre(body, sim->x, c);
+    if (sim->control.force)
+        rigid_body_moment(body, body->first, sim->x, c, sim->control.force, force, moment);
+    rigid_body_centre(body, sim->x_base, s);
+    rigid_body_centre(body, sim->v_base, velocity);
+    vec3_add(s, H, velocity);
+    vec3_add(s, H * H, sim->scene.settings.gravity);
+    vec3_add(s, H * H / body->mass, force);
+    vec3_add(body->momentum, H, moment);
+}
+
 struct job {
     struct pdyn_sim *sim;
     double h;
@@ -182,14 +197,14 @@ static void predict_bodies(void *arg, int first, int last, int block) {
     double part = part_of(sim, job->h);
     for (int k = first; k < last; k++) {
         struct rigid_body *body = &sim->objective.rigid->body[k];
-        double c[3], R[9], change[3];
+        double c[3], s[3], R[9], change[3];
         base_momentum(sim, body, part, body->momentum, change);
         base_rotation(sim, body, job->h, part, change, R);
         rigid_body_centre(body, sim->x_base, c);
+        add_applied(sim, body, s);
         rigid_body_place(body, c, R, sim->x_base);
         rotate_free(body, body->momentum, sim->objective.h, R);
-        rigid_body_centre(body, sim->objective.s, c);
-        rigid_body_place(body, c, R, sim->objective.s);
+        rigid_body_place(body, s, R, sim->objective.s);
     }
 }
 
@@ -223,6 +238,86 @@ void rigid_bodies_set_velocities(struct pdyn_sim *sim) {
         rigid_body_centre(body, sim->v, velocity);
         add_impulse(sim, body, L);
         set_velocities(body, sim->x_next, velocity, L, sim->v);
+    }
+}
+
+/* ---- what a program sets --------------------------------------------------------------------- */
+
+/* Mean of the vertices of a body in a vector. */
+static void mean_of(const struct rigid_body *body, const double *x, double mean[3]) {
+    memset(mean, 0, 3 * sizeof *mean);
+    for (int i = 0; i < body->vertices; i++)
+        vec3_add(mean, 1.0 / body->vertices, x + 3 * (size_t)i);
+}
+
+/* The pose whose vertices are closest to x (vertices x 3) in their affine map. */
+static void fit_pose(const struct rigid_body *body, double *x) {
+    double *own = x + 3 * (size_t)body->first, mean[3], rest[3], M[9] = {0}, N[9] = {0}, A[9], R[9];
+    mean_of(body, own, mean), mean_of(body, body->rest, rest);
+    for (int i = 0; i < body->vertices; i++) {
+        double r[3], q[3];
+        vec3_subtract(r, own + 3 * (size_t)i, mean);
+        vec3_subtract(q, body->rest + 3 * (size_t)i, rest);
+        for (int k = 0; k < 9; k++) M[k] += q[k / 3] * q[k % 3], N[k] += r[k / 3] * q[k % 3];
+    }
+    for (int k = 0; k < 3; k++) solve(M, N + 3 * k, A + 3 * k);
+    rigid_closest_rotation(A, R);
+    double arm[3], turned[3];
+    vec3_subtract(arm, body->centre, rest);
+    vec3_multiply(turned, R, arm);
+    vec3_add(turned, 1.0, mean);
+    rigid_body_place(body, turned, R, x);
+}
+
+/* The velocities of a rigid motion closest to those of the vertices. */
+static void fit_velocities(const struct rigid_body *body, const double *x, double *v) {
+    const double *at = x + 3 * (size_t)body->first, *own = v + 3 * (size_t)body->first;
+    double middle[3], mean[3], K[9] = {0}, moment[3] = {0}, w[3];
+    mean_of(body, at, middle), mean_of(body, own, mean);
+    for (int i = 0; i < body->vertices; i++) {
+        double r[3], u[3], turn[3];
+        vec3_subtract(r, at + 3 * (size_t)i, middle);
+        vec3_subtract(u, own + 3 * (size_t)i, mean);
+        vec3_cross(turn, r, u);
+        vec3_add(moment, 1.0, turn);
+        for (int k = 0; k < 9; k++)
+            K[k] += (k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3];
+    }
+    solve(K, moment, w);
+    for (int i = body->first; i < body->first + body->vertices + RIGID_POINTS; i++) {
+        double r[3];
+        vec3_subtract(r, x + 3 * (size_t)i, middle);
+        vec3_cross(v + 3 * (size_t)i, w, r);
+        vec3_add(v + 3 * (size_t)i, 1.0, mean);
+    }
+}
+
+static bool is_touched(const struct rigid_body *body, int first, int count) {
+    return first < body->first + body->vertices + RIGID_POINTS && first + count > body->first;
+}
+
+pdyn_status rigid_bodies_check(const struct pdyn_sim *sim, int first, int count) {
+    const struct rigid_map *map = sim->objective.rigid;
+    for (int k = 0; map && k < map->bodies; k++) {
+        const struct rigid_body *body = &map->body[k];
+        bool whole = first <= body->first && first + count >= body->first + body->vertices;
+        if (is_touched(body, first, count) && !whole)
+            return context_fail(sim->context, PDYN_BAD_INPUT,
+                                "expected all vertices of the rigid body \"%s\", particles %d to "
+                                "%d, or none, found particles %d to %d",
+                                sim->body[objective_body_of(&sim->objective, body->first)].name,
+                                body->first, body->first + body->vertices - 1, first,
+                                first + count - 1);
+    }
+    return PDYN_OK;
+}
+
+void rigid_bodies_fit(const struct pdyn_sim *sim, int first, int count, double *x, double *v) {
+    const struct rigid_map *map = sim->objective.rigid;
+    for (int k = 0; map && k < map->bodies; k++) {
+        if (!is_touched(&map->body[k], first, count)) continue;
+        if (v) fit_velocities(&map->body[k], x, v);
+        else fit_pose(&map->body[k], x);
     }
 }
 

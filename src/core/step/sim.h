@@ -90,7 +90,8 @@ struct pdyn_sim {
 /* Whether the solver in use solves for the pressures of a fluid without other constraints. */
 static inline bool solves_fluid_alone(const struct pdyn_sim *sim) {
     const pdyn_model *model = &sim->model.model;
-    return sim->solver->dual && !model->elements_count && !model->dynamic_count;
+    return sim->solver->dual && !model->elements_count && !model->dynamic_count &&
+           !model->solve_bodies;
 }
 
 /* Whether a constraint of body b works on neighbour lists. */
