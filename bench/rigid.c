@@ -127,8 +127,9 @@ static struct flips flips_of_reference(const double w[3], double end) {
 
 static void flight(int steps) {
     static const double w[3] = {0.02, 10.0, 0.03};
-    printf("| integrator, h | linear momentum | angular momentum | flips | first flip, s | theory | "
-           "last flip, s | theory |\n|---|---|---|---|---|---|---|---|\n");
+    printf(
+        "| integrator, h | linear momentum | angular momentum | flips | first flip, s | theory | "
+        "last flip, s | theory |\n|---|---|---|---|---|---|---|---|\n");
     static const struct {
         const char *integrator;
         double h;
@@ -219,7 +220,8 @@ static void stack(double seconds) {
             "'density': 1000}}",
             k ? ", " : "", low, low + side);
     }
-    pdyn_sim *sim = load("{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, 'solver': {'tolerance': 0.001}, "
+    pdyn_sim *sim = load("{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, "
+                         "'solver': {'tolerance': 0.001}, "
                          "'contact': {'thickness': 0.002, 'stiffness': 1e5}, 'solids': [{'plane': "
                          "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 4}}], 'bodies': [%s]}",
                          h, bodies);
@@ -281,7 +283,8 @@ static struct cost cost_of(const char *more, int steps) {
         pdyn_step_info info = take_step(context, sim);
         cost.ms += info.ms_cpu / steps, cost.outer += (double)info.outer_iterations / steps;
         cost.linear += (double)info.linear_iterations / steps;
-        cost.unsolved += (info.step_residual > 0.1) / (double)steps, cost.particles = info.particles;
+        cost.unsolved += (info.step_residual > 0.1) / (double)steps,
+            cost.particles = info.particles;
     }
     pdyn_free(sim);
     return cost;

@@ -437,10 +437,10 @@ typedef struct pdyn_model {
     void (*product)(struct pdyn_model *model, const double *u, double *y);
     /* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
     void (*diagonal)(struct pdyn_model *model, pdyn_part part, double *blocks);
-    /* A preconditioner of rigid bodies: z of their particles becomes B^-1 r, where B is the part of H
-     * between the particles of one body, as of the last call of `diagonal` for PDYN_WHOLE. NULL in
-     * a scene without rigid bodies. Call it after z = D^-1 r: the blocks D of rigid bodies have no
-     * meaning of their own. */
+    /* A preconditioner of rigid bodies: z of their particles becomes B^-1 r, where B is the part of
+     * H between the particles of one body, as of the last call of `diagonal` for PDYN_WHOLE. NULL
+     * in a scene without rigid bodies. Call it after z = D^-1 r: the blocks D of rigid bodies have
+     * no meaning of their own. */
     void (*solve_bodies)(struct pdyn_model *model, const double *r, double *z);
     /* a . b, the same bits for any number of threads. */
     double (*dot)(struct pdyn_model *model, const double *a, const double *b);

@@ -24,8 +24,9 @@ double mesh_moments(const struct mesh *mesh, double centre[3], double second[9])
         vec3_add(centre, 0.25 * V, sum);
         for (int k = 0; k < 9; k++) {
             int i = k / 3, j = k % 3;
-            second[k] += V / 20.0 * (sum[i] * sum[j] + r[0][i] * r[0][j] + r[1][i] * r[1][j] +
-                                     r[2][i] * r[2][j]);
+            second[k] +=
+                V / 20.0 *
+                (sum[i] * sum[j] + r[0][i] * r[0][j] + r[1][i] * r[1][j] + r[2][i] * r[2][j]);
         }
     }
     for (int a = 0; a < 3; a++) centre[a] /= volume;

@@ -75,7 +75,8 @@ pdyn_status objective_build_lists(struct objective *objective, const double *x);
 /* Gives new neighbour lists to every batch. */
 pdyn_status objective_share_lists(struct objective *objective);
 
-/* The local step: E and its gradient at x, where rigid bodies are rigid. The caller checks that E is finite. */
+/* The local step: E and its gradient at x, where rigid bodies are rigid. The caller checks that E
+ * is finite. */
 pdyn_status objective_local(struct objective *objective, const double *x, double *energy,
                             double *gradient);
 

@@ -118,8 +118,8 @@ static pdyn_one_sided one_sided(pdyn_model *model, int k, const pdyn_body **body
 }
 
 static void rate(pdyn_model *model, int k, const bool *which, const double *u, double *out) {
-    batch_rate(batch_at(model, is_matrix_free, k), which, objective_extended(objective_of(model), u),
-               out);
+    batch_rate(batch_at(model, is_matrix_free, k), which,
+               objective_extended(objective_of(model), u), out);
 }
 
 static void force(pdyn_model *model, int k, const double *multiplier, double *out) {

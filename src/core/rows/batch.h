@@ -123,7 +123,7 @@ void batch_apply(struct batch *batch, const double *u, double *y);
 struct velocity_change {  /* by a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
     int particles;
-    const double *mass; /* particles, kg */
+    const double *mass;            /* particles, kg */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
     double *scratch; /* particles x 3 */

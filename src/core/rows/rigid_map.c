@@ -120,7 +120,9 @@ static void retract(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_retract(const struct rigid_map *map, double *x) { for_bodies(map, retract, NULL, x); }
+void rigid_map_retract(const struct rigid_map *map, double *x) {
+    for_bodies(map, retract, NULL, x);
+}
 
 static void update(void *arg, int first, int last, int block) {
     (void)block;
@@ -210,9 +212,8 @@ enum { SIZE = 6 }; /* unknowns of a body: t, w */
 /* B += G' D G, G = (I, -[r]x) */
 static void add_block(double B[36], const double *r, const double *packed) {
     static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    const double G[3][SIZE] = {{1, 0, 0, 0, r[2], -r[1]},
-                               {0, 1, 0, -r[2], 0, r[0]},
-                               {0, 0, 1, r[1], -r[0], 0}};
+    const double G[3][SIZE] = {
+        {1, 0, 0, 0, r[2], -r[1]}, {0, 1, 0, -r[2], 0, r[0]}, {0, 0, 1, r[1], -r[0], 0}};
     double DG[3][SIZE];
     for (int a = 0; a < 3; a++)
         for (int j = 0; j < SIZE; j++)

@@ -15,17 +15,17 @@
 enum { RIGID_GRAIN = 4 }; /* bodies of a parallel block */
 
 struct rigid_body {
-    int first, vertices; /* particles of the system: the vertices, then the four points */
-    double mass;         /* kg */
-    double centre[3];    /* m: of the rest shape */
-    double inertia[9];   /* kg m^2: of the rest shape about its centre */
-    const double *rest;  /* (vertices + 4) x 3, m */
+    int first, vertices;           /* particles of the system: the vertices, then the four points */
+    double mass;                   /* kg */
+    double centre[3];              /* m: of the rest shape */
+    double inertia[9];             /* kg m^2: of the rest shape about its centre */
+    const double *rest;            /* (vertices + 4) x 3, m */
     double frame[RIGID_POINTS][3]; /* 1/m: an affine map of the rest shape has the matrix
                                       sum over points of x_a frame_a' */
     double *arm;                   /* (vertices + 4) x 3, m: r at the last update */
-    double inverse[9]; /* 1/m^2: of sum over points of |r|^2 I - r r', at the last update */
+    double inverse[9];  /* 1/m^2: of sum over points of |r|^2 I - r r', at the last update */
     double momentum[3]; /* kg m^2/s: angular momentum of the base of the step (rigid_bodies.h) */
-    double factor[36]; /* Cholesky factor, see rigid_map_factor */
+    double factor[36];  /* Cholesky factor, see rigid_map_factor */
 };
 
 struct rigid_map {

@@ -260,8 +260,8 @@ static const pdyn_param body_params[] = {{"velocity", PDYN_VECTOR,
 typedef pdyn_status read_kind_fn(struct reader *r, const struct json_at *at);
 
 pdyn_status scene_read_body(struct reader *r, const struct json_at *at, int index) {
-    static const char *const others[] = {"name",   "particles",   "surface",
-                                         "volume", "rigid", "constraints", NULL};
+    static const char *const others[] = {"name",  "particles",   "surface", "volume",
+                                         "rigid", "constraints", NULL};
     static const char *const kinds[] = {"particles", "surface", "volume", "rigid"};
     static read_kind_fn *const readers[] = {read_particles, read_surface, read_volume,
                                             scene_read_rigid};

@@ -88,8 +88,9 @@ static pdyn_status weigh(const struct json_at *at, struct scene_body *body) {
                          volume);
     const svd3 axes = svd3_of(second);
     if (!(axes.s[2] > flattest * flattest * axes.s[0]))
-        return json_fail(at, "the body is too flat: its extent along one axis is less than %g of "
-                             "its length",
+        return json_fail(at,
+                         "the body is too flat: its extent along one axis is less than %g of "
+                         "its length",
                          flattest);
     if (body->density > 0.0) body->mass = body->density * volume;
     body->density = body->mass / volume;

@@ -66,7 +66,8 @@ static bool allocate(struct contact *c) {
     c->solid = NEW_ARRAY(x, c->groups - c->bodies, struct contact_solid);
     double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->step};
     double **numbers[] = {&c->moved, &c->reach, &c->length, &c->taken, &c->cut};
-    bool good = c->owner && c->near && c->is_rigid && (c->rigid || !c->rigids) && c->group && c->column && c->face && c->edge;
+    bool good = c->owner && c->near && c->is_rigid && (c->rigid || !c->rigids) && c->group &&
+                c->column && c->face && c->edge;
     for (int k = 0; k < 5; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
     for (int k = 0; k < 5; k++) good &= (*numbers[k] = NEW_ARRAY(x, n, double)) != NULL;
     if (solids) good &= c->solid && (c->begin = NEW_ARRAY(x, 3 * solids, double));
@@ -103,7 +104,8 @@ static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
         int *first = body->triangles ? &points : &particles;
         add_body(c, sim, b, *first);
         if (c->is_rigid[b])
-            c->rigid[rigids++] = (struct contact_rigid){points, body->count, body->first + body->count};
+            c->rigid[rigids++] =
+                (struct contact_rigid){points, body->count, body->first + body->count};
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];

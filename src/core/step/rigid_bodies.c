@@ -78,8 +78,7 @@ static void turn_free(const struct rigid_body *body, const double L[3], double t
     for (int m = 0; m < 2; m++) {
         double first = m ? -1.0 : 3.0, last = m ? 3.0 : -1.0;
         for (int a = 0; a < 3; a++)
-            turn[a] = t / 12.0 *
-                      (first * k[0][a] + 2.0 * k[1][a] + 2.0 * k[2][a] + last * k[3][a]);
+            turn[a] = t / 12.0 * (first * k[0][a] + 2.0 * k[1][a] + 2.0 * k[2][a] + last * k[3][a]);
         rotate(turn, R);
     }
 }
@@ -280,8 +279,7 @@ static void fit_velocities(const struct rigid_body *body, const double *x, doubl
         vec3_subtract(u, own + 3 * (size_t)i, mean);
         vec3_cross(turn, r, u);
         vec3_add(moment, 1.0, turn);
-        for (int k = 0; k < 9; k++)
-            K[k] += (k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3];
+        for (int k = 0; k < 9; k++) K[k] += (k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3];
     }
     solve(K, moment, w);
     for (int i = body->first; i < body->first + body->vertices + RIGID_POINTS; i++) {

@@ -1,0 +1,380 @@
+/* Rigid bodies: conservation in free flight, Euler's equations, a pendulum, friction on a slope, a
+ * collision, water, what a program sets, saved states, and errors. */
+#include "support.h"
+
+#include "projdyn/control.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+#define BOX(more)                                                                                  \
+    "{'name': 'box', 'rigid': {'box': {'minimum': [-0.1, -0.2, -0.3], 'maximum': [0.1, 0.2, "      \
+    "0.3]}, 'density': 700" more "}"
+#define STEPS_OF(h, gravity)                                                                       \
+    "'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': " h "}, 'gravity': " gravity
+
+static const double pi = 3.14159265358979323846;
+
+struct momenta {
+    double linear[3], angular[3]; /* kg m/s; kg m^2/s about the origin */
+};
+
+static struct momenta momenta_of(const pdyn_sim *sim) {
+    struct momenta sum = {0};
+    for (int i = 0; i < sim->objective.particles; i++) {
+        double moment[3];
+        vec3_cross(moment, sim->x + 3 * i, sim->v + 3 * i);
+        vec3_add(sum.linear, sim->objective.mass[i], sim->v + 3 * i);
+        vec3_add(sum.angular, sim->objective.mass[i], moment);
+    }
+    return sum;
+}
+
+/* Mean position or velocity of the vertices of a body. */
+static void mean_of(const pdyn_sim *sim, int body, const double *value, double mean[3]) {
+    memset(mean, 0, 3 * sizeof *mean);
+    for (int i = 0; i < sim->body[body].count; i++)
+        vec3_add(mean, 1.0 / sim->body[body].count, value + 3 * (sim->body[body].first + i));
+}
+
+static void steps(pdyn_context *context, pdyn_sim *sim, int count) {
+    for (int k = 0; k < count; k++) test_step(context, sim);
+}
+
+/* ---- free flight ----------------------------------------------------------------------------- */
+
+/* Sides of the box of BOX: its tensor of inertia is m/12 diag(sum of the squares of two sides). */
+static const double side[3] = {0.2, 0.4, 0.6};
+
+static void test_mass(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
+                                           ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
+                                           "'angular_velocity': [0, 0, 2]") "}]}");
+    double m = 700.0 * side[0] * side[1] * side[2], c[3];
+    const struct momenta p = momenta_of(sim);
+    mean_of(sim, 0, sim->x, c);
+    assert_true(fabs(c[0] - 3.0) < 1e-12 && fabs(c[1] - 4.0) < 1e-12 && fabs(c[2] - 5.0) < 1e-12);
+    /* turned by 90 degrees about y, the axis z of the world is the axis x of the box */
+    double I = m / 12.0 * (side[1] * side[1] + side[2] * side[2]);
+    assert_true(fabs(p.angular[2] - 2.0 * I) < 1e-12 * I);
+    assert_true(vec3_length(p.linear) < 1e-12 * m);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+struct top { /* a free body in its principal axes: angular velocity, and the axes in space */
+    double w[3], axes[9];
+};
+
+static void top_rate(const struct top *t, struct top *rate) {
+    double spin[3] = {0}, I[3];
+    for (int a = 0; a < 3; a++)
+        I[a] = side[(a + 1) % 3] * side[(a + 1) % 3] + side[(a + 2) % 3] * side[(a + 2) % 3];
+    for (int a = 0; a < 3; a++) {
+        int b = (a + 1) % 3, c = (a + 2) % 3;
+        rate->w[a] = (I[b] - I[c]) * t->w[b] * t->w[c] / I[a];
+        vec3_add(spin, t->w[a], t->axes + 3 * a);
+    }
+    for (int a = 0; a < 3; a++) vec3_cross(rate->axes + 3 * a, spin, t->axes + 3 * a);
+}
+
+/* Runge-Kutta of order 4 */
+static void top_step(struct top *t, double h) {
+    static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0, 2.0, 2.0, 1.0};
+    struct top sum = *t, rate = {{0}, {0}};
+    for (int k = 0; k < 4; k++) {
+        struct top at = *t;
+        for (int a = 0; a < 3; a++) at.w[a] += part[k] * h * rate.w[a];
+        for (int a = 0; a < 9; a++) at.axes[a] += part[k] * h * rate.axes[a];
+        top_rate(&at, &rate);
+        for (int a = 0; a < 3; a++) sum.w[a] += weight[k] * h / 6.0 * rate.w[a];
+        for (int a = 0; a < 9; a++) sum.axes[a] += weight[k] * h / 6.0 * rate.axes[a];
+    }
+    *t = sum;
+}
+
+/* The box spins about its middle axis and turns over after 1.34 s (Dzhanibekov effect). Its momenta
+ * stay, its rotation is that of Euler's equations, and its shape stays. */
+static void test_flight(void **state) {
+    (void)state;
+    static const char *const integrators[] = {"bdf2", "euler"};
+    for (int k = 0; k < 2; k++) {
+        char text[1024];
+        snprintf(text, sizeof text,
+                 "{'duration': 1000, 'frame_interval': 1000, 'gravity': [0, 0, 0], 'time_step': "
+                 "{'fixed': 0.005, 'integrator': '%s'}, 'bodies': [" BOX(
+                     ", 'angular_velocity': [0.02, 10, 0.03]") ", 'velocity': [0.3, -0.2, 0.1]}]}",
+                 integrators[k]);
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = test_load(context, text);
+        struct momenta start = momenta_of(sim);
+        struct top top = {{0.02, 10.0, 0.03}, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+        steps(context, sim, 400);
+        for (int n = 0; n < 40000; n++) top_step(&top, 5e-5);
+        struct momenta end = momenta_of(sim);
+        assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
+        assert_true(vec3_distance(start.angular, end.angular) < 1e-12 * vec3_length(start.angular));
+        for (int a = 0; a < 3; a++) { /* vertex 2^a is beyond vertex 0 along axis a */
+            double axis[3];
+            for (int i = 0; i < 3; i++) axis[i] = (sim->x[(3 << a) + i] - sim->x[i]) / side[a];
+            assert_true(vec3_distance(axis, top.axes + 3 * a) < 1e-5);
+        }
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
+/* ---- moments --------------------------------------------------------------------------------- */
+
+/* A box on a pin at the middle of its upper side, if that is a vertex: here the corner (0.1, 0.2,
+ * 0.3) hangs above the centre. Period of small swings: 2 pi sqrt(I / (m g l)). The error falls with
+ * the square of the step. */
+static double period(double h) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, 'gravity': "
+             "[0, -9.81, 0], 'solver': {'tolerance': 1e-7, 'outer_iterations': 50}, 'bodies': "
+             "[{'rigid': {'box': {'minimum': [-0.1, -0.1, -0.1], 'maximum': [0.1, 0.1, 0.1]}, "
+             "'rotate': [0, 45, 54.73561], 'mass': 3, 'angular_velocity': [0, 0, 0.05]}, "
+             "'constraints': [{'type': 'pin', 'vertices': {'vertices': [7]}, 'stiffness': 1e7}]}]}",
+             h);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    double last = 0.0, first_pass = 0.0, time = 0.0;
+    int passes = 0;
+    for (double pin[3], c[3]; passes < 3 && time < 10.0; time = pdyn_time(sim)) {
+        test_step(context, sim);
+        mean_of(sim, 0, sim->x, c);
+        memcpy(pin, sim->x + 21, sizeof pin);
+        double along = c[0] - pin[0];
+        if (along * last < 0.0) {
+            double pass = pdyn_time(sim) - h * along / (along - last);
+            if (!passes++) first_pass = pass;
+            else if (passes == 3) time = pass - first_pass;
+        }
+        if (passes == 3) break;
+        last = along;
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return time;
+}
+
+static void test_pendulum(void **state) {
+    (void)state;
+    double edge = 0.2, l = 0.5 * edge * sqrt(3.0), I = edge * edge / 6.0 + l * l;
+    double theory = 2.0 * pi * sqrt(I / (9.81 * l));
+    double coarse = fabs(period(0.02) - theory), fine = fabs(period(0.01) - theory);
+    assert_true(coarse < 0.02 * theory && fine < 0.3 * coarse);
+}
+
+/* Forces of a program turn and move a free box as Newton's and Euler's laws say. */
+static void test_forces(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim =
+        test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX("") "}]}");
+    double m = 700.0 * side[0] * side[1] * side[2], force[24] = {0};
+    force[1] = 2.0, force[4] = -2.0; /* at (-0.1, -0.2, -0.3) and (0.1, -0.2, -0.3): -0.4 N m */
+    force[8] = 3.0;
+    assert_int_equal(pdyn_set_forces(sim, 0, 8, force), PDYN_OK);
+    test_step(context, sim);
+    const struct momenta p = momenta_of(sim);
+    /* 3 N along z at (-0.1, 0.2, -0.3): 0.6 and 0.3 N m about x and y */
+    const double linear[3] = {0.0, 0.0, 0.03}, angular[3] = {0.006, 0.003, -0.004};
+    assert_true(vec3_distance(p.linear, linear) < 1e-13);
+    assert_true(vec3_distance(p.angular, angular) < 1e-5);
+    assert_true(m > 0.0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- contact --------------------------------------------------------------------------------- */
+
+static double slide(double degrees) {
+    char text[1024];
+    snprintf(text, sizeof text,
+             "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.005}, 'gravity': "
+             "[%.17g, %.17g, 0], 'contact': {'thickness': 0.002, 'stiffness': 1e5, 'friction': "
+             "0.5}, 'solver': {'tolerance': 1e-5}, 'solids': [{'plane': {'center': [0, 0, 0], "
+             "'normal': [0, 1, 0], 'size': 40}}], 'bodies': [{'rigid': {'box': {'minimum': [-0.1, "
+             "0.002, -0.1], 'maximum': [0.1, 0.102, 0.1]}, 'density': 1000}}]}",
+             9.81 * sin(degrees * pi / 180.0), -9.81 * cos(degrees * pi / 180.0));
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    double before[3], after[3];
+    steps(context, sim, 100);
+    mean_of(sim, 0, sim->v, before);
+    steps(context, sim, 100);
+    mean_of(sim, 0, sim->v, after);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return (after[0] - before[0]) / 0.5;
+}
+
+/* Coulomb's law: tan 26.57 degrees = 0.5 */
+static void test_slope(void **state) {
+    (void)state;
+    double angle = 30.0 * pi / 180.0;
+    double theory = 9.81 * (sin(angle) - 0.5 * cos(angle));
+    assert_true(fabs(slide(26.1)) < 1e-3);
+    assert_true(slide(27.1) > 0.0);
+    assert_true(fabs(slide(30.0) - theory) < 0.01 * theory);
+}
+
+static const char collision[] =
+    "{" STEPS_OF("0.002", "[0, 0, 0]") ", 'contact': {'thickness': 0.002, 'stiffness': 1e4}, "
+                                       "'solver': {'tolerance': 1e-6, 'outer_iterations': 100}, "
+                                       "'bodies': [" BOX(
+                                           ", 'rotate': [10, 20, 30], 'angular_velocity': [1, 2, "
+                                           "0]") ", 'velocity': [1, 0, 0]}, "
+                                                 "{'name': 'ball', 'rigid': {'sphere': {'center': "
+                                                 "[0.45, 0.1, 0], 'radius': 0.1}, 'mass': 8}}, "
+                                                 "{'name': 'cloth', 'surface': {'grid': {'size': "
+                                                 "[0.4, 0.4], 'vertices': [7, 7]}, 'rotate': "
+                                                 "[0, 0, 90], 'translate': [0.58, 0.1, 0], "
+                                                 "'area_density': 1}, 'constraints': [{'type': "
+                                                 "'spring', 'stretching_stiffness': 1000}]}]}";
+
+/* A box, a ball and a cloth hit each other: the linear momentum stays, and nothing passes. */
+static void test_collision(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, collision);
+    struct momenta start = momenta_of(sim);
+    steps(context, sim, 150);
+    struct momenta end = momenta_of(sim);
+    double box[3], ball[3], cloth[3];
+    mean_of(sim, 0, sim->x, box), mean_of(sim, 1, sim->x, ball), mean_of(sim, 2, sim->x, cloth);
+    assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
+    assert_true(vec3_distance(start.angular, end.angular) < 0.02 * vec3_length(start.angular));
+    assert_true(box[0] < ball[0] && ball[0] < cloth[0] && cloth[0] > 0.6);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- water ----------------------------------------------------------------------------------- */
+
+static const char hit[] =
+    "{" STEPS_OF("0.002", "[0, 0, 0]") ", 'contact': {'thickness': 0.004}, 'bodies': [{'name': "
+                                       "'water', 'particles': {'radius': 0.01, 'fill': [{'box': "
+                                       "{'minimum': [-0.1, 0.03, -0.1], "
+                                       "'maximum': [0.1, 0.15, 0.1]}, 'velocity': [0, -2, 0]}]}, "
+                                       "'constraints': [{'type': 'fluid'}]},"
+                                       "{'name': 'box', 'rigid': {'box': {'minimum': [-0.05, "
+                                       "-0.06, -0.1], 'maximum': [0.15, 0, "
+                                       "0.1]}, 'density': 500, 'fluid_friction': 10}}]}";
+
+/* Water hits a box off its centre: momentum is conserved, the box moves along and turns. */
+static void test_water(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, hit);
+    struct momenta start = momenta_of(sim);
+    steps(context, sim, 40);
+    struct momenta end = momenta_of(sim);
+    double v[3];
+    mean_of(sim, 1, sim->v, v);
+    assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
+    assert_true(v[1] < -0.2 && sim->v[3 * (sim->body[1].first + 1) + 1] > v[1]);
+    assert_int_equal(test_step(context, sim).leaked, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* ---- a program ------------------------------------------------------------------------------- */
+
+static void test_poses(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim =
+        test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX("") "}]}");
+    double x[24], v[24], R[9], turned[3];
+    vec3_rotation(R, (const double[3]){30, 40, 50});
+    for (int i = 0; i < 8; i++) {
+        vec3_multiply(x + 3 * i, R, sim->rest + 3 * i);
+        vec3_cross(v + 3 * i, (const double[3]){1, 2, 3}, x + 3 * i);
+        x[3 * i] += 5.0, v[3 * i + 1] += 7.0;
+    }
+    assert_int_equal(pdyn_set_positions(sim, 0, 8, x), PDYN_OK);
+    assert_int_equal(pdyn_set_velocities(sim, 0, 8, v), PDYN_OK);
+    assert_true(test_distance(sim->x, x, 24) < 1e-12 && test_distance(sim->v, v, 24) < 1e-12);
+    for (int a = 8; a < 12; a++) {
+        vec3_multiply(turned, R, sim->rest + 3 * a);
+        turned[0] += 5.0;
+        assert_true(vec3_distance(turned, sim->x + 3 * a) < 1e-12);
+    }
+    assert_int_equal(pdyn_set_positions(sim, 0, 7, x), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_set_velocities(sim, 1, 1, v), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_hold(sim, 9, 100.0, x), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_hold(sim, 3, 100.0, x), PDYN_OK);
+    test_step(context, sim);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* The same bits for any number of threads, and after a saved state. */
+static void test_bits(void **state) {
+    (void)state;
+    static const char *const scenes[] = {collision, hit};
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *one = test_context(1), *four = test_context(4);
+        pdyn_sim *first = test_load(one, scenes[k]), *second = test_load(four, scenes[k]);
+        steps(one, first, 20), steps(four, second, 25);
+        assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
+        pdyn_free(first);
+        first = test_load(one, scenes[k]);
+        assert_int_equal(pdyn_restore(first, "state"), PDYN_OK);
+        steps(one, first, 5);
+        assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
+        test_remove_file("state");
+        pdyn_free(first), pdyn_free(second);
+        pdyn_destroy(one), pdyn_destroy(four);
+    }
+}
+
+/* ---- errors ---------------------------------------------------------------------------------- */
+
+static void refuse(pdyn_context *context, const char *rigid, const char *expected) {
+    char text[1024];
+    pdyn_sim *sim = NULL;
+    snprintf(text, sizeof text, "{'duration': 1, 'bodies': [{'rigid': {%s}}]}", rigid);
+    assert_int_equal(pdyn_load_text(context, quoted(text), "test", NULL, 0, &sim), PDYN_BAD_INPUT);
+    if (!strstr(pdyn_last_error(context), expected)) fail_msg("%s", pdyn_last_error(context));
+}
+
+static void test_errors(void **state) {
+    (void)state;
+    static const char corners[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    char text[256];
+    pdyn_context *context = test_context(1);
+    snprintf(text, sizeof text, "%sf 1 3 2\nf 1 2 4\nf 2 3 4\n", corners);
+    test_write_text("open.obj", text);
+    snprintf(text, sizeof text, "%sf 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n", corners);
+    test_write_text("inward.obj", text);
+    snprintf(text, sizeof text, "%sf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", corners);
+    test_write_text("mixed.obj", text);
+    refuse(context, "'mesh': 'open.obj', 'density': 1000", "not closed");
+    refuse(context, "'mesh': 'inward.obj', 'density': 1000", "expected more than 0");
+    refuse(context, "'mesh': 'mixed.obj', 'density': 1000", "opposite orientations");
+    refuse(context, "'sphere': {'center': [0, 0, 0], 'radius': 1}", "density");
+    refuse(context, "'sphere': {'center': [0, 0, 0], 'radius': 1}, 'density': 1, 'mass': 1",
+           "mass");
+    refuse(context, "'density': 1000", "mesh");
+    refuse(context, "'box': {'minimum': [0, 0, 0], 'maximum': [1, 1e-6, 1]}, 'density': 1000",
+           "too flat");
+    test_remove_file("open.obj"), test_remove_file("inward.obj"), test_remove_file("mixed.obj");
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_mass),     cmocka_unit_test(test_flight),
+        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_slope),    cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_water),    cmocka_unit_test(test_poses),
+        cmocka_unit_test(test_bits),     cmocka_unit_test(test_errors)};
+    return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
+}
