@@ -15,7 +15,7 @@ PAGE = pathlib.Path(__file__).parent.parent / "docs/guide/metrics.md"
 PROBES = [{"point": [0, 0, 0]}, {"line": {"from": [0, 0, 0], "to": [1, 0, 0], "count": 2}},
           {"height": [0, 0, 0]}, {"box": {"minimum": [0, 0, 0], "maximum": [1, 1, 1]}},
           {"wall": [0, 0, 0]}, {"solid": "tank"}, {"pins": "sheet"},
-          {"inside": "ball"}]
+          {"inside": "ball"}, {"body": "sheet"}]
 BALL = {"name": "ball", "constraints": [{"type": "gas"}, {"type": "pin", "vertices": {"all": True}}],
         "surface": {"mesh": str(PAGE.parents[2] / "scenes/meshes/ball.obj"), "scale": 0.01,
                     "translate": [0, 2, 0], "area_density": 1}}

@@ -106,6 +106,7 @@ enum probe_kind { /* what a probe measures; keys of a scene: scene_probe.c */
                   PROBE_SOLID,
                   PROBE_PINS,
                   PROBE_INSIDE,
+                  PROBE_BODY,
                   PROBE_KINDS
 };
 
@@ -114,7 +115,7 @@ struct scene_probe {
     int kind;             /* enum probe_kind */
     struct point_list at; /* m, where, not of a box, solid or body */
     struct scene_box box; /* of PROBE_BOX */
-    int target;           /* index of the solid, or of the body with pins or a filling */
+    int target;           /* index of the solid, or of the body */
     double radius;        /* m: particles and boundary points within it count; 0: two spacings */
     double time;          /* s, time constant of an exponential mean; 0: none */
 };

@@ -73,14 +73,19 @@ static pdyn_status read_solid(struct reader *r, const struct json_at *at,
     return reader_choice(at, "solid", names, count, &probe->target);
 }
 
-/* Reads the name of a body that has a constraint with this flag, such as `example`. */
-static pdyn_status read_body_with(struct reader *r, const struct json_at *at, unsigned flag,
-                                  const char *example, struct scene_probe *probe) {
+static pdyn_status read_body(struct reader *r, const struct json_at *at,
+                             struct scene_probe *probe) {
     const char *names[READER_NAMES];
     int count = 0;
     for (; count < r->scene->bodies && count < READER_NAMES; count++)
         names[count] = r->scene->body[count].name;
-    pdyn_status status = reader_choice(at, "body", names, count, &probe->target);
+    return reader_choice(at, "body", names, count, &probe->target);
+}
+
+/* The same of a body that has a constraint with this flag, such as `example`. */
+static pdyn_status read_body_with(struct reader *r, const struct json_at *at, unsigned flag,
+                                  const char *example, struct scene_probe *probe) {
+    pdyn_status status = read_body(r, at, probe);
     if (status != PDYN_OK) return status;
     const struct scene_body *body = &r->scene->body[probe->target];
     for (int k = 0; k < body->constraints; k++)
@@ -101,16 +106,16 @@ static pdyn_status read_inside(struct reader *r, const struct json_at *at,
 static const struct {
     pdyn_status (*read)(struct reader *r, const struct json_at *at, struct scene_probe *probe);
     bool of_fluid, has_radius;
-} kinds[PROBE_KINDS] = {{read_point, true, true},   {read_line, true, true},
-                        {read_wall, true, true},    {read_height, true, false},
-                        {read_region, true, false}, {read_solid, false, false},
-                        {read_pins, false, false},  {read_inside, false, false}};
+} kinds[PROBE_KINDS] = {
+    {read_point, true, true},   {read_line, true, true},     {read_wall, true, true},
+    {read_height, true, false}, {read_region, true, false},  {read_solid, false, false},
+    {read_pins, false, false},  {read_inside, false, false}, {read_body, false, false}};
 
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
-    static const char *const names[PROBE_KINDS] = {"point", "line",  "wall", "height",
-                                                   "box",   "solid", "pins", "inside"};
-    static const char *const keys[] = {"name", "point", "line", "wall",   "height",
-                                       "box",  "solid", "pins", "inside", NULL};
+    static const char *const names[PROBE_KINDS] = {"point", "line", "wall",   "height", "box",
+                                                   "solid", "pins", "inside", "body"};
+    static const char *const keys[] = {"name",  "point", "line",   "wall", "height", "box",
+                                       "solid", "pins",  "inside", "body", NULL};
     struct scene_probe *probe = &r->scene->probe[index];
     struct json_at radius = json_member(at, "radius");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);

@@ -106,6 +106,19 @@ static void measure_inside(const struct pdyn_sim *sim, const struct scene_probe 
     out[1] = out[0] > 0.0 ? virial / (3.0 * out[0]) : 0.0;
 }
 
+/* The force of all constraints on a body, and its moment about the origin: mass times acceleration
+ * in the step, without gravity and applied forces. */
+static void measure_body(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+    const struct objective_body *body = &sim->objective.body[probe->target];
+    struct solid_load load = {{0}, {0}};
+    for (int i = body->first; i < body->first + body->count; i++) {
+        double force[3] = {0};
+        vec3_add(force, sim->objective.mass[i], sim->constraint_acceleration + 3 * (size_t)i);
+        solid_load_add(&load, sim->x + 3 * (size_t)i, force);
+    }
+    copy_load(&load, out);
+}
+
 struct quantity {
     const char *name, *unit;
 };
@@ -137,6 +150,7 @@ static const struct {
     [PROBE_SOLID] = {6, measure_solid, LOAD},
     [PROBE_PINS] = {6, measure_pins, LOAD},
     [PROBE_INSIDE] = {2, measure_inside, {{"volume", "m3"}, {"overpressure", "Pa"}}},
+    [PROBE_BODY] = {6, measure_body, LOAD},
 };
 
 /* ---- memory ---------------------------------------------------------------------------------- */
