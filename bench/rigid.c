@@ -250,6 +250,53 @@ static void stack(double seconds) {
     pdyn_free(sim);
 }
 
+/* ---- floating -------------------------------------------------------------------------------- */
+
+/* A box of half the density of water, released with a list of 8 degrees at its draught. In a tank
+ * 22 spacings wide, so that the water rises by the displaced volume. */
+static void floating(double seconds) {
+    static const double ratios[] = {1.0, 1.6}; /* width over height */
+    const double d = 0.02, width = 12 * d, tank = 22 * d, depth = 14 * d, h = 0.005;
+    printf("| width over height | draught over height | list after %g s, degrees | theory | outer, "
+           "linear iterations |\n|---|---|---|---|---|\n",
+           seconds);
+    for (size_t k = 0; k < sizeof ratios / sizeof *ratios; k++) {
+        double height = width / ratios[k], x[3], outer = 0.0, linear = 0.0;
+        pdyn_sim *sim = load(
+            "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': %g}, 'contact': "
+            "{'thickness': 0.002, 'stiffness': 1e4}, 'solids': [{'box': {'minimum': [0, 0, 0], "
+            "'maximum': [%g, %g, %g]}, 'open': ['+y']}], 'bodies': [{'name': 'box', 'rigid': "
+            "{'box': {'minimum': [%g, %g, %g], 'maximum': [%g, %g, %g]}, 'rotate': [0, 0, 8], "
+            "'translate': [%g, %g, %g], 'density': 500}}, {'name': 'water', 'particles': "
+            "{'radius': %g, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [%g, %g, %g]}}]}, "
+            "'constraints': [{'type': 'fluid'}]}]}",
+            h, tank, 4.0 * depth, tank, -0.5 * width, -0.5 * height, -0.5 * width, 0.5 * width,
+            0.5 * height, 0.5 * width, 0.5 * tank, depth + 0.1 * height, 0.5 * tank, 0.5 * d, tank,
+            depth, tank);
+        long steps = 0;
+        double mean = 0.0, count = 0.0, list = 0.0;
+        while (pdyn_time(sim) < seconds - 0.5 * h) {
+            pdyn_step_info info = take_step(context, sim);
+            outer += info.outer_iterations, linear += info.linear_iterations, steps++;
+            const double *at = pdyn_get_state(sim).x;
+            double up = (at[7] - at[1]) / height; /* vertex 2 is over vertex 0 */
+            list = acos(fmin(1.0, up)) * 180.0 / pi;
+            if (pdyn_time(sim) < 0.7 * seconds) continue;
+            /* the surface, from the volumes of the water and of what is submerged of the box */
+            middle_of(sim, 0, at, x);
+            double volume = info.particles * d * d * d, base = tank * tank;
+            double bottom = x[1] - 0.5 * height, area = width * width;
+            double level = (volume - area * bottom) / (base - area);
+            mean += (level - bottom) / height, count++;
+        }
+        printf("| %g | %.3f | %.1f | %s | %.1f, %.0f |\n", ratios[k], mean / count, list,
+               ratios[k] > sqrt(1.5) ? "0" : "tilts", outer / (double)steps,
+               linear / (double)steps);
+        fflush(stdout);
+        pdyn_free(sim);
+    }
+}
+
 /* ---- many bodies in a dam break -------------------------------------------------------------- */
 
 /* 10 x 10 boxes, three particle spacings wide, over the water and beside it. */
@@ -318,8 +365,11 @@ int main(int argc, char **argv) {
     if (!strcmp(command, "flight")) flight(number > 0.0 ? (int)number : 1000);
     else if (!strcmp(command, "incline")) incline();
     else if (!strcmp(command, "stack")) stack(number > 0.0 ? number : 10.0);
+    else if (!strcmp(command, "floating")) floating(number > 0.0 ? number : 3.0);
     else if (!strcmp(command, "many")) many(number > 0.0 ? (int)number : 400);
-    else die("usage: rigid flight [STEPS] | incline | stack [SECONDS] | many [STEPS]");
+    else
+        die("usage: rigid flight [STEPS] | incline | stack [SECONDS] | floating [SECONDS] | many "
+            "[STEPS]");
     pdyn_destroy(context);
     return EXIT_SUCCESS;
 }

@@ -113,14 +113,14 @@ static const struct {
     /* bodies of particles */
     {BODY("7"), "scene.json:2:3: bodies[0]: expected an object, found 7"},
     {BODY("{'name': 'a'}"),
-     "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\" and "
-     "\"volume\", found none"},
+     "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\", "
+     "\"volume\" and \"rigid\", found none"},
     {BODY("{'name': 'a', 'particles': {}, 'surface': {}}"),
-     "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\" and "
-     "\"volume\", found more"},
+     "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\", "
+     "\"volume\" and \"rigid\", found more"},
     {BODY("{'partcles': {}}"),
      "scene.json:2:4: bodies[0]: unknown key \"partcles\"; did you mean \"particles\"?; "
-     "known: name, particles, surface, volume, constraints, velocity"},
+     "known: name, particles, surface, volume, rigid, constraints, velocity"},
     {BODY("{'particles': {'raduis': 0.1}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"raduis\"; did you mean "
      "\"radius\"?; known: fill, inlets, overlap, radius, rest_density, budget"},

@@ -95,7 +95,10 @@ static int suits(const pdyn_model *model, const char **reason) {
     bool alone = !model->elements_count && !model->dynamic_count && !model->solve_bodies;
     *reason = "one matrix-free constraint acts alone: its pressures are the unknowns";
     if (model->one_sided_count != 1) return 0;
-    return model->newton && alone ? 40 : 1;
+    if (model->newton && alone) return 40;
+    bool with_bodies = model->newton && model->solve_bodies && !model->elements_count;
+    if (with_bodies) *reason = "pressures are the unknowns beside rigid bodies";
+    return with_bodies ? 25 : 1;
 }
 
 static pdyn_status create(void *self, pdyn_model *model) {
