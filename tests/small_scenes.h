@@ -1,4 +1,4 @@
-/* Six small scenes that differ in what a step computes and a saved state contains. */
+/* Seven small scenes that differ in what a step computes and a saved state contains. */
 #ifndef SMALL_SCENES_H
 #define SMALL_SCENES_H
 
@@ -54,7 +54,15 @@ static const char cholesky[] =
                           PINS("'box': {'minimum': [-1, -1, -1], 'maximum': [1, 1, -0.19]}"))),
           "");
 
-static const char *const small_scenes[] = {inlet, fluid, cloth, hybrid, tets, cholesky};
+static const char rigid[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'bodies': [{'rigid': "
+    "{'box': {'minimum': [-0.1, -0.05, -0.1], 'maximum': [0.1, 0.05, 0.1]}, 'density': 500, "
+    "'translate': [0, 0.055, 0], 'angular_velocity': [1, 2, 0]}}, {'rigid': {'box': {'minimum': "
+    "[-0.05, 0.115, -0.05], 'maximum': [0.05, 0.215, 0.05]}, 'mass': 2}}], 'contact': "
+    "{'thickness': 0.01, 'friction': 0.2}, 'solids': [{'plane': {'center': [0, 0, 0], 'normal': "
+    "[0, 1, 0], 'size': 1}}]}";
+
+static const char *const small_scenes[] = {inlet, fluid, cloth, hybrid, tets, cholesky, rigid};
 enum { SMALL_SCENES = sizeof small_scenes / sizeof *small_scenes };
 
 #endif

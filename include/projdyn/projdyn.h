@@ -200,7 +200,8 @@ typedef struct pdyn_state {
     int particles;            /* all particles, body after body */
     const double *x;          /* m,   particles x 3 */
     const double *v;          /* m/s, particles x 3 */
-    const double *mass;       /* kg,  particles */
+    const double *mass;       /* kg,  particles; that of a rigid body is at four points, which follow
+                                 its vertices and belong to no body */
     const double *density;    /* kg/m^3, particles; rest density without a fluid constraint */
     const double *pressure;   /* Pa, particles; 0 without a fluid constraint */
     const bool *live;         /* particles: is in the scene; NULL: all are */
