@@ -31,7 +31,8 @@ static void accept_trial(struct pdyn_sim *sim) {
     memcpy(sim->gradient, sim->trial_gradient, objective_bytes(&sim->objective));
 }
 
-/* The same for rigid bodies, which move by the same part of the displacements of all particles. */
+/* Limits the displacements of rigid bodies as below: all particles of a body move by the same part
+ * of theirs. */
 static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
     const struct rigid_map *map = sim->objective.rigid;
     double all = 1.0;
