@@ -197,16 +197,16 @@ PDYN_API uint64_t
 pdyn_state_hash(const pdyn_sim *sim); /* FNV-1a hash of x and v of the live particles */
 
 typedef struct pdyn_state {
-    int particles;            /* all particles, body after body */
-    const double *x;          /* m,   particles x 3 */
-    const double *v;          /* m/s, particles x 3 */
-    const double *mass;       /* kg,  particles; that of a rigid body is at four points, which follow
-                                 its vertices and belong to no body */
-    const double *density;    /* kg/m^3, particles; rest density without a fluid constraint */
-    const double *pressure;   /* Pa, particles; 0 without a fluid constraint */
-    const bool *live;         /* particles: is in the scene; NULL: all are */
-    int boundary;             /* number of boundary points on solids */
-    int moving;               /* number of these, the last ones, on moving solids */
+    int particles;          /* all particles, body after body */
+    const double *x;        /* m,   particles x 3 */
+    const double *v;        /* m/s, particles x 3 */
+    const double *mass;     /* kg,  particles; that of a rigid body is at four points, which follow
+                               its vertices and belong to no body */
+    const double *density;  /* kg/m^3, particles; rest density without a fluid constraint */
+    const double *pressure; /* Pa, particles; 0 without a fluid constraint */
+    const bool *live;       /* particles: is in the scene; NULL: all are */
+    int boundary;           /* number of boundary points on solids */
+    int moving;             /* number of these, the last ones, on moving solids */
     const double *boundary_x; /* m, boundary x 3 */
     int bodies;
     int constraints; /* batches: one per constraint of the scene */

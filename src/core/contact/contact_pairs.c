@@ -112,7 +112,8 @@ static const double parallel = 1e-3;
 
 /* The closest points of parallel edges are not unique, and the moment of a force between them would
  * jump. Their distance is that of a vertex and a face, which is a pair, too. The
- * mollifier of Li et al. (2020), with the directions of when the pair is listed. Sheets are soft enough without.
+ * mollifier of Li et al. (2020), with the directions of when the pair is listed. Sheets are soft
+ * enough without.
  */
 static double share_of(const struct contact *c, const struct pair *p) {
     const double *x[4];
