@@ -13,8 +13,10 @@ struct size {              /* of a body */
     double mass;           /* kg */
 };
 
-static struct size size_of(const pdyn_state *state, const pdyn_body_info *body) {
+/* end: the first particle of the next body: the mass of a rigid body is behind its vertices. */
+static struct size size_of(const pdyn_state *state, const pdyn_body_info *body, int end) {
     struct size size = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0.0};
+    for (int i = body->first + body->count; i < end; i++) size.mass += state->mass[i];
     for (int i = body->first; i < body->first + body->count; i++) {
         if (state->live && !state->live[i]) continue;
         size.mass += state->mass[i];
@@ -65,8 +67,10 @@ static void print_particles(const pdyn_body_info *body) {
     if (body->live < body->count) printf(", capacity for %d more", body->count - body->live);
 }
 
-static void print_body(const pdyn_sim *sim, const pdyn_state *state, const pdyn_body_info *body) {
-    struct size size = size_of(state, body);
+static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
+    const pdyn_body_info own = pdyn_get_body(sim, b), *body = &own;
+    int end = b + 1 < state->bodies ? pdyn_get_body(sim, b + 1).first : state->particles;
+    struct size size = size_of(state, body, end);
     if (body->triangles) print_surface(sim, state, body);
     else print_particles(body);
     printf(", %.4g kg", size.mass);
@@ -105,10 +109,7 @@ static void print_probes(const pdyn_sim *sim) {
 
 void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
-    for (int b = 0; b < state.bodies; b++) {
-        pdyn_body_info body = pdyn_get_body(sim, b);
-        print_body(sim, &state, &body);
-    }
+    for (int b = 0; b < state.bodies; b++) print_body(sim, &state, b);
     for (int k = 0; k < state.constraints; k++) print_constraint(sim, k);
     print_solids(sim, &state);
     print_probes(sim);
