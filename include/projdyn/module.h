@@ -72,9 +72,10 @@ typedef struct pdyn_scene_info {
     double gravity[3];   /* m/s^2 */
     double radius;       /* m, of the body's particles; 0 for a surface */
     double rest_density; /* kg/m^3, of the body's particles; 0 for a surface */
-    double head;         /* m: the maximum of height + speed^2 / (2 |gravity|) over the body at its
-                            start; height is measured along gravity from the lowest point of all
-                            bodies and solids; 0 without gravity */
+    double head;         /* m: rest_density |gravity| head is the largest pressure of all fluids of
+                            the scene at rest; 0 without gravity and for a surface. Of one fluid: the
+                            maximum of height + speed^2 /         (2 |gravity|) over it at its start; height is
+                            measured along gravity         from the lowest point of all bodies and solids */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {
@@ -190,8 +191,9 @@ typedef struct pdyn_snapshot {
 } pdyn_snapshot;
 
 /* ---- operator tier: for a constraint that is too large for generic rows ----------------------
- * A body of particles may have several operators; other bodies of the scene have none then. A
- * callback that is NULL is a property that the operator does not have. */
+ * A body of particles may have several operators, and so may several bodies of particles, which
+ * then have the same radius and the same neighbour lists. A callback that is NULL is a property
+ * that the operator does not have. */
 
 typedef void pdyn_range_fn(void *arg, int first, int last, int block);
 
@@ -225,7 +227,8 @@ typedef struct pdyn_neighbours {
     const double *volume;        /* points, m^3: rest volume, or area times particle spacing; 0 for
                                     a point that takes no part in sums */
     const double *boundary_x;    /* (points - particles) x 3, m */
-    /* The list of particle i in `index`: fluid particles from start[i] to surface_start[i], samples
+    /* The list of particle i in `index`: fluid particles, of all bodies that have operators, from
+     * start[i] to surface_start[i], samples
      * from there to boundary_start[i], boundary points with volumes from there to patch_start[i],
      * boundary points with areas from there to end[i]. The list of a sample has fluid particles
      * only. All five: particles. */

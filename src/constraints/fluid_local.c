@@ -11,7 +11,7 @@ struct chunk { /* the neighbours of one chunk that lie within the support */
     int index[CHUNK + 4];
     double squared[CHUNK + 4];           /* squared distance, m^2 */
     double x[CHUNK], y[CHUNK], z[CHUNK]; /* x_i - x_j, m; round_gradients: V grad W, 1/m */
-    double volume[CHUNK];                /* minus the relative volume V, see project_sample */
+    double volume[CHUNK];                /* minus the relative volume V, see project_other */
     double value[CHUNK], slope[CHUNK];   /* W times the volume of a particle; (dW/dr) / r */
 };
 
@@ -179,12 +179,10 @@ INLINE int evaluate_near(const struct fluid *f, const v4 *at, const int *list, i
 
 INLINE int chunk_of(int count, int s) { return count - s < CHUNK ? count - s : CHUNK; }
 
-/* Adds the listed points first to last - 1 to the sums. Moving neighbours are stored as pairs from
- * *front on. front NULL: boundary points, which are not stored and do not count in |grad C_i|^2. */
-INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, double reach,
-                           evaluate_fn *evaluate, struct chunk *near, int *front, struct sum *sum) {
-    const int *list = f->lists->index + first;
-    int count = last - first;
+/* Adds `count` points to the sums. Moving neighbours are stored as pairs from *front on. front
+ * NULL: boundary points, which are not stored and do not count in |grad C_i|^2. */
+INLINE void add_points(struct fluid *f, const v4 *at, const int *list, int count, double reach,
+                       evaluate_fn *evaluate, struct chunk *near, int *front, struct sum *sum) {
     double squares = sum->squares;
     for (int s = 0; s < count; s += CHUNK) {
         int inside = evaluate_near(f, at, list + s, chunk_of(count, s), reach, evaluate, near);
@@ -194,6 +192,12 @@ INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, d
         *front += inside;
     }
     if (!front) sum->squares = squares;
+}
+
+/* Adds the listed points first to last - 1. */
+INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, double reach,
+                           evaluate_fn *evaluate, struct chunk *near, int *front, struct sum *sum) {
+    add_points(f, at, f->lists->index + first, last - first, reach, evaluate, near, front, sum);
 }
 
 /* ---- energy ---------------------------------------------------------------------------------- */
@@ -229,15 +233,31 @@ INLINE double project_fluid(struct fluid *f, int i, struct chunk *near, int *fro
     return store_constraint(f, i, &sum);
 }
 
-/* Stores the pairs of sample i, which has no constraint. A pair has the sample's volume V, not that
- * of the fluid particle j, 1: at[3] - 1 = -V for at[3] = 1 - V. */
-INLINE void project_sample(struct fluid *f, int i, struct chunk *near, int *front) {
+/* own = the particles of this fluid among the listed ones from *s on, at most CHUNK; returns their
+ * number. */
+INLINE int select_own(const struct fluid *f, int *s, int last, int own[CHUNK]) {
+    int count = 0;
+    for (; *s < last && count < CHUNK; ++*s) {
+        own[count] = f->lists->index[*s];
+        count += is_fluid(f, own[count]);
+    }
+    return count;
+}
+
+/* Stores the pairs of a point i without a constraint of this operator: a sample, or a particle of
+ * another fluid. A pair has the volume V of i, not that of the fluid particle j, 1: at[3] - 1 = -V
+ * for at[3] = 1 - V. */
+INLINE void project_other(struct fluid *f, int i, struct chunk *near, int *front) {
     const pdyn_neighbours *l = f->lists;
+    bool sample = i >= l->particles - l->samples;
     struct sum sum = {0};
+    int own[CHUNK];
     v4 at;
     v4_set(&at, f->x + 4 * (size_t)i, 1.0 - f->x[4 * (size_t)i + 3]);
-    add_neighbours(f, &at, l->start[i], l->surface_start[i], l->surface_support, evaluate_surface,
-                   near, front, &sum);
+    for (int s = l->start[i], count; (count = select_own(f, &s, l->surface_start[i], own)) > 0;)
+        if (sample)
+            add_points(f, &at, own, count, l->surface_support, evaluate_surface, near, front, &sum);
+        else add_points(f, &at, own, count, l->support, evaluate_particles, near, front, &sum);
     f->pair_end[i] = *front;
     f->held[i] = f->params.stiffness * sum.members;
 }
@@ -250,7 +270,7 @@ WIDE static void project_block(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) {
         f->pair_start[i] = front;
         if (is_fluid(f, i)) energy += project_fluid(f, i, &near, &front);
-        else project_sample(f, i, &near, &front);
+        else project_other(f, i, &near, &front);
     }
     f->partial[block] = energy;
 }

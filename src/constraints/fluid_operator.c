@@ -75,13 +75,21 @@ static void set_points(struct fluid *f) {
     copy_boundary(f);
 }
 
+/* Number of listed neighbours of particle i that its pairs may be with (fluid_local.c). */
+static int count_listed(const struct fluid *f, int i) {
+    const pdyn_neighbours *l = f->lists;
+    int own = 0;
+    if (is_fluid(f, i)) return l->boundary_start[i] - l->start[i];
+    for (int s = l->start[i]; s < l->surface_start[i]; s++) own += is_fluid(f, l->index[s]);
+    return own;
+}
+
 /* Assigns each block of particles a range of pairs; returns the number of pairs. */
 static size_t place_blocks(struct fluid *f) {
-    const pdyn_neighbours *l = f->lists;
     int blocks = (f->particles + FLUID_GRAIN - 1) / FLUID_GRAIN;
     for (int b = 0; b < blocks; b++) f->block_start[b + 1] = 0;
     for (int i = 0; i < f->particles; i++)
-        f->block_start[i / FLUID_GRAIN + 1] += l->boundary_start[i] - l->start[i];
+        f->block_start[i / FLUID_GRAIN + 1] += count_listed(f, i);
     for (int b = 0; b < blocks; b++) f->block_start[b + 1] += f->block_start[b];
     return (size_t)f->block_start[blocks];
 }

@@ -1,4 +1,4 @@
-/* Solver "dual": conjugate gradients on the multipliers (pressures) of one matrix-free constraint.
+/* Solver "dual": conjugate gradients on the multipliers (pressures) of all matrix-free constraints.
  * With G the gradients of its constraints, K their stiffness and A the rest of H, the model of E is
  * minimal where
  *
@@ -43,28 +43,38 @@ enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
 static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 0.1;
 enum { MAX_COUPLED = 10 };
 
+struct part { /* the scalar constraints of one matrix-free constraint */
+    pdyn_one_sided at;
+    const pdyn_body *body;
+    int first; /* in the arrays over all of them */
+};
+
 struct dual {
     pdyn_model *model;
     bool coupled; /* there are rows or rigid bodies beside the constraints: A is not diagonal */
     bool limited; /* solves end early, because A^-1 takes many iterations: cloth or solids */
     struct rest_solve rest;
-    double *u, *rhs;       /* particles x 3: displacement by p; right side of a solve with A */
-    int products;          /* with A in this solve */
-    pdyn_one_sided at;     /* the constraints */
-    const pdyn_body *body; /* which they belong to */
+    double *u, *rhs; /* particles x 3: displacement by p; right side of a solve with A */
+    int products;    /* with A in this solve */
+    int parts;       /* matrix-free constraints of the model; theirs follow each other below */
+    struct part *part;
     int count;
     double *multiplier; /* count: lambda, kept from step to step */
-    double *g;          /* count: C + G d - lambda / k: the residual */
-    double *p, *q;      /* count: direction; S times it */
-    double *inverse;    /* count: of S's diagonal */
-    bool *in;           /* count: takes part in the solve */
-    double *d;          /* particles x 3: the displacement by the multipliers */
-    double *sums;       /* SUMS partial sums for each parallel block */
-    double target;      /* of the gradient's estimate, N */
+    double *value, *stiffness,
+        *squares;     /* count: of pdyn_one_sided; stiffness: of the damped model */
+    double *g;        /* count: C + G d - lambda / k: the residual */
+    double *p, *q;    /* count: direction; S times it */
+    double *inverse;  /* count: of S's diagonal */
+    bool *in;         /* count: takes part in the solve */
+    double *mobility; /* particles, m/N: A^-1 of a fluid alone, displacement per force */
+    double *d;        /* particles x 3: the displacement by the multipliers */
+    double *sums;     /* SUMS partial sums for each parallel block */
+    double target;    /* of the gradient's estimate, N */
 };
 
 struct call {
     struct dual *s;
+    const struct part *part;
     double scale;
     const double *in;
     double *out;
@@ -73,6 +83,9 @@ struct call {
 static void release_constraints(struct dual *s) {
     const pdyn_services *c = s->model->services;
     FREE(c, s->multiplier, s->count);
+    FREE(c, s->value, s->count);
+    FREE(c, s->stiffness, s->count);
+    FREE(c, s->squares, s->count);
     FREE(c, s->g, s->count);
     FREE(c, s->p, s->count);
     FREE(c, s->q, s->count);
@@ -86,6 +99,8 @@ static void release(void *self) {
     struct dual *s = self;
     if (!s->model) return;
     release_constraints(s);
+    FREE(s->model->services, s->part, s->parts);
+    FREE(s->model->services, s->mobility, s->model->particles);
     FREE(s->model->services, s->u, vector_size(s->model));
     FREE(s->model->services, s->rhs, vector_size(s->model));
     rest_solve_free(&s->rest);
@@ -93,8 +108,8 @@ static void release(void *self) {
 
 static int suits(const pdyn_model *model, const char **reason) {
     bool alone = !model->elements_count && !model->dynamic_count && !model->solve_bodies;
-    *reason = "one matrix-free constraint acts alone: its pressures are the unknowns";
-    if (model->one_sided_count != 1) return 0;
+    *reason = "fluids act alone: their pressures are the unknowns";
+    if (!model->one_sided_count) return 0;
     if (model->newton && alone) return 40;
     bool with_bodies = model->newton && model->solve_bodies && !model->elements_count;
     if (with_bodies) *reason = "pressures are the unknowns beside rigid bodies";
@@ -103,9 +118,12 @@ static int suits(const pdyn_model *model, const char **reason) {
 
 static pdyn_status create(void *self, pdyn_model *model) {
     struct dual *s = self;
-    s->model = model;
+    s->model = model, s->parts = model->one_sided_count;
     s->coupled = model->elements_count || model->dynamic_count || model->solve_bodies;
     s->limited = s->coupled && !(model->solve_bodies && !model->elements_count);
+    s->part = NEW(model->services, s->parts, struct part);
+    s->mobility = NEW(model->services, model->particles, double);
+    if (!s->part || !s->mobility) return PDYN_NO_MEMORY;
     if (!s->coupled) return PDYN_OK;
     s->u = NEW(model->services, vector_size(model), double);
     s->rhs = NEW(model->services, vector_size(model), double);
@@ -121,13 +139,18 @@ static pdyn_status reserve(struct dual *s, int count) {
     if (!count) return PDYN_OK;
     s->count = count;
     s->multiplier = NEW(c, count, double);
+    s->value = NEW(c, count, double);
+    s->stiffness = NEW(c, count, double);
+    s->squares = NEW(c, count, double);
     s->g = NEW(c, count, double);
     s->p = NEW(c, count, double);
     s->q = NEW(c, count, double);
     s->inverse = NEW(c, count, double);
     s->in = NEW(c, count, bool);
     s->sums = NEW(c, SUMS * (size_t)block_count(count, GRAIN), double);
-    if (s->multiplier && s->g && s->p && s->q && s->inverse && s->in && s->sums) return PDYN_OK;
+    if (s->multiplier && s->value && s->stiffness && s->squares && s->g && s->p && s->q &&
+        s->inverse && s->in && s->sums)
+        return PDYN_OK;
     release_constraints(s);
     return PDYN_NO_MEMORY;
 }
@@ -136,7 +159,7 @@ static pdyn_status reserve(struct dual *s, int count) {
 
 static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, const double *in,
                     double *out) {
-    struct call call = {s, scale, in, out};
+    struct call call = {s, NULL, scale, in, out};
     s->model->services->parallel_for(s->model->services->core, count, GRAIN, fn, &call);
 }
 
@@ -149,14 +172,29 @@ static double sum_of(const struct dual *s, int which) {
 /* fmax without its rules for NaN, which make it a function call. */
 static double larger(double a, double b) { return a > b ? a : b; }
 
-/* A^-1 of a particle of a fluid alone: its displacement per force, m/N. */
-static double mobility(const struct dual *s, int i) {
-    return 1.0 / (s->model->mass[i] / (s->model->h * s->model->h) + s->model->eps * s->at.held[i]);
+/* y += G' multiplier */
+static void add_force(struct dual *s, const double *multiplier, double *y) {
+    for (int k = 0; k < s->parts; k++)
+        s->model->force(s->model, k, multiplier + s->part[k].first, y);
 }
 
-/* Stiffness of constraint i in the damped model, N/m. */
-static double stiffness(const struct dual *s, int i) {
-    return (1.0 - s->model->eps) * s->at.stiffness[i];
+/* q = G u for the constraints in the solve */
+static void compute_rate(struct dual *s, const double *u) {
+    for (int k = 0; k < s->parts; k++) {
+        int first = s->part[k].first;
+        s->model->rate(s->model, k, s->in + first, u, s->q + first);
+    }
+}
+
+static void compute_mobility(void *arg, int first, int last, int block) {
+    (void)block;
+    struct dual *s = ((const struct call *)arg)->s;
+    const pdyn_model *model = s->model;
+    for (int i = first; i < last; i++) {
+        double held = 0.0;
+        for (int k = 0; k < s->parts; k++) held += s->part[k].at.held[i];
+        s->mobility[i] = 1.0 / (model->mass[i] / (model->h * model->h) + model->eps * held);
+    }
 }
 
 /* out = A^-1 (in - out) of a fluid alone, in: NULL for 0 */
@@ -164,7 +202,7 @@ static void apply_mobility(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
-        double m = mobility(c->s, i);
+        double m = c->s->mobility[i];
         for (int k = 3 * i; k < 3 * i + 3; k++)
             c->out[k] = c->in ? m * (c->in[k] - c->out[k]) : -m * c->out[k];
     }
@@ -190,7 +228,7 @@ static void compute_displacement(struct dual *s, const double *b, const double *
     size_t n = 3 * (size_t)s->model->particles;
     double *force = s->coupled ? s->rhs : d;
     memset(force, 0, n * sizeof *force);
-    s->model->force(s->model, 0, multiplier, force);
+    add_force(s, multiplier, force);
     if (!s->coupled) {
         for_all(s, s->model->particles, apply_mobility, 0.0, b, d);
         return;
@@ -203,7 +241,7 @@ static void compute_displacement(struct dual *s, const double *b, const double *
 static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
     size_t n = 3 * (size_t)s->model->particles;
     memset(s->rhs, 0, n * sizeof *s->rhs);
-    s->model->force(s->model, 0, multiplier, s->rhs);
+    add_force(s, multiplier, s->rhs);
     for_all(s, s->model->particles, subtract_from, 0.0, b, s->rhs);
     s->rest.model->product(s->rest.model, s->d, s->u);
     for_all(s, s->model->particles, add_scaled, -1.0, s->u, s->rhs);
@@ -213,20 +251,22 @@ static void correct_displacement(struct dual *s, const double *b, const double *
 
 /* lambda - K max(0, C): the change of the force of constraint i relative to the last local step. */
 static double multiplier_change(const struct dual *s, int i) {
-    return s->multiplier[i] - stiffness(s, i) * larger(0.0, s->at.value[i]);
+    return s->multiplier[i] - s->stiffness[i] * larger(0.0, s->value[i]);
 }
 
 static void start_constraints(void *arg, int first, int last, int block) {
     (void)block;
-    struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_one_sided *at = &s->at;
-    const pdyn_body *body = s->body;
-    for (int i = first; i < last; i++) {
-        int particle = body->first + (i < body->count ? i : 0);
-        s->in[i] = stiffness(s, i) > 0.0;
+    const struct call *c = arg;
+    struct dual *s = c->s;
+    const struct part *part = c->part;
+    const pdyn_body *body = part->body;
+    for (int k = first; k < last; k++) {
+        int i = part->first + k, particle = body->first + (k < body->count ? k : 0);
+        double w = (1.0 - s->model->eps) * part->at.stiffness[k];
+        s->value[i] = part->at.value[k], s->squares[i] = part->at.squares[k];
+        s->stiffness[i] = w, s->in[i] = w > 0.0;
         if (!s->in[i]) s->multiplier[i] = 0.0;
-        s->inverse[i] =
-            s->in[i] ? 1.0 / (1.0 / stiffness(s, i) + mobility(s, particle) * at->squares[i]) : 0.0;
+        s->inverse[i] = s->in[i] ? 1.0 / (1.0 / w + s->mobility[particle] * s->squares[i]) : 0.0;
         s->p[i] = multiplier_change(s, i);
     }
 }
@@ -235,10 +275,9 @@ static void start_constraints(void *arg, int first, int last, int block) {
 static void compute_residual(void *arg, int first, int last, int block) {
     (void)block;
     struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_one_sided *at = &s->at;
     for (int i = first; i < last; i++) {
-        s->g[i] = at->value[i] + s->q[i];
-        if (s->in[i]) s->g[i] -= s->multiplier[i] / stiffness(s, i);
+        s->g[i] = s->value[i] + s->q[i];
+        if (s->in[i]) s->g[i] -= s->multiplier[i] / s->stiffness[i];
         s->in[i] = s->in[i] && (s->multiplier[i] > 0.0 || s->g[i] > -max_room);
         s->p[i] = 0.0;
     }
@@ -249,7 +288,6 @@ static void compute_residual(void *arg, int first, int last, int block) {
 static void step_along_direction(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     struct dual *s = c->s;
-    const pdyn_one_sided *at = &s->at;
     double beyond = 0.0, all = 0.0, gradient = 0.0, gz = 0.0;
     for (int i = first; i < last; i++) {
         if (!s->in[i]) continue;
@@ -258,8 +296,8 @@ static void step_along_direction(void *arg, int first, int last, int block) {
         if (l < 0.0) beyond += l * l / D;
         all += step * step / D;
         if (l == 0.0 && g <= 0.0) continue;
-        double missing = larger(stiffness(s, i) * g, -l);
-        gradient += missing * missing * at->squares[i];
+        double missing = larger(s->stiffness[i] * g, -l);
+        gradient += missing * missing * s->squares[i];
         gz += g * g * D;
     }
     double *sums = s->sums + SUMS * block;
@@ -282,7 +320,7 @@ static void add_compliance(void *arg, int first, int last, int block) {
     struct dual *s = ((const struct call *)arg)->s;
     double gp = 0.0, pq = 0.0;
     for (int i = first; i < last; i++) {
-        s->q[i] = s->in[i] ? s->p[i] / stiffness(s, i) - s->q[i] : 0.0;
+        s->q[i] = s->in[i] ? s->p[i] / s->stiffness[i] - s->q[i] : 0.0;
         gp += s->g[i] * s->p[i], pq += s->p[i] * s->q[i];
     }
     s->sums[SUMS * block] = gp, s->sums[SUMS * block + 1] = pq;
@@ -292,7 +330,7 @@ static void add_compliance(void *arg, int first, int last, int block) {
 static void multiply(struct dual *s) {
     double *u = s->coupled ? s->u : s->d;
     compute_displacement(s, NULL, s->p, inner_tolerance, u);
-    s->model->rate(s->model, 0, s->in, u, s->q);
+    compute_rate(s, u);
     for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
 }
 
@@ -329,9 +367,15 @@ static void compute_change(void *arg, int first, int last, int block) {
 /* ---- the solve ------------------------------------------------------------------------------- */
 
 static void start(struct dual *s, const double *b) {
-    for_all(s, s->count, start_constraints, 0.0, NULL, NULL);
+    const pdyn_services *services = s->model->services;
+    for_all(s, s->model->particles, compute_mobility, 0.0, NULL, NULL);
+    for (int k = 0; k < s->parts; k++) {
+        struct call call = {.s = s, .part = &s->part[k]};
+        services->parallel_for(services->core, s->part[k].at.count, GRAIN, start_constraints,
+                               &call);
+    }
     compute_displacement(s, b, s->p, end_tolerance, s->d);
-    s->model->rate(s->model, 0, s->in, s->d, s->q);
+    compute_rate(s, s->d);
     for_all(s, s->count, compute_residual, 0.0, NULL, NULL);
     memset(s->q, 0, (size_t)s->count * sizeof *s->q);
     for_all(s, s->count, step_along_direction, 0.0, NULL, NULL);
@@ -353,10 +397,20 @@ static void iterate(struct dual *s, int max_iterations, int *iterations) {
     }
 }
 
+/* Returns the number of constraints of all parts. */
+static int find_parts(struct dual *s) {
+    int count = 0;
+    for (int k = 0; k < s->parts; k++) {
+        struct part *part = &s->part[k];
+        part->at = s->model->one_sided(s->model, k, &part->body);
+        part->first = count, count += part->at.count;
+    }
+    return count;
+}
+
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct dual *s = self;
-    s->at = s->model->one_sided(s->model, 0, &s->body);
-    pdyn_status status = reserve(s, s->at.count);
+    pdyn_status status = reserve(s, find_parts(s));
     if (status != PDYN_OK) return status;
     s->d = y;
     s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));

@@ -1,4 +1,4 @@
-/* The head of a body (see head.h). */
+/* The head of the fluids (see head.h). */
 #include "head.h"
 
 #include "projdyn/vec3.h"
@@ -33,15 +33,46 @@ static void add_body(struct heights *h, const struct scene_body *body) {
     }
 }
 
-double scene_head(const struct scene *scene, const struct scene_body *body) {
-    const double *g = scene->settings.gravity;
-    struct heights body_range = {
-        .gravity = vec3_length(g), .lowest = INFINITY, .highest = -INFINITY};
-    if (body_range.gravity == 0.0) return 0.0;
-    vec3_add(body_range.up, -1.0 / body_range.gravity, g);
-    struct heights scene_range = body_range;
-    add_body(&body_range, body);
-    for (int b = 0; b < scene->bodies; b++) add_body(&scene_range, &scene->body[b]);
-    for (int s = 0; s < scene->solids; s++) add_mesh(&scene_range, &scene->solid[s].mesh, 0.0);
-    return body_range.highest - scene_range.lowest;
+static struct heights empty_range(const double *g) {
+    struct heights h = {.gravity = vec3_length(g), .lowest = INFINITY, .highest = -INFINITY};
+    vec3_add(h.up, -1.0 / h.gravity, g);
+    return h;
+}
+
+static double lowest_point(const struct scene *scene) {
+    struct heights h = empty_range(scene->settings.gravity);
+    for (int b = 0; b < scene->bodies; b++) add_body(&h, &scene->body[b]);
+    for (int s = 0; s < scene->solids; s++) add_mesh(&h, &scene->solid[s].mesh, 0.0);
+    return h.lowest;
+}
+
+static double top_of(const struct scene *scene, const struct scene_body *body) {
+    struct heights h = empty_range(scene->settings.gravity);
+    add_body(&h, body);
+    return h.highest;
+}
+
+/* Returns the densest body of particles that reaches above a height, NULL: there is none; *top: how
+ * high that density reaches, m. */
+static const struct scene_body *densest_above(const struct scene *scene, double above,
+                                              double *top) {
+    const struct scene_body *densest = NULL;
+    for (int b = 0; b < scene->bodies; b++) {
+        const struct scene_body *body = &scene->body[b];
+        double reach = body->is_surface ? -INFINITY : top_of(scene, body);
+        if (!(reach > above) || (densest && body->rest_density < densest->rest_density)) continue;
+        bool same = densest && body->rest_density == densest->rest_density;
+        *top = same ? fmax(*top, reach) : reach;
+        densest = body;
+    }
+    return densest;
+}
+
+double scene_head(const struct scene *scene, double rest_density) {
+    double head = 0.0, top;
+    const struct scene_body *body;
+    if (vec3_length(scene->settings.gravity) == 0.0 || rest_density == 0.0) return 0.0;
+    for (double from = lowest_point(scene); (body = densest_above(scene, from, &top)); from = top)
+        head += body->rest_density / rest_density * (top - from);
+    return head;
 }

@@ -1,18 +1,20 @@
-/* The head of a body: the height from which it can fall, m, with the initial speed as additional
- * height. */
+/* The head of the fluids of a scene: the height of a column of one of them that has the largest
+ * pressure at its bottom, m. */
 #ifndef PDYN_HEAD_H
 #define PDYN_HEAD_H
 
 #include "scene.h"
 
-/* Computes the head, m; 0 without gravity. With heights along -gravity:
+/* Computes the head in a fluid of rest density rho, m; 0 without gravity, and for rho = 0. With
+ * heights z along -gravity, from the lowest point of all bodies, inlets and solids:
  *
- *     head = max over the body's initial positions and inlets (height + speed^2 / (2 |gravity|))
- *            - min over all bodies, inlets and solids (height)
+ *     top_b = max over the body's initial positions and inlets (height + speed^2 / (2 |gravity|))
+ *     head  = integral over z of (largest rest density of the bodies b with top_b > z) / rho
  *
- * rho g head is the hydrostatic pressure at the bottom of a fluid at rest and, by Bernoulli's
- * equation, the largest pressure in a steady flow that starts from the body. Heights of particles
- * include their radius; solids are at their initial placement. */
-double scene_head(const struct scene *scene, const struct scene_body *body);
+ * Of one fluid it is top - lowest point. rho g head is the hydrostatic pressure at the bottom of
+ * layers at rest and, by Bernoulli's equation, the largest pressure in a steady flow that starts
+ * from the bodies. Heights of particles include their radius; solids are at their initial
+ * placement. */
+double scene_head(const struct scene *scene, double rest_density);
 
 #endif

@@ -13,8 +13,7 @@ struct reader {
     pdyn_context *context;
     struct scene *scene;
     double particles;          /* number in all bodies so far */
-    struct scene_body *listed; /* the body whose constraints are operators on neighbour lists, or
-                                  NULL: lists are made of one body of particles */
+    struct scene_body *listed; /* the first body with an operator on neighbour lists; NULL: none */
     struct scene_body *body;   /* the current one */
     struct scene_solid *solid; /* the current one */
 };

@@ -217,10 +217,11 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
                          body->is_surface ? "a surface" : "a body of particles");
     if (type->flags & PDYN_ON_PARTICLES && body->is_surface)
         return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
-    if (needs_neighbour_lists(type) && r->listed && r->listed != body)
-        return json_fail(
-            at, "only one body may have a \"%s\" constraint; put all volumes into its \"fill\"",
-            type->name);
+    if (needs_neighbour_lists(type) && r->listed && r->listed->radius != body->radius)
+        return json_fail(at,
+                         "all fluids need the same particle radius: that of body \"%s\" is %g m, "
+                         "that of body \"%s\" %g m",
+                         r->listed->name, r->listed->radius, body->name, body->radius);
     return PDYN_OK;
 }
 
@@ -238,7 +239,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
     if (status == PDYN_OK) status = params_check_alternatives(at, type->alternatives);
     if (status != PDYN_OK) return status;
-    if (needs_neighbour_lists(type)) r->listed = body;
+    if (needs_neighbour_lists(type) && !r->listed) r->listed = body;
     constraint->params = context_array(r->context, type->params_size, 1);
     if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
     return params_read(at, type->params, body->is_surface ? &body->mesh : NULL, constraint->params);

@@ -201,25 +201,26 @@ static void forget_start(struct pdyn_sim *sim) {
 /* ---- neighbours: fluid, cloth and walls ------------------------------------------------------ */
 
 /* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
-static pdyn_status fill_volumes(struct pdyn_sim *sim, const pdyn_body *fluid, int particles,
-                                double *volume, bool *centre, bool *is_wall) {
-    double spacing = 2.0 * fluid->radius;
-    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
-        volume[i] = spacing * spacing * spacing, centre[i] = true;
+static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int particles, double *volume,
+                                bool *centre, bool *is_wall) {
+    for (int i = 0; i < sim->objective.particles; i++) {
+        centre[i] = has_neighbour_lists(sim, objective_body_of(&sim->objective, i));
+        if (centre[i]) volume[i] = spacing * spacing * spacing;
+    }
     for (int k = 0; sim->samples && k < sim->samples->count; k++)
         volume[sim->objective.particles + k] = sim->samples->rest_volume[k];
     return solid_points_compute_volumes(sim, spacing, volume + particles, is_wall);
 }
 
-static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *fluid) {
+static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
     int n = sim->objective.particles + (sim->samples ? sim->samples->count : 0);
-    double support = 4.0 * fluid->radius, skin = 0.01 * SKIN_PERCENT * support;
+    double support = 2.0 * spacing, skin = 0.01 * SKIN_PERCENT * support;
     const struct boundary_model *model = sim->scene.settings.boundary;
     double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
     bool *centre = NEW_ARRAY(sim->context, n, bool);
     bool *is_wall = NEW_ARRAY(sim->context, sim->boundary.at.count + 1, bool);
     pdyn_status status = volume && centre && is_wall
-                             ? fill_volumes(sim, fluid, n, volume, centre, is_wall)
+                             ? fill_volumes(sim, spacing, n, volume, centre, is_wall)
                              : PDYN_NO_MEMORY;
     if (status == PDYN_OK) {
         status = occlusion_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
@@ -234,7 +235,7 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, const pdyn_body *flui
                                        .volume = volume,
                                        .support = support,
                                        .is_wall = is_wall,
-                                       .surface_support = model->support * 2.0 * fluid->radius,
+                                       .surface_support = model->support * spacing,
                                        .has_volumes = model->volumes,
                                        .skin = skin,
                                        .occlusion = sim->occlusion};
@@ -282,22 +283,22 @@ static void warn_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
 }
 
 static pdyn_status find_neighbours(struct pdyn_sim *sim) {
-    const pdyn_body *fluid = sim_fluid(sim);
-    if (!fluid) return PDYN_OK;
-    double spacing = 2.0 * fluid->radius;
+    double spacing = sim_spacing(sim);
+    if (spacing == 0.0) return PDYN_OK;
     pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
                                 sim->rest, sim->scene.settings.boundary,
                                 sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
                                 spacing, &sim->samples);
-    if (status == PDYN_OK) status = create_neighbours(sim, fluid);
+    if (status == PDYN_OK) status = create_neighbours(sim, spacing);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
     live_particles_update_lists(sim);
     sim->objective.neighbours = sim->neighbours, sim->objective.samples = sim->samples;
     status = objective_build_lists(&sim->objective, sim->x);
-    if (status == PDYN_OK) warn_coincident(sim, fluid);
+    for (int b = 0; status == PDYN_OK && b < sim->bodies; b++)
+        if (has_neighbour_lists(sim, b)) warn_coincident(sim, &sim->body[b]);
     return status;
 }
 

@@ -103,11 +103,10 @@ static void climb(void *user, int i) {
 }
 
 double fluid_at_height(const struct pdyn_sim *sim, const double *at) {
-    const pdyn_body *fluid = sim_fluid(sim);
     const double *g = sim->scene.settings.gravity, size = vec3_length(g);
-    if (!sim->forces_known || !fluid || size == 0.0) return 0.0;
-    struct column c = {sim, at, {-g[0] / size, -g[1] / size, -g[2] / size}, 2.0 * fluid->radius,
-                       0.0, 0.0};
+    double spacing = sim_spacing(sim);
+    if (!sim->forces_known || spacing == 0.0 || size == 0.0) return 0.0;
+    struct column c = {sim, at, {-g[0] / size, -g[1] / size, -g[2] / size}, spacing, 0.0, 0.0};
     do {
         double x[3] = {at[0], at[1], at[2]};
         c.level = c.top;
@@ -126,10 +125,10 @@ pdyn_status pdyn_fluid_at(const pdyn_sim *sim, int count, const double *x, doubl
         if (!isfinite(x[k]))
             return context_fail(sim->context, PDYN_BAD_INPUT,
                                 "expected finite coordinates of point %d, found %g", k / 3, x[k]);
-    const pdyn_body *fluid = sim_fluid(sim);
+    double spacing = sim_spacing(sim);
     for (int k = 0; k < count; k++) {
         double value[FLUID_VALUES];
-        fluid_at_fit(sim, x + 3 * (size_t)k, fluid ? 4.0 * fluid->radius : 1.0, value);
+        fluid_at_fit(sim, x + 3 * (size_t)k, spacing > 0.0 ? 2.0 * spacing : 1.0, value);
         if (pressure) pressure[k] = value[0];
         if (velocity) memcpy(velocity + 3 * (size_t)k, value + 1, 3 * sizeof *velocity);
     }

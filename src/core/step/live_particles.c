@@ -107,16 +107,19 @@ static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *in
     return fmin(inlet->from->layers, layers_without_end(sim, inlet));
 }
 
-/* Lists the live particles of the body close to a plane `distance` in front of the inlet. */
+/* Lists the live particles of fluids close to a plane `distance` in front of the inlet. */
 static int find_near(const struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
     const struct scene_inlet *from = inlet->from;
-    const pdyn_body *body = &sim->body[inlet->body];
     double place = vec3_dot(from->layer.x, from->direction) + distance;
     double reach = min_gap * spacing_of(sim, inlet);
     int count = 0;
-    for (int i = body->first; i < body->first + body->count; i++)
-        if (sim->live->live[i] && fabs(vec3_dot(sim->x + 3 * i, from->direction) - place) < reach)
-            sim->live->near[count++] = i;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
+            if (sim->live->live[i] &&
+                fabs(vec3_dot(sim->x + 3 * i, from->direction) - place) < reach)
+                sim->live->near[count++] = i;
+    }
     return count;
 }
 

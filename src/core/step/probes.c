@@ -16,7 +16,7 @@
 typedef void measure_fn(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out);
 
 static double radius_of(const struct pdyn_sim *sim, const struct scene_probe *probe) {
-    return probe->radius > 0.0 ? probe->radius : 4.0 * sim_fluid(sim)->radius;
+    return probe->radius > 0.0 ? probe->radius : 2.0 * sim_spacing(sim);
 }
 
 static void measure_points(const struct pdyn_sim *sim, const struct scene_probe *probe,
@@ -53,20 +53,24 @@ static void measure_height(const struct pdyn_sim *sim, const struct scene_probe 
     *out = fluid_at_height(sim, probe->at.x);
 }
 
-/* The volume of the fluid in the box, and its mean velocity. */
+static bool is_fluid(const struct pdyn_sim *sim, int i) {
+    return particle_is_live(sim, i) &&
+           has_neighbour_lists(sim, objective_body_of(&sim->objective, i));
+}
+
+/* The volume of all fluids in the box, and its mean velocity. */
 static void measure_box(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
-    const pdyn_body *fluid = sim_fluid(sim);
     const double *low = probe->box.min, *high = probe->box.max;
-    double count = 0.0, sum[3] = {0};
-    for (int i = fluid->first; i < fluid->first + fluid->count; i++) {
+    double spacing = sim_spacing(sim), count = 0.0, sum[3] = {0};
+    for (int i = 0; i < sim->objective.particles; i++) {
         const double *x = sim->x + 3 * (size_t)i;
         bool inside = true;
         for (int a = 0; a < 3; a++) inside &= x[a] >= low[a] && x[a] <= high[a];
-        if (!inside || !particle_is_live(sim, i)) continue;
+        if (!inside || !is_fluid(sim, i)) continue;
         count++;
         vec3_add(sum, 1.0, sim->v + 3 * (size_t)i);
     }
-    out[0] = count * 8.0 * fluid->radius * fluid->radius * fluid->radius;
+    out[0] = count * spacing * spacing * spacing;
     for (int a = 0; a < 3; a++) out[1 + a] = count > 0.0 ? sum[a] / count : 0.0;
 }
 

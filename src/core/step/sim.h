@@ -102,11 +102,11 @@ static inline bool has_neighbour_lists(const struct pdyn_sim *sim, int b) {
     return false;
 }
 
-/* The body of particles whose constraints work on neighbour lists; NULL: none. */
-static inline const pdyn_body *sim_fluid(const struct pdyn_sim *sim) {
+/* Particle spacing of the bodies whose constraints work on neighbour lists, m; 0: there are none. */
+static inline double sim_spacing(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
-        if (has_neighbour_lists(sim, b)) return &sim->body[b];
-    return NULL;
+        if (has_neighbour_lists(sim, b)) return 2.0 * sim->body[b].radius;
+    return 0.0;
 }
 
 static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint) {

@@ -32,15 +32,19 @@ static double max_particle_speed(const struct pdyn_sim *sim, double h, double *r
     return speed + h * max_acceleration(sim);
 }
 
-/* Hydrostatic pressure at the bottom of a body at rest, Pa. */
-static double resting_pressure(const struct pdyn_sim *sim, const pdyn_body *body) {
+/* Hydrostatic pressure at the bottom of the fluids at rest, Pa, if all were the densest one. */
+static double resting_pressure(const struct pdyn_sim *sim) {
     const double *g = sim->scene.settings.gravity;
-    double low = INFINITY, high = -INFINITY;
-    for (int i = body->first; i < body->first + body->count; i++) {
-        double depth = vec3_dot(g, sim->x + 3 * i);
-        low = fmin(low, depth), high = fmax(high, depth);
+    double low = INFINITY, high = -INFINITY, density = 0.0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        density = fmax(density, body->rest_density);
+        for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++) {
+            double depth = vec3_dot(g, sim->x + 3 * i);
+            low = fmin(low, depth), high = fmax(high, depth);
+        }
     }
-    return body->rest_density * fmax(0.0, high - low);
+    return density * fmax(0.0, high - low);
 }
 
 /* The pressure below which nearly all particles of the body are, Pa: 1.3 times the eighth power
@@ -66,8 +70,7 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies && solves_fluid_alone(sim); b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->radius == 0.0) continue;
-        double pressure =
-            sim->last_h > 0.0 ? lasting_pressure(sim, body) : resting_pressure(sim, body);
+        double pressure = sim->last_h > 0.0 ? lasting_pressure(sim, body) : resting_pressure(sim);
         limit = fmin(limit, max_rearrangement * body->radius * sqrt(body->rest_density / pressure));
     }
     return limit;

@@ -25,10 +25,15 @@ static const double max_left_out = 0.3;
 
 /* ---- properties of bodies -------------------------------------------------------------------- */
 
+/* The lightest body of particles; NULL: there is none. */
 static const pdyn_body *find_fluid(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->bodies; b++)
-        if (sim->body[b].radius > 0.0) return &sim->body[b];
-    return NULL;
+    const pdyn_body *lightest = NULL;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (body->radius == 0.0) continue;
+        if (!lightest || body->rest_density < lightest->rest_density) lightest = body;
+    }
+    return lightest;
 }
 
 static double mean_edge(const pdyn_body *body) {
