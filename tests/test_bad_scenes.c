@@ -330,10 +330,10 @@ static const struct {
      "found true"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX
           "}]}, 'constraints': [{'type': 'fluid'}]},\n"
-          "  {'particles': {'radius': 0.1, 'fill': [{'box': " BOX
+          "  {'particles': {'radius': 0.2, 'fill': [{'box': " BOX
           "}]}, 'constraints': [{'type': 'fluid'}]}"),
-     "scene.json:3:124: bodies[1].constraints[0].type: only one body may have a \"fluid\" "
-     "constraint; put all volumes into its \"fill\""},
+     "scene.json:3:124: bodies[1].constraints[0].type: all fluids need the same particle radius: "
+     "that of body \"body0\" is 0.1 m, that of body \"body1\" 0.2 m"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}, 'constraints': {}}"),
      "scene.json:2:114: bodies[0].constraints: expected an array of constraints, found an "
      "object"},

@@ -25,6 +25,10 @@
 #define SHEET_BELOW                                                                                \
     ", {'surface': {'grid': {'size': [1, 1], 'vertices': [3, 3]}, 'translate': [0, -0.3, 0], "     \
     "'area_density': 1}}]"
+#define SECOND(low, high, density)                                                                 \
+    ", {'particles': {'rest_density': " density                                                    \
+    ", 'radius': 0.01, 'fill': [{'box': {'minimum': [0, " low ", 0], 'maximum': [0.16, " high      \
+    ", 0.16]}}]}, 'constraints': [{'type': 'fluid'}]}]"
 #define TANK(floor)                                                                                \
     "], 'solids': [{'box': {'minimum': [0, " floor                                                 \
     ", 0], 'maximum': [0.16, 9, 0.16]}, 'open': ['+y']}]"
@@ -69,6 +73,10 @@ static const struct {
     /* water that falls to a floor; to a sheet */
     {FLUID(BLOCK, C, TANK("-0.5")), 0.02, 1000, 9.81, 0.9, 0.002, 0},
     {FLUID(BLOCK, C, SHEET_BELOW), 0.02, 1000, 9.81, 0.7, 0.002, 0},
+    /* under a lighter and under a heavier fluid, beside a lighter one */
+    {FLUID(BLOCK, C, SECOND("0.4", "0.6", "800")), 0.02, 1000, 9.81, 0.4 + 0.16, 0.002, 0},
+    {FLUID(BLOCK, C, SECOND("0.4", "0.6", "2000")), 0.02, 1000, 9.81, 1.2, 0.002, 0},
+    {FLUID(BLOCK, C, SECOND("0", "0.2", "800")), 0.02, 1000, 9.81, 0.4, 0.002, 0},
     /* a drop above a tank, at rest and with 4 m/s; a jet of 3 m/s in a box */
     {FLUID(DROP("[0, 0, 0]"), C, TANK("0")), 0.02, 1000, 9.81, 0.9, 0.002, 0},
     {FLUID(DROP("[0, 4, 0]"), C, TANK("0")), 0.02, 1000, 9.81, 0.9 + 16 / 19.62, 0.002, 0},

@@ -34,14 +34,15 @@ static pdyn_context *context_of_both(int threads) {
 
 /* Two constraints of half the stiffness are one of the whole. */
 static void test_two(void **state) {
-    (void)state;
     static const char *const scene[] = {
         WATER("{\"type\": \"fluid\", \"stiffness\": 2000, \"viscosity\": 0}"),
         WATER("{\"type\": \"fluid\", " HALF "}, {\"type\": \"twin\", " HALF "}"),
         WATER("{\"type\": \"twin\", " HALF "}, {\"type\": \"fluid\", " HALF "}")};
+    const char *const set = *state;
     pdyn_context *context = context_of_both(2);
     pdyn_sim *sim[3];
-    for (int k = 0; k < 3; k++) sim[k] = test_load(context, scene[k]);
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(pdyn_load_text(context, scene[k], "two", &set, 1, &sim[k]), PDYN_OK);
     int n = sim[0]->objective.particles;
     assert_true(sim[1]->objective.batches == 2 && sim[1]->anchored);
     for (int step = 0; step < 10; step++)
@@ -58,22 +59,9 @@ static void test_two(void **state) {
     pdyn_destroy(context);
 }
 
-/* The multipliers of the dual solver are those of one operator. */
-static void test_solver(void **state) {
-    (void)state;
-    pdyn_context *context = context_of_both(1);
-    pdyn_sim *sim = NULL;
-    const char *const set = "solver.type=auto";
-    assert_int_equal(pdyn_load_text(context,
-                                    WATER("{\"type\": \"fluid\"}, {\"type\": \"twin\", " HALF "}"),
-                                    "two", &set, 1, &sim),
-                     PDYN_OK);
-    assert_string_equal(pdyn_solver_type(sim), "cg");
-    pdyn_free(sim);
-    pdyn_destroy(context);
-}
-
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_two), cmocka_unit_test(test_solver)};
+    static const char *const solver[] = {"solver.type=cg", "solver.type=dual"};
+    const struct CMUnitTest tests[] = {cmocka_unit_test_prestate(test_two, (void *)solver[0]),
+                                       cmocka_unit_test_prestate(test_two, (void *)solver[1])};
     return cmocka_run_group_tests_name("operators", tests, NULL, NULL);
 }
