@@ -12,14 +12,16 @@
 
 /* ---- parts of a setting ---------------------------------------------------------------------- */
 
-/* Multiplies a fluid's viscosity by the factor on the step length h, at most to 1: the kinematic
- * viscosity is proportional to viscosity / h and must not change. */
+/* Multiplies the viscosity of fluids by the factor on the step length h, at most to 1: the
+ * kinematic viscosity is proportional to viscosity / h and must not change. */
 static void scale_viscosity(struct setting *setting, const json_t *scene, double factor) {
-    size_t body, k;
-    const json_t *fluid = scene_fluid(scene, &body, &k);
-    if (fluid && factor != 1.0)
-        setting_add(setting, "bodies.%zu.constraints.%zu.viscosity=%.9g", body, k,
-                    fmin(1.0, factor * scene_viscosity(fluid)));
+    size_t k;
+    for (size_t b = 0; b < json_array_size(json_object_get(scene, "bodies")); b++) {
+        const json_t *fluid = scene_fluid(scene, b, &k);
+        if (fluid)
+            setting_add(setting, "bodies.%zu.constraints.%zu.viscosity=%.9g", b, k,
+                        fmin(1.0, factor * scene_viscosity(fluid)));
+    }
 }
 
 /* Multiplies the step length by a factor. Defaults for missing keys are those of

@@ -40,11 +40,11 @@ static bool has_numbered_pins(const json_t *body) {
 
 /* ---- overrides ------------------------------------------------------------------------------- */
 
-/* Overrides of stiffness and viscosity, if the scene's fluid is on body b. */
+/* Overrides of stiffness and viscosity, if body b is a fluid. */
 static void coarsen_fluid(const json_t *scene, size_t b, double factor, struct setting *replica) {
-    size_t body, k;
-    const json_t *fluid = scene_fluid(scene, &body, &k);
-    if (!fluid || body != b) return;
+    size_t k;
+    const json_t *fluid = scene_fluid(scene, b, &k);
+    if (!fluid) return;
     if (!json_object_get(fluid, "compression") && !json_object_get(fluid, "sound_speed"))
         setting_add(replica, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
                     factor * scene_stiffness(fluid));

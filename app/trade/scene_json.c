@@ -26,16 +26,15 @@ double scene_number(const json_t *object, const char *key, double fallback) {
     return json_is_number(value) ? json_number_value(value) : fallback;
 }
 
-const json_t *scene_fluid(const json_t *scene, size_t *body, size_t *constraint) {
-    json_t *one, *c;
-    size_t b, k;
-    json_array_foreach(json_object_get(scene, "bodies"), b, one) {
-        json_array_foreach(json_object_get(one, "constraints"), k, c) {
-            const char *type = json_string_value(json_object_get(c, "type"));
-            if (!type || strcmp(type, "fluid") != 0) continue;
-            *body = b, *constraint = k;
-            return c;
-        }
+const json_t *scene_fluid(const json_t *scene, size_t body, size_t *constraint) {
+    const json_t *owner = json_array_get(json_object_get(scene, "bodies"), body);
+    json_t *c;
+    size_t k;
+    json_array_foreach(json_object_get(owner, "constraints"), k, c) {
+        const char *type = json_string_value(json_object_get(c, "type"));
+        if (!type || strcmp(type, "fluid") != 0) continue;
+        *constraint = k;
+        return c;
     }
     return NULL;
 }

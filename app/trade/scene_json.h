@@ -13,9 +13,8 @@ int scene_json(const struct scene_options *scene, json_t **json);
 /* Number under a key; `fallback` if the object is NULL or has no number under this key. */
 double scene_number(const json_t *object, const char *key, double fallback);
 
-/* First fluid constraint of the scene, at bodies.BODY.constraints.CONSTRAINT; NULL if there is
- * none. */
-const json_t *scene_fluid(const json_t *scene, size_t *body, size_t *constraint);
+/* The fluid constraint of a body, at bodies.BODY.constraints.CONSTRAINT; NULL if there is none. */
+const json_t *scene_fluid(const json_t *scene, size_t body, size_t *constraint);
 /* Viscosity and stiffness of a fluid, or their defaults (docs/guide/scene.md). */
 double scene_viscosity(const json_t *fluid);
 double scene_stiffness(const json_t *fluid);
