@@ -8,8 +8,12 @@ const maps = {
   vik: ["001261", "033e7d", "1e6f9d", "71a8c4", "c9dde7", "eacebd", "d39774", "be6533", "8b2706", "590007"],
 };
 
-/* Colours of sheets, and of bodies with a volume and particles that are no fluid, sRGB. */
-const palette = { sheet: ["e0c9a4", "d98e73", "a9b79a", "c3a3b5"], solid: ["c4553b", "d9a04a", "7c5c86", "6f8f5a"] };
+/* Colours of sheets, of bodies with a volume and particles that are no fluid, and of the particles of several fluids,
+ * sRGB. water.js has as many liquids. */
+const palette = {
+  sheet: ["e0c9a4", "d98e73", "a9b79a", "c3a3b5"], solid: ["c4553b", "d9a04a", "7c5c86", "6f8f5a"],
+  liquid: ["3d8fb5", "d9a93a", "9c3350"],
+};
 const clay = "bdb7ae";
 
 const channels = {

@@ -3,14 +3,15 @@
 const dropText = `${ballHead}
 uniform sampler2D scene, map, cover;
 uniform vec2 window;
-uniform float mapped;
+uniform float mapped, liquid;
 out vec4 result;
 /* Light from behind. n: normal in eye space; nothing in front of the drop is taken for what is behind */
 vec3 behind(vec3 n, float z) {
   vec2 here = gl_FragCoord.xy / window, scale = vec2(projection[0][0], projection[1][1]);
   vec2 there = clamp(here + 1.25 * r * n.xy * scale / z, vec2(0.002), vec2(0.998));
   vec3 colour = texture(scene, eyeDepth(texture(sceneDepth, there).r) < z ? there : here).rgb;
-  return colour * colour * vec3(0.68, 0.88, 0.95) * mix(1.0, 0.35, power4(1.0 - n.z * n.z));
+  vec3 tint = liquid > 1.5 ? vec3(0.9, 0.62, 0.7) : liquid > 0.5 ? vec3(0.95, 0.86, 0.6) : vec3(0.68, 0.88, 0.95);
+  return colour * colour * tint * mix(1.0, 0.35, power4(1.0 - n.z * n.z));
 }
 void main() {
   vec2 d = 2.0 * gl_PointCoord - 1.0;
@@ -36,7 +37,7 @@ class Drops {
     const gl = this.gl;
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ZERO, gl.ONE);
-    for (const body of bodies) body.draw(this.program, values);
+    for (const body of bodies) body.draw(this.program, { ...values, liquid: body.liquid });
     gl.disable(gl.BLEND);
   }
 }

@@ -86,8 +86,12 @@ class Renderer {
   }
   tintBodies() {
     const isSheet = (shape) => shape instanceof Surface && !shape.closed;
-    const shapes = this.parts.filter((shape) => !shape.part.fluid);
-    for (const [kind, colours] of Object.entries(palette))
+    const shapes = this.parts.filter((shape) => !shape.part.fluid), fluids = this.parts.filter((shape) => shape.part.fluid);
+    fluids.forEach((shape, k) => {
+      shape.liquid = k % palette.liquid.length;
+      if (fluids.length > 1) shape.tint = linearColour(palette.liquid[shape.liquid]);
+    });
+    for (const [kind, colours] of [["sheet", palette.sheet], ["solid", palette.solid]])
       shapes.filter((shape) => isSheet(shape) === (kind === "sheet"))
         .forEach((shape, k) => { shape.tint = linearColour(colours[k % colours.length]); });
   }
@@ -127,7 +131,7 @@ class Renderer {
     for (const shape of sorted.water) shape.draw(this.balls.shadow, low, !soft);
   }
   ballLook(shape) {
-    const plain = shape.solid || !shape.part.fluid && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
+    const plain = shape.solid || shape.tint && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
     return { plain, map: this.maps[channels[fluidChannel()].map], shrink: 0 };
   }
   surfaceLook(shape) {

@@ -1,7 +1,8 @@
 /* Fluids as a smooth surface, in screen space:
  *   depth     nearest point of the balls around the particles at each pixel (eye-space z)
  *   smooth    bilateral filter across and down, twice, then along both diagonals
- *   thickness volumes of the particles, spread over wider discs; the channel's value near the surface
+ *   thickness volumes of the particles, spread over wider discs; near the surface the channel's value, or the
+ *             number of the fluid's colour
  *   normals   from differences of the smooth depth
  *   compose   refraction, absorption, reflection
  * Balls have 1.5 particle radii where the fluid is dense, so that no gaps stay between them, and less at its rims.
@@ -61,6 +62,7 @@ void main() {
 uniform sampler2D depths;
 uniform vec2 window;
 uniform float parts; /* particles that this one stands for */
+uniform float mapped, liquid; /* liquid: number of the fluid's colour */
 out vec4 result;
 void main() {
   vec2 d = 2.0 * gl_PointCoord - 1.0, uv = gl_FragCoord.xy / window;
@@ -68,7 +70,7 @@ void main() {
   if (bell < 0.0 || centre.z < eyeDepth(texture(sceneDepth, uv).r)) discard;
   float front = texture(depths, uv).r, volume = 8.0 * radius * radius * radius;
   float weight = bell * power4(max(0.0, 1.0 - 0.25 * max(0.0, front - centre.z) / radius));
-  result = vec4(parts * volume / (0.25 * 3.14159 * r * r) * bell * bell * 0.75, weight * shade, weight, 0);
+  result = vec4(parts * volume / (0.25 * 3.14159 * r * r) * bell * bell * 0.75, weight * (mapped > 0.0 ? shade : liquid), weight, 0);
 }`,
   normals: `
 in vec2 uv;
@@ -123,11 +125,16 @@ vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   vec2 there = clamp(uv - 0.16 * slope * length * scale / -z, vec2(0.002), vec2(0.998));
   return eyeDepth(texture(sceneDepth, there).r) < z ? there : uv;
 }
-/* Light from behind that passes the water, and light that the water scatters. */
-vec3 bodyColour(vec2 there, float thickness, vec3 light) {
-  vec3 x = thickness / clear * vec3(2.2, 0.75, 0.45), behind = texture(scene, there).rgb;
+/* What liquids absorb, per "clear", and scatter: water, oil, wine. */
+const vec3 absorbed[3] = vec3[](vec3(2.2, 0.75, 0.45), vec3(0.5, 1.1, 4.0), vec3(0.9, 3.2, 2.2));
+const vec3 scattered[3] = vec3[](vec3(0.012, 0.11, 0.19), vec3(0.42, 0.25, 0.02), vec3(0.22, 0.015, 0.04));
+/* Light from behind that passes the liquid, and light that it scatters. kind: its number, or one between two */
+vec3 bodyColour(vec2 there, float thickness, float kind, vec3 light) {
+  int k = int(min(kind, 1.0));
+  float part = clamp(kind - float(k), 0.0, 1.0);
+  vec3 x = thickness / clear * mix(absorbed[k], absorbed[k + 1], part), behind = texture(scene, there).rgb;
   vec3 pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
-  return behind * behind * pass + vec3(0.012, 0.11, 0.19) * light * (1.0 - pass);
+  return behind * behind * pass + mix(scattered[k], scattered[k + 1], part) * light * (1.0 - pass);
 }
 /* lit: share of the lamp's light, whose highlight is left out where the water is uneven */
 vec3 mirrored(vec3 n, vec3 toEye, float lit) {
@@ -152,7 +159,8 @@ void main() {
   vec4 sums = texture(thick, there);
   float lit = unshaded(shadowMap, inLampView(p, n));
   vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
-  vec3 body = mapped > 0.0 ? mapColour(map, sums.g / max(sums.b, 1e-4)) * light : bodyColour(there, sums.r, light);
+  float value = sums.g / max(sums.b, 1e-4);
+  vec3 body = mapped > 0.0 ? mapColour(map, value) * light : bodyColour(there, sums.r, value, light);
   float shine = smoothstep(0.0, 2.0 * radius, sums.r) * mean.z * (mapped > 0.0 ? 0.35 : 1.0);
   float opacity = smoothstep(0.2, 0.7, s.a) * smoothstep(0.3 * radius, 1.2 * radius, texture(thick, uv).r);
   result.rgb = mix(result.rgb, encode(body + shine * mirrored(n, toEye, lit * power4(mean.z))), opacity);
@@ -198,7 +206,7 @@ class Water {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
     for (const body of bodies)
-      body.draw(this.programs.thickness, { ...own, shrink: sparse ? 2.2 : 1.7, parts: sparse ? 4 : 1 }, sparse);
+      body.draw(this.programs.thickness, { ...own, liquid: body.liquid, shrink: sparse ? 2.2 : 1.7, parts: sparse ? 4 : 1 }, sparse);
     gl.disable(gl.BLEND);
   }
   /* Draws the passes before compose at a size in pixels. stage: called after each with its name */
