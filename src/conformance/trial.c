@@ -84,6 +84,12 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
     "\"particles\": {\"radius\": " radius ", \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"        \
     " \"maximum\": [0.41, 0.31, 0.31]}}]}"
 
+/* Beside the checked body, with the same constraint: bodies on the same neighbour lists. */
+#define BESIDE(radius)                                                                             \
+    ", {\"name\": \"beside\", \"particles\": {\"radius\": " radius ", \"rest_density\": 500,"      \
+    " \"fill\": [{\"box\": {\"minimum\": [0.4, 0, 0], \"maximum\": [0.61, 0.31, 0.31]}}]},"        \
+    " \"constraints\": [{\"type\": \"%s\"%s}]}"
+
 #define BLOCK(cells)                                                                               \
     "\"volume\": {\"grid\": {\"size\": [0.4, 0.2, 0.3], \"cells\": " cells "},"                    \
     " \"rotate\": [20, 30, 10], \"density\": 300}"
@@ -105,14 +111,16 @@ void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_ki
     static const char *const effort[SIZES] = {
         "\"linear_tolerance\": 1e-12, \"tolerance\": 1e-6, \"linear_iterations\": 100000",
         "\"linear_iterations\": 20, \"outer_iterations\": 2"};
+    static const char *const besides[SIZES] = {BESIDE("0.05"), BESIDE("0.0125")};
     const char *first = kind == PARTICLES && !needs_other(type) ? drops[size] : OTHER;
-    char params[2048] = "";
+    char params[1024] = "", beside[1536] = "";
     write_params(params, sizeof params, type);
+    if (type->matrix_free) snprintf(beside, sizeof beside, besides[size], type->name, params);
     snprintf(text, 4096,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
              " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
-             " \"bodies\": [%s, {\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}]}",
-             solver, step, effort[size], first, bodies[kind][size], type->name, params);
+             " \"bodies\": [%s, {\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}%s]}",
+             solver, step, effort[size], first, bodies[kind][size], type->name, params, beside);
 }
 
 /* ---- trials ---------------------------------------------------------------------------------- */
