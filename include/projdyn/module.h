@@ -72,10 +72,10 @@ typedef struct pdyn_scene_info {
     double gravity[3];   /* m/s^2 */
     double radius;       /* m, of the body's particles; 0 for a surface */
     double rest_density; /* kg/m^3, of the body's particles; 0 for a surface */
-    double head;         /* m: rest_density |gravity| head is the largest pressure of all fluids of
-                            the scene at rest; 0 without gravity and for a surface. Of one fluid: the
-                            maximum of height + speed^2 /         (2 |gravity|) over it at its start; height is
-                            measured along gravity         from the lowest point of all bodies and solids */
+    double head;         /* m: the maximum of height + speed^2 / (2 |gravity|) over the body at its
+                            start; height is measured along gravity from the lowest point of all
+                            bodies and solids. Beside other fluids: so that rest_density |gravity|
+                            head is the largest pressure of all at rest. 0 without gravity */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {
@@ -227,11 +227,10 @@ typedef struct pdyn_neighbours {
     const double *volume;        /* points, m^3: rest volume, or area times particle spacing; 0 for
                                     a point that takes no part in sums */
     const double *boundary_x;    /* (points - particles) x 3, m */
-    /* The list of particle i in `index`: fluid particles, of all bodies that have operators, from
-     * start[i] to surface_start[i], samples
-     * from there to boundary_start[i], boundary points with volumes from there to patch_start[i],
-     * boundary points with areas from there to end[i]. The list of a sample has fluid particles
-     * only. All five: particles. */
+    /* The list of particle i in `index`: fluid particles, those of all bodies with operators, from
+     * start[i] to surface_start[i], samples from there to boundary_start[i], boundary points with
+     * volumes from there to patch_start[i], boundary points with areas from there to end[i]. The
+     * list of a sample has fluid particles only. All five: particles. */
     const int *start, *surface_start, *boundary_start, *patch_start, *end;
     const int *index;           /* numbers of points */
     const double *granted;      /* particles: C may exceed 0 by this; NULL: by nothing */

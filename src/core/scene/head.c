@@ -1,4 +1,4 @@
-/* The head of the fluids (see head.h). */
+/* The head of a body (see head.h). */
 #include "head.h"
 
 #include "projdyn/vec3.h"
@@ -68,11 +68,13 @@ static const struct scene_body *densest_above(const struct scene *scene, double 
     return densest;
 }
 
-double scene_head(const struct scene *scene, double rest_density) {
+double scene_head(const struct scene *scene, const struct scene_body *body) {
     double head = 0.0, top;
-    const struct scene_body *body;
-    if (vec3_length(scene->settings.gravity) == 0.0 || rest_density == 0.0) return 0.0;
-    for (double from = lowest_point(scene); (body = densest_above(scene, from, &top)); from = top)
-        head += body->rest_density / rest_density * (top - from);
+    const struct scene_body *dense;
+    if (vec3_length(scene->settings.gravity) == 0.0) return 0.0;
+    double from = lowest_point(scene);
+    if (body->is_surface) return top_of(scene, body) - from;
+    for (; (dense = densest_above(scene, from, &top)); from = top)
+        head += dense->rest_density / body->rest_density * (top - from);
     return head;
 }

@@ -55,7 +55,7 @@ static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                            const struct scene_body *body, const struct scene_constraint *c) {
     pdyn_scene_info info = {.radius = body->radius,
                             .rest_density = body->rest_density,
-                            .head = scene_head(r->scene, body->rest_density)};
+                            .head = scene_head(r->scene, body)};
     memcpy(info.gravity, r->scene->settings.gravity, sizeof info.gravity);
     pdyn_param_fault fault = c->type->resolve(c->params, &info);
     if (!fault.message) return PDYN_OK;

@@ -102,7 +102,8 @@ static inline bool has_neighbour_lists(const struct pdyn_sim *sim, int b) {
     return false;
 }
 
-/* Particle spacing of the bodies whose constraints work on neighbour lists, m; 0: there are none. */
+/* Particle spacing of the bodies whose constraints work on neighbour lists, m; 0: there are none.
+ */
 static inline double sim_spacing(const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         if (has_neighbour_lists(sim, b)) return 2.0 * sim->body[b].radius;
