@@ -201,8 +201,8 @@ static pdyn_sim *load_wave(pdyn_context *context, const struct wave *w, const ch
                 fill[1], "'compression': 1e-3", w->length * d, (2 * w->depth + 10) * d, THICK * d);
 }
 
-/* From k times the amplitude = 0.4 to 0.8: the growth rate, 1/s. Speed of the bubble, m/s, while it
- * rises from 0.2 to 0.5 wave lengths above the level. */
+/* The rate n of a growth cosh(n t) from 2 to 4 times the amplitude at the start, 1/s, and the speed
+ * of the bubble, m/s, while it rises from 0.2 to 0.5 wave lengths above the level. */
 static void measure_wave(pdyn_context *context, const struct wave *w, const char *directory,
                          double seconds, double density) {
     pdyn_sim *sim = load_wave(context, w, directory, density);
@@ -221,7 +221,8 @@ static void measure_wave(pdyn_context *context, const struct wave *w, const char
         }
     }
     fclose(csv);
-    double rate = log(2.0) / (grown[1] - grown[0]), speed = 0.3 * length / (passed[1] - passed[0]);
+    double rate = (acosh(4.0) - acosh(2.0)) / (grown[1] - grown[0]),
+           speed = 0.3 * length / (passed[1] - passed[0]);
     double expected = sqrt(atwood * g * k * tanh(k * level));
     double terminal = sqrt(2.0 * atwood / (1.0 + atwood) * g / (3.0 * k));
     printf("| %g | %d | %.2f | %.2f | %+.0f %% | %.3f | %.3f | %+.0f %% |\n", water / density,

@@ -89,9 +89,9 @@ static void test_layers(void **state) {
     pdyn_sim *sim = test_load(context, layers);
     double in_oil = 0.0, in_water = 0.0, states = 0.0;
     assert_string_equal(pdyn_solver_type(sim), "dual");
-    while (pdyn_time(sim) < 0.4) {
+    while (pdyn_time(sim) < 0.3) {
         test_step(context, sim);
-        if (pdyn_time(sim) < 0.2) continue;
+        if (pdyn_time(sim) < 0.15) continue;
         in_oil += mean_pressure(sim, 0.26, 0.34), in_water += mean_pressure(sim, 0.06, 0.14);
         states++;
     }
