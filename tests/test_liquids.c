@@ -175,6 +175,22 @@ static void test_inlets(void **state) {
     pdyn_destroy(context);
 }
 
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+static void test_memory(void **state) {
+    (void)state;
+    struct counter counter;
+    pdyn_context *context = test_counting_context(2, &counter);
+    pdyn_sim *sim = test_load(context, drops);
+    for (int step = 0; step < 60; step++) test_step(context, sim);
+    long before = counter.calls;
+    for (int step = 0; step < 10; step++) test_step(context, sim);
+    assert_int_equal(counter.calls, before);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_failing_scene(SOLVED(HALVES, "dual"));
+}
+
 /* ---- bits ------------------------------------------------------------------------------------ */
 
 /* Two liquids, a sheet between them, a moving solid. */
@@ -223,9 +239,10 @@ static void test_bits(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_halves), cmocka_unit_test(test_layers),
-                                       cmocka_unit_test(test_momentum),
-                                       cmocka_unit_test(test_inlets), cmocka_unit_test(test_bits)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_halves),   cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_momentum), cmocka_unit_test(test_inlets),
+        cmocka_unit_test(test_bits),     cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests_name("liquids", tests, test_enter_directory,
                                        test_leave_directory);
 }
