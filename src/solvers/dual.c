@@ -60,16 +60,17 @@ struct dual {
     struct part *part;
     int count;
     double *multiplier; /* count: lambda, kept from step to step */
-    double *value, *stiffness,
-        *squares;     /* count: of pdyn_one_sided; stiffness: of the damped model */
-    double *g;        /* count: C + G d - lambda / k: the residual */
-    double *p, *q;    /* count: direction; S times it */
-    double *inverse;  /* count: of S's diagonal */
-    bool *in;         /* count: takes part in the solve */
-    double *mobility; /* particles, m/N: A^-1 of a fluid alone, displacement per force */
-    double *d;        /* particles x 3: the displacement by the multipliers */
-    double *sums;     /* SUMS partial sums for each parallel block */
-    double target;    /* of the gradient's estimate, N */
+    double *value;      /* count: C at the last local step */
+    double *stiffness;  /* count: K of the damped model, N/m */
+    double *squares;    /* count: |grad C|^2 */
+    double *g;          /* count: C + G d - lambda / k: the residual */
+    double *p, *q;      /* count: direction; S times it */
+    double *inverse;    /* count: of S's diagonal */
+    bool *in;           /* count: takes part in the solve */
+    double *mobility;   /* particles, m/N: A^-1 of a fluid alone, displacement per force */
+    double *d;          /* particles x 3: the displacement by the multipliers */
+    double *sums;       /* SUMS partial sums for each parallel block */
+    double target;      /* of the gradient's estimate, N */
 };
 
 struct call {
