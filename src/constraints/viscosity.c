@@ -47,7 +47,7 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
         for (int k = l->start[i]; k < l->surface_start[i]; k++) {
             int j = l->index[k];
             double u[3];
-            if (j <= i) continue;
+            if (j <= i || j >= b->body->first + b->body->count) continue;
             vec3_subtract(u, x + 3 * (size_t)i, x + 3 * (size_t)j);
             double distance = vec3_length(u);
             if (distance >= l->support || count++ >= room) continue;
