@@ -299,6 +299,18 @@ static const struct {
     {CLOTH("{'type': 'fluid'}"),
      "scene.json:3:27: bodies[0].constraints[0].type: \"fluid\" works on a body of "
      "particles, found a surface"},
+    {CLOTH("{'type': 'surface_tension', 'tension': 0.07}"),
+     "scene.json:3:27: bodies[0].constraints[0].type: \"surface_tension\" works on a body of "
+     "particles, found a surface"},
+    {FLUID("{'type': 'surface_tension'}"),
+     "scene.json:3:18: bodies[0].constraints[0].tension: missing, expected a number from "
+     "0 to 1000 N/m"},
+    {FLUID("{'type': 'surface_tension', 'tension': -1}"),
+     "scene.json:3:57: bodies[0].constraints[0].tension: expected a number from 0 to 1000 N/m, "
+     "found -1"},
+    {FLUID("{'type': 'surface_tension', 'tension': 1, 'contact_angle': 200}"),
+     "scene.json:3:77: bodies[0].constraints[0].contact_angle: expected a number from 0 to 180 "
+     "degrees, found 200"},
     {FLUID("{'type': 'bending'}"),
      "scene.json:3:27: bodies[0].constraints[0].type: \"bending\" works on a surface, "
      "found a body of particles"},

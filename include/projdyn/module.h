@@ -179,6 +179,8 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     /* The integrator: h above is the effective length of a step of this length, s, and `begin` gets
      * x^ = x_n + extrapolation (x_n - x_(n-1)). Implicit Euler: h and 0. */
     double length, extrapolation;
+    void *scratch;                            /* particles of the body x scratch_size: free for
+                                                 `update` to use, not kept */
 } pdyn_batch;
 
 /* ---- saved states ---------------------------------------------------------------------------- */
@@ -345,6 +347,7 @@ typedef struct pdyn_constraint_type {
      * PDYN_EVERY_ITERATION excludes begin. NULL: the elements stay the same. */
     int (*update)(const void *params, const pdyn_batch *batch, const double *x, const double *v,
                   int room);
+    size_t scratch_size; /* bytes of `scratch` per particle of the body. Only with `update`. */
     /* Rows of each element and entries of each row. Where this differs between elements, row_sizes
      * returns it instead. A row without entries has no effect. */
     int rows, width;

@@ -58,11 +58,15 @@ static bool is_filled(const struct guarded *g, int array, int first) {
     return true;
 }
 
-/* Calls update with room for half of the elements that core found, and for all of them. */
+/* Calls update with room for half of the elements that core found, and for all of them, with
+ * neighbour lists that are complete where it is called. */
 static void call_update(struct check *check, struct guarded *g, const struct trial *trial) {
     const struct batch *b = g->from;
     bool always = b->type->flags & PDYN_EVERY_ITERATION;
     int n = b->view.elements, room[] = {n / 2, n};
+    const double *all;
+    if (objective_ensure_lists(&trial->sim->objective, always ? trial->x : trial->sim->x, &all))
+        fault(check, "no memory for neighbour lists");
     for (int k = 0; k < 2; k++) {
         guarded_fill(g, 1u << DATA | 1u << KEY, 0, n, 0xA5);
         int count = b->type->update(b->params, &g->view, always ? trial->x : trial->sim->x,

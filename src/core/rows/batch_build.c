@@ -167,5 +167,7 @@ void batch_free(struct batch *b) {
     row_memory_free(c, &b->memory, b->type->memory_size);
     linear_rows_free(b->linear);
     FREE_ARRAY(c, b->touch_start, b->touch_count + 2);
+    if (b->view.scratch)
+        context_resize(c, b->view.scratch, (size_t)b->view.body->count * b->type->scratch_size, 0);
     FREE_ARRAY(c, b, 1);
 }

@@ -16,7 +16,8 @@ static pdyn_status make_index(struct batch *b) {
     }
     b->touch_first = low, b->touch_count = high - low;
     b->touch_start = NEW_ARRAY(b->context, b->touch_count + 2, int);
-    return b->touch_start ? PDYN_OK : PDYN_NO_MEMORY;
+    b->view.scratch = context_array(b->context, b->view.body->count, b->type->scratch_size);
+    return b->touch_start && (b->view.scratch || !b->type->scratch_size) ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 /* New arrays; what the elements had is lost. */

@@ -1,0 +1,238 @@
+/* Surface tension and contact angle of a fluid: springs between the particles of its surface.
+ *
+ * The area of a surface is at most half the integral of |grad x|^2 over the surface where it was
+ * when the step began, with equality there (Dziuk 1991); the tension times that integral is the
+ * energy of springs of rest length 0 between neighbours on the surface (Belkin and Niyogi 2008):
+ *
+ *     E = sum over pairs w_ij/2 |x_i - x_j|^2
+ *     w_ij = b_ij/2 (s_i a_j + s_j a_i),   s_i = 4 A tension a_i / sum_j b_ij a_j r_ij^2
+ *     a_i = 2 V |n_i|,   n_i = sum_j V grad W(x_i - x_j),   b = q^3 (1 - q)^2,  q = r / 2d
+ *
+ * a_i is the surface's area at particle i (Brackbill, Kothe and Zemach 1992). The sum of w r^2 over
+ * pairs is 2 A tension times the area, whatever b is. Weights are those of the beginning of the
+ * step. Walls count as fluid in n_i, so the surface meets them at a right angle; other angles are
+ * springs that pull the particles of the contact line along the wall (Young 1805).
+ * docs/theory/surface-tension.md */
+#include "fluid.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+struct params {
+    double tension, contact_angle;
+};
+
+static const pdyn_param params[] = {
+    {"tension", PDYN_REAL, offsetof(struct params, tension), true, 0, 0, 1e3, "N/m",
+     "energy per area of the surface"},
+    {"contact_angle", PDYN_REAL, offsetof(struct params, contact_angle), false, 90, 0, 180,
+     "degrees", "angle in the fluid between its surface and walls, sheets and solids"},
+    {0}};
+
+static const double amplitude = 1.6; /* A: measured */
+/* Measured on drops on a plate: the work of adhesion is done within 1/2.5 of a spacing; the pull
+ * along the contact line is line/2 tension (cos angle + line_offset). */
+static const double reach = 2.5, line = 2.1, line_offset = 0.75;
+
+struct site {         /* a particle */
+    double normal[3]; /* n, with walls, 1/m: into the fluid */
+    double wall[3];   /* the part of n by walls, 1/m: into the wall */
+    double area;      /* a, m^2; 0 inside */
+    double rate;      /* s, N/m^3 */
+    int vertex;       /* a vertex of the sheet that is near; -1: none */
+};
+
+struct link { /* an element: x_i - x_j is pulled to `target` */
+    int i, j; /* j -1: nothing, a point of a solid */
+    double weight, target[3];
+};
+
+/* 0 inside, where |n| d is noise; 1 on a surface, where it is about 0.5 */
+static double is_surface(double slope) {
+    double t = fmin(1.0, fmax(0.0, (slope - 0.1) / 0.3));
+    return t * t * (3.0 - 2.0 * t);
+}
+
+static bool is_own(const pdyn_body *body, int i) {
+    return i >= body->first && i < body->first + body->count;
+}
+
+/* ---- particles ------------------------------------------------------------------------------- */
+
+static void add_fluid(const pdyn_batch *b, const double *x, int i, struct site *site) {
+    const pdyn_neighbours *l = b->neighbours;
+    struct kernel kernel = fluid_kernel(b->body);
+    for (int k = l->start[i]; k < l->surface_start[i]; k++) {
+        int j = l->index[k];
+        if (!is_own(b->body, j)) continue;
+        double r[3] = {x[3 * i] - x[3 * j], x[3 * i + 1] - x[3 * j + 1],
+                       x[3 * i + 2] - x[3 * j + 2]};
+        vec3_add(site->normal, kernel_slope(&kernel, vec3_length(r)), r);
+    }
+}
+
+/* The position of a sample, or of a boundary point, from positions of particles. */
+static void place(const pdyn_neighbours *l, const double *x, int point, double at[3]) {
+    int sample = 3 * (point - l->particles + l->samples);
+    memset(at, 0, 3 * sizeof *at);
+    for (int k = 0; point < l->particles && k < 3; k++)
+        vec3_add(at, l->sample_weight[sample + k], x + 3 * l->sample_vertex[sample + k]);
+    if (point >= l->particles)
+        memcpy(at, l->boundary_x + 3 * (point - l->particles), 3 * sizeof *at);
+}
+
+/* Without "points" the density of walls is twice as steep as that of a layer of fluid. */
+static void add_walls(const pdyn_batch *b, const double *x, int i, struct site *site) {
+    const pdyn_neighbours *l = b->neighbours;
+    struct kernel kernel = fluid_kernel(b->body);
+    struct surface_kernel surface = fluid_surface_kernel(b->body);
+    double share = (l->has_volumes ? 1.0 : 0.5) / fluid_particle_volume(b->body),
+           nearest = HUGE_VAL;
+    for (int k = l->surface_start[i]; k < l->end[i]; k++) {
+        double at[3], r[3];
+        place(l, x, l->index[k], at);
+        for (int a = 0; a < 3; a++) r[a] = x[3 * i + a] - at[a];
+        bool spline = l->has_volumes || (k >= l->boundary_start[i] && k < l->patch_start[i]);
+        double squared = vec3_dot(r, r), slope = spline ? kernel_slope(&kernel, sqrt(squared))
+                                                        : surface_kernel_slope(&surface, squared);
+        vec3_add(site->wall, share * l->volume[l->index[k]] * slope, r);
+        if (squared >= nearest) continue;
+        nearest = squared, site->vertex = -1;
+        if (l->index[k] < l->particles)
+            site->vertex = l->sample_vertex[3 * (l->index[k] - l->particles + l->samples)];
+    }
+}
+
+static void find_site(const pdyn_batch *b, const double *x, int i, struct site *site) {
+    double d = 2.0 * b->body->radius;
+    *site = (struct site){.vertex = -1};
+    add_fluid(b, x, i, site);
+    add_walls(b, x, i, site);
+    vec3_add(site->normal, 1.0, site->wall);
+    double slope = d * vec3_length(site->normal);
+    site->area = 2.0 * d * d * slope * is_surface(slope);
+}
+
+/* ---- pairs ----------------------------------------------------------------------------------- */
+
+static double bond(double support, double r) {
+    double q = r / support;
+    return q < 1.0 ? q * q * q * (1.0 - q) * (1.0 - q) : 0.0;
+}
+
+/* sum_j b_ij a_j r_ij^2 */
+static double sum_bonds(const pdyn_batch *b, const double *x, int i, const struct site *site) {
+    const pdyn_neighbours *l = b->neighbours;
+    double sum = 0.0;
+    for (int k = l->start[i]; k < l->surface_start[i]; k++) {
+        int j = l->index[k];
+        if (!is_own(b->body, j)) continue;
+        double r = vec3_distance(x + 3 * i, x + 3 * j);
+        sum += bond(l->support, r) * site[j].area * r * r;
+    }
+    return sum;
+}
+
+/* Pairs of particle i, ascending, so that their order is not that of the lists. */
+static int add_pairs(const pdyn_batch *b, const double *x, int i, const struct site *site,
+                     int count, int room) {
+    const pdyn_neighbours *l = b->neighbours;
+    struct link *link = b->data;
+    int first = count;
+    for (int k = l->start[i]; k < l->surface_start[i]; k++) {
+        int j = l->index[k];
+        if (j <= i || !is_own(b->body, j) || !(site[j].area > 0.0)) continue;
+        double w = 0.5 * bond(l->support, vec3_distance(x + 3 * i, x + 3 * j)) *
+                   (site[i].rate * site[j].area + site[j].rate * site[i].area);
+        if (!(w > 0.0)) continue;
+        int at = count++;
+        if (at >= room) continue;
+        for (; at > first && link[at - 1].j > j; at--) link[at] = link[at - 1];
+        link[at] = (struct link){i, j, w, {0}};
+    }
+    return count;
+}
+
+/* ---- walls ----------------------------------------------------------------------------------- */
+
+/* The pull of walls, sheets and solids on a particle that touches them: per area, the force that
+ * does the work of adhesion tension (1 + cos angle) (Dupre 1869) within a spacing, towards the
+ * wall; per length of the contact line, tension cos(angle) (Young 1805), out of the fluid along the
+ * wall. A spring to a point one spacing away; its force changes little in a step. */
+static int add_pull(const struct params *p, const pdyn_batch *b, const double *x, int i,
+                    const struct site *site, int count, int room) {
+    double d = 2.0 * b->body->radius, steep = vec3_length(site->wall), along[3], pull[3] = {0};
+    if (!(steep > 0.0)) return count;
+    double wetting = cos(p->contact_angle / 180.0 * 3.14159265358979323846);
+    double wet = fmin(1.0, 2.0 * d * steep) * p->tension * d;
+    memcpy(along, site->normal, sizeof along);
+    vec3_add(along, -vec3_dot(along, site->wall) / (steep * steep), site->wall);
+    vec3_add(pull, wet * reach * (1.0 + wetting) / steep, site->wall);
+    vec3_add(pull, -wet * line * d * (wetting + line_offset) * is_surface(d * vec3_length(along)),
+             along);
+    double force = vec3_length(pull);
+    if (!(force > 0.0)) return count;
+    struct link link = {i, site->vertex, force / d, {0}};
+    for (int a = 0; a < 3; a++)
+        link.target[a] = x[3 * i + a] - (link.j < 0 ? 0.0 : x[3 * link.j + a]);
+    vec3_add(link.target, d / force, pull);
+    if (count < room) ((struct link *)b->data)[count] = link;
+    return count + 1;
+}
+
+/* ---- callbacks ------------------------------------------------------------------------------- */
+
+static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
+                  int room) {
+    (void)v;
+    const struct params *p = par;
+    int count = 0, first = b->body->first, last = first + b->body->count;
+    struct site *site = (struct site *)b->scratch - first;
+    for (int i = first; i < last; i++) find_site(b, x, i, &site[i]);
+    for (int i = first; i < last; i++) {
+        double sum = site[i].area > 0.0 ? sum_bonds(b, x, i, site) : 0.0;
+        site[i].rate = sum > 0.0 ? 4.0 * amplitude * p->tension * site[i].area / sum : 0.0;
+    }
+    for (int i = first; i < last; i++) {
+        if (site[i].area > 0.0) count = add_pairs(b, x, i, site, count, room);
+        count = add_pull(p, b, x, i, &site[i], count, room);
+    }
+    return count;
+}
+
+static void select(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        const struct link *link = (const struct link *)b->data + e;
+        b->column[2 * e] = link->i, b->column[2 * e + 1] = link->j < 0 ? link->i : link->j;
+        b->coefficient[2 * e] = 1.0, b->coefficient[2 * e + 1] = link->j < 0 ? 0.0 : -1.0;
+    }
+}
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->weight[e] = ((const struct link *)b->data)[e].weight;
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++)
+        memcpy(b->p + 3 * e, ((const struct link *)b->data)[e].target, 3 * sizeof(double));
+}
+
+const pdyn_constraint_type pdyn_constraint_surface_tension = {
+    .name = "surface_tension",
+    .summary = "surface tension and contact angle of a fluid",
+    .flags = PDYN_ON_PARTICLES | PDYN_NEIGHBOURS,
+    .params_size = sizeof(struct params),
+    .params = params,
+    .data_size = sizeof(struct link),
+    .scratch_size = sizeof(struct site),
+    .update = update,
+    .rows = 1,
+    .width = 2,
+    .select = select,
+    .weight = weight,
+    .project = project,
+};

@@ -1,0 +1,88 @@
+/* Surface tension: a cube becomes a sphere and keeps its volume and momentum; wetting; bad input.
+ */
+#include "support.h"
+
+#include "projdyn/vec3.h"
+
+static const double d = 1e-3;
+
+/* A block of half the size a times a times b, m, from the floor (y = 0) or around the origin. */
+static pdyn_sim *load(pdyn_context *context, double a, double b, bool floor, const char *tension) {
+    char text[2048];
+    snprintf(text, sizeof text,
+             "{'gravity': [0, 0, 0], 'duration': 10, 'time_step': {'maximum': 5e-4}, 'solver': "
+             "{'linear_tolerance': 0.1}, 'bodies': [{'particles': {'radius': %g, 'fill': [{'box': "
+             "{'minimum': [%g, %g, %g], 'maximum': [%g, %g, %g]}}]}, 'constraints': [{'type': "
+             "'fluid', 'sound_speed': 5, 'viscosity': 0.5}%s]}]%s}",
+             0.5 * d, -a, floor ? 0.0 : -b, -a, a, floor ? 2.0 * b : b, a, tension,
+             floor ? ", 'solids': [{'box': {'minimum': [-0.02, 0, -0.02], 'maximum': [0.02, 0.04, "
+                     "0.02]}, 'open': ['+y']}]"
+                   : "");
+    return test_load(context, text);
+}
+
+#define TENSION(angle) ", {'type': 'surface_tension', 'tension': 0.072, 'contact_angle': " angle "}"
+
+/* Mean position and mean squares of the distances from it. */
+static void measure(const pdyn_sim *sim, double middle[3], double moments[3]) {
+    pdyn_state state = pdyn_get_state(sim);
+    int n = pdyn_get_body(sim, 0).count;
+    for (int a = 0; a < 3; a++) middle[a] = moments[a] = 0.0;
+    for (int k = 0; k < 3 * n; k++) middle[k % 3] += state.x[k] / n;
+    for (int k = 0; k < 3 * n; k++) moments[k % 3] += pow(state.x[k] - middle[k % 3], 2) / n;
+}
+
+/* A flat block, whose moments differ by the factor 2, becomes round. Momentum stays zero,
+ * angular momentum below a hundredth of mass x radius x speed. Without tension it stays as it is.
+ */
+static void test_drop(void **state) {
+    (void)state;
+    for (int with = 0; with < 2; with++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = load(context, 5.0 * d, 3.5 * d, false, with ? TENSION("90") : "");
+        double middle[3], m[3], momentum = 0.0, turn[3] = {0}, mass = 1e3 * d * d * d;
+        pdyn_step_info info;
+        while (pdyn_time(sim) < 0.15) {
+            info = test_step(context, sim);
+            momentum = fmax(momentum, vec3_length(info.momentum));
+        }
+        int n = pdyn_get_body(sim, 0).count;
+        measure(sim, middle, m);
+        for (int i = 0; i < n; i++) {
+            double l[3];
+            vec3_cross(l, sim->x + 3 * i, sim->v + 3 * i);
+            vec3_add(turn, mass, l);
+        }
+        double radius = sqrt(5.0 / 3.0 * (m[0] + m[1] + m[2]));
+        double volume = 4.0 / 3.0 * acos(-1.0) * pow(radius, 3) / (n * d * d * d);
+        if (with) assert_true(fabs(m[1] / m[0] - 1.0) < 0.12 && fabs(m[1] / m[2] - 1.0) < 0.12);
+        else assert_true(m[1] / m[0] < 0.55);
+        if (with) assert_true(fabs(volume - 1.0) < 0.05);
+        assert_true(momentum < 1e-15 && vec3_length(turn) < 1e-9);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
+/* A block on a floor: the smaller the angle, the lower the drop. It does not leave the floor. */
+static void test_wetting(void **state) {
+    (void)state;
+    static const char *const tension[] = {TENSION("40"), TENSION("90"), TENSION("140")};
+    double height[3];
+    for (int k = 0; k < 3; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = load(context, 4.0 * d, 3.0 * d, true, tension[k]);
+        double middle[3], moments[3];
+        while (pdyn_time(sim) < 0.1) test_step(context, sim);
+        measure(sim, middle, moments);
+        height[k] = middle[1] / d;
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+    assert_true(height[0] < 0.9 * height[1] && height[1] < 0.9 * height[2] && height[2] < 5.0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_drop), cmocka_unit_test(test_wetting)};
+    return cmocka_run_group_tests_name("surface_tension", tests, NULL, NULL);
+}
