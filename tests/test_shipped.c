@@ -72,6 +72,7 @@ static const struct shipped shipped[] = {
      .lowest = {-0.0165, 0.0235},
      .low = {0, 0, 0},
      .high = {0.6, TOP, 0.24}},
+    {.name = "drops", .seconds = 0.05, .kinetic = {1e-6, 5e-6}, .lowest = {-0.0095, -0.006}},
     {.name = "flag", /* it flutters: 0.047 to 0.124 J with linear tolerances 0.06 to 0.12 */
      .seconds = 0.8,
      .kinetic = {0.03, 0.19},
