@@ -357,8 +357,9 @@ static void test_errors(void **state) {
     static const struct {
         const char *probe, *message;
     } cases[] = {
-        {"{'name': 'p'}", "probes[0]: expected exactly one of \"point\", \"line\", \"wall\", "
-                          "\"height\", \"box\", \"solid\", \"pins\", \"inside\" and \"body\", found none"},
+        {"{'name': 'p'}",
+         "probes[0]: expected exactly one of \"point\", \"line\", \"wall\", "
+         "\"height\", \"box\", \"solid\", \"pins\", \"inside\" and \"body\", found none"},
         {"{'point': [0, 0, 0], 'solid': 'tank'}", "found more"},
         {"{'point': [0, 0]}", "probes[0].point: expected"},
         {"{'point': [0, 0, 0], 'radius': 0}", "probes[0].radius: expected"},

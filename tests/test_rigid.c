@@ -388,7 +388,7 @@ static void test_errors(void **state) {
     test_write_text("mixed.obj", text);
     refuse(context, "'mesh': 'open.obj', 'density': 1000", "not closed");
     refuse(context, "'mesh': 'inward.obj', 'density': 1000", "expected more than 0");
-    refuse(context, "'mesh': 'mixed.obj', 'density': 1000", "opposite orientations");
+    refuse(context, "'mesh': 'mixed.obj', 'density': 1000", "face opposite sides");
     refuse(context, "'sphere': {'center': [0, 0, 0], 'radius': 1}", "density");
     refuse(context, "'sphere': {'center': [0, 0, 0], 'radius': 1}, 'density': 1, 'mass': 1",
            "mass");

@@ -357,7 +357,8 @@ static const struct {
      "0"},
     {"durration", "1", "memory: unknown key \"durration\"; did you mean \"duration\"?*"},
     {"bodies.shet.velocity", "[0, 0, 1]",
-     "memory: bodies[3]: expected exactly one of \"particles\", \"surface\" and \"volume\", found "
+     "memory: bodies[3]: expected exactly one of \"particles\", \"surface\", \"volume\" and "
+     "\"rigid\", found "
      "none"},
     {"bodies.sheet.surface.mesh", "other.ply",
      "memory: bodies[1].surface.mesh: other.ply: cannot open the file: No such file or directory"},

@@ -179,8 +179,8 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     /* The integrator: h above is the effective length of a step of this length, s, and `begin` gets
      * x^ = x_n + extrapolation (x_n - x_(n-1)). Implicit Euler: h and 0. */
     double length, extrapolation;
-    void *scratch;                            /* particles of the body x scratch_size: free for
-                                                 `update` to use, not kept */
+    void *scratch; /* particles of the body x scratch_size: free for
+                      `update` to use, not kept */
 } pdyn_batch;
 
 /* ---- saved states ---------------------------------------------------------------------------- */

@@ -84,8 +84,6 @@ static void check_update(struct check *check, struct guarded *g, const struct tr
     const struct batch *b = g->from;
     int faults = check->faults;
     if (!b->type->update) return;
-    struct objective *sys = &trial->sim->objective; /* the local step may have built other lists */
-    if (sys->neighbours && objective_build_lists(sys, trial->sim->x) != PDYN_OK) return;
     call_update(check, g, trial);
     if (check->faults != faults) return;
     b->type->select(b->params, &g->view, 0, b->view.elements);
