@@ -120,7 +120,7 @@ static void test_no_bounce(void **state) {
             snprintf(
                 text, sizeof text,
                 SCENE("'duration': 1, 'frame_interval': 0.1, 'time_step': {'fixed': %g, "
-                      "'integrator': '%s'}, 'solver': {'tolerance': 0.1, 'outer_iterations': 200}, "
+                      "'integrator': '%s'}, 'solver': {'tolerance': 5, 'outer_iterations': 200}, "
                       "'contact': {'thickness': 0.01}",
                       GRID_SHEET("'velocity': [0, -3.6, 0], ", "0.5, 0.5", "6, 6",
                                  "'translate': [0, 0.05, 0], 'area_density': 0.3", SPRINGS("1000")),

@@ -450,7 +450,7 @@ typedef struct pdyn_model {
     /* a . b, the same bits for any number of threads. */
     double (*dot)(struct pdyn_model *model, const double *a, const double *b);
     /* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2, so that no body
-     * hides another. scale: |M g| plus the norm of the forces that other bodies put on it. */
+     * hides another. scale: |M g| plus the norm of the forces that fluids put on it. */
     double (*norm)(struct pdyn_model *model, const double *r);
     /* H assembled; valid until the next call. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);

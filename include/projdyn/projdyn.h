@@ -227,7 +227,7 @@ typedef struct pdyn_body_info {
     int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, relative to `first` */
     double residual;     /* |grad E| / (|M g| + load) of its particles, at the end of the last
-                            step; load: norm of the forces by other bodies */
+                            step; load: norm of the forces by fluids */
     const double *rest;  /* m, count x 3: positions in the scene, before the first step */
     int edges;           /* of a surface or soft solid */
     const int *edge;     /* edges x 2, relative to `first` */

@@ -20,7 +20,7 @@ struct objective_body { /* residual: |grad E| / (weight + load) over its particl
     const pdyn_body *of;
     int first, count; /* particles */
     double weight;    /* |M g|, N, in this step */
-    double load;      /* by other bodies, N, at the x of the last local step */
+    double load;      /* by fluids, N, at the x of the last local step */
     double residual;  /* at the last measurement */
 };
 

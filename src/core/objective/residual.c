@@ -48,8 +48,9 @@ static double scale_of(const struct objective_body *body) { return body->weight 
 
 /* ---- loads ----------------------------------------------------------------------------------- */
 
-/* An operator beside surfaces; contact, friction, slip. */
-static bool puts_load(const struct batch *batch) { return batch->samples || batch->type->update; }
+/* A matrix-free constraint beside surfaces. Contact puts no load: its forces in a fold are balanced
+ * only by friction, and a residual of a part of them would let the fold creep. */
+static bool puts_load(const struct batch *batch) { return batch->samples; }
 
 pdyn_status residual_create(struct objective *sys) {
     bool loads = false;

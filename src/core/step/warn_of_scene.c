@@ -176,7 +176,7 @@ static void check_tolerance(struct pdyn_sim *sim) {
     double tolerance = sim->scene.settings.tolerance;
     if (sim->objective.before && tolerance > loose_tolerance)
         WARN(sim, TOLERANCE, "",
-             "with a tolerance of %g, steps count as solved although the forces between bodies are "
+             "with a tolerance of %g, steps count as solved although the forces of fluids are "
              "not balanced; expected at most %g",
              tolerance, loose_tolerance);
 }
