@@ -62,13 +62,13 @@ static void describe_all(const pdyn_context *context, const struct sink *to) {
     const pdyn_global_solver *solver;
     line(to, "constraints\n");
     for (int k = 0; (constraint = registry_constraint_at(context, k)); k++)
-        line(to, "  %-12s %s\n", constraint->name, constraint->summary);
+        line(to, "  %-16s %s\n", constraint->name, constraint->summary);
     line(to, "\nsolvers\n");
     for (int k = 0; (solver = registry_solver_at(context, k)); k++)
-        line(to, "  %-12s %s\n", solver->name, solver->summary);
+        line(to, "  %-16s %s\n", solver->name, solver->summary);
     line(to, "\nboundary models, \"boundary\" of a scene\n");
     for (int k = 0; k < boundary_choices.count; k++)
-        line(to, "  %-12s %s\n", choices_text(&boundary_choices, k, 0),
+        line(to, "  %-16s %s\n", choices_text(&boundary_choices, k, 0),
              choices_text(&boundary_choices, k, 1));
 }
 
