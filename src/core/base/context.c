@@ -95,7 +95,7 @@ void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t
 }
 
 void *context_array(pdyn_context *context, size_t count, size_t size) {
-    if (!count) return NULL;
+    if (!count || !size) return NULL;
     void *block = count > SIZE_MAX / size ? NULL : context_resize(context, NULL, 0, count * size);
     if (!block) context_no_memory(context);
     return block;
