@@ -26,7 +26,7 @@ struct pdyn_context {
  * the count is exact. New bytes are zeroed. Returns NULL without memory; sets no error text. */
 void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t new_size);
 
-/* Allocates count x size zeroed bytes. Returns NULL for count 0, and NULL with the context's error
+/* Allocates count x size zeroed bytes. Returns NULL for 0 bytes, and NULL with the context's error
  * set (PDYN_NO_MEMORY) without memory. FREE_ARRAY of a NULL pointer does nothing. */
 void *context_array(pdyn_context *context, size_t count, size_t size);
 
