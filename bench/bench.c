@@ -1,5 +1,7 @@
 #include "bench.h"
 
+#include "projdyn/vec3.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -26,4 +28,18 @@ FILE *open_csv(const char *directory, const char *name) {
     FILE *file = fopen(path, "w");
     if (!file) die("%s: cannot be written", path);
     return file;
+}
+
+struct momenta momenta_of(const pdyn_sim *sim) {
+    const pdyn_state s = pdyn_get_state(sim);
+    struct momenta sum = {0};
+    for (int i = 0; i < s.particles; i++) {
+        double moment[3];
+        vec3_cross(moment, s.x + 3 * i, s.v + 3 * i);
+        vec3_add(sum.linear, s.mass[i], s.v + 3 * i);
+        vec3_add(sum.angular, s.mass[i], moment);
+        sum.size += s.mass[i] * vec3_length(s.v + 3 * i);
+        sum.moment += s.mass[i] * vec3_length(moment);
+    }
+    return sum;
 }

@@ -14,6 +14,12 @@ void die(const char *format, ...) PDYN_PRINTF(1, 2);
 /* Takes a step; a failure ends the program. */
 pdyn_step_info take_step(pdyn_context *context, pdyn_sim *sim);
 
+struct momenta {
+    double linear[3], angular[3]; /* kg m/s, kg m^2/s about the origin */
+    double size, moment;          /* sums of m |v| and m |x x v| */
+};
+struct momenta momenta_of(const pdyn_sim *sim);
+
 /* Opens DIRECTORY/NAME.csv for writing. */
 FILE *open_csv(const char *directory, const char *name);
 

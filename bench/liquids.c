@@ -246,24 +246,6 @@ static void overturn(pdyn_context *context, int count, char **argument) {
 
 /* ---- momentum -------------------------------------------------------------------------------- */
 
-struct momenta {
-    double linear[3], angular[3], size, moment;
-};
-
-static struct momenta momenta_of(const pdyn_sim *sim) {
-    const pdyn_state s = pdyn_get_state(sim);
-    struct momenta sum = {0};
-    for (int i = 0; i < s.particles; i++) {
-        double moment[3];
-        vec3_cross(moment, s.x + 3 * i, s.v + 3 * i);
-        vec3_add(sum.linear, s.mass[i], s.v + 3 * i);
-        vec3_add(sum.angular, s.mass[i], moment);
-        sum.size += s.mass[i] * vec3_length(s.v + 3 * i);
-        sum.moment += s.mass[i] * vec3_length(moment);
-    }
-    return sum;
-}
-
 static void momentum(pdyn_context *context, int count, char **argument) {
     printf("| density ratio | linear momentum | angular momentum |\n|---|---|---|\n");
     for (int k = 1; k < count; k++) {

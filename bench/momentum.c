@@ -18,25 +18,6 @@ static const char scene[] =
     " [21, 21]}, 'rotate': [0, 20, 10], 'area_density': 0.5}, 'constraints': [{'type': 'spring',"
     " 'stretching_stiffness': 1000}, {'type': 'bending', 'bending_rigidity': 0.001}]}]}";
 
-struct sums {
-    double linear[3], angular[3]; /* kg m/s, kg m^2/s about the origin */
-    double size, moment;          /* sums of m |v| and m |x x v| */
-};
-
-static struct sums sums_of(const pdyn_sim *sim) {
-    const pdyn_state s = pdyn_get_state(sim);
-    struct sums sum = {0};
-    for (int i = 0; i < s.particles; i++) {
-        double moment[3];
-        vec3_cross(moment, s.x + 3 * i, s.v + 3 * i);
-        vec3_add(sum.linear, s.mass[i], s.v + 3 * i);
-        vec3_add(sum.angular, s.mass[i], moment);
-        sum.size += s.mass[i] * vec3_length(s.v + 3 * i);
-        sum.moment += s.mass[i] * vec3_length(moment);
-    }
-    return sum;
-}
-
 static void linear(pdyn_context *context, FILE *csv, int steps) {
     static const struct {
         const char *name, *solver;
@@ -56,10 +37,10 @@ static void linear(pdyn_context *context, FILE *csv, int steps) {
     printf("| solver | step residual, geometric mean | linear momentum |\n|---|---|---|\n");
     for (size_t k = 0; k < sizeof runs / sizeof *runs; k++) {
         pdyn_sim *sim = load(context, scene, 0.004, runs[k].solver, runs[k].stiffness, 0.02);
-        struct sums begin = sums_of(sim);
+        struct momenta begin = momenta_of(sim);
         double residual = 0.0;
         for (int n = 0; n < steps; n++) residual += log(take_step(context, sim).step_residual);
-        struct sums end = sums_of(sim);
+        struct momenta end = momenta_of(sim);
         double drift = vec3_distance(end.linear, begin.linear) / begin.size;
         residual = exp(residual / steps);
         printf("| %s | %.2g | %.1e |\n", runs[k].name, residual, drift);
@@ -72,9 +53,9 @@ static void linear(pdyn_context *context, FILE *csv, int steps) {
 static double angular_drift(pdyn_context *context, double h, double viscosity, double seconds) {
     pdyn_sim *sim = load(context, scene, h, "'outer_iterations': 40, 'tolerance': 1e-3", 1e5,
                          viscosity * h / 0.004);
-    struct sums begin = sums_of(sim);
+    struct momenta begin = momenta_of(sim);
     while (pdyn_time(sim) < seconds - 0.5 * h) take_step(context, sim);
-    struct sums end = sums_of(sim);
+    struct momenta end = momenta_of(sim);
     pdyn_free(sim);
     return vec3_distance(end.angular, begin.angular) / begin.moment;
 }

@@ -46,13 +46,13 @@ static void middle_of(const pdyn_sim *sim, int body, const double *value, double
 
 static const double pi = 3.14159265358979323846;
 
-struct momenta {
+struct motion {
     double linear[3], angular[3]; /* kg m/s; kg m^2/s about the centre of mass */
 };
 
-static struct momenta momenta_of(const pdyn_sim *sim) {
+static struct motion motion_of(const pdyn_sim *sim) {
     const pdyn_state s = pdyn_get_state(sim);
-    struct momenta sum = {0};
+    struct motion sum = {0};
     double centre[3] = {0}, mass = 0.0;
     for (int i = 0; i < s.particles; i++) {
         vec3_add(centre, s.mass[i], s.x + 3 * i);
@@ -143,14 +143,14 @@ static void flight(int steps) {
             "'angular_velocity': [%g, %g, %g]}}]}",
             h, runs[k].integrator, -0.5 * box[0], -0.5 * box[1], -0.5 * box[2], 0.5 * box[0],
             0.5 * box[1], 0.5 * box[2], w[0], w[1], w[2]);
-        struct momenta start = momenta_of(sim);
+        struct motion start = motion_of(sim);
         struct flips flips = {.last = 1.0}, theory = flips_of_reference(w, steps * h);
         for (int n = 0; n < steps; n++) {
             take_step(context, sim);
             const double *x = pdyn_get_state(sim).x; /* vertex 2 is beyond vertex 0 along y */
             add_flip(&flips, x[7] - x[1], pdyn_time(sim), h);
         }
-        struct momenta end = momenta_of(sim);
+        struct motion end = motion_of(sim);
         int last = flips.count < theory.count ? flips.count - 1 : theory.count - 1;
         printf("| %s, %g ms | %.1e | %.1e | %d of %d | %.4f | %.4f | %.4f | %.4f |\n",
                runs[k].integrator, 1e3 * h,
@@ -282,7 +282,7 @@ static void floating(double seconds) {
             double up = (at[7] - at[1]) / height; /* vertex 2 is over vertex 0 */
             list = acos(fmin(1.0, up)) * 180.0 / pi;
             if (pdyn_time(sim) < 0.7 * seconds) continue;
-            /* the surface, from the volumes of the water and of what is submerged of the box */
+            /* water and the submerged part of the box fill the tank up to `level` */
             middle_of(sim, 0, at, x);
             double volume = info.particles * d * d * d, base = tank * tank;
             double bottom = x[1] - 0.5 * height, area = width * width;

@@ -1,5 +1,5 @@
 /* Gas in a closed surface: pressures of every law, equilibrium with a membrane, motion as a whole,
- * the probe, and what is refused. */
+ * the probe, and bad parameters and meshes. */
 #include "support.h"
 
 #include "geometry/mesh.h"
@@ -208,7 +208,7 @@ static void test_pump(void **state) {
     pdyn_destroy(context);
 }
 
-/* ---- what is refused ------------------------------------------------------------------------- */
+/* ---- bad parameters and meshes --------------------------------------------------------------- */
 
 static void refuse(const char *settings, const char *mesh, const char *constraints,
                    const char *rest, const char *message) {

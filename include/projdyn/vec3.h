@@ -51,6 +51,20 @@ static inline void vec3_multiply(double *y, const double *A, const double *a) {
     for (int k = 0; k < 3; k++) y[k] = vec3_dot(A + 3 * k, a);
 }
 
+/* C = the cofactors of a symmetric 3 x 3 matrix A, so that its inverse is C over its determinant,
+ * which is returned. C must not be A. */
+static inline double vec3_cofactors(double *C, const double *A) {
+    for (int k = 0; k < 3; k++) vec3_cross(C + 3 * k, A + 3 * ((k + 1) % 3), A + 3 * ((k + 2) % 3));
+    return vec3_dot(A, C);
+}
+
+/* y = A^-1 b of a symmetric 3 x 3 matrix A; y must not be b. */
+static inline void vec3_solve(double *y, const double *A, const double *b) {
+    double C[9], determinant = vec3_cofactors(C, A);
+    vec3_multiply(y, C, b);
+    for (int k = 0; k < 3; k++) y[k] /= determinant;
+}
+
 /* R = R_z R_y R_x, row by row: turns a vector by three angles in degrees, first about the x axis,
  * then about y, then about z. */
 static inline void vec3_rotation(double *R, const double *degrees) {

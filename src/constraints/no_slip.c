@@ -8,9 +8,9 @@
  * lambda_is: what s adds to the density of i; lambda_0: what a plane adds at d/2. A layer at this
  * distance then feels the stress mu v / (d/2). mu: Pa s; d: particle spacing. u selects the corners
  * of a sample; a point of a solid moves a. */
+#include "listed_points.h"
+
 #include "projdyn/kernel.h"
-#include "projdyn/module.h"
-#include "projdyn/vec3.h"
 
 #include <string.h>
 
@@ -46,20 +46,10 @@ struct surfaces { /* what the points of surfaces add to the density of particles
 /* lambda_is / lambda_0 of the entry k of the list of particle i; r: vector between the two */
 static double share_of(const struct surfaces *s, const pdyn_neighbours *l, int i, int k,
                        const double r[3]) {
-    bool has_area = k < l->boundary_start[i] ? !l->has_volumes : k >= l->patch_start[i];
     double volume = l->volume[l->index[k]];
-    return has_area ? volume * surface_kernel_value(&s->area, vec3_dot(r, r)) / of_areas
-                    : volume * kernel_value(&s->volume, vec3_length(r)) / of_volumes;
-}
-
-static const double *position_of(const pdyn_neighbours *l, int point, const double *x,
-                                 double sample[3]) {
-    int k = point - (l->particles - l->samples);
-    if (point >= l->particles) return l->boundary_x + 3 * (size_t)(point - l->particles);
-    memset(sample, 0, 3 * sizeof *sample);
-    for (int c = 3 * k; c < 3 * k + 3; c++)
-        vec3_add(sample, l->sample_weight[c], x + 3 * (size_t)l->sample_vertex[c]);
-    return sample;
+    return listed_has_area(l, i, k)
+               ? volume * surface_kernel_value(&s->area, vec3_dot(r, r)) / of_areas
+               : volume * kernel_value(&s->volume, vec3_length(r)) / of_volumes;
 }
 
 static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
@@ -71,8 +61,8 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     (void)v;
     for (int i = b->body->first; mu > 0.0 && i < b->body->first + b->body->count; i++)
         for (int k = l->surface_start[i]; k < l->end[i]; k++) {
-            double r[3], sample[3];
-            const double *at = position_of(l, l->index[k], x, sample);
+            double r[3], at[3];
+            listed_position(l, x, l->index[k], at);
             vec3_subtract(r, x + 3 * (size_t)i, at);
             double share = share_of(&surfaces, l, i, k, r);
             if (!(share > 0.0) || count++ >= room) continue;
@@ -90,7 +80,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         int i = dashpots(b)[e].particle, point = dashpots(b)[e].point;
-        int corner = 3 * (point - (l->particles - l->samples));
+        int corner = sample_corner(l, point);
         b->column[WIDTH * e] = i, b->coefficient[WIDTH * e] = 1.0;
         for (int k = 0; k < 3; k++) {
             bool sample = point < l->particles;

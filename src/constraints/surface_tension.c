@@ -14,8 +14,7 @@
  * springs that pull the particles of the contact line along the wall (Young 1805).
  * docs/theory/surface-tension.md */
 #include "fluid.h"
-
-#include "projdyn/vec3.h"
+#include "listed_points.h"
 
 #include <string.h>
 
@@ -54,10 +53,6 @@ static double is_surface(double slope) {
     return t * t * (3.0 - 2.0 * t);
 }
 
-static bool is_own(const pdyn_body *body, int i) {
-    return i >= body->first && i < body->first + body->count;
-}
-
 /* ---- particles ------------------------------------------------------------------------------- */
 
 static void add_fluid(const pdyn_batch *b, const double *x, int i, struct site *site) {
@@ -65,21 +60,11 @@ static void add_fluid(const pdyn_batch *b, const double *x, int i, struct site *
     struct kernel kernel = fluid_kernel(b->body);
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
-        if (!is_own(b->body, j)) continue;
+        if (!body_has(b->body, j)) continue;
         double r[3] = {x[3 * i] - x[3 * j], x[3 * i + 1] - x[3 * j + 1],
                        x[3 * i + 2] - x[3 * j + 2]};
         vec3_add(site->normal, kernel_slope(&kernel, vec3_length(r)), r);
     }
-}
-
-/* The position of a sample, or of a boundary point, from positions of particles. */
-static void place(const pdyn_neighbours *l, const double *x, int point, double at[3]) {
-    int sample = 3 * (point - l->particles + l->samples);
-    memset(at, 0, 3 * sizeof *at);
-    for (int k = 0; point < l->particles && k < 3; k++)
-        vec3_add(at, l->sample_weight[sample + k], x + 3 * l->sample_vertex[sample + k]);
-    if (point >= l->particles)
-        memcpy(at, l->boundary_x + 3 * (point - l->particles), 3 * sizeof *at);
 }
 
 /* Without "points" the density of walls is twice as steep as that of a layer of fluid. */
@@ -91,16 +76,16 @@ static void add_walls(const pdyn_batch *b, const double *x, int i, struct site *
            nearest = HUGE_VAL;
     for (int k = l->surface_start[i]; k < l->end[i]; k++) {
         double at[3], r[3];
-        place(l, x, l->index[k], at);
+        listed_position(l, x, l->index[k], at);
         for (int a = 0; a < 3; a++) r[a] = x[3 * i + a] - at[a];
-        bool spline = l->has_volumes || (k >= l->boundary_start[i] && k < l->patch_start[i]);
-        double squared = vec3_dot(r, r), slope = spline ? kernel_slope(&kernel, sqrt(squared))
-                                                        : surface_kernel_slope(&surface, squared);
+        double squared = vec3_dot(r, r), slope = listed_has_area(l, i, k)
+                                                     ? surface_kernel_slope(&surface, squared)
+                                                     : kernel_slope(&kernel, sqrt(squared));
         vec3_add(site->wall, share * l->volume[l->index[k]] * slope, r);
         if (squared >= nearest) continue;
         nearest = squared, site->vertex = -1;
         if (l->index[k] < l->particles)
-            site->vertex = l->sample_vertex[3 * (l->index[k] - l->particles + l->samples)];
+            site->vertex = l->sample_vertex[sample_corner(l, l->index[k])];
     }
 }
 
@@ -127,7 +112,7 @@ static double sum_bonds(const pdyn_batch *b, const double *x, int i, const struc
     double sum = 0.0;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
-        if (!is_own(b->body, j)) continue;
+        if (!body_has(b->body, j)) continue;
         double r = vec3_distance(x + 3 * i, x + 3 * j);
         sum += bond(l->support, r) * site[j].area * r * r;
     }
@@ -142,7 +127,7 @@ static int add_pairs(const pdyn_batch *b, const double *x, int i, const struct s
     int first = count;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
-        if (j <= i || !is_own(b->body, j) || !(site[j].area > 0.0)) continue;
+        if (j <= i || !body_has(b->body, j) || !(site[j].area > 0.0)) continue;
         double w = 0.5 * bond(l->support, vec3_distance(x + 3 * i, x + 3 * j)) *
                    (site[i].rate * site[j].area + site[j].rate * site[i].area);
         if (!(w > 0.0)) continue;

@@ -7,8 +7,7 @@
  * so its force at the end of a step is c d|u|/dt. A motion without strain has no force, and linear
  * and angular momentum are exact. mu: Pa s; d: particle spacing; |u| in c: when the step begins.
  * docs/theory/viscosity.md derives c. */
-#include "projdyn/module.h"
-#include "projdyn/vec3.h"
+#include "listed_points.h"
 
 struct params {
     double viscosity; /* mu, Pa s */
@@ -47,7 +46,7 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
         for (int k = l->start[i]; k < l->surface_start[i]; k++) {
             int j = l->index[k];
             double u[3];
-            if (j <= i || j >= b->body->first + b->body->count) continue;
+            if (j <= i || !body_has(b->body, j)) continue;
             vec3_subtract(u, x + 3 * (size_t)i, x + 3 * (size_t)j);
             double distance = vec3_length(u);
             if (distance >= l->support || count++ >= room) continue;

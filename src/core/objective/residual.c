@@ -8,12 +8,10 @@
 struct call {
     struct objective *objective;
     const double *a;
-    double *out;
 };
 
-static void for_range(struct objective *sys, int count, pdyn_range_fn *fn, const double *a,
-                      double *out) {
-    struct call call = {sys, a, out};
+static void for_range(struct objective *sys, int count, pdyn_range_fn *fn, const double *a) {
+    struct call call = {sys, a};
     pool_for(sys->context->pool, count, PARTICLE_GRAIN, fn, &call);
 }
 
@@ -39,7 +37,7 @@ WIDE static void squares_block(void *arg, int first, int last, int block) {
 static double body_norm(struct objective *sys, const struct objective_body *body,
                         const double *vector) {
     double sum = 0.0;
-    for_range(sys, body->count, squares_block, vector + 3 * (size_t)body->first, NULL);
+    for_range(sys, body->count, squares_block, vector + 3 * (size_t)body->first);
     for (int k = 0; k < pool_blocks(body->count, PARTICLE_GRAIN); k++) sum += sys->partial[k];
     return sqrt(sum);
 }
@@ -76,15 +74,9 @@ void residual_open_load(struct objective *sys, const struct batch *batch, const 
     if (puts_load(batch)) memcpy(sys->before, gradient, objective_bytes(sys));
 }
 
-static void subtract_block(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    for (int k = 3 * first; k < 3 * last; k++) c->out[k] -= c->a[k];
-}
-
 void residual_add_load(struct objective *sys, const struct batch *batch, const double *gradient) {
     if (!puts_load(batch)) return;
-    for_range(sys, sys->particles, subtract_block, gradient, sys->before);
+    objective_axpy(sys, -1.0, gradient, sys->before);
     for (int b = 0; b < sys->bodies; b++)
         if (!is_own(batch, &sys->body[b]))
             sys->body[b].load += body_norm(sys, &sys->body[b], sys->before);
@@ -111,7 +103,7 @@ WIDE static void norm_block(void *arg, int first, int last, int block) {
 }
 
 double objective_norm(struct objective *sys, const double *r) {
-    for_range(sys, sys->particles, norm_block, r, NULL);
+    for_range(sys, sys->particles, norm_block, r);
     return sqrt(objective_partial_sum(sys));
 }
 

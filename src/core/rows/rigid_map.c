@@ -7,17 +7,9 @@
 static int particles_of(const struct rigid_body *b) { return b->vertices + RIGID_POINTS; }
 static int first_point(const struct rigid_body *b) { return b->first + b->vertices; }
 
-/* Adds |r|^2 I - r r'. */
-static void add_inertia(double I[9], double mass, const double *r) {
-    for (int k = 0; k < 9; k++)
-        I[k] += mass * ((k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3]);
-}
-
-/* Cofactors over the determinant of a symmetric matrix. */
+/* Of a symmetric matrix. */
 static void invert(const double I[9], double inverse[9]) {
-    for (int k = 0; k < 3; k++)
-        vec3_cross(inverse + 3 * k, I + 3 * ((k + 1) % 3), I + 3 * ((k + 2) % 3));
-    double determinant = vec3_dot(I, inverse);
+    double determinant = vec3_cofactors(inverse, I);
     for (int k = 0; k < 9; k++) inverse[k] /= determinant;
 }
 
@@ -59,13 +51,18 @@ void rigid_body_moment(const struct rigid_body *b, int begin, const double *x, c
     }
 }
 
+void rigid_add_inertia(double I[9], double mass, const double *r) {
+    for (int k = 0; k < 9; k++)
+        I[k] += mass * ((k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3]);
+}
+
 void rigid_body_inertia(const struct rigid_body *b, const double *x, const double c[3],
                         double I[9]) {
     memset(I, 0, 9 * sizeof *I);
     for (int a = 0; a < RIGID_POINTS; a++) {
         double r[3];
         vec3_subtract(r, x + 3 * (size_t)(first_point(b) + a), c);
-        add_inertia(I, b->mass / RIGID_POINTS, r);
+        rigid_add_inertia(I, b->mass / RIGID_POINTS, r);
     }
 }
 

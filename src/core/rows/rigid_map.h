@@ -81,6 +81,8 @@ void rigid_body_place(const struct rigid_body *body, const double c[3], const do
 /* Sum and moment about c of the forces y on the body's particles from `begin` on, at x. */
 void rigid_body_moment(const struct rigid_body *body, int begin, const double *x, const double c[3],
                        const double *y, double force[3], double moment[3]);
+/* I += mass (|r|^2 I - r r'), kg m^2, r in m */
+void rigid_add_inertia(double I[9], double mass, const double *r);
 /* The inertia tensor of the points at x about their centre c, kg m^2. */
 void rigid_body_inertia(const struct rigid_body *body, const double *x, const double c[3],
                         double I[9]);

@@ -203,9 +203,11 @@ static void forget_start(struct pdyn_sim *sim) {
 /* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
 static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int particles, double *volume,
                                 bool *centre, bool *is_wall) {
-    for (int i = 0; i < sim->objective.particles; i++) {
-        centre[i] = has_neighbour_lists(sim, objective_body_of(&sim->objective, i));
-        if (centre[i]) volume[i] = spacing * spacing * spacing;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (!has_neighbour_lists(sim, b)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
+            volume[i] = spacing * spacing * spacing, centre[i] = true;
     }
     for (int k = 0; sim->samples && k < sim->samples->count; k++)
         volume[sim->objective.particles + k] = sim->samples->rest_volume[k];

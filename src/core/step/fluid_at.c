@@ -47,21 +47,13 @@ static void add_particle(void *user, int i) {
     }
 }
 
-/* y = C^-1 c, C symmetric and positive definite */
-static void solve(const double C[9], const double c[3], double y[3]) {
-    double row[3][3];
-    for (int a = 0; a < 3; a++) vec3_cross(row[a], C + 3 * ((a + 1) % 3), C + 3 * ((a + 2) % 3));
-    double determinant = vec3_dot(C, row[0]);
-    for (int a = 0; a < 3; a++) y[a] = vec3_dot(row[a], c) / determinant;
-}
-
 /* Divides the sums by the weight and evaluates the fit at `at`. */
 static void evaluate(struct fit *s, double value[FLUID_VALUES]) {
     double C[9], c[3], y[3] = {0};
     for (int a = 0; a < 3; a++) c[a] = s->first[a] / s->weight;
     for (int k = 0; k < 9; k++)
         C[k] = s->second[k] / s->weight - c[k / 3] * c[k % 3] + (k % 4 == 0 ? ridge : 0.0);
-    if (s->count >= LEAST_NEIGHBOURS) solve(C, c, y);
+    if (s->count >= LEAST_NEIGHBOURS) vec3_solve(y, C, c);
     for (int k = 0; k < FLUID_VALUES; k++) {
         double mean = s->value[k] / s->weight;
         value[k] = mean * (1.0 + vec3_dot(y, c)) - vec3_dot(y, s->moment[k]) / s->weight;

@@ -40,9 +40,10 @@ static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
         const struct rigid_body *body = &map->body[k];
         int end = body->first + body->vertices + RIGID_POINTS;
         double least = 1.0;
-        for (int i = body->first; i < end; i++)
-            if (vec3_length(moves + 3 * (size_t)i) > sim->way[i])
-                least = fmin(least, sim->way[i] / vec3_length(moves + 3 * (size_t)i));
+        for (int i = body->first; i < end; i++) {
+            double length = vec3_length(moves + 3 * (size_t)i);
+            if (length > sim->way[i]) least = fmin(least, sim->way[i] / length);
+        }
         for (int j = 3 * body->first; least < 1.0 && j < 3 * end; j++) moves[j] *= least;
         all = fmin(all, least);
     }

@@ -35,16 +35,6 @@ static void logarithm(const double R[9], double w[3]) {
 
 /* ---- free rotation --------------------------------------------------------------------------- */
 
-/* y = A^-1 b of a symmetric A, by cofactors */
-static void solve(const double A[9], const double b[3], double y[3]) {
-    double inverse[9];
-    for (int k = 0; k < 3; k++)
-        vec3_cross(inverse + 3 * k, A + 3 * ((k + 1) % 3), A + 3 * ((k + 2) % 3));
-    double determinant = vec3_dot(A, inverse);
-    vec3_multiply(y, inverse, b);
-    for (int a = 0; a < 3; a++) y[a] /= determinant;
-}
-
 /* I = R I_0 R', with the inertia tensor I_0 at rest. */
 static void turn_inertia(const struct rigid_body *body, const double R[9], double I[9]) {
     double half[9];
@@ -59,7 +49,7 @@ static void spin_at(const struct rigid_body *body, const double turn[3], const d
     memcpy(turned, R, sizeof turned);
     rotate(turn, turned);
     turn_inertia(body, turned, I);
-    solve(I, L, w);
+    vec3_solve(w, I, L);
 }
 
 /* A substep of the commutator-free method of order 4 by Celledoni, Marthinsen and Owren (2003). */
@@ -107,18 +97,25 @@ static void angular_momentum(const struct rigid_body *body, const double *x, con
     for (int a = 0; a < 3; a++) L[a] *= body->mass / RIGID_POINTS;
 }
 
-/* Sets v of the body at positions x with the momentum m velocity and the angular momentum L. */
-static void set_velocities(const struct rigid_body *body, const double *x, const double velocity[3],
-                           const double L[3], double *v) {
-    double c[3], I[9], w[3], r[3];
-    rigid_body_centre(body, x, c);
-    rigid_body_inertia(body, x, c, I);
-    solve(I, L, w);
+/* v = velocity + w x (x - c) for the body's particles */
+static void set_motion(const struct rigid_body *body, const double *x, const double c[3],
+                       const double velocity[3], const double w[3], double *v) {
     for (int i = body->first; i < body->first + body->vertices + RIGID_POINTS; i++) {
+        double r[3];
         vec3_subtract(r, x + 3 * (size_t)i, c);
         vec3_cross(v + 3 * (size_t)i, w, r);
         vec3_add(v + 3 * (size_t)i, 1.0, velocity);
     }
+}
+
+/* Sets v of the body at positions x with the momentum m velocity and the angular momentum L. */
+static void set_velocities(const struct rigid_body *body, const double *x, const double velocity[3],
+                           const double L[3], double *v) {
+    double c[3], I[9], w[3];
+    rigid_body_centre(body, x, c);
+    rigid_body_inertia(body, x, c, I);
+    vec3_solve(w, I, L);
+    set_motion(body, x, c, velocity, w, v);
 }
 
 void rigid_bodies_project(const struct pdyn_sim *sim, const double *x, double *v) {
@@ -133,15 +130,10 @@ void rigid_bodies_project(const struct pdyn_sim *sim, const double *x, double *v
 
 /* ---- a step ---------------------------------------------------------------------------------- */
 
-/* Part c of the extrapolation of the integrator; 0 with euler. */
-static double part_of(const struct pdyn_sim *sim, double h) {
-    return sim->objective.h < h ? (h - sim->objective.h) / sim->history : 0.0;
-}
-
 /* L^ = L_n + c (L_n - L_(n-1)); change: the difference. */
-static void base_momentum(const struct pdyn_sim *sim, const struct rigid_body *body, double part,
-                          double L[3], double change[3]) {
-    double before[3];
+static void base_momentum(const struct pdyn_sim *sim, const struct rigid_body *body, double L[3],
+                          double change[3]) {
+    double before[3], part = sim->objective.extrapolation;
     memset(change, 0, 3 * sizeof *change);
     angular_momentum(body, sim->x, sim->v, L);
     if (part == 0.0) return;
@@ -151,9 +143,9 @@ static void base_momentum(const struct pdyn_sim *sim, const struct rigid_body *b
 }
 
 /* R^, from R_n. */
-static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *body, double h,
-                          double part, const double change[3], double R[9]) {
-    double L[3], before[9], free[9], error[3], I[9], w[3], H = sim->objective.h;
+static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *body,
+                          const double change[3], double R[9]) {
+    double L[3], before[9], free[9], error[3], I[9], w[3], part = sim->objective.extrapolation;
     rigid_body_matrix(body, sim->x, R);
     if (part == 0.0) return;
     rigid_body_matrix(body, sim->x_before, before);
@@ -162,10 +154,10 @@ static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *b
     multiply_transposed(R, before, free);
     logarithm(free, error);
     turn_inertia(body, R, I);
-    solve(I, change, w);
+    vec3_solve(w, I, change);
     for (int a = 0; a < 3; a++) error[a] = part * (error[a] - sim->history * w[a]);
     angular_momentum(body, sim->x, sim->v, L);
-    rotate_free(body, L, h - H, R);
+    rotate_free(body, L, sim->objective.length - sim->objective.h, R);
     rotate(error, R);
 }
 
@@ -184,21 +176,14 @@ static void add_applied(const struct pdyn_sim *sim, struct rigid_body *body, dou
     vec3_add(body->momentum, H, moment);
 }
 
-struct job {
-    struct pdyn_sim *sim;
-    double h;
-};
-
 static void predict_bodies(void *arg, int first, int last, int block) {
     (void)block;
-    const struct job *job = arg;
-    struct pdyn_sim *sim = job->sim;
-    double part = part_of(sim, job->h);
+    struct pdyn_sim *sim = arg;
     for (int k = first; k < last; k++) {
         struct rigid_body *body = &sim->objective.rigid->body[k];
         double c[3], s[3], R[9], change[3];
-        base_momentum(sim, body, part, body->momentum, change);
-        base_rotation(sim, body, job->h, part, change, R);
+        base_momentum(sim, body, body->momentum, change);
+        base_rotation(sim, body, change, R);
         rigid_body_centre(body, sim->x_base, c);
         add_applied(sim, body, s);
         rigid_body_place(body, c, R, sim->x_base);
@@ -207,10 +192,9 @@ static void predict_bodies(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_bodies_predict(struct pdyn_sim *sim, double h) {
+void rigid_bodies_predict(struct pdyn_sim *sim) {
     const struct rigid_map *map = sim->objective.rigid;
-    struct job job = {sim, h};
-    if (map) pool_for(sim->context->pool, map->bodies, RIGID_GRAIN, predict_bodies, &job);
+    if (map) pool_for(sim->context->pool, map->bodies, RIGID_GRAIN, predict_bodies, sim);
 }
 
 /* H T, from the inertial forces m (x - s) / H^2 of the points, which balance those of constraints.
@@ -259,7 +243,7 @@ static void fit_pose(const struct rigid_body *body, double *x) {
         vec3_subtract(q, body->rest + 3 * (size_t)i, rest);
         for (int k = 0; k < 9; k++) M[k] += q[k / 3] * q[k % 3], N[k] += r[k / 3] * q[k % 3];
     }
-    for (int k = 0; k < 3; k++) solve(M, N + 3 * k, A + 3 * k);
+    for (int k = 0; k < 3; k++) vec3_solve(A + 3 * k, M, N + 3 * k);
     rigid_closest_rotation(A, R);
     double arm[3], turned[3];
     vec3_subtract(arm, body->centre, rest);
@@ -279,15 +263,10 @@ static void fit_velocities(const struct rigid_body *body, const double *x, doubl
         vec3_subtract(u, own + 3 * (size_t)i, mean);
         vec3_cross(turn, r, u);
         vec3_add(moment, 1.0, turn);
-        for (int k = 0; k < 9; k++) K[k] += (k % 4 ? 0.0 : vec3_dot(r, r)) - r[k / 3] * r[k % 3];
+        rigid_add_inertia(K, 1.0, r);
     }
-    solve(K, moment, w);
-    for (int i = body->first; i < body->first + body->vertices + RIGID_POINTS; i++) {
-        double r[3];
-        vec3_subtract(r, x + 3 * (size_t)i, middle);
-        vec3_cross(v + 3 * (size_t)i, w, r);
-        vec3_add(v + 3 * (size_t)i, 1.0, mean);
-    }
+    vec3_solve(w, K, moment);
+    set_motion(body, x, middle, mean, w, v);
 }
 
 static bool is_touched(const struct rigid_body *body, int first, int count) {
@@ -326,17 +305,13 @@ static const double vertex_share = 1e-14;
 
 static void start_body(struct pdyn_sim *sim, int b, struct rigid_body *body) {
     const struct scene_body *from = &sim->scene.body[b];
-    double *mass = sim->objective.mass + sim->body[b].first, r[3];
+    double *mass = sim->objective.mass + sim->body[b].first;
     *body = (struct rigid_body){
         .first = sim->body[b].first, .vertices = sim->body[b].count, .mass = from->mass};
-    for (int i = 0; i < body->vertices + RIGID_POINTS; i++) {
+    for (int i = 0; i < body->vertices + RIGID_POINTS; i++)
         mass[i] = i < body->vertices ? vertex_share * from->mass / body->vertices
                                      : from->mass / RIGID_POINTS;
-        double *v = sim->v + 3 * (size_t)(body->first + i);
-        vec3_subtract(r, sim->x + 3 * (size_t)(body->first + i), from->centre);
-        vec3_cross(v, from->angular_velocity, r);
-        vec3_add(v, 1.0, from->velocity);
-    }
+    set_motion(body, sim->x, from->centre, from->velocity, from->angular_velocity, sim->v);
 }
 
 pdyn_status rigid_bodies_create(struct pdyn_sim *sim) {

@@ -19,8 +19,8 @@
  * start. sim->objective.rigid stays NULL in a scene without them. */
 pdyn_status rigid_bodies_create(struct pdyn_sim *sim);
 
-/* Call in a step of length h, s, once x_base, v_base and s are known: replaces x_base and s. */
-void rigid_bodies_predict(struct pdyn_sim *sim, double h);
+/* Call in a step once x_base, v_base and s are known: replaces x_base and s. */
+void rigid_bodies_predict(struct pdyn_sim *sim);
 
 /* Replaces the velocities of bodies by those of the angular momentum at the end of the step. */
 void rigid_bodies_set_velocities(struct pdyn_sim *sim);

@@ -31,7 +31,7 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
         sim->objective.s[k] =
             sim->x_base[k] + H * sim->v_base[k] + H * H * applied_acceleration(sim, k);
     live_particles_fix_inactive(sim);
-    rigid_bodies_predict(sim, h);
+    rigid_bodies_predict(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
     pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
     if (status == PDYN_OK) objective_begin(&sim->objective, sim->x_base, sim->v_base);
