@@ -1,0 +1,50 @@
+/* Rows of a one-sided type: the part of their forces that stops an impact (one_sided.h). */
+#include "row_loops.h"
+
+#include <math.h>
+
+struct impacts { /* the arguments of a parallel loop */
+    struct batch *batch;
+    const struct velocity_change *change;
+    const double *acceleration;
+};
+
+/* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
+ * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
+ * force that stops it. */
+static void keep_impacts(void *arg, int first, int last, int block) {
+    const struct impacts *c = arg;
+    struct batch *b = c->batch;
+    const pdyn_batch *v = &b->view;
+    double count = 0.0, h = c->change->h;
+    for (int r = v->element_row[first]; r < v->element_row[last]; r++) {
+        v4 flux, slowed, acceleration;
+        double softness = 0.0, part = 0.0;
+        v4_load(&flux, b->flux, r);
+        gather_row(b, r, c->change->slowed, &slowed);
+        gather_row(b, r, c->acceleration, &acceleration);
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            softness += v->coefficient[k] * v->coefficient[k] / c->change->mass[v->column[k]];
+        double force = sqrt(v4_dot(&flux, &flux));
+        double weight = v->weight[b->entry_element[v->row_entry[r]]];
+        if (force > 0.0) {
+            double all = v4_dot(&flux, &acceleration) / force;
+            part = impact_part(v4_dot(&flux, &slowed) / force, h * fmax(all, force * softness),
+                               h * h * weight * softness);
+        }
+        flux *= part;
+        v4_store(b->flux, r, &flux);
+        count += part > 0.5;
+    }
+    b->partial[block] = count;
+}
+
+int rows_impacts(struct batch *b, const struct velocity_change *change, const double *acceleration,
+                 double *force) {
+    struct impacts impacts = {b, change, acceleration};
+    double count = 0.0;
+    pool_for(b->context->pool, b->view.elements, BATCH_GRAIN, keep_impacts, &impacts);
+    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) count += b->partial[k];
+    batch_scatter(b, force);
+    return (int)count;
+}

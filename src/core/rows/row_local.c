@@ -1,0 +1,119 @@
+/* Rows: u = G x, projection, and the flux w (u - p), which goes back to the particles. */
+#include "row_loops.h"
+
+WIDE static void gather_rows(const struct batch *b, int first, int last, const double *x) {
+    for (int r = first; r < last; r++) {
+        v4 u;
+        gather_row(b, r, x, &u);
+        memcpy((double *)b->view.u + 3 * (size_t)r, &u, 3 * sizeof(double));
+    }
+}
+
+/* out += G' flux, by particles, so that threads write to different places */
+WIDE static void scatter_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct row_loop *c = arg;
+    const struct batch *b = c->batch;
+    for (int i = first; i < last; i++) {
+        v4 sum = {0};
+        for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++) {
+            v4 flux;
+            memcpy(&flux, b->flux + 4 * (size_t)b->touch[t].row, sizeof flux);
+            sum += b->touch[t].coefficient * flux;
+        }
+        v4_add_to(c->out + 3 * (size_t)(b->touch_first + i), &sum);
+    }
+}
+
+void batch_scatter(struct batch *b, double *y) {
+    rows_for(b, b->touch_count, ROWS_PARTICLES, scatter_rows, NULL, y, 0.0);
+}
+
+/* flux = w (u - p) in row r; adds twice the energy of the row. */
+INLINE void pull_row(const struct batch *b, int r, double w, v4 *energy) {
+    v4 u, p, f; /* fourth lanes are undefined */
+    memcpy(&u, b->view.u + 3 * (size_t)r, sizeof u);
+    memcpy(&p, b->view.p + 3 * (size_t)r, sizeof p);
+    u -= p;
+    f = w * u;
+    *energy += f * u;
+    memcpy(b->flux + 4 * (size_t)r, &f, sizeof f);
+}
+
+/* flux of the elements [first, last). Returns their energy w/2 |u - p|^2. */
+WIDE static double pull_rows(struct batch *b, int first, int last) {
+    const pdyn_batch *v = &b->view;
+    v4 energy = {0};
+    for (int e = first; e < last; e++)
+        if (b->single) pull_row(b, e, v->weight[e], &energy);
+        else
+            for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
+                pull_row(b, r, v->weight[e], &energy);
+    return 0.5 * (energy[0] + energy[1] + energy[2]);
+}
+
+/* Works in pieces whose u, p and flux stay in the L1 cache. */
+static void project_rows(void *arg, int first, int last, int block) {
+    const struct row_loop *c = arg;
+    struct batch *b = c->batch;
+    const pdyn_batch *v = &b->view;
+    double energy = 0.0;
+    for (int e = first, end; e < last; e = end) {
+        end = last - e > ROWS_PIECE ? e + ROWS_PIECE : last;
+        gather_rows(b, v->element_row[e], v->element_row[end], c->in);
+        b->type->project(b->params, v, e, end);
+        double squares = pull_rows(b, e, end);
+        energy += b->type->energy && !b->off ? b->type->energy(b->params, v, e, end) : squares;
+    }
+    b->partial[block] = energy;
+}
+
+double rows_project(struct batch *b, const double *x) {
+    double energy = 0.0;
+    rows_for(b, b->view.elements, BATCH_GRAIN, project_rows, x, NULL, 0.0);
+    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) energy += b->partial[k];
+    return energy;
+}
+
+static void hold_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct row_loop *c = arg;
+    struct batch *b = c->batch;
+    gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in);
+    b->type->damping_rest(b->params, &b->view, first, last);
+}
+
+static void weigh_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct row_loop *c = arg;
+    struct batch *b = c->batch;
+    double part = b->type->damping(b->params) / c->number;
+    rows_weigh(b, first, last);
+    for (int e = first; e < last; e++) b->view.weight[e] *= part;
+}
+
+void batch_weigh(struct batch *b, double h) {
+    if (b->damper) rows_for(b, b->view.elements, BATCH_GRAIN, weigh_rows, NULL, NULL, h);
+}
+
+/* in: x; out: v */
+static void begin_rows(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct row_loop *c = arg;
+    struct batch *b = c->batch;
+    int row = b->view.element_row[first], end = b->view.element_row[last];
+    gather_rows(b, row, end, c->out);
+    memcpy(b->view.p + 3 * (size_t)row, b->view.u + 3 * (size_t)row,
+           3 * (size_t)(end - row) * sizeof(double));
+    gather_rows(b, row, end, c->in);
+    b->type->begin(b->params, &b->view, first, last);
+    rows_weigh(b, first, last);
+}
+
+void rows_hold(struct batch *b, const double *x) {
+    rows_for(b, b->view.elements, BATCH_GRAIN, hold_rows, x, NULL, 0.0);
+}
+
+void rows_begin(struct batch *b, const double *x, const double *v) {
+    rows_for(b, b->view.elements, BATCH_GRAIN, begin_rows, x, (double *)v, 0.0);
+}

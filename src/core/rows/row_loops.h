@@ -1,0 +1,66 @@
+/* Within rows/: loops over the rows of a batch. A vector of particles x becomes u = G x, and the
+ * flux of the rows, w (u - p) or B u, goes back to the particles by G'. */
+#ifndef PDYN_ROW_LOOPS_H
+#define PDYN_ROW_LOOPS_H
+
+#include "base/pool.h"
+#include "projdyn/simd.h"
+#include "row_arrays.h"
+
+#include <string.h>
+
+enum {
+    ROWS_PARTICLES = 1024, /* of a parallel block */
+    ROWS_PIECE = 256       /* elements of one call of a callback: they stay in the L1 cache */
+};
+
+struct row_loop { /* the arguments of a parallel loop */
+    struct batch *batch;
+    const double *in;
+    double *out;
+    double number; /* eps, or the length of a step */
+};
+
+static inline void rows_for(struct batch *batch, int count, int grain, pdyn_range_fn *fn,
+                            const double *in, double *out, double number) {
+    struct row_loop loop = {batch, in, out, number};
+    pool_for(batch->context->pool, count, grain, fn, &loop);
+}
+
+/* u = sum over `width` entries from k on */
+INLINE void gather_entries(const pdyn_batch *v, int k, int width, const double *x, v4 *u) {
+    *u = (v4){0};
+    for (int end = k + width; k < end; k++) {
+        v4 at;
+        memcpy(&at, x + 3 * (size_t)v->column[k], sizeof at);
+        *u += v->coefficient[k] * at;
+    }
+}
+
+/* u of row r; the loop over two entries is unrolled */
+INLINE void gather_row(const struct batch *b, int r, const double *x, v4 *u) {
+    const int *entry = b->view.row_entry + r;
+    if (b->width == 2) gather_entries(&b->view, 2 * r, 2, x, u);
+    else gather_entries(&b->view, entry[0], entry[1] - entry[0], x, u);
+}
+
+/* row_local.c: u, p and the flux w (u - p) of all rows at x. Returns their energy, J. */
+double rows_project(struct batch *batch, const double *x);
+/* Begins a step at x and v: the rest of a damper; weights of a type with `begin`. */
+void rows_hold(struct batch *batch, const double *x);
+void rows_begin(struct batch *batch, const double *x, const double *v);
+
+/* row_tangent.c: B of all elements at the last local step, for the eps of the batch. */
+pdyn_status rows_linearise(struct batch *batch);
+/* flux = B G u */
+void rows_multiply(struct batch *batch, const double *u);
+
+/* row_diagonal.c: adds the 3 x 3 block diagonal of G' B G. */
+void rows_diagonal(struct batch *batch, double *blocks);
+
+/* row_impacts.c: force += the impact part of the flux of all rows. Returns their number.
+ * acceleration: particles x 3, m/s^2, minus that by all forces of the batch. */
+int rows_impacts(struct batch *batch, const struct velocity_change *change,
+                 const double *acceleration, double *force);
+
+#endif
