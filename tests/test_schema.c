@@ -94,7 +94,7 @@ static void test_describe(void **state) {
                            "stretching_stiffness   N/m    required   number from 0 to 1e+12"));
     assert_non_null(strstr(described("pin"), "choice of vertices"));
     assert_non_null(strstr(
-        described("cg"), "outer_iterations              20         whole number from 1 to 100000"));
+        described("cg"), "outer_iterations              100        whole number from 1 to 100000"));
     assert_int_equal(pdyn_describe(context, "fluit", collect, NULL), PDYN_BAD_INPUT);
     assert_message(
         "no constraint and no solver \"fluit\"; did you mean \"fluid\"?; known: attachment, *");
