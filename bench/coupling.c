@@ -6,11 +6,7 @@
  *     coupling lintearia DIRECTORY SECONDS MM...     the shape of a sheet that holds water
  *     coupling gate DIRECTORY MMxMPAxMS...           a rubber gate: spacing, modulus, step
  *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL:V...  impact or bag, N particles across, mesh M,
- *                                                    at V m/s
- *     coupling ratios DIRECTORY SECONDS              light and heavy, soft and stiff, all steps
- *     coupling solvers DIRECTORY NxKxSTEPS...   N x N vertices; cg, hybrid, cholesky
- *     coupling sizes DIRECTORY SCENE MMxSECONDSxSTEPS...   the same, a scene's water of
- *                                                    other radii, from so many seconds on */
+ *                                                    at V m/s */
 #include "coupling.h"
 
 #include <stdarg.h>
@@ -46,15 +42,10 @@ int main(int argc, char **argv) {
         lintearia(context, argv[2], atof(argv[3]), argc - 4, argv + 4);
     else if (!strcmp(command, "gate")) elastic_gate(context, argv[2], argc - 3, argv + 3);
     else if (!strcmp(command, "leaks")) leaks(context, argv[2], argc - 3, argv + 3);
-    else if (!strcmp(command, "ratios") && argc == 4) ratios(context, argv[2], atof(argv[3]));
-    else if (!strcmp(command, "solvers")) solvers(context, argv[2], argc - 3, argv + 3);
-    else if (!strcmp(command, "sizes") && argc > 4)
-        sizes(context, argv[2], argv[3], argc - 4, argv + 4);
     else
         die("usage: coupling momentum DIRECTORY STEPS SECONDS | basin DIRECTORY SECONDS MM... | "
             "lintearia DIRECTORY SECONDS MM... | gate DIRECTORY MMxMPAxMS... | leaks DIRECTORY "
-            "NAME:N:M:MS:S:OxL:V... | ratios DIRECTORY SECONDS | solvers DIRECTORY "
-            "NxKxSTEPS... | sizes DIRECTORY SCENE MMxSECONDSxSTEPS...");
+            "NAME:N:M:MS:S:OxL:V...");
     pdyn_destroy(context);
     return 0;
 }

@@ -18,8 +18,5 @@ void lintearia(pdyn_context *context, const char *directory, double seconds, int
                char **spacings);
 void elastic_gate(pdyn_context *context, const char *directory, int count, char **runs);
 void leaks(pdyn_context *context, const char *directory, int count, char **runs);
-void ratios(pdyn_context *context, const char *directory, double seconds);
-void solvers(pdyn_context *context, const char *directory, int count, char **runs);
-void sizes(pdyn_context *context, const char *directory, const char *file, int count, char **runs);
 
 #endif

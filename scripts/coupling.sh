@@ -11,13 +11,11 @@ mkdir -p "$out"
 case ${1:-} in
 quick)
     steps=100 seconds=2 basin=20 sheet=20 gate="10x12x2 10x7.8x2" docs=$out
-    leaks="impact:12:25:10:0.03:6x30:20 bag:12:8:10:0.05:20x300:2"
-    solvers="32x4000x2" sizes="6.1x0.05x2" ;;
+    leaks="impact:12:25:10:0.03:6x30:20 bag:12:8:10:0.05:20x300:2" ;;
 "")
     steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" gate="10x12x2 10x7.8x2 5x12x1 5x7.8x1" docs=docs/results
-    leaks="impact:22:50:10:0.05:6x30:20 impact:22:50:1:0.03:6x30:20 impact:46:50:10:0.05:20x100:20 impact:46:50:1:0.03:6x30:20 impact:46:200:10:0.05:6x30:20 impact:46:200:1:0.03:6x30:20 impact:46:50:10:0.05:6x30:5 bag:12:8:10:0.4:20x300:0.5 bag:12:8:10:0.4:20x300:2 bag:12:8:1:0.03:20x300:2"
-    solvers="32x400x16 32x4000x40 32x40000x40 64x400x16 64x4000x40 64x40000x40 127x400x16 127x4000x40 127x40000x40 253x400x3 253x4000x3 253x40000x3"
-    sizes="6.1x0.1x10 2.87x0.05x5 1.35x0.039x2" ;;
+    leaks="impact:22:50:10:0.05:6x30:20 impact:22:50:1:0.03:6x30:20 impact:46:50:10:0.05:6x30:20 impact:46:200:10:0.05:6x30:20"
+    leaks="$leaks impact:46:50:10:0.05:6x30:5 bag:12:8:10:0.4:20x300:0.5 bag:12:8:10:0.4:20x300:2 bag:12:8:1:0.03:20x300:2" ;;
 *) echo "usage: scripts/coupling.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
@@ -28,9 +26,6 @@ esac
     build/bench/coupling lintearia "$out" 2 $sheet >"$out/lintearia.md"
     build/bench/coupling gate "$out" $gate >"$out/gate.md"
     build/bench/coupling leaks "$out" $leaks >"$out/leaks.md"
-    build/bench/coupling ratios "$out" 0.1 >"$out/ratios.md"
-    build/bench/coupling solvers "$out" $solvers >"$out/solvers.md"
-    build/bench/coupling sizes "$out" scenes/water_on_cloth.json $sizes >"$out/sizes.md"
 }
 gnuplot -e "target='$docs/coupling.svg'; out='$out'" scripts/coupling.gnuplot
 scripts/fill_tables.sh "$out" docs/results/coupling.md "$docs/coupling.md"
