@@ -36,7 +36,7 @@ static void test_defaults(void **state) {
     assert_true(s->duration == 2.0 && s->frame_interval == 1.0 / 30.0);
     assert_true(s->h_fixed == 0.0 && s->h_min == 1e-5 && s->h_max == 0.005 && s->cfl == 1.0);
     assert_true(s->tolerance == 0.1 && s->linear_tolerance == 0.01 && s->newton);
-    assert_int_equal(s->outer_iterations, 20);
+    assert_int_equal(s->outer_iterations, 100);
     assert_int_equal(s->linear_iterations, 500);
     assert_string_equal(s->solver_type, "auto");
     assert_int_equal(scene.bodies, 2);
