@@ -224,10 +224,8 @@ static void test_slope(void **state) {
     assert_true(fabs(slide(30.0) - theory) < 0.01 * theory);
 }
 
-/* Boxes of the same size on each other, edge over edge, come to rest: every step is solved,
- * although the closest points of parallel edges are not unique. */
-static void test_stack(void **state) {
-    (void)state;
+/* Five boxes of the same size on each other, edge over edge. */
+static pdyn_sim *load_stack(pdyn_context *context) {
     char text[2048] =
         "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, "
                                                "'stiffness': 1e5}, 'solids': [{'plane': {'center': "
@@ -243,14 +241,45 @@ static void test_stack(void **state) {
             k ? ", " : "", low, low + 0.1);
     }
     strcat(text, "]}");
+    return test_load(context, text);
+}
+
+/* They come to rest: every step is solved, although the closest points of parallel edges are not
+ * unique. */
+static void test_stack(void **state) {
+    (void)state;
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
+    pdyn_sim *sim = load_stack(context);
     double start[3], end[3];
     steps(context, sim, 60);
     mean_of(sim, 4, sim->x, start);
     for (int n = 0; n < 100; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
     mean_of(sim, 4, sim->x, end);
     assert_true(vec3_distance(start, end) < 5e-4);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
+ */
+static void test_matrix(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load_stack(context);
+    steps(context, sim, 60);
+    struct objective *o = &sim->objective;
+    int n = 3 * o->particles;
+    double u[1024] = {0}, y[1024], z[1024] = {0}, blocks[2048], largest = 0.0;
+    assert_true(n < 1024);
+    for (int k = 0; k < n; k++) u[k] = sin(k * k);
+    rigid_map_extend(o->rigid, u);
+    assert_int_equal(objective_linearise(o, 0.0), PDYN_OK);
+    objective_diagonal(o, PDYN_WHOLE, blocks);
+    objective_apply(o, u, y);
+    rigid_matrix_solve(o->rigid, y, z);
+    assert_true(o->rigid->closed && o->rigid->pairs == 4);
+    for (int k = 0; k < n; k++) largest = fmax(largest, fabs(z[k] - u[k]));
+    assert_true(largest < 1e-8);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -296,6 +325,37 @@ static const char hit[] =
                                        "{'name': 'box', 'rigid': {'box': {'minimum': [-0.05, "
                                        "-0.06, -0.1], 'maximum': [0.15, 0, "
                                        "0.1]}, 'density': 500, 'fluid_friction': 10}}]}";
+
+/* Water falls on two boxes of which one lies on the other: A of `dual` is a matrix of bodies. */
+static const char pair[] =
+    "{" STEPS_OF("0.002", "[0, 0, 0]") ", 'contact': {'thickness': 0.004, 'stiffness': 1e4}, "
+                                       "'bodies': [{'name': 'water', 'particles': {'radius': 0.01, "
+                                       "'fill': [{'box': {'minimum': [-0.1, 0.03, -0.1], "
+                                       "'maximum': [0.1, 0.11, 0.1]}, 'velocity': [0, -2, 0]}]}, "
+                                       "'constraints': [{'type': 'fluid'}]},"
+                                       "{'name': 'upper', 'rigid': {'box': {'minimum': [-0.05, "
+                                       "-0.06, -0.1], 'maximum': [0.15, 0, 0.1]}, 'density': 500}},"
+                                       "{'name': 'lower', 'rigid': {'box': {'minimum': [-0.1, "
+                                       "-0.12, -0.1], 'maximum': [0.1, -0.063, 0.1]}, 'density': "
+                                       "2000}}]}";
+
+static void test_pair(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    pdyn_sim *sim = test_load(context, pair);
+    struct momenta start = momenta_of(sim);
+    int pairs = 0;
+    for (int n = 0; n < 40; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        assert_true(info.step_residual <= 0.1);
+        pairs += sim->objective.rigid->pairs;
+    }
+    struct momenta end = momenta_of(sim);
+    assert_true(pairs > 0 && sim->model.rest->model.bodies_alone);
+    assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
 
 /* Water hits a box off its centre: momentum is conserved, the box moves along and turns. */
 static void test_water(void **state) {
@@ -348,8 +408,8 @@ static void test_poses(void **state) {
 /* The same bits for any number of threads, and after a saved state. */
 static void test_bits(void **state) {
     (void)state;
-    static const char *const scenes[] = {collision, hit};
-    for (int k = 0; k < 2; k++) {
+    static const char *const scenes[] = {collision, hit, pair};
+    for (int k = 0; k < 3; k++) {
         pdyn_context *one = test_context(1), *four = test_context(4);
         pdyn_sim *first = test_load(one, scenes[k]), *second = test_load(four, scenes[k]);
         steps(one, first, 20), steps(four, second, 25);
@@ -406,6 +466,7 @@ int main(void) {
         cmocka_unit_test(test_slope),     cmocka_unit_test(test_stack),
         cmocka_unit_test(test_collision), cmocka_unit_test(test_water),
         cmocka_unit_test(test_poses),     cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_matrix),    cmocka_unit_test(test_pair),
         cmocka_unit_test(test_errors)};
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }

@@ -434,6 +434,8 @@ typedef struct pdyn_model {
     double eps;          /* of H: 0 newton, 1 projective */
     bool newton;         /* the scene asks for the newton step: eps may be below 1 */
     bool dynamic;        /* some constraint changes from step to step */
+    bool bodies_alone;   /* of `rest`: the rows at the iterate tie rigid bodies alone, for which
+                            solve_bodies is exact; elsewhere this H is diagonal */
     const bool *in_rows; /* particles: selected by a row that always exists, or of a rigid body */
     int elements_count;  /* constraints whose rows always exist */
     int one_sided_count; /* matrix-free constraints */
@@ -442,10 +444,10 @@ typedef struct pdyn_model {
     void (*product)(struct pdyn_model *model, const double *u, double *y);
     /* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
     void (*diagonal)(struct pdyn_model *model, pdyn_part part, double *blocks);
-    /* A preconditioner of rigid bodies: z of their particles becomes B^-1 r, where B is the part of
-     * H between the particles of one body, as of the last call of `diagonal` for PDYN_WHOLE. NULL
-     * in a scene without rigid bodies. Call it after z = D^-1 r: the blocks D of rigid bodies have
-     * no meaning of their own. */
+    /* A preconditioner of rigid bodies: z of their particles becomes B^-1 r, where B is the block
+     * diagonal of H, as of the last call of `diagonal` for PDYN_WHOLE, and the part of H by rows
+     * that come and go between rigid bodies. NULL in a scene without rigid bodies. Call it after
+     * z = D^-1 r: the blocks D of rigid bodies have no meaning of their own. */
     void (*solve_bodies)(struct pdyn_model *model, const double *r, double *z);
     /* a . b, the same bits for any number of threads. */
     double (*dot)(struct pdyn_model *model, const double *a, const double *b);

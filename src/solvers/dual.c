@@ -52,6 +52,7 @@ struct part { /* the scalar constraints of one matrix-free constraint */
 struct dual {
     pdyn_model *model;
     bool coupled; /* there are rows or rigid bodies beside the constraints: A is not diagonal */
+    bool direct;  /* A^-1 needs no iteration in this solve: A is diagonal but for rigid bodies */
     bool limited; /* solves end early, because A^-1 takes many iterations: cloth or solids */
     struct rest_solve rest;
     double *u, *rhs; /* particles x 3: displacement by p; right side of a solve with A */
@@ -198,15 +199,11 @@ static void compute_mobility(void *arg, int first, int last, int block) {
     }
 }
 
-/* out = A^-1 (in - out) of a fluid alone, in: NULL for 0 */
+/* out = A^-1 in of particles in no row and of no rigid body */
 static void apply_mobility(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
-    for (int i = first; i < last; i++) {
-        double m = c->s->mobility[i];
-        for (int k = 3 * i; k < 3 * i + 3; k++)
-            c->out[k] = c->in ? m * (c->in[k] - c->out[k]) : -m * c->out[k];
-    }
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] = c->s->mobility[k / 3] * c->in[k];
 }
 
 /* out = (b or 0) - out */
@@ -230,12 +227,13 @@ static void compute_displacement(struct dual *s, const double *b, const double *
     double *force = s->coupled ? s->rhs : d;
     memset(force, 0, n * sizeof *force);
     add_force(s, multiplier, force);
-    if (!s->coupled) {
-        for_all(s, s->model->particles, apply_mobility, 0.0, b, d);
+    for_all(s, s->model->particles, subtract_from, 0.0, b, force);
+    if (!s->direct) {
+        s->products += rest_solve_apply(&s->rest, force, d, rel_tol);
         return;
     }
-    for_all(s, s->model->particles, subtract_from, 0.0, b, force);
-    s->products += rest_solve_apply(&s->rest, force, d, rel_tol);
+    for_all(s, s->model->particles, apply_mobility, 0.0, force, d);
+    if (s->coupled) s->model->solve_bodies(s->model, force, d);
 }
 
 /* d += A^-1 (b - G' multiplier - A d) */
@@ -329,7 +327,7 @@ static void add_compliance(void *arg, int first, int last, int block) {
 
 /* q = S p */
 static void multiply(struct dual *s) {
-    double *u = s->coupled ? s->u : s->d;
+    double *u = s->direct ? s->d : s->u;
     compute_displacement(s, NULL, s->p, inner_tolerance, u);
     compute_rate(s, u);
     for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
@@ -338,7 +336,7 @@ static void multiply(struct dual *s) {
 /* lambda += scale p, and what follows from it. */
 static void advance(struct dual *s, double scale) {
     for_all(s, s->count, step_along_direction, scale, NULL, NULL);
-    if (s->coupled) for_all(s, s->model->particles, add_scaled, scale, s->u, s->d);
+    if (!s->direct) for_all(s, s->model->particles, add_scaled, scale, s->u, s->d);
 }
 
 /* p = the step from lambda to the bounds */
@@ -416,13 +414,14 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     s->d = y;
     s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));
     *iterations = s->products = 0;
+    s->direct = !s->coupled || s->rest.model->bodies_alone;
     if (s->coupled) rest_solve_update(&s->rest, stop->first_of_step);
     start(s, b);
     int most =
         s->limited && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
     iterate(s, most, iterations);
     for_all(s, s->count, compute_change, 0.0, NULL, NULL);
-    if (s->coupled) correct_displacement(s, b, s->p);
+    if (!s->direct) correct_displacement(s, b, s->p);
     else compute_displacement(s, b, s->p, 0.0, s->d);
     *iterations += s->products;
     return PDYN_OK;

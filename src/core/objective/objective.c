@@ -145,6 +145,8 @@ pdyn_status objective_linearise(struct objective *sys, double eps) {
     sys->eps = eps;
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
         status = batch_linearise(sys->batch[b], eps);
+    if (sys->rigid && status == PDYN_OK)
+        status = rigid_matrix_couple(sys->rigid, sys->batch, sys->batches);
     return status;
 }
 
@@ -249,7 +251,7 @@ static void sum_diagonal(struct objective *sys, pdyn_part part, add_diagonal_fn 
     for (int b = 0; b < sys->batches; b++)
         if (part == PDYN_WHOLE || !batch_is_static(sys->batch[b])) add(sys->batch[b], blocks);
     if (!sys->rigid) return;
-    if (part == PDYN_WHOLE) rigid_map_factor(sys->rigid, blocks);
+    if (part == PDYN_WHOLE) rigid_matrix_factor(sys->rigid, blocks);
     rigid_map_close_blocks(sys->rigid, 1.0 / (sys->h * sys->h), blocks);
 }
 

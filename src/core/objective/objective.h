@@ -11,7 +11,7 @@
 #include "contact/contact.h"
 #include "contact/wet_sides.h"
 #include "rows/batch.h"
-#include "rows/rigid_map.h"
+#include "rows/rigid_matrix.h"
 #include "sph/neighbours.h"
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */

@@ -43,7 +43,7 @@ static void rest_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
 }
 
 static void solve_bodies(pdyn_model *model, const double *r, double *z) {
-    rigid_map_solve(objective_of(model)->rigid, r, z);
+    rigid_matrix_solve(objective_of(model)->rigid, r, z);
 }
 
 static double dot(pdyn_model *model, const double *a, const double *b) {
@@ -131,7 +131,10 @@ static void force(pdyn_model *model, int k, const double *multiplier, double *ou
 
 static void update_view(struct solver_view *view) {
     view->model.h = view->objective->h, view->model.eps = view->objective->eps;
-    if (view->rest) update_view(view->rest);
+    if (!view->rest) return;
+    const struct rigid_map *rigid = view->objective->rigid;
+    update_view(view->rest);
+    view->rest->model.bodies_alone = rigid && rigid->closed && !view->model.elements_count;
 }
 
 pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bool newton,

@@ -18,9 +18,7 @@ static const double *extend(const struct batch *b, const double *u) {
 /* The vector to which an operator adds; end_output distributes its samples and writes y. */
 static double *begin_output(const struct batch *b, double *y) {
     if (!b->samples) return y;
-    size_t all = 3 * (size_t)b->one_sided.particles;
-    size_t own = y == b->samples->output ? 3 * (size_t)b->samples->particles : 0;
-    memset(b->samples->output + own, 0, (all - own) * sizeof *y);
+    samples_clear(b->samples, y != b->samples->output);
     return b->samples->output;
 }
 

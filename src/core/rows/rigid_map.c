@@ -140,8 +140,8 @@ void rigid_map_update(struct rigid_map *map, const double *x) { for_bodies(map, 
 
 /* ---- displacements and forces ---------------------------------------------------------------- */
 
-/* Sum and moment of f over the body's particles from number `begin` of the body on. */
-static void sum_forces(const struct rigid_body *b, int begin, const double *f, double sum[6]) {
+void rigid_body_sum(const struct rigid_body *b, int begin, const double *f,
+                    double sum[RIGID_SIZE]) {
     memset(sum, 0, 6 * sizeof *sum);
     for (int i = begin; i < particles_of(b); i++) {
         double turn[3];
@@ -151,9 +151,9 @@ static void sum_forces(const struct rigid_body *b, int begin, const double *f, d
     }
 }
 
-/* u_i = t + w x r_i for the body's particles from number `begin` on */
-static void move(const struct rigid_body *b, int begin, const double t[3], const double w[3],
-                 double *u) {
+void rigid_body_move(const struct rigid_body *b, int begin, const double motion[RIGID_SIZE],
+                     double *u) {
+    const double *t = motion, *w = motion + 3;
     for (int i = begin; i < particles_of(b); i++) {
         double *own = u + 3 * (size_t)(b->first + i);
         vec3_cross(own, w, b->arm + 3 * (size_t)i);
@@ -162,9 +162,10 @@ static void move(const struct rigid_body *b, int begin, const double t[3], const
 }
 
 /* The mean over the points of sums of them, and the rotation that has these moments. */
-static void mean_motion(const struct rigid_body *b, const double sum[6], double t[3], double w[3]) {
-    for (int a = 0; a < 3; a++) t[a] = sum[a] / RIGID_POINTS;
-    vec3_multiply(w, b->inverse, sum + 3);
+static void mean_motion(const struct rigid_body *b, const double sum[RIGID_SIZE],
+                        double motion[RIGID_SIZE]) {
+    for (int a = 0; a < 3; a++) motion[a] = sum[a] / RIGID_POINTS;
+    vec3_multiply(motion + 3, b->inverse, sum + 3);
 }
 
 static void extend(void *arg, int first, int last, int block) {
@@ -172,10 +173,10 @@ static void extend(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
-        double sum[6], t[3], w[3];
-        sum_forces(b, b->vertices, c->out, sum);
-        mean_motion(b, sum, t, w);
-        move(b, 0, t, w, c->out);
+        double sum[RIGID_SIZE], motion[RIGID_SIZE];
+        rigid_body_sum(b, b->vertices, c->out, sum);
+        mean_motion(b, sum, motion);
+        rigid_body_move(b, 0, motion, c->out);
     }
 }
 
@@ -192,60 +193,15 @@ static void pull(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
-        double sum[6], t[3], w[3];
-        sum_forces(b, 0, c->out, sum);
-        mean_motion(b, sum, t, w);
+        double sum[RIGID_SIZE], motion[RIGID_SIZE];
+        rigid_body_sum(b, 0, c->out, sum);
+        mean_motion(b, sum, motion);
         memset(c->out + 3 * (size_t)b->first, 0, 3 * (size_t)b->vertices * sizeof(double));
-        move(b, b->vertices, t, w, c->out);
+        rigid_body_move(b, b->vertices, motion, c->out);
     }
 }
 
 void rigid_map_pull(const struct rigid_map *map, double *y) { for_bodies(map, pull, NULL, y); }
-
-/* ---- blocks ---------------------------------------------------------------------------------- */
-
-enum { SIZE = 6 }; /* unknowns of a body: t, w */
-
-/* B += G' D G, G = (I, -[r]x) */
-static void add_block(double B[36], const double *r, const double *packed) {
-    static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    const double G[3][SIZE] = {
-        {1, 0, 0, 0, r[2], -r[1]}, {0, 1, 0, -r[2], 0, r[0]}, {0, 0, 1, r[1], -r[0], 0}};
-    double DG[3][SIZE];
-    for (int a = 0; a < 3; a++)
-        for (int j = 0; j < SIZE; j++)
-            DG[a][j] = packed[at[a][0]] * G[0][j] + packed[at[a][1]] * G[1][j] +
-                       packed[at[a][2]] * G[2][j];
-    for (int i = 0; i < SIZE; i++)
-        for (int j = 0; j <= i; j++)
-            B[SIZE * i + j] += G[0][i] * DG[0][j] + G[1][i] * DG[1][j] + G[2][i] * DG[2][j];
-}
-
-/* B, the lower triangle row by row, becomes its Cholesky factor L, B = L L'. */
-static void factor(double B[36]) {
-    for (int i = 0; i < SIZE; i++)
-        for (int j = 0; j <= i; j++) {
-            double sum = B[SIZE * i + j];
-            for (int k = 0; k < j; k++) sum -= B[SIZE * i + k] * B[SIZE * j + k];
-            B[SIZE * i + j] = i == j ? sqrt(sum) : sum / B[SIZE * j + j];
-        }
-}
-
-static void factor_bodies(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    for (int k = first; k < last; k++) {
-        struct rigid_body *b = &c->map->body[k];
-        memset(b->factor, 0, sizeof b->factor);
-        for (int i = 0; i < particles_of(b); i++)
-            add_block(b->factor, b->arm + 3 * (size_t)i, c->in + 6 * (size_t)(b->first + i));
-        factor(b->factor);
-    }
-}
-
-void rigid_map_factor(struct rigid_map *map, const double *blocks) {
-    for_bodies(map, factor_bodies, blocks, NULL);
-}
 
 void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks) {
     for (int k = 0; k < map->bodies; k++) {
@@ -256,34 +212,6 @@ void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double 
             own[0] = own[3] = own[5] = inertia * map->mass[i];
         }
     }
-}
-
-/* q becomes B^-1 q. */
-static void solve(const double L[36], double q[SIZE]) {
-    for (int i = 0; i < SIZE; i++) {
-        for (int k = 0; k < i; k++) q[i] -= L[SIZE * i + k] * q[k];
-        q[i] /= L[SIZE * i + i];
-    }
-    for (int i = SIZE - 1; i >= 0; i--) {
-        for (int k = i + 1; k < SIZE; k++) q[i] -= L[SIZE * k + i] * q[k];
-        q[i] /= L[SIZE * i + i];
-    }
-}
-
-static void solve_bodies(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    for (int k = first; k < last; k++) {
-        const struct rigid_body *b = &c->map->body[k];
-        double q[SIZE];
-        sum_forces(b, b->vertices, c->in, q);
-        solve(b->factor, q);
-        move(b, 0, q, q + 3, c->out);
-    }
-}
-
-void rigid_map_solve(const struct rigid_map *map, const double *r, double *z) {
-    for_bodies(map, solve_bodies, r, z);
 }
 
 /* ---- creation -------------------------------------------------------------------------------- */
@@ -315,8 +243,13 @@ static double mass_at(const struct rigid_body *b, const double *r) {
 
 static bool resize(struct rigid_map *map, enum array_action action) {
     const struct array_entry table[] = {ARRAY(map->input, 3 * (size_t)map->particles + 1),
-                                        ARRAY(map->mass, map->particles)};
+                                        ARRAY(map->mass, map->particles),
+                                        ARRAY(map->owner, map->particles)};
     bool good = context_arrays(map->context, table, ARRAY_ROWS(table), action);
+    for (size_t k = 0; k < ARRAY_ROWS(map->motion); k++) {
+        const struct array_entry own[] = {ARRAY(map->motion[k], RIGID_SIZE * (size_t)map->bodies)};
+        good &= context_arrays(map->context, own, ARRAY_ROWS(own), action);
+    }
     for (int k = 0; k < map->bodies; k++) {
         struct rigid_body *b = &map->body[k];
         const struct array_entry own[] = {ARRAY(b->arm, 3 * (size_t)particles_of(b))};
@@ -335,6 +268,10 @@ pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const do
         set_frame(b);
     }
     rigid_map_update(map, rest);
+    for (int i = 0; i < map->particles; i++) map->owner[i] = -1;
+    for (int k = 0; k < map->bodies; k++)
+        for (int i = 0; i < particles_of(&map->body[k]); i++)
+            map->owner[map->body[k].first + i] = k;
     memcpy(map->mass, mass, (size_t)map->particles * sizeof *mass);
     for (int k = 0; k < map->bodies; k++)
         for (int i = 0; i < map->body[k].vertices; i++)
@@ -347,6 +284,7 @@ void rigid_map_free(struct rigid_map *map) {
     if (!map) return;
     pdyn_context *c = map->context;
     resize(map, ARRAYS_FREE);
+    FREE_ARRAY(c, map->pair, map->pair_room);
     FREE_ARRAY(c, map->body, map->bodies);
     FREE_ARRAY(c, map, 1);
 }

@@ -13,6 +13,7 @@
 #include "scene/scene.h"
 
 enum { RIGID_GRAIN = 4 }; /* bodies of a parallel block */
+enum { RIGID_SIZE = 6 };  /* numbers of a motion: t, w; of a force: its sum and moment */
 
 struct rigid_body {
     int first, vertices;           /* particles of the system: the vertices, then the four points */
@@ -25,7 +26,15 @@ struct rigid_body {
     double *arm;                   /* (vertices + 4) x 3, m: r at the last update */
     double inverse[9];  /* 1/m^2: of sum over points of |r|^2 I - r r', at the last update */
     double momentum[3]; /* kg m^2/s: angular momentum of the base of the step (rigid_bodies.h) */
-    double factor[36];  /* Cholesky factor, see rigid_map_factor */
+    double coupled[36], block[36], factor[36]; /* rigid_matrix.h: what rows add to B_aa between
+                                                   different particles, B_aa, its factor */
+    int last_pair; /* of the pairs with this body first; -1: there is none */
+};
+
+struct rigid_pair { /* bodies that a row ties, a < b */
+    int a, b;
+    int before; /* the pair before with the same a; -1: there is none */
+    double block[36];
 };
 
 struct rigid_map {
@@ -36,6 +45,12 @@ struct rigid_map {
     double *input;           /* particles x 3: an extended vector */
     double *mass;            /* particles, kg: those of the system; of a vertex, the mass that a
                                 force there accelerates, in the mean over its directions */
+    int *owner;              /* particles: the body; -1: none */
+    struct rigid_pair *pair; /* rigid_matrix.h: pairs, in the order of the rows */
+    size_t pair_room;
+    int pairs;
+    bool closed;       /* rows that come and go select particles of rigid bodies alone */
+    double *motion[5]; /* bodies x 6: vectors of the solve, rigid_matrix.c */
 };
 
 /* rest: particles x 3, m; mass: particles, kg. Bodies have `first`, `vertices` and `mass`; the
@@ -58,16 +73,17 @@ const double *rigid_map_extended(struct rigid_map *map, const double *u);
 /* Replaces the forces y (particles x 3) on a body by forces on its points. */
 void rigid_map_pull(const struct rigid_map *map, double *y);
 
-/* Factors B, the sum over a body of G_i' D_i G_i, where D are symmetric blocks, packed xx xy xz yy
- * yz zz, and u_i = G_i (t, w). */
-void rigid_map_factor(struct rigid_map *map, const double *blocks);
 /* The vertices' blocks become I times inertia x mass. */
 void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks);
-/* z of every body becomes G B^-1 G' r. */
-void rigid_map_solve(const struct rigid_map *map, const double *r, double *z);
 
 /* ---- one body -------------------------------------------------------------------------------- */
 
+/* Sum and moment of f over the body's particles from number `begin` of the body on. */
+void rigid_body_sum(const struct rigid_body *body, int begin, const double *f,
+                    double sum[RIGID_SIZE]);
+/* u_i = t + w x r_i for these particles. */
+void rigid_body_move(const struct rigid_body *body, int begin, const double motion[RIGID_SIZE],
+                     double *u);
 /* The centre of the points at x, m; x is that of the system. */
 void rigid_body_centre(const struct rigid_body *body, const double *x, double c[3]);
 /* The matrix of the affine map of the rest shape to the points at x, row by row: the rotation where

@@ -57,6 +57,13 @@ void samples_interpolate_active(const struct surface_samples *s, const double *u
     parallel_for(s, s->active_count, interpolate_active, u, s->input, 3);
 }
 
+void samples_clear(const struct surface_samples *s, bool particles) {
+    double *out = s->output;
+    if (particles) memset(out, 0, 3 * (size_t)s->particles * sizeof *out);
+    for (int k = 0; k < s->active_count; k++)
+        memset(out + 3 * (size_t)(s->particles + s->active[k]), 0, 3 * sizeof *out);
+}
+
 static void add_particles(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;

@@ -49,6 +49,9 @@ void samples_update_active(struct surface_samples *samples, const pdyn_neighbour
 /* samples->input = (u, S u); u may be samples->input itself. */
 void samples_interpolate_active(const struct surface_samples *samples, const double *u);
 
+/* Sets the output of samples to 0; particles: that of particles, too. */
+void samples_clear(const struct surface_samples *samples, bool particles);
+
 /* y += f + S' f_s, with extended = (f, f_s). If y == extended, y already contains f. */
 void samples_scatter(const struct surface_samples *samples, const double *extended, double *y);
 

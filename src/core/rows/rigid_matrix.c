@@ -1,0 +1,233 @@
+#include "rigid_matrix.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIZE = RIGID_SIZE, BLOCK = SIZE * SIZE };
+enum { SOLUTION, RESIDUAL, DIRECTION, PRODUCT, CORRECTION }; /* vectors of the solve */
+enum { MAX_ITERATIONS = 500 };
+
+/* Reduction of the residual in the norm of the preconditioner: exact beside the solve of a fluid.
+ */
+static const double tolerance = 1e-10;
+
+struct call {
+    const struct rigid_map *map;
+    const double *in;
+    double *out;
+};
+
+static void for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
+                       double *out) {
+    struct call call = {map, in, out};
+    pool_for(map->context->pool, map->bodies, RIGID_GRAIN, fn, &call);
+}
+
+/* ---- blocks ---------------------------------------------------------------------------------- */
+
+/* P += scale G_i' D G_j for particles with the arms ri and rj, G = (I, -[r]x); D: 3 x 3 */
+static void add_block(double *P, double scale, const double *ri, const double *D,
+                      const double *rj) {
+    for (int c = 0; c < SIZE; c++) {
+        double unit[3] = {0}, u[3], force[3], moment[3];
+        unit[c % 3] = scale;
+        if (c < 3) memcpy(u, unit, sizeof u);
+        else vec3_cross(u, unit, rj);
+        vec3_multiply(force, D, u);
+        vec3_cross(moment, ri, force);
+        for (int a = 0; a < 3; a++) P[SIZE * a + c] += force[a], P[SIZE * (3 + a) + c] += moment[a];
+    }
+}
+
+static void transpose_add(double *P, const double *Q) {
+    for (int k = 0; k < BLOCK; k++) P[k] += Q[SIZE * (k % SIZE) + k / SIZE];
+}
+
+/* The block of bodies a < b; a new one is 0. NULL: no memory. */
+static double *pair_block(struct rigid_map *map, int a, int b) {
+    struct rigid_body *body = &map->body[a];
+    for (int p = body->last_pair; p >= 0; p = map->pair[p].before)
+        if (map->pair[p].b == b) return map->pair[p].block;
+    struct rigid_pair *grown = context_grow(map->context, map->pair, &map->pair_room,
+                                            (size_t)map->pairs + 1, sizeof *grown);
+    if (!grown) return NULL;
+    map->pair = grown;
+    grown[map->pairs] = (struct rigid_pair){.a = a, .b = b, .before = body->last_pair};
+    body->last_pair = map->pairs;
+    return grown[map->pairs++].block;
+}
+
+/* The arm of a particle of body b. */
+static const double *arm_of(const struct rigid_body *b, int particle) {
+    return b->arm + 3 * (size_t)(particle - b->first);
+}
+
+/* Adds the part of H between entries k and m of an element, which select particles of bodies. */
+static pdyn_status couple_entries(struct rigid_map *map, const struct batch *batch, int k, int m) {
+    int i = batch->view.column[k], j = batch->view.column[m];
+    int a = map->owner[i], b = map->owner[j];
+    double D[9], P[BLOCK] = {0}, c = batch->view.coefficient[k] * batch->view.coefficient[m];
+    if (i == j || c == 0.0) return PDYN_OK; /* of the block diagonal; nothing */
+    batch_block(batch, k, m, D);
+    add_block(P, c, arm_of(&map->body[a], i), D, arm_of(&map->body[b], j));
+    double *to = a == b ? map->body[a].coupled : pair_block(map, a < b ? a : b, a < b ? b : a);
+    if (!to) return PDYN_NO_MEMORY;
+    if (a >= b) transpose_add(to, P);
+    for (int n = 0; a <= b && n < BLOCK; n++) to[n] += P[n];
+    return PDYN_OK;
+}
+
+static pdyn_status couple_element(struct rigid_map *map, const struct batch *batch, int e) {
+    const pdyn_batch *v = &batch->view;
+    int first = v->row_entry[v->element_row[e]], last = v->row_entry[v->element_row[e + 1]];
+    pdyn_status status = PDYN_OK;
+    for (int k = first; k < last; k++) {
+        bool owned = map->owner[v->column[k]] >= 0;
+        map->closed &= owned || v->coefficient[k] == 0.0;
+        for (int m = first; owned && m < k && status == PDYN_OK; m++)
+            if (map->owner[v->column[m]] >= 0) status = couple_entries(map, batch, k, m);
+    }
+    return status;
+}
+
+pdyn_status rigid_matrix_couple(struct rigid_map *map, struct batch *const *batch, int batches) {
+    pdyn_status status = PDYN_OK;
+    map->closed = true, map->pairs = 0;
+    for (int k = 0; k < map->bodies; k++) {
+        map->body[k].last_pair = -1;
+        memset(map->body[k].coupled, 0, sizeof map->body[k].coupled);
+    }
+    for (int b = 0; b < batches; b++) {
+        if (batch[b]->op || !batch[b]->type->update) continue;
+        for (int e = 0; e < batch[b]->view.elements && status == PDYN_OK; e++)
+            status = couple_element(map, batch[b], e);
+    }
+    return status;
+}
+
+/* L becomes the Cholesky factor of B, B = L L', in its lower triangle. */
+static void factor(const double *B, double *L) {
+    for (int i = 0; i < SIZE; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = B[SIZE * i + j];
+            for (int k = 0; k < j; k++) sum -= L[SIZE * i + k] * L[SIZE * j + k];
+            L[SIZE * i + j] = i == j ? sqrt(sum) : sum / L[SIZE * j + j];
+        }
+}
+
+static void factor_bodies(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        struct rigid_body *b = &c->map->body[k];
+        memcpy(b->block, b->coupled, sizeof b->block);
+        for (int i = b->first; i < b->first + b->vertices + RIGID_POINTS; i++) {
+            const double *p = c->in + 6 * (size_t)i, *r = arm_of(b, i);
+            const double D[9] = {p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]};
+            add_block(b->block, 1.0, r, D, r);
+        }
+        factor(b->block, b->factor);
+    }
+}
+
+void rigid_matrix_factor(struct rigid_map *map, const double *blocks) {
+    for_bodies(map, factor_bodies, blocks, NULL);
+}
+
+/* ---- the solve ------------------------------------------------------------------------------- */
+
+/* q becomes B^-1 q. */
+static void substitute(const double *L, double *q) {
+    for (int i = 0; i < SIZE; i++) {
+        for (int k = 0; k < i; k++) q[i] -= L[SIZE * i + k] * q[k];
+        q[i] /= L[SIZE * i + i];
+    }
+    for (int i = SIZE - 1; i >= 0; i--) {
+        for (int k = i + 1; k < SIZE; k++) q[i] -= L[SIZE * k + i] * q[k];
+        q[i] /= L[SIZE * i + i];
+    }
+}
+
+/* y += B x, y += B' x for one block */
+static void multiply(const double *B, const double *x, double *y) {
+    for (int i = 0; i < SIZE; i++)
+        for (int j = 0; j < SIZE; j++) y[i] += B[SIZE * i + j] * x[j];
+}
+
+static void multiply_transposed(const double *B, const double *x, double *y) {
+    for (int i = 0; i < SIZE; i++)
+        for (int j = 0; j < SIZE; j++) y[j] += B[SIZE * i + j] * x[i];
+}
+
+/* q = B p; returns p . q */
+static double multiply_all(const struct rigid_map *map, const double *p, double *q) {
+    double sum = 0.0;
+    memset(q, 0, SIZE * (size_t)map->bodies * sizeof *q);
+    for (int k = 0; k < map->bodies; k++) multiply(map->body[k].block, p + SIZE * k, q + SIZE * k);
+    for (int k = 0; k < map->pairs; k++) {
+        const struct rigid_pair *pair = &map->pair[k];
+        multiply(pair->block, p + SIZE * pair->b, q + SIZE * pair->a);
+        multiply_transposed(pair->block, p + SIZE * pair->a, q + SIZE * pair->b);
+    }
+    for (int k = 0; k < SIZE * map->bodies; k++) sum += p[k] * q[k];
+    return sum;
+}
+
+/* p = P^-1 r + scale p with the diagonal blocks P of B; returns r . P^-1 r */
+static double turn_direction(const struct rigid_map *map, const double *r, double before,
+                             double *p) {
+    double *z = map->motion[CORRECTION], sum = 0.0;
+    memcpy(z, r, SIZE * (size_t)map->bodies * sizeof *z);
+    for (int k = 0; k < map->bodies; k++) substitute(map->body[k].factor, z + SIZE * k);
+    for (int k = 0; k < SIZE * map->bodies; k++) sum += z[k] * r[k];
+    for (int k = 0; k < SIZE * map->bodies; k++)
+        p[k] = z[k] + (before > 0.0 ? sum / before * p[k] : 0.0);
+    return sum;
+}
+
+/* x = B^-1 r */
+static void solve_coupled(const struct rigid_map *map) {
+    double *x = map->motion[SOLUTION], *r = map->motion[RESIDUAL];
+    double *p = map->motion[DIRECTION], *q = map->motion[PRODUCT];
+    memset(x, 0, SIZE * (size_t)map->bodies * sizeof *x);
+    double rz = turn_direction(map, r, 0.0, p), end = tolerance * tolerance * rz;
+    for (int n = 0; n < MAX_ITERATIONS && rz > end; n++) {
+        double step = rz / multiply_all(map, p, q);
+        for (int k = 0; k < SIZE * map->bodies; k++) x[k] += step * p[k], r[k] -= step * q[k];
+        rz = turn_direction(map, r, rz, p);
+    }
+}
+
+static void gather(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++) {
+        const struct rigid_body *b = &c->map->body[k];
+        rigid_body_sum(b, b->vertices, c->in, c->map->motion[RESIDUAL] + SIZE * k);
+    }
+}
+
+static void solve_alone(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    double *x = c->map->motion[SOLUTION];
+    memcpy(x + SIZE * first, c->map->motion[RESIDUAL] + SIZE * first,
+           SIZE * (size_t)(last - first) * sizeof *x);
+    for (int k = first; k < last; k++) substitute(c->map->body[k].factor, x + SIZE * k);
+}
+
+static void spread(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++)
+        rigid_body_move(&c->map->body[k], 0, c->map->motion[SOLUTION] + SIZE * k, c->out);
+}
+
+void rigid_matrix_solve(const struct rigid_map *map, const double *r, double *z) {
+    for_bodies(map, gather, r, NULL);
+    if (map->pairs) solve_coupled(map);
+    else for_bodies(map, solve_alone, NULL, NULL);
+    for_bodies(map, spread, NULL, z);
+}
