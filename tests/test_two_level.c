@@ -81,8 +81,7 @@ static void test_sparse(void **state) {
     pdyn_destroy(context);
 }
 
-/* ---- the coarse space
- * ---------------------------------------------------------------------------------- */
+/* ---- the coarse space ------------------------------------------------------------------------ */
 
 /* Two sheets, of springs and of triangles, which have one row and more an element; bending is one
  * matrix on the first and rows on the second, which is curved. */
@@ -147,6 +146,34 @@ static void test_galerkin(void **state) {
     coarse_space_free(&c);
     pdyn_free(sim);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+/* A hanging sheet of %d x %d vertices. */
+static const char hanging[] =
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.0166}, \"solver\": {\"type\": \"hybrid\"},"
+    " \"bodies\": [{\"surface\": {\"grid\": {\"size\": [1, 1], \"vertices\": [%d, %d]},"
+    " \"area_density\": 0.2}, \"constraints\": [{\"type\": \"spring\","
+    " \"stretching_stiffness\": 4000}, {\"type\": \"bending\", \"bending_rigidity\": 1e-4},"
+    " {\"type\": \"pin\", \"vertices\": {\"vertices\": [0, %d]}}]}]}";
+
+/* Linear iterations of its first eight steps. */
+static int hanging_iterations(pdyn_context *context, int n) {
+    char text[1024];
+    int linear = 0;
+    snprintf(text, sizeof text, hanging, n, n, n - 1);
+    pdyn_sim *sim = test_load(context, text);
+    for (int step = 0; step < 8; step++) linear += test_step(context, sim).linear_iterations;
+    pdyn_free(sim);
+    return linear;
+}
+
+/* A sheet of nine times as many vertices needs few more iterations. */
+static void test_sizes(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(2);
+    int small = hanging_iterations(context, 33), large = hanging_iterations(context, 97);
+    if (!(large < 1.5 * small)) fail_msg("%d, %d iterations", small, large);
     pdyn_destroy(context);
 }
 
@@ -229,9 +256,10 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_skyline),       cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_galerkin),      cmocka_unit_test(test_coupled),
-        cmocka_unit_test(test_without_nodes), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_skyline),           cmocka_unit_test(test_sparse),
+        cmocka_unit_test(test_galerkin),          cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_coupled),           cmocka_unit_test(test_without_nodes),
+        cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Interpolation from a few hundred coarse dofs to the particles of cloth and solids: the classical
+/* Interpolation from some hundred coarse dofs to the particles of cloth and solids: the classical
  * interpolation of algebraic multigrid (Ruge and Stueben 1987), applied level upon level until few
  * C-points are left. */
 #ifndef PDYN_AMG_SETUP_H

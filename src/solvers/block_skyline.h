@@ -1,8 +1,8 @@
 /* Skyline storage of a small symmetric positive definite matrix of 3 x 3 blocks: every block row
  * from its first nonzero block to the diagonal. The Cholesky factor fits into the same storage
- * (George and Liu 1981), and all loops run along rows. Used for the coarse matrix, which
- * is factored in every step: with CHOLMOD in its place scenes/hanging_cloth.json takes 1.9 times as
- * long. */
+ * (George and Liu 1981), and all loops run along rows. Used for the coarse matrix, which is
+ * factored several times in a step: for 1378 nodes of a sheet in 5 ms, where CHOLMOD takes 32 to
+ * 52 ms. */
 #ifndef PDYN_BLOCK_SKYLINE_H
 #define PDYN_BLOCK_SKYLINE_H
 

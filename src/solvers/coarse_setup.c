@@ -5,10 +5,12 @@
 #include <math.h>
 #include <string.h>
 
-/* Number of nodes: at most one per so many particles, as smaller spaces cost less than they save.
- * Where A is used for few corrections (static scenes, short solves), fewer; but small stiff sheets
- * need some. */
-enum { MAX_NODES = 400, PARTICLES_PER_NODE = 12, PARTICLES_PER_NODE_STATIC = 40 };
+/* Number of nodes: at most one per so many particles. A sheet takes as many iterations at any size
+ * if a node stands for as many particles at any size; the factor, whose cost grows with the square
+ * of the number, sets the limit. Small stiff sheets need more. Beside fluid and contact more than
+ * 400 save nothing: the short waves there remain. */
+enum { MAX_NODES = 400, PARTICLES_PER_NODE = 12 };
+enum { MAX_NODES_STATIC = 1600, PARTICLES_PER_NODE_STATIC = 10 };
 enum { FEW_NODES = 120, PARTICLES_PER_NODE_FEW = 4 };
 
 /* An entry of G I below this part of the largest one in its row is added to that one: half of the
@@ -21,11 +23,11 @@ static const double weak_elements = 0.3;
 
 /* Corrections that one factor is used for; and where all is static, as many as take so many times
  * as long as computing it. */
-enum { LIFETIME = 200, LIFETIME_STATIC = 8 };
+enum { LIFETIME = 200, LIFETIME_STATIC = 4 };
 
 /* Costs in units of one term of A, measured: an iteration, per particle; a 3 x 3 part of an element
  * of several rows; a multiplication in the factorisation. */
-static const double cost_of_iteration = 30.0, cost_of_part = 4.0, cost_of_product = 1.0 / 12.0;
+static const double cost_of_iteration = 30.0, cost_of_part = 4.0, cost_of_product = 1.0 / 30.0;
 
 /* ---- G I ------------------------------------------------------------------------------------- */
 
@@ -271,7 +273,7 @@ static int max_nodes(const pdyn_model *model) {
     int n = model->particles;
     if (model->dynamic) return smaller(n / PARTICLES_PER_NODE, MAX_NODES);
     int few = smaller(n / PARTICLES_PER_NODE_FEW, FEW_NODES);
-    int many = smaller(n / PARTICLES_PER_NODE_STATIC, MAX_NODES);
+    int many = smaller(n / PARTICLES_PER_NODE_STATIC, MAX_NODES_STATIC);
     return few < many ? many : few;
 }
 

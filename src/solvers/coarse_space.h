@@ -1,5 +1,5 @@
-/* Coarse space of the two-level preconditioner: slow motions of cloth and solids, x = I X, with a
- * few hundred coarse dofs X (nodes) and the interpolation I of amg_setup.h.
+/* Coarse space of the two-level preconditioner: slow motions of cloth and solids, x = I X, with up
+ * to 1600 coarse dofs X (nodes) and the interpolation I of amg_setup.h.
  *
  *     A = I' H I,   z += I A^-1 I' r
  *

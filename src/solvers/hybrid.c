@@ -2,7 +2,7 @@
  *
  *     P^-1 = D^-1 + I A^-1 I'
  *
- * D: block diagonal of H; A = I' H I on a coarse space of up to 400 nodes on cloth and solids
+ * D: block diagonal of H; A = I' H I on a coarse space of up to 1600 nodes on cloth and solids
  * (coarse_space.h), which carries the slow motions that block Jacobi cannot see. */
 #include "block_jacobi.h"
 #include "coarse_space.h"
@@ -55,7 +55,7 @@ static void release(void *self) {
 const pdyn_global_solver pdyn_solver_hybrid = {
     .name = "hybrid",
     .summary = "conjugate gradients with a two-level preconditioner: block Jacobi plus a coarse "
-               "space of up to 400 nodes on cloth and solids; for cloth with the newton step",
+               "space of up to 1600 nodes on cloth and solids; for cloth with the newton step",
     .state_size = sizeof(struct hybrid),
     .suits = suits,
     .create = create,
