@@ -1,14 +1,14 @@
 /* Speed and error of a sheet: 1 m, n x n vertices, 0.2 kg/m^2, two corners pinned, springs along
  * the edges, bending, h = 1/60 s; one step from s, 20 steps into the fall.
  *
- *     cloth N STIFFNESS THREADS             one step by several methods
+ *     cloth N STIFFNESS                     one step by several methods
  *     cloth run N STIFFNESS OUTER LINEAR    1 s with limited iterations per step
  *
  * Prints rows of CSV (without arguments: the header). Stretching stiffness in N/m. Error:
- * |x - x*| / |s - x*|, x* the minimum of E. Times are the shortest of several runs, methods in
- * turn, without analysis and factorisation. `plain` is the reference: classic Projective Dynamics
- * in plain C, a loop over springs, cholmod_solve2 with its defaults (`plain_simplicial`: without
- * supernodes, for a slow BLAS). */
+ * |x - x*| / |s - x*|, x* the minimum of E. Times are processor time of one thread, the shortest of
+ * several runs, methods in turn, without analysis and factorisation. `plain` is the reference:
+ * classic Projective Dynamics in plain C, a loop over springs, cholmod_solve2 with its defaults
+ * (`plain_simplicial`: without supernodes, for a slow BLAS). */
 #include "base/clock.h"
 #include "objective/assembly.h"
 #include "step/sim.h"
@@ -141,7 +141,7 @@ static void plain_local(struct plain *p) {
 static double plain_step(struct plain *p, const double *best, double start, double *error) {
     const double *s = p->sim->objective.s;
     int n = p->n;
-    double begin = clock_ms(), sum = 0.0;
+    double begin = clock_cpu_ms(), sum = 0.0;
     for (int k = 0; k < 3 * n; k++) p->x[k % 3 * n + k / 3] = s[k];
     for (int it = 0; it < ITERATIONS; it++) {
         plain_local(p);
@@ -157,7 +157,7 @@ static double plain_step(struct plain *p, const double *best, double start, doub
             die("no solution");
         memcpy(p->x, p->solution->x, 3 * (size_t)n * sizeof *p->x);
     }
-    double ms = clock_ms() - begin;
+    double ms = clock_cpu_ms() - begin;
     for (int k = 0; k < 3 * n; k++)
         sum += (p->x[k % 3 * n + k / 3] - best[k]) * (p->x[k % 3 * n + k / 3] - best[k]);
     *error = sqrt(sum) / start;
@@ -180,13 +180,13 @@ struct trace { /* of one step */
 
 static void note(void *user, const pdyn_iteration *it) {
     struct trace *t = user;
-    double now = clock_ms();
+    double now = clock_cpu_ms();
     t->linear += it->linear_iterations;
     if (t->points < POINTS)
         t->point[t->points++] =
             (struct point){now - t->begin - t->paused, distance(it->x, t->best, t->size) / t->start,
                            it->iteration, t->linear};
-    t->paused += clock_ms() - now;
+    t->paused += clock_cpu_ms() - now;
 }
 
 static void trace_step(pdyn_context *context, pdyn_sim *sim, const pdyn_sim *state,
@@ -194,7 +194,7 @@ static void trace_step(pdyn_context *context, pdyn_sim *sim, const pdyn_sim *sta
     copy_state(state, sim);
     t->points = t->linear = 0, t->paused = 0.0;
     pdyn_observe(sim, note, t);
-    t->begin = clock_ms();
+    t->begin = clock_cpu_ms();
     step(context, sim);
 }
 
@@ -218,9 +218,9 @@ static void keep(struct row *row, const char *method, const struct point *p) {
     *row = (struct row){method, p->ms, p->error, p->outer, p->linear};
 }
 
-static void print(const struct row *r, int n, double stiffness, int threads) {
-    printf("%s,%d,%g,%d,%.3f,%.5f,%d,%d\n", r->method, n, stiffness, threads, r->ms, r->error,
-           r->outer, r->linear);
+static void print(const struct row *r, int n, double stiffness) {
+    printf("%s,%d,%g,%.3f,%.5f,%d,%d\n", r->method, n, stiffness, r->ms, r->error, r->outer,
+           r->linear);
 }
 
 /* Classic Projective Dynamics, after 10, 20 and 40 iterations. */
@@ -248,7 +248,7 @@ static pdyn_sim *load_classic(pdyn_context *context, int n, double stiffness, co
     return load(context, n, stiffness, settings);
 }
 
-static void one_step(pdyn_context *context, int n, double stiffness, int threads, int repeat) {
+static void one_step(pdyn_context *context, int n, double stiffness, int repeat) {
     pdyn_sim *state = load(context, n, stiffness, "\"tolerance\": 1e-3, \"outer_iterations\": 200");
     pdyn_sim *classic[WAYS], *solvers[2], *newton;
     struct row row[2 + 6 + 3 * WAYS] = {{0}};
@@ -286,7 +286,7 @@ static void one_step(pdyn_context *context, int n, double stiffness, int threads
             }
         }
     }
-    for (size_t q = 0; q < sizeof row / sizeof *row; q++) print(&row[q], n, stiffness, threads);
+    for (size_t q = 0; q < sizeof row / sizeof *row; q++) print(&row[q], n, stiffness);
     plain_free(plain[0]), plain_free(plain[1]);
     free(best);
     pdyn_free(state), pdyn_free(solvers[0]), pdyn_free(solvers[1]);
@@ -314,12 +314,11 @@ static void run(pdyn_context *context, int n, double stiffness, int outer, int l
         double error = distance(sim->x, best->x, size) / distance(sim->objective.s, best->x, size);
         sum += error, worst = fmax(worst, error), solves += info.linear_iterations;
         most = fmax(most, info.linear_iterations);
-        ms += k ? info.ms_local + info.ms_global : 0.0;
+        ms += k ? info.ms_cpu : 0.0;
     }
-    printf("run_mean,%d,%g,%d,%.3f,%.5f,%d,%.1f\n", n, stiffness, pdyn_thread_count(context),
-           ms / (steps - 1), sum / steps, outer, solves / steps);
-    printf("run_worst,%d,%g,%d,,%.5f,%d,%.0f\n", n, stiffness, pdyn_thread_count(context), worst,
-           outer, most);
+    printf("run_mean,%d,%g,%.3f,%.5f,%d,%.1f\n", n, stiffness, ms / (steps - 1), sum / steps, outer,
+           solves / steps);
+    printf("run_worst,%d,%g,,%.5f,%d,%.0f\n", n, stiffness, worst, outer, most);
     pdyn_free(sim), pdyn_free(best);
 }
 
@@ -328,16 +327,16 @@ int main(int argc, char **argv) {
     pdyn_context *context;
     bool whole = argc == 6 && !strcmp(argv[1], "run");
     if (argc == 1) {
-        puts("method,n,stiffness,threads,ms,error,outer,linear");
+        puts("method,n,stiffness,ms,error,outer,linear");
         return 0;
     }
-    if (!whole && argc != 4) die("expected N STIFFNESS THREADS, see bench/cloth.c");
-    options.threads = whole ? 1 : atoi(argv[3]);
+    if (!whole && argc != 3) die("expected N STIFFNESS, see bench/cloth.c");
+    options.threads = 1;
     if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
     if (whole) run(context, atoi(argv[2]), atof(argv[3]), atoi(argv[4]), atoi(argv[5]));
     else {
         int n = atoi(argv[1]);
-        one_step(context, n, atof(argv[2]), options.threads, n < 100 ? 10 : n < 200 ? 4 : 2);
+        one_step(context, n, atof(argv[2]), n < 100 ? 10 : n < 200 ? 4 : 2);
     }
     pdyn_destroy(context);
     return 0;
