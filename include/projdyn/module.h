@@ -436,7 +436,8 @@ typedef struct pdyn_model {
     bool dynamic;        /* some constraint changes from step to step */
     bool bodies_alone;   /* of `rest`: the rows at the iterate tie rigid bodies alone, for which
                             solve_bodies is exact; elsewhere this H is diagonal */
-    const bool *in_rows; /* particles: selected by a row that always exists, or of a rigid body */
+    const bool *in_rows; /* particles: selected by a row that always exists (of `rest`: by a row of
+                            the iterate), or of a rigid body */
     int elements_count;  /* constraints whose rows always exist */
     int one_sided_count; /* matrix-free constraints */
     int dynamic_count;   /* constraints whose elements come and go */

@@ -27,13 +27,13 @@ void rest_solve_update(struct rest_solve *s, bool first_of_step) {
     coarse_space_update(&s->coarse, first_of_step);
 }
 
-/* y = D^-1 b and b = 0 for particles in no row, y = 0 for the others. */
+/* y = D^-1 b and b = 0 for particles in no row, whose D is a number; y = 0 for the others. */
 static void solve_free(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++) {
         const double *D = c->s->jacobi.inverse + 6 * (size_t)i;
-        bool free = !c->s->model->in_rows[i] && D[1] == 0.0 && D[2] == 0.0 && D[4] == 0.0;
+        bool free = !c->s->model->in_rows[i];
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             c->y[k] = free ? D[0] * c->b[k] : 0.0;
             if (free) c->b[k] = 0.0;

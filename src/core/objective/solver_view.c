@@ -129,12 +129,34 @@ static void force(pdyn_model *model, int k, const double *multiplier, double *ou
 
 /* ---- the view -------------------------------------------------------------------------------- */
 
+static void update_rest(struct solver_view *rest, const struct solver_view *whole) {
+    struct objective *o = rest->objective;
+    rest->model.h = o->h, rest->model.eps = o->eps;
+    rest->model.bodies_alone = o->rigid && o->rigid->closed && !whole->model.elements_count;
+    memcpy(rest->in_rows, whole->in_rows, (size_t)o->particles * sizeof *rest->in_rows);
+    for (int b = 0; b < o->batches; b++)
+        if (comes_and_goes(o->batch[b])) batch_mark_held(o->batch[b], rest->in_rows);
+}
+
 static void update_view(struct solver_view *view) {
     view->model.h = view->objective->h, view->model.eps = view->objective->eps;
-    if (!view->rest) return;
-    const struct rigid_map *rigid = view->objective->rigid;
-    update_view(view->rest);
-    view->rest->model.bodies_alone = rigid && rigid->closed && !view->model.elements_count;
+    update_rest(view->rest, view);
+}
+
+static pdyn_status create_rest(struct solver_view *view) {
+    struct objective *o = view->objective;
+    view->rest = NEW_ARRAY(o->context, 1, struct solver_view);
+    if (!view->rest) return PDYN_NO_MEMORY;
+    struct solver_view *rest = view->rest;
+    *rest = (struct solver_view){.objective = o, .model = view->model};
+    rest->in_rows = NEW_ARRAY(o->context, o->particles, bool);
+    if (o->particles && !rest->in_rows) return PDYN_NO_MEMORY;
+    rest->model.in_rows = rest->in_rows;
+    rest->model.product = rest_product, rest->model.diagonal = rest_diagonal;
+    rest->model.one_sided_count = 0;
+    view->model.rest = &rest->model;
+    update_view(view);
+    return PDYN_OK;
 }
 
 pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bool newton,
@@ -167,19 +189,15 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .one_sided = one_sided,
                                .rate = rate,
                                .force = force};
-    view->rest = NEW_ARRAY(o->context, 1, struct solver_view);
-    if (!view->rest) return PDYN_NO_MEMORY;
-    *view->rest = (struct solver_view){.objective = o, .model = view->model};
-    view->rest->model.product = rest_product, view->rest->model.diagonal = rest_diagonal;
-    view->rest->model.one_sided_count = 0;
-    view->model.rest = &view->rest->model;
-    update_view(view);
-    return PDYN_OK;
+    return create_rest(view);
 }
 
 void solver_view_free(struct solver_view *view) {
     if (!view->objective) return;
-    if (view->rest) matrix_free(&view->rest->graph);
+    if (view->rest) {
+        matrix_free(&view->rest->graph);
+        FREE_ARRAY(view->objective->context, view->rest->in_rows, view->objective->particles);
+    }
     FREE_ARRAY(view->objective->context, view->rest, 1);
     hessian_matrix_free(&view->hessian);
     matrix_free(&view->graph);
