@@ -260,12 +260,43 @@ static void test_zero(void **state) {
     pdyn_destroy(context);
 }
 
+/* In a layer of a lattice the rows of `viscosity` that select a particle have diagonal blocks, as
+ * the inertia has: `dual` must not take such a particle for one in no row. */
+static void test_beside_pressures(void **state) {
+    (void)state;
+    static const char *const solver[] = {"{'type': 'cg', 'tolerance': 1e-6}",
+                                         "{'type': 'dual', 'tolerance': 1e-6}"};
+    static struct block b;
+    double x[2][3 * 7 * 7];
+    int linear[2] = {0};
+    pdyn_context *context = test_context(1);
+    add_block(&b, 7, 1, 7);
+    for (int i = 0; i < b.count; i++) b.v[i][0] = -4.0 * b.x[i][0], b.v[i][2] = 4.0 * b.x[i][2];
+    for (int k = 0; k < 2; k++) {
+        const char *const more[] = {"time_step.fixed", "0.002", "solver", solver[k], NULL};
+        pdyn_sim *sim = load(context, &b, "600", more);
+        for (int n = 0; n < 3; n++) {
+            pdyn_step_info info = test_step(context, sim);
+            assert_true(info.step_residual <= 1e-6);
+            linear[k] += info.linear_iterations;
+        }
+        memcpy(x[k], sim->x, sizeof x[k]);
+        pdyn_free(sim);
+    }
+    assert_true(test_distance(x[0], x[1], 3 * b.count) < 1e-3 * spacing);
+    assert_true(10 * linear[1] < 17 * linear[0]); /* 100 and 70 */
+    pdyn_destroy(context);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stress),  cmocka_unit_test(test_rotation),
-        cmocka_unit_test(test_couette), cmocka_unit_test(test_sheet),
-        cmocka_unit_test(test_zero),    cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_warning)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_stress),
+                                       cmocka_unit_test(test_rotation),
+                                       cmocka_unit_test(test_couette),
+                                       cmocka_unit_test(test_sheet),
+                                       cmocka_unit_test(test_beside_pressures),
+                                       cmocka_unit_test(test_zero),
+                                       cmocka_unit_test(test_bits),
+                                       cmocka_unit_test(test_warning)};
     return cmocka_run_group_tests_name("viscosity", tests, test_enter_directory,
                                        test_leave_directory);
 }
