@@ -40,7 +40,7 @@ static void invert_blocks(void *arg, int first, int last, int block) {
     const pdyn_model *m = s->model;
     for (int i = first; i < last; i++) {
         double *D = s->inverse + 6 * (size_t)i;
-        if (m->one_sided_count && !m->in_rows[i]) limit_block(D, m->mass[i] / (m->h * m->h));
+        if (!m->in_rows[i]) limit_block(D, m->mass[i] / (m->h * m->h));
         invert_block(D);
     }
 }
