@@ -27,7 +27,8 @@ void rest_solve_update(struct rest_solve *s, bool first_of_step) {
     coarse_space_update(&s->coarse, first_of_step);
 }
 
-/* y = D^-1 b and b = 0 for particles in no row, whose D is a number; y = 0 for the others. */
+/* y = D^-1 b and b = 0 for particles in no row, whose block D is a number (damping counts up to the
+ * limit of block_jacobi.c); y = 0 for the others. */
 static void solve_free(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
