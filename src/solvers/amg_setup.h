@@ -1,4 +1,4 @@
-/* Interpolation from some hundred coarse dofs to the particles of cloth and solids: the classical
+/* Interpolation from up to 1600 coarse dofs to the particles of cloth and solids: the classical
  * interpolation of algebraic multigrid (Ruge and Stueben 1987), applied level upon level until few
  * C-points are left. */
 #ifndef PDYN_AMG_SETUP_H

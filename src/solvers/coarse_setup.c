@@ -7,8 +7,8 @@
 
 /* Number of nodes: at most one per so many particles. A sheet takes as many iterations at any size
  * if a node stands for as many particles at any size; the factor, whose cost grows with the square
- * of the number, sets the limit. Small stiff sheets need more. Beside fluid and contact more than
- * 400 save nothing: the short waves there remain. */
+ * of the number, sets the limit. Small stiff sheets need more. Beside fluid and contact, where most
+ * iterations are for short waves, the limit is lower. */
 enum { MAX_NODES = 400, PARTICLES_PER_NODE = 12 };
 enum { MAX_NODES_STATIC = 1600, PARTICLES_PER_NODE_STATIC = 10 };
 enum { FEW_NODES = 120, PARTICLES_PER_NODE_FEW = 4 };

@@ -6,9 +6,7 @@ static struct objective *objective_of(pdyn_model *model) {
     return ((struct solver_view *)model)->objective;
 }
 
-static bool is_static(const struct batch *b) { return batch_is_static(b); }
 static bool is_matrix_free(const struct batch *b) { return b->op; }
-static bool comes_and_goes(const struct batch *b) { return !b->op && b->type->update; }
 
 /* Batch k of those with a property. */
 static struct batch *batch_at(pdyn_model *model, bool (*has)(const struct batch *b), int k) {
@@ -100,7 +98,7 @@ static pdyn_status graph(pdyn_model *model, pdyn_matrix *out) {
 static pdyn_elements elements(pdyn_model *model, int k) {
     static const int start;
     static const pdyn_batch none = {.element_row = &start, .row_entry = &start};
-    const struct batch *b = batch_at(model, is_static, k);
+    const struct batch *b = batch_at(model, batch_is_static, k);
     if (b->wide) return (pdyn_elements){.rows = &none};
     bool blocks = batch_has_blocks(b);
     return (pdyn_elements){.rows = &b->view,
@@ -135,7 +133,7 @@ static void update_rest(struct solver_view *rest, const struct solver_view *whol
     rest->model.bodies_alone = o->rigid && o->rigid->closed && !whole->model.elements_count;
     memcpy(rest->in_rows, whole->in_rows, (size_t)o->particles * sizeof *rest->in_rows);
     for (int b = 0; b < o->batches; b++)
-        if (comes_and_goes(o->batch[b])) batch_mark_held(o->batch[b], rest->in_rows);
+        if (batch_comes_and_goes(o->batch[b])) batch_mark_held(o->batch[b], rest->in_rows);
 }
 
 static void update_view(struct solver_view *view) {
@@ -175,9 +173,9 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .newton = newton,
                                .dynamic = o->dynamic_rows,
                                .in_rows = view->in_rows,
-                               .elements_count = count_batches(o, is_static),
+                               .elements_count = count_batches(o, batch_is_static),
                                .one_sided_count = count_batches(o, is_matrix_free),
-                               .dynamic_count = count_batches(o, comes_and_goes),
+                               .dynamic_count = count_batches(o, batch_comes_and_goes),
                                .product = product,
                                .diagonal = diagonal,
                                .solve_bodies = o->rigid ? solve_bodies : NULL,

@@ -73,6 +73,8 @@ static inline bool batch_belongs_to(const struct batch *batch, const struct batc
 
 /* Whether the selector is the same in all steps. */
 static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
+/* Whether its elements come and go. */
+static inline bool batch_comes_and_goes(const struct batch *b) { return !b->op && b->type->update; }
 
 /* Replaces the rows by one constant matrix if the type says that they are linear. u, p and flux are
  * not used then. */

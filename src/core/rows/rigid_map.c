@@ -91,21 +91,15 @@ static bool is_rotation(const double A[9]) {
     return worst <= rigid_enough;
 }
 
-struct call {
-    const struct rigid_map *map;
-    const double *in;
-    double *out;
-};
-
-static void for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
-                       double *out) {
-    struct call call = {map, in, out};
-    pool_for(map->context->pool, map->bodies, RIGID_GRAIN, fn, &call);
+void rigid_for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
+                      double *out) {
+    struct rigid_loop loop = {map, in, out};
+    pool_for(map->context->pool, map->bodies, RIGID_GRAIN, fn, &loop);
 }
 
 static void retract(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         double A[9], R[9], centre[3];
@@ -118,12 +112,12 @@ static void retract(void *arg, int first, int last, int block) {
 }
 
 void rigid_map_retract(const struct rigid_map *map, double *x) {
-    for_bodies(map, retract, NULL, x);
+    rigid_for_bodies(map, retract, NULL, x);
 }
 
 static void update(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         struct rigid_body *b = &c->map->body[k];
         double centre[3], I[9];
@@ -136,7 +130,9 @@ static void update(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_update(struct rigid_map *map, const double *x) { for_bodies(map, update, x, NULL); }
+void rigid_map_update(struct rigid_map *map, const double *x) {
+    rigid_for_bodies(map, update, x, NULL);
+}
 
 /* ---- displacements and forces ---------------------------------------------------------------- */
 
@@ -170,7 +166,7 @@ static void mean_motion(const struct rigid_body *b, const double sum[RIGID_SIZE]
 
 static void extend(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         double sum[RIGID_SIZE], motion[RIGID_SIZE];
@@ -180,7 +176,9 @@ static void extend(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_extend(const struct rigid_map *map, double *u) { for_bodies(map, extend, NULL, u); }
+void rigid_map_extend(const struct rigid_map *map, double *u) {
+    rigid_for_bodies(map, extend, NULL, u);
+}
 
 const double *rigid_map_extended(struct rigid_map *map, const double *u) {
     memcpy(map->input, u, 3 * (size_t)map->particles * sizeof *u);
@@ -190,7 +188,7 @@ const double *rigid_map_extended(struct rigid_map *map, const double *u) {
 
 static void pull(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         double sum[RIGID_SIZE], motion[RIGID_SIZE];
@@ -201,7 +199,9 @@ static void pull(void *arg, int first, int last, int block) {
     }
 }
 
-void rigid_map_pull(const struct rigid_map *map, double *y) { for_bodies(map, pull, NULL, y); }
+void rigid_map_pull(const struct rigid_map *map, double *y) {
+    rigid_for_bodies(map, pull, NULL, y);
+}
 
 void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks) {
     for (int k = 0; k < map->bodies; k++) {

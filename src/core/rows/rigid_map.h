@@ -76,6 +76,14 @@ void rigid_map_pull(const struct rigid_map *map, double *y);
 /* The vertices' blocks become I times inertia x mass. */
 void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double *blocks);
 
+struct rigid_loop { /* the arguments of a parallel loop over bodies */
+    const struct rigid_map *map;
+    const double *in;
+    double *out;
+};
+void rigid_for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
+                      double *out);
+
 /* ---- one body -------------------------------------------------------------------------------- */
 
 /* Sum and moment of f over the body's particles from number `begin` of the body on. */

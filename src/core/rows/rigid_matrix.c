@@ -13,18 +13,6 @@ enum { MAX_ITERATIONS = 500 };
  */
 static const double tolerance = 1e-10;
 
-struct call {
-    const struct rigid_map *map;
-    const double *in;
-    double *out;
-};
-
-static void for_bodies(const struct rigid_map *map, pdyn_range_fn *fn, const double *in,
-                       double *out) {
-    struct call call = {map, in, out};
-    pool_for(map->context->pool, map->bodies, RIGID_GRAIN, fn, &call);
-}
-
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
 /* P += scale G_i' D G_j for particles with the arms ri and rj, G = (I, -[r]x); D: 3 x 3 */
@@ -41,7 +29,11 @@ static void add_block(double *P, double scale, const double *ri, const double *D
     }
 }
 
-static void transpose_add(double *P, const double *Q) {
+static void add(double *P, const double *Q) {
+    for (int k = 0; k < BLOCK; k++) P[k] += Q[k];
+}
+
+static void add_transposed(double *P, const double *Q) {
     for (int k = 0; k < BLOCK; k++) P[k] += Q[SIZE * (k % SIZE) + k / SIZE];
 }
 
@@ -74,8 +66,8 @@ static pdyn_status couple_entries(struct rigid_map *map, const struct batch *bat
     add_block(P, c, arm_of(&map->body[a], i), D, arm_of(&map->body[b], j));
     double *to = a == b ? map->body[a].coupled : pair_block(map, a < b ? a : b, a < b ? b : a);
     if (!to) return PDYN_NO_MEMORY;
-    if (a >= b) transpose_add(to, P);
-    for (int n = 0; a <= b && n < BLOCK; n++) to[n] += P[n];
+    if (a >= b) add_transposed(to, P);
+    if (a <= b) add(to, P);
     return PDYN_OK;
 }
 
@@ -100,7 +92,7 @@ pdyn_status rigid_matrix_couple(struct rigid_map *map, struct batch *const *batc
         memset(map->body[k].coupled, 0, sizeof map->body[k].coupled);
     }
     for (int b = 0; b < batches; b++) {
-        if (batch[b]->op || !batch[b]->type->update) continue;
+        if (!batch_comes_and_goes(batch[b])) continue;
         for (int e = 0; e < batch[b]->view.elements && status == PDYN_OK; e++)
             status = couple_element(map, batch[b], e);
     }
@@ -119,7 +111,7 @@ static void factor(const double *B, double *L) {
 
 static void factor_bodies(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         struct rigid_body *b = &c->map->body[k];
         memcpy(b->block, b->coupled, sizeof b->block);
@@ -133,7 +125,7 @@ static void factor_bodies(void *arg, int first, int last, int block) {
 }
 
 void rigid_matrix_factor(struct rigid_map *map, const double *blocks) {
-    for_bodies(map, factor_bodies, blocks, NULL);
+    rigid_for_bodies(map, factor_bodies, blocks, NULL);
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
@@ -202,7 +194,7 @@ static void solve_coupled(const struct rigid_map *map) {
 
 static void gather(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
         rigid_body_sum(b, b->vertices, c->in, c->map->motion[RESIDUAL] + SIZE * k);
@@ -211,7 +203,7 @@ static void gather(void *arg, int first, int last, int block) {
 
 static void solve_alone(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     double *x = c->map->motion[SOLUTION];
     memcpy(x + SIZE * first, c->map->motion[RESIDUAL] + SIZE * first,
            SIZE * (size_t)(last - first) * sizeof *x);
@@ -220,14 +212,14 @@ static void solve_alone(void *arg, int first, int last, int block) {
 
 static void spread(void *arg, int first, int last, int block) {
     (void)block;
-    const struct call *c = arg;
+    const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++)
         rigid_body_move(&c->map->body[k], 0, c->map->motion[SOLUTION] + SIZE * k, c->out);
 }
 
 void rigid_matrix_solve(const struct rigid_map *map, const double *r, double *z) {
-    for_bodies(map, gather, r, NULL);
+    rigid_for_bodies(map, gather, r, NULL);
     if (map->pairs) solve_coupled(map);
-    else for_bodies(map, solve_alone, NULL, NULL);
-    for_bodies(map, spread, NULL, z);
+    else rigid_for_bodies(map, solve_alone, NULL, NULL);
+    rigid_for_bodies(map, spread, NULL, z);
 }
