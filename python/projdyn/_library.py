@@ -88,7 +88,11 @@ def library_path() -> str:
 
 def open_library(path: str) -> CDLL:
     """The library with typed functions. A function that it lacks is an AttributeError when used."""
-    library = CDLL(path)
+    try:
+        library = CDLL(path)
+    except OSError as error:
+        raise ImportError(f"{error}: install the wheel or python3-projdyn, or set PROJDYN_LIBRARY to the library "
+                          "of a build, build/src/libprojdyn.so.0") from None
     for name, (result, *arguments) in FUNCTIONS.items():
         function = getattr(library, name, None)
         if function is not None:

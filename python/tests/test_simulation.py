@@ -12,6 +12,7 @@ import numpy as np
 
 import projdyn
 from projdyn._handles import Handle
+from projdyn._library import open_library
 from projdyn._program import program_path
 from projdyn.notebook import replay
 from scenes import hanging_sheet, tank_of_water
@@ -157,6 +158,10 @@ class Messages(unittest.TestCase):
 
     def test_version(self):
         self.assertRegex(projdyn.version(), r"^\d+\.\d+\.\d+$")
+
+    def test_no_library(self):
+        with self.assertRaisesRegex(ImportError, "nowhere.so: cannot open.*PROJDYN_LIBRARY"):
+            open_library("/nowhere.so")
 
 
 if __name__ == "__main__":
