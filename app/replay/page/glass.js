@@ -33,7 +33,6 @@ void main() {
   gl_Position = end ? q : p;
   across = (gl_VertexID < 2 ? 0.5 : -0.5) * (width + 1.0);
   gl_Position.xy += (gl_VertexID < 2 ? aside : -aside) * gl_Position.w;
-  gl_Position.z -= 2e-4 * gl_Position.w; /* in front of the faces that meet there */
   at = end ? b : a;
 }`,
   edgeFragment: `
@@ -81,10 +80,13 @@ class Glass extends Surface {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(0, -4096); /* of 2^-24: in front of water and bodies that touch it */
     this.draw(programs.face, values);
     use(gl, programs.edge, values);
     gl.bindVertexArray(this.lines);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.pairs.length / 2);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
   }
