@@ -90,12 +90,51 @@ static void test_failing_allocator(void **state) {
     test_failing_scene(PRESSED(", 'motion': [{'time': 0}, {'time': 1, 'translate': [1, 0, 0]}]"));
 }
 
+/* Water at rest, 20 x 8 x 8 particles, with solids; `less` particles are left out. */
+static void check_rest(const char *scene, int less) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    const pdyn_state s = pdyn_get_state(sim);
+    assert_int_equal(s.particles, 20 * 8 * 8 - less);
+    double fastest = 0.0;
+    for (int n = 0; n < 5; n++) {
+        test_step(context, sim);
+        for (int k = 0; k < 3 * s.particles; k++) fastest = fmax(fastest, fabs(s.v[k]));
+    }
+    if (fastest > 0.3) fail_msg("water at rest moves with %g m/s", fastest);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+#define REST(solids)                                                                               \
+    SCENE("'duration': 1, 'time_step': {'maximum': 0.004}",                                        \
+          FLUID_BOX("'name': 'water', ", "0.01", "0, 0, 0", "0.4, 0.16, 0.16", ""),                \
+          ", 'solids': [" solids "]")
+#define TANK(end) "{'box': {'minimum': [0, 0, 0], 'maximum': [" end ", 0.3, 0.16]}, 'open': ['+y']}"
+#define BLOCK     "'box': {'minimum': [0.16, 0.04, 0.04], 'maximum': [0.24, 0.1, 0.12]}"
+#define HELD      ", 'motion': [{'time': 0, 'rotate': [0, 0, 180]}]"
+
+/* A closed box is an obstacle where fluid surrounds it: 4 x 3 x 4 particles are inside. */
+static void test_block(void **state) {
+    (void)state;
+    check_rest(REST(TANK("0.4") ", {" BLOCK "}"), 48);
+    check_rest(REST(TANK("0.4") ", {" BLOCK HELD "}"), 48);
+}
+
+/* Of water on both sides of a wall, that closer than 2.5 spacings behind it is left out. */
+static void test_outside(void **state) {
+    (void)state;
+    check_rest(REST(TANK("0.342")), 3 * 8 * 8);
+    check_rest(REST("{'box': {'minimum': [0, 0, 0], 'maximum': [0.342, 0.16, 0.3]}, 'open': ['+z'], "
+                    "'pivot': [0.17, 0.08, 0.08], 'motion': [{'time': 0, 'rotate': [-90, 0, 0]}]}"),
+               3 * 8 * 8);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_corner),
-        cmocka_unit_test(test_plate),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_corner),  cmocka_unit_test(test_plate),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_block),   cmocka_unit_test(test_outside),
     };
     return cmocka_run_group_tests_name("walls", tests, test_enter_directory, test_leave_directory);
 }

@@ -7,13 +7,15 @@
 
 enum { GRAIN = 1024 }; /* particles per parallel block */
 
+/* The points of a wall lie a spacing behind it and push particles closer than 1.5 spacings. */
+static const double behind_walls = 5.0; /* radii */
 static const double max_overlap = 1e-3; /* share of a body's particles that may overlap when kept */
 
 struct obstacle { /* a solid or a body with triangles */
     const char *kind, *name;
-    struct mesh mesh; /* at the start of the scene; vertices may be a copy */
-    bool walls;       /* of a box: they have no inside */
-    bool sheet;       /* water may be meant to stretch it */
+    struct mesh mesh;                 /* at the start of the scene; vertices may be a copy */
+    bool sheet;                       /* water may be meant to stretch it */
+    const struct scene_solid *vessel; /* NULL: no vessel */
 };
 
 /* Flags of a particle. */
@@ -24,8 +26,24 @@ struct search {
     const double *x;
     double distance;
     bool closed;
+    const struct scene_solid *vessel;
+    double behind; /* m: distance within which the walls of a vessel push fluid outside of it */
     unsigned char *flag;
 };
+
+/* Whether x is outside of a wall of a vessel and closer to it than `distance`. */
+static bool is_behind_wall(const struct scene_solid *vessel, const double x[3], double distance) {
+    double at[3];
+    bool behind = false;
+    pose_to_rest(vessel, 0.0, x, at);
+    for (int side = 0; side < 6; side++) {
+        int a = side / 2;
+        double beyond = side % 2 ? at[a] - vessel->box.max[a] : vessel->box.min[a] - at[a];
+        if (beyond > distance) return false;
+        behind |= beyond > 0.0 && !(vessel->open >> side & 1u);
+    }
+    return behind;
+}
 
 static void flag_particles(void *arg, int first, int last, int block) {
     (void)block;
@@ -34,6 +52,7 @@ static void flag_particles(void *arg, int first, int last, int block) {
         const double *x = s->x + 3 * (size_t)i;
         s->flag[i] = mesh_query_is_close(s->query, x, s->distance) ? CLOSE : 0;
         if (s->closed && mesh_query_contains(s->query, x)) s->flag[i] |= INSIDE;
+        if (s->vessel && is_behind_wall(s->vessel, x, s->behind)) s->flag[i] |= CLOSE;
     }
 }
 
@@ -95,11 +114,12 @@ static struct box box_around(const double *x, int count) {
     return box;
 }
 
-/* Whether some particle may be inside the obstacle or closer to it than a radius. */
+/* Whether some particle may be inside the obstacle or so close to it that it is left out. */
 static bool is_near(const struct scene_body *body, const struct obstacle *o) {
     struct box water = box_around(body->start.x, body->start.count);
     struct box obstacle = box_around(o->mesh.vertex, o->mesh.vertices);
-    for (int a = 0; a < 3; a++) water.min[a] -= body->radius, water.max[a] += body->radius;
+    double reach = body->radius * (o->vessel ? behind_walls : 1.0);
+    for (int a = 0; a < 3; a++) water.min[a] -= reach, water.max[a] += reach;
     return box_overlaps(&water, &obstacle);
 }
 
@@ -107,13 +127,19 @@ static pdyn_status resolve_near(const struct json_at *at, struct scene_body *bod
                                 const struct obstacle *o, unsigned char *flag) {
     pdyn_context *context = at->file->context;
     struct mesh_query query;
-    pdyn_status closed = o->walls ? PDYN_BAD_INPUT : mesh_check_closed(context, &o->mesh, o->name);
+    pdyn_status closed = o->vessel ? PDYN_BAD_INPUT : mesh_check_closed(context, &o->mesh, o->name);
     if (closed == PDYN_NO_MEMORY) return closed;
     pdyn_status status = mesh_query_create(context, &o->mesh, &query);
     if (status != PDYN_OK) return status;
     /* lattices that touch a surface have rounding errors */
     double distance = body->keep_overlap ? 0.5 * body->radius : (1.0 - 1e-3) * body->radius;
-    struct search search = {&query, body->start.x, distance, closed == PDYN_OK, flag};
+    struct search search = {.query = &query,
+                            .x = body->start.x,
+                            .distance = distance,
+                            .closed = closed == PDYN_OK,
+                            .vessel = body->keep_overlap ? NULL : o->vessel,
+                            .behind = behind_walls * body->radius,
+                            .flag = flag};
     pool_for(context->pool, body->start.count, GRAIN, flag_particles, &search);
     mesh_query_free(context, &query);
     exempt_vessel(flag, body->start.count);
@@ -132,18 +158,64 @@ static pdyn_status resolve_obstacle(const struct json_at *at, struct scene_body 
     return status;
 }
 
-/* The solid as it stands at time 0. */
+/* Copies the mesh of a solid as it stands at time 0. free_placed() frees the copy. */
+static pdyn_status place_mesh(pdyn_context *context, const struct scene_solid *solid,
+                              struct mesh *placed) {
+    *placed = solid->mesh;
+    placed->vertex = NEW_ARRAY(context, 3 * (size_t)placed->vertices, double);
+    if (!placed->vertex) return PDYN_NO_MEMORY;
+    if (solid->keys) pose_place_mesh(solid, 0.0, placed->vertex);
+    else
+        memcpy(placed->vertex, solid->mesh.vertex,
+               3 * (size_t)placed->vertices * sizeof *placed->vertex);
+    return PDYN_OK;
+}
+
+static void free_placed(pdyn_context *context, struct mesh *placed) {
+    FREE_ARRAY(context, placed->vertex, 3 * (size_t)placed->vertices);
+}
+
 static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *body,
                                  const struct scene_solid *solid) {
-    pdyn_context *context = at->file->context;
-    struct obstacle o = {"solid", solid->name, solid->mesh, solid->kind == SOLID_BOX, false};
-    size_t size = 3 * (size_t)solid->mesh.vertices;
-    if (!solid->keys) return resolve_obstacle(at, body, &o);
-    o.mesh.vertex = NEW_ARRAY(context, size, double);
-    if (!o.mesh.vertex) return PDYN_NO_MEMORY;
-    pose_place_mesh(solid, 0.0, o.mesh.vertex);
-    pdyn_status status = resolve_obstacle(at, body, &o);
-    FREE_ARRAY(context, o.mesh.vertex, size);
+    struct obstacle o = {"solid", solid->name, {0}, false, solid->is_vessel ? solid : NULL};
+    pdyn_status status = place_mesh(at->file->context, solid, &o.mesh);
+    if (status == PDYN_OK) status = resolve_obstacle(at, body, &o);
+    free_placed(at->file->context, &o.mesh);
+    return status;
+}
+
+static bool contains_most(const struct mesh_query *query, const struct point_list *points) {
+    int inside = 0;
+    for (int i = 0; i < points->count; i++)
+        inside += mesh_query_contains(query, points->x + 3 * (size_t)i);
+    return 2 * inside > points->count;
+}
+
+static pdyn_status find_vessel(pdyn_context *context, const struct scene *scene,
+                               struct scene_solid *solid) {
+    struct mesh placed;
+    struct mesh_query query = {0};
+    pdyn_status status = place_mesh(context, solid, &placed);
+    if (status == PDYN_OK) status = mesh_query_create(context, &placed, &query);
+    for (int b = 0; b < scene->bodies && status == PDYN_OK; b++) {
+        const struct scene_body *body = &scene->body[b];
+        solid->is_vessel |= contains_most(&query, &body->start);
+        for (int k = 0; k < body->inlets; k++)
+            solid->is_vessel |= contains_most(&query, &body->inlet[k].layer);
+    }
+    if (status == PDYN_OK) mesh_query_free(context, &query);
+    free_placed(context, &placed);
+    return status;
+}
+
+pdyn_status overlap_find_vessels(pdyn_context *context, struct scene *scene) {
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
+        struct scene_solid *solid = &scene->solid[k];
+        solid->is_vessel = solid->open != 0;
+        if (solid->kind == SOLID_BOX && !solid->is_vessel)
+            status = find_vessel(context, scene, solid);
+    }
     return status;
 }
 
@@ -154,7 +226,7 @@ pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
         status = resolve_solid(at, body, &scene->solid[k]);
     for (int k = 0; k < scene->bodies && status == PDYN_OK && body->start.count; k++) {
         const struct scene_body *other = &scene->body[k];
-        const struct obstacle o = {"body", other->name, other->mesh, false, !other->tets.count};
+        const struct obstacle o = {"body", other->name, other->mesh, !other->tets.count, NULL};
         if (other->is_surface) status = resolve_obstacle(at, body, &o);
     }
     return status;

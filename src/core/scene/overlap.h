@@ -6,12 +6,17 @@
 #include "json_file.h"
 #include "scene.h"
 
+/* Sets is_vessel of the solids: a box with an open side, or one that contains most particles of a
+ * body or of a layer of an inlet. */
+pdyn_status overlap_find_vessels(pdyn_context *context, struct scene *scene);
+
 /* Removes the particles of a body that lie inside a closed solid or body, or closer than a particle
  * radius to one. A closed solid that contains most particles of the body is a vessel: its inside
- * stays. A body that keeps its particles ("overlap": "keep", or particles from a file) is checked
- * instead. at: "particles" of the body. PDYN_BAD_INPUT: no particle is left; or a body that keeps
- * its particles has more than a thousandth of them inside of a solid or a volume, or closer to one
- * than half a radius. */
+ * stays. Behind a wall of a box with fluid inside, particles closer than five radii are left out. A
+ * body that keeps its particles ("overlap": "keep", or particles from a file) is checked instead.
+ * at: "particles" of the body. PDYN_BAD_INPUT: no particle is left; or a body that keeps its
+ * particles has more than a thousandth of them inside of a solid or a volume, or closer to one than
+ * half a radius. */
 pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,
                             struct scene_body *body);
 

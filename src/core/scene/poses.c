@@ -53,6 +53,16 @@ void pose_place_mesh(const struct scene_solid *solid, double time, double *x) {
     pose_place(solid, x, mesh->vertices, time, x);
 }
 
+void pose_to_rest(const struct scene_solid *solid, double time, const double x[3], double rest[3]) {
+    memcpy(rest, x, 3 * sizeof *rest);
+    if (!solid->keys) return;
+    struct pose pose = pose_between(solid, pose_key_before(solid, time), time);
+    double axes[9], from_pivot[3];
+    rotated_axes(&pose.at, axes);
+    vec3_subtract(from_pivot, x, pose.at.translate);
+    for (int a = 0; a < 3; a++) rest[a] = solid->pivot[a] + vec3_dot(axes + 3 * a, from_pivot);
+}
+
 void pose_turning_axis(const struct pose *pose, double axis[3]) {
     const double *angle = pose->at.rotate, *rate = pose->turning;
     struct transform y_z = {.rotate = {0.0, angle[1], angle[2]}},

@@ -25,6 +25,9 @@ void pose_place(const struct scene_solid *solid, const double *placed, int count
 /* Computes the positions x, 3 per vertex, m, of a solid's mesh at `time`, s. */
 void pose_place_mesh(const struct scene_solid *solid, double time, double *x);
 
+/* Computes where the point x of the world, m, at `time`, s, lies in the initial placement. */
+void pose_to_rest(const struct scene_solid *solid, double time, const double x[3], double rest[3]);
+
 /* Angular velocity, rad/s, from the rates of the three angles: a later rotation turns the axis of
  * an earlier one. */
 void pose_turning_axis(const struct pose *pose, double axis[3]);

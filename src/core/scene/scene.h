@@ -90,7 +90,8 @@ struct scene_solid {
     char *name;
     int kind; /* enum solid_kind */
     struct scene_box box;
-    unsigned open; /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
+    unsigned open;  /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
+    bool is_vessel; /* a box with the fluid inside; any other solid has it on all sides */
     struct mesh mesh;      /* world space, m; for solids of every shape */
     int keys;              /* 0: the solid is at rest */
     struct scene_key *key; /* times ascending; linear between keys, constant outside */

@@ -10,7 +10,7 @@ static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *
     const struct boundary_model *model = sim->scene.settings.boundary;
     const struct face_grid grid = {solid->open, model->grid * spacing, model->outside * spacing,
                                    model->beyond * spacing};
-    if (solid->kind != SOLID_BOX)
+    if (!solid->is_vessel)
         return sample_mesh_surface(sim->context, solid->name, &solid->mesh,
                                    model->mesh_spacing * spacing, &sim->boundary);
     return sample_box_surface(sim->context, &solid->box, &grid, &sim->boundary);
