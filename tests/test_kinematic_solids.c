@@ -9,7 +9,9 @@
 /* ---- points ---------------------------------------------------------------------------------- */
 
 static const char *turning = SCENE(
-    "'duration': 1, 'boundary': 'points'", FLUID_BOX("", "0.05", "0, 0, 0", "0.2, 0.2, 0.2", ""),
+    "'duration': 1, 'boundary': 'points'",
+    FLUID_BOX("", "0.05", "0, 0, 0", "0.2, 0.2, 0.2",
+              "") ", " FLUID_BOX("", "0.05", "1.4, 1.9, 2.9", "1.6, 2.1, 3.1", ""),
     ", 'solids': [{'box': {'minimum': [1, 1, 1], 'maximum': [2, 3, 4]}, 'pivot': [1, 2, 3], "
     "'motion': [{'time': 1}, {'time': 3, 'rotate': [0, 0, 720], 'translate': [2, 0, 0]}, {'time': "
     "4, 'rotate': [90, 90, 720], 'translate': [2, 0, 1]}]}, {'box': {'minimum': [0, 0, 0], "
