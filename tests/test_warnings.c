@@ -209,13 +209,34 @@ static void test_saved(void **state) {
     test_remove_file("state");
 }
 
+#define FALLING(outlets) SCENE(STEPS, DUST("0, -5, 0"), outlets)
+
+static bool warns_of_fall(const char *scene) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, scene);
+    for (int n = 0; n < 20; n++) test_step(context, sim);
+    bool found = find_warning(sim, "fell-out", "dust").code;
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return found;
+}
+
+/* Dust that falls for ever, and dust that an outlet around the scene will remove. */
+static void test_fallen(void **state) {
+    (void)state;
+    assert_true(warns_of_fall(FALLING("")));
+    assert_false(warns_of_fall(
+        FALLING(", 'outlets': [{'box': {'minimum': [-1, -9, -1], 'maximum': [1, 1, 1]}, 'outside': "
+                "true}]")));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),    cmocka_unit_test(test_border),
         cmocka_unit_test(test_return),   cmocka_unit_test(test_solids),
         cmocka_unit_test(test_overlap),  cmocka_unit_test(test_stretched),
         cmocka_unit_test(test_touching), cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_saved),
+        cmocka_unit_test(test_saved),    cmocka_unit_test(test_fallen),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

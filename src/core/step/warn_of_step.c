@@ -73,8 +73,16 @@ static int count_below(const struct pdyn_sim *sim, int b, double level) {
     return count;
 }
 
+/* An outlet around the scene removes all particles that fall. */
+static bool has_outlet_around(const struct scene *scene) {
+    for (int k = 0; k < scene->outlets; k++)
+        if (scene->outlet[k].outside) return true;
+    return false;
+}
+
 /* Particles that nothing holds fall for ever, and make steps short. */
 static void warn_fallen(struct pdyn_sim *sim) {
+    if (has_outlet_around(&sim->scene)) return;
     for (int b = 0; b < sim->bodies; b++) {
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
