@@ -73,7 +73,7 @@ static int count_below(const struct pdyn_sim *sim, int b, double level) {
     return count;
 }
 
-/* An outlet around the scene removes all particles that fall. */
+/* An outlet around the scene removes all particles of fluids that fall. */
 static bool has_outlet_around(const struct scene *scene) {
     for (int k = 0; k < scene->outlets; k++)
         if (scene->outlet[k].outside) return true;
@@ -82,8 +82,9 @@ static bool has_outlet_around(const struct scene *scene) {
 
 /* Particles that nothing holds fall for ever, and make steps short. */
 static void warn_fallen(struct pdyn_sim *sim) {
-    if (has_outlet_around(&sim->scene)) return;
+    bool removed = has_outlet_around(&sim->scene);
     for (int b = 0; b < sim->bodies; b++) {
+        if (removed && !sim->scene.body[b].is_surface) continue;
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_FELL_OUT, sim->body[b].name,
