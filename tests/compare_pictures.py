@@ -52,14 +52,14 @@ def expect(what, count, least, most=10**9):
 
 
 every = pictures["all"]
-for name, least in [("no_water", 3000), ("no_sheet", 6000), ("no_tank", 800), ("no_ball", 500), ("no_rod", 200),
-                    ("particles", 2000), ("no_report", 800), ("surface=checker", 2000), ("surface=stretch", 4000),
+for name, least in [("hide=water", 3000), ("hide=sheet", 6000), ("hide=tank", 800), ("hide=ball", 500), ("hide=rod", 200),
+                    ("look=particles", 2000), ("no_report", 800), ("surface=checker", 2000), ("surface=stretch", 4000),
                     ("fluid=speed", 2000), ("fluid=pressure", 2000), ("cut=x-0.5", 2000), ("camera=90,20,1,0,0.4,0", 9000)]:
     expect(f"{name} against all", len(changed(every, pictures[name])), least)
-water = changed(every, pictures["no_water"])
+water = changed(every, pictures["hide=water"])
 blue = sum(every[i][2] > every[i][0] + 25 for i in water)
 expect("water is blue", blue, 2000)
-balls = changed(pictures["particles"], pictures["no_water"])
+balls = changed(pictures["look=particles"], pictures["hide=water"])
 expect("particles", len(balls), 2000)
 expect("holes: particles without a surface", len(balls - water), 0, len(balls) // 100)
 sys.exit(faults > 0)

@@ -74,23 +74,21 @@ command -v chromium >/dev/null || command -v chromium-browser >/dev/null || comm
     exit 77
 }
 
-picture() { # NAME VIEW [DIRECTORY]
-    "$projdyn" render "${3:-$run}" -o "$folder/$1.png" --size 480x300 --view "$2" >"$folder/out" 2>&1 ||
+picture() { # NAME VIEW
+    "$projdyn" render "$run" -o "$folder/$1.png" --size 480x300 --view "$2" >"$folder/out" 2>&1 ||
         fail "render: $(cat "$folder/out")"
 }
-picture all ""
-for part in water sheet tank ball rod; do picture "no_$part" "hide=$part"; done
-picture particles "look=particles"
-for view in surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0; do
-    picture "$view" "$view"
-done
+python=${PYTHON:-python3}
+"$python" "$here/draw_views.py" "$folder/replay.html" "$folder" hide=water hide=sheet hide=tank hide=ball look=particles \
+    surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0
+picture hide=rod hide=rod
 
 # Without the report, the bodies are still shown.
 mv "$run/report.json" "$folder/report.json"
 picture no_report ""
 grep -q "no report.json" "$folder/out" || fail "no word about the missing report"
 mv "$folder/report.json" "$run/report.json"
-"${PYTHON:-python3}" "$here/compare_pictures.py" "$folder"
+"$python" "$here/compare_pictures.py" "$folder"
 
 # Numbered pictures and films.
 "$projdyn" render "$run" -o "$folder/n_%03d.png" --size 64x48 >/dev/null
