@@ -77,7 +77,7 @@ static const struct extreme extremes[] = {
     {"coupled, h = 1e-4 s", BOTH_OF, 10, 0.05, NULL, {H "1e-4}"}},
     {"coupled, h = 0.01 s", BOTH_OF, 10, 0.05, NULL, {H "0.01}"}},
     {"coupled, h = 0.1 s", BOTH_OF, 10, 0.05, NULL, {H "0.1}"}},
-    {"coupled, h = 1 s", BOTH_OF, 10, 0.05, NULL, {H "1}"}},
+    {"coupled, h = 1 s", BOTH_OF, 3, 0.05, NULL, {H "1}"}},
     {"water 1e8 times as heavy as a vertex",
      BOTH_OF,
      20,

@@ -44,10 +44,10 @@ static void goes_on(const char *text, const char *set, int before) {
     assert_int_equal(pdyn_load_text(context, quoted(text), "first", &set, 1, &first), PDYN_OK);
     step_often(context, first, before);
     assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
-    step_often(context, first, 20);
+    step_often(context, first, 12);
     assert_int_equal(pdyn_load_text(context, quoted(text), "second", &set, 1, &second), PDYN_OK);
     assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);
-    step_often(context, second, 20);
+    step_often(context, second, 12);
     assert_true(pdyn_time(first) == pdyn_time(second));
     assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
     pdyn_free(first), pdyn_free(second);
@@ -58,7 +58,7 @@ static void goes_on(const char *text, const char *set, int before) {
 
 static void test_same_bits(void **state) {
     (void)state;
-    for (int before = 0; before <= 20; before += 20) {
+    for (int before = 0; before <= 12; before += 12) {
         goes_on(fluid, "solver.type=auto", before);
         goes_on(fluid, "solver.type=cg", before);
         goes_on(sheet, "solver.type=auto", before);
