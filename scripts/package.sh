@@ -6,13 +6,13 @@
 set -eu
 cd "$(dirname "$0")/.."
 scripts/install.sh gcc libc6-dev meson ninja-build pkg-config libsuitesparse-dev libjansson-dev zlib1g-dev cmake
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
+dir=$(mktemp -d "$PWD/build-package-XXXXXX") # as deep as build: ccache takes its objects where the commands are the same
+trap 'rm -rf "$dir" "$dir"-*' EXIT
 
 # install NAME MESON-OPTIONS...: sets the prefix, its pkg-config file and its folder of libraries. The prefix is
 # moved: nothing may depend on the one of the configuration.
 install() {
-    prefix=$dir/$1-prefix build=$dir/$1
+    prefix=$dir/$1-prefix build=$dir-$1
     shift
     meson setup "$build" --prefix=/usr/local -Dwerror=true -Dtests=false -Dbench=false -Dexamples=false "$@" >"$dir/said"
     ninja -C "$build" >/dev/null
