@@ -129,6 +129,7 @@ static void test_balance(void **state) {
         assert_int_equal(pdyn_get_state(sim).constraints, 1);
         struct batch *damper = sim->objective.batch[1];
         for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
+        batch_hold(damper, sim->x, NULL);
         batch_begin(damper, sim->x, sim->v, 0.01);
         for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);
         double gradient[76] = {0};
@@ -149,11 +150,33 @@ static void test_balance(void **state) {
     }
 }
 
+/* A sheet of 1 kg/m^2 that rotates in its plane with 5 rad/s, h = 0.02 s. The centrifugal force
+ * stretches a side by some rho L^2 omega^2 / (12 Y), 0.2 %; a damper adds nothing to it. */
+static void test_rotation(void **state) {
+    (void)state;
+    static const char *const constraints[] = {
+        "{'type': 'spring', 'stretching_stiffness': 1000, 'damping': 1}",
+        "{'type': 'triangle', 'stretching_stiffness': 1000, 'damping': 1}"};
+    for (int c = 0; c < 2; c++) {
+        pdyn_sim *sim =
+            load("bdf2", "'grid': {'size': [1, 1], 'vertices': [3, 3]}", 0.02, constraints[c]);
+        for (int i = 0; i < 9; i++) {
+            sim->v[3 * i] = 5.0 * sim->x[3 * i + 2];
+            sim->v[3 * i + 2] = -5.0 * sim->x[3 * i];
+        }
+        for (int n = 0; n < 100; n++) test_step(context, sim);
+        double side = vec3_distance(sim->x, sim->x + 6);
+        if (side > 1.005) fail_msg("%s: a side is %g times as long", constraints[c], side);
+        pdyn_free(sim);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_breathing),
         cmocka_unit_test(test_folding),
         cmocka_unit_test(test_balance),
+        cmocka_unit_test(test_rotation),
     };
     return cmocka_run_group_tests_name("damping", tests, set_up, tear_down);
 }

@@ -126,6 +126,10 @@ pdyn_status objective_open(struct objective *sys, const double *x, const double 
     return status;
 }
 
+void objective_hold(struct objective *sys, const double *x, const double *before) {
+    for (int b = 0; b < sys->batches; b++) batch_hold(sys->batch[b], x, before);
+}
+
 void objective_begin(struct objective *sys, const double *x, const double *v) {
     bool moved = false;
     for (int b = 0; b < sys->batches; b++) moved |= batch_begin(sys->batch[b], x, v, sys->h);

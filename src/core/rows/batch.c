@@ -40,9 +40,12 @@ pdyn_status batch_open(struct batch *b, const double *x, const double *v,
     return b->type->update && !updates_always(b) ? batch_update(b, x, v) : PDYN_OK;
 }
 
+void batch_hold(struct batch *b, const double *x, const double *before) {
+    if (b->damper) rows_hold(b, x, before);
+}
+
 bool batch_begin(struct batch *b, const double *x, const double *v, double h) {
     b->view.h = h;
-    if (b->damper) rows_hold(b, x);
     batch_weigh(b, h);
     if (!b->damper && b->type->begin) rows_begin(b, x, v);
     return !b->damper && b->type->begin;

@@ -103,6 +103,9 @@ struct batch_step {               /* of the integrator, see pdyn_batch */
 pdyn_status batch_open(struct batch *batch, const double *x, const double *v,
                        const struct batch_step *step);
 
+/* A step begins at x; before: x of the step before, NULL: none. Sets the rest shape of a damper;
+ * does nothing for other batches. After batch_open. */
+void batch_hold(struct batch *batch, const double *x, const double *before);
 /* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
  * weights change even where h does not. */
 bool batch_begin(struct batch *batch, const double *x, const double *v, double h);

@@ -75,12 +75,38 @@ double rows_project(struct batch *b, const double *x) {
     return energy;
 }
 
+/* u and the rest shape of a damper's elements [first, last) at x. */
+static void hold_at(struct batch *b, int first, int last, const double *x) {
+    gather_rows(b, b->view.element_row[first], b->view.element_row[last], x);
+    b->type->damping_rest(b->params, &b->view, first, last);
+}
+
+/* value + part (value - before), not beyond 0 */
+static double extrapolate(double value, double before, double part) {
+    double next = value + part * (value - before);
+    return next * value < 0.0 ? 0.0 : next;
+}
+
+/* in: x; out: x of the step before; number: extrapolation of the integrator. Rest shapes are
+ * extrapolated, not positions: the extrapolated positions of a rotating element are too long, and a
+ * stiff damper would give them energy in every step. */
 static void hold_rows(void *arg, int first, int last, int block) {
     (void)block;
+    enum { PIECE = 512 };
     const struct row_loop *c = arg;
     struct batch *b = c->batch;
-    gather_rows(b, b->view.element_row[first], b->view.element_row[last], c->in);
-    b->type->damping_rest(b->params, &b->view, first, last);
+    double before[PIECE], part = c->number;
+    int size = (int)(b->type->data_size / sizeof *before), step = size > 0 ? PIECE / size : PIECE;
+    for (int e = first, end; e < last; e = end) {
+        end = last - e > step ? e + step : last;
+        double *data = (double *)b->view.data + (size_t)e * (size_t)size;
+        int numbers = (end - e) * size;
+        if (part > 0.0) hold_at(b, e, end, c->out);
+        memcpy(before, data, (size_t)numbers * sizeof *before);
+        hold_at(b, e, end, c->in);
+        for (int k = 0; part > 0.0 && k < numbers; k++)
+            data[k] = extrapolate(data[k], before[k], part);
+    }
 }
 
 static void weigh_rows(void *arg, int first, int last, int block) {
@@ -110,8 +136,9 @@ static void begin_rows(void *arg, int first, int last, int block) {
     rows_weigh(b, first, last);
 }
 
-void rows_hold(struct batch *b, const double *x) {
-    rows_for(b, b->view.elements, BATCH_GRAIN, hold_rows, x, NULL, 0.0);
+void rows_hold(struct batch *b, const double *x, const double *before) {
+    rows_for(b, b->view.elements, BATCH_GRAIN, hold_rows, x, (double *)before,
+             b->view.extrapolation);
 }
 
 void rows_begin(struct batch *b, const double *x, const double *v) {

@@ -34,8 +34,10 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
     rigid_bodies_predict(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
     pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
-    if (status == PDYN_OK) objective_begin(&sim->objective, sim->x_base, sim->v_base);
-    return status;
+    if (status != PDYN_OK) return status;
+    objective_hold(&sim->objective, sim->x, sim->x_before);
+    objective_begin(&sim->objective, sim->x_base, sim->v_base);
+    return PDYN_OK;
 }
 
 /* Updates volumes and friction of the surface samples to the start of the step; they are constant
