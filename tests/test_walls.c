@@ -125,9 +125,10 @@ static void test_block(void **state) {
 static void test_outside(void **state) {
     (void)state;
     check_rest(REST(TANK("0.342")), 3 * 8 * 8);
-    check_rest(REST("{'box': {'minimum': [0, 0, 0], 'maximum': [0.342, 0.16, 0.3]}, 'open': ['+z'], "
-                    "'pivot': [0.17, 0.08, 0.08], 'motion': [{'time': 0, 'rotate': [-90, 0, 0]}]}"),
-               3 * 8 * 8);
+    check_rest(
+        REST("{'box': {'minimum': [0, 0, 0], 'maximum': [0.342, 0.16, 0.3]}, 'open': ['+z'], "
+             "'pivot': [0.17, 0.08, 0.08], 'motion': [{'time': 0, 'rotate': [-90, 0, 0]}]}"),
+        3 * 8 * 8);
 }
 
 int main(void) {
