@@ -260,6 +260,25 @@ static void test_stack(void **state) {
     pdyn_destroy(context);
 }
 
+#define CUBE(low, density)                                                                         \
+    "{'rigid': {'box': {'minimum': [-0.05, 0, -0.05], 'maximum': [0.05, 0.1, 0.05]}, "             \
+    "'translate': [0, " low ", 0], 'density': " density "}}"
+
+/* 10 kg fall by 8 mm on 1 g: the light cube is not thrown by the impulses that go through it. */
+static void test_light_under_heavy(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004}, "
+                                                        "'solids': [{'plane': {'center': [0, 0, "
+                                                        "0], 'normal': [0, 1, 0], 'size': 1}}], "
+                                                        "'bodies': [" CUBE("0.006", "1") ", " CUBE(
+                                                            "0.112", "10000") "]}");
+    for (int n = 0; n < 50; n++) assert_true(test_step(context, sim).kinetic_energy < 1.0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
  */
 static void test_matrix(void **state) {
@@ -467,6 +486,6 @@ int main(void) {
         cmocka_unit_test(test_collision), cmocka_unit_test(test_water),
         cmocka_unit_test(test_poses),     cmocka_unit_test(test_bits),
         cmocka_unit_test(test_matrix),    cmocka_unit_test(test_pair),
-        cmocka_unit_test(test_errors)};
+        cmocka_unit_test(test_errors),    cmocka_unit_test(test_light_under_heavy)};
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }
