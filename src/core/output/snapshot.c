@@ -84,7 +84,10 @@ static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) 
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
                          "versions of projdyn");
     snapshot_file_expect(a, sim->scene.fingerprint, "values in its scene");
-    snapshot_file_expect(a, (uint64_t)sim->objective.particles, "numbers of particles");
+    snapshot_file_expect(
+        a, (uint64_t)sim->objective.particles,
+        "numbers of particles (to resume for longer, inlets need a \"budget\" from the "
+        "start)");
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, sim->rest, objective_bytes(&sim->objective)),
                          "positions at rest");
     snapshot_file_expect(a, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
