@@ -38,7 +38,7 @@ done
 echo "== scenes"
 for scene in plugin/*.json; do
     name=$(basename "$scene" .json)
-    "$program" run "$scene" --allow-plugins --time 0.02 --quiet -o "$dir/out"
+    "$program" run "$scene" --allow-plugins --time 0.04 --quiet -o "$dir/out"
     said=$("$program" check --conformance "plugin/$name.so") || { echo "$name: $said" >&2; exit 1; }
     echo "$name: ran; $said"
 done

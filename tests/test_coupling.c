@@ -291,7 +291,7 @@ static void keeps_momentum(const char *outer, const char *linear) {
         vec3_add(begin, sim->objective.mass[i], sim->v + 3 * i);
         size += sim->objective.mass[i] * vec3_length(sim->v + 3 * i);
     }
-    for (int step = 0; step < 200; step++) info = test_step(context, sim);
+    for (int step = 0; step < 1000; step++) info = test_step(context, sim);
     assert_true(vec3_distance(info.momentum, begin) < 1e-12 * size);
     pdyn_free(sim);
     pdyn_destroy(context);
