@@ -323,13 +323,15 @@ pdyn_status contact_check(struct contact *c) {
     for (int e = 0; e < c->current.view.count; e++) {
         const struct stencil *t = &c->current.stencil[e];
         const pdyn_contact *contact = &c->current.contact[e];
-        if (vec3_length(contact->separation) >= CONTACT_LEAST * contact->thickness) continue;
+        double distance = vec3_length(contact->separation);
+        double least = CONTACT_LEAST * contact->thickness;
+        if (distance >= least) continue;
         return context_fail(
             c->context, PDYN_BAD_INPUT,
-            "contact: at the start \"%s\" and \"%s\" are closer than a sixteenth of "
-            "the thickness, at (%g, %g, %g)",
-            c->owner[c->group[t->point[0]]], c->owner[c->group[t->point[3]]],
-            c->at[3 * t->point[0]], c->at[3 * t->point[0] + 1], c->at[3 * t->point[0] + 2]);
+            "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
+            "expected at least a sixteenth of the thickness, %.3g m",
+            c->owner[c->group[t->point[0]]], c->owner[c->group[t->point[3]]], distance,
+            c->at[3 * t->point[0]], c->at[3 * t->point[0] + 1], c->at[3 * t->point[0] + 2], least);
     }
     return PDYN_OK;
 }
