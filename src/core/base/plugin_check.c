@@ -109,7 +109,8 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     if (t->tangent && t->tangent_rank1)
         return "it has tangent and tangent_rank1, expected one of them at most";
     if (!t->damping != !t->damping_rest) return "damping and damping_rest need each other";
-    if (t->damping && (t->data_size % sizeof(double) || t->data_size > 4096))
+    if (t->damping &&
+        (t->data_size % sizeof(double) || t->data_size > DAMPED_DATA_MAX * sizeof(double)))
         return "with damping, data of an element are at most 512 doubles";
     if ((t->matrix_free || t->flags & PDYN_NEIGHBOURS) && !(t->flags & PDYN_ON_PARTICLES))
         return "it works on neighbour lists: it needs PDYN_ON_PARTICLES";

@@ -5,6 +5,9 @@
 #include "context.h"
 #include "projdyn/module.h"
 
+/* Largest number of doubles in the data of an element of a constraint with damping. */
+enum { DAMPED_DATA_MAX = 512 };
+
 /* The constraints and solvers of the library. */
 extern const pdyn_plugin registry_builtin;
 

@@ -1,6 +1,8 @@
 /* Rows: u = G x, projection, and the flux w (u - p), which goes back to the particles. */
 #include "row_loops.h"
 
+#include "base/registry.h"
+
 WIDE static void gather_rows(const struct batch *b, int first, int last, const double *x) {
     for (int r = first; r < last; r++) {
         v4 u;
@@ -92,11 +94,11 @@ static double extrapolate(double value, double before, double part) {
  * stiff damper would give them energy in every step. */
 static void hold_rows(void *arg, int first, int last, int block) {
     (void)block;
-    enum { PIECE = 512 };
     const struct row_loop *c = arg;
     struct batch *b = c->batch;
-    double before[PIECE], part = c->number;
-    int size = (int)(b->type->data_size / sizeof *before), step = size > 0 ? PIECE / size : PIECE;
+    double before[DAMPED_DATA_MAX], part = c->number;
+    int size = (int)(b->type->data_size / sizeof *before),
+        step = DAMPED_DATA_MAX / (size > 0 ? size : 1);
     for (int e = first, end; e < last; e = end) {
         end = last - e > step ? e + step : last;
         double *data = (double *)b->view.data + (size_t)e * (size_t)size;

@@ -158,65 +158,47 @@ static pdyn_status resolve_obstacle(const struct json_at *at, struct scene_body 
     return status;
 }
 
-/* Copies the mesh of a solid as it stands at time 0. free_placed() frees the copy. */
-static pdyn_status place_mesh(pdyn_context *context, const struct scene_solid *solid,
-                              struct mesh *placed) {
-    *placed = solid->mesh;
-    placed->vertex = NEW_ARRAY(context, 3 * (size_t)placed->vertices, double);
-    if (!placed->vertex) return PDYN_NO_MEMORY;
-    if (solid->keys) pose_place_mesh(solid, 0.0, placed->vertex);
-    else
-        memcpy(placed->vertex, solid->mesh.vertex,
-               3 * (size_t)placed->vertices * sizeof *placed->vertex);
-    return PDYN_OK;
-}
-
-static void free_placed(pdyn_context *context, struct mesh *placed) {
-    FREE_ARRAY(context, placed->vertex, 3 * (size_t)placed->vertices);
-}
-
+/* The solid as it stands at time 0. */
 static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *body,
                                  const struct scene_solid *solid) {
-    struct obstacle o = {"solid", solid->name, {0}, false, solid->is_vessel ? solid : NULL};
-    pdyn_status status = place_mesh(at->file->context, solid, &o.mesh);
-    if (status == PDYN_OK) status = resolve_obstacle(at, body, &o);
-    free_placed(at->file->context, &o.mesh);
+    pdyn_context *context = at->file->context;
+    struct obstacle o = {"solid", solid->name, solid->mesh, false, solid->is_vessel ? solid : NULL};
+    size_t size = 3 * (size_t)solid->mesh.vertices;
+    if (!solid->keys) return resolve_obstacle(at, body, &o);
+    o.mesh.vertex = NEW_ARRAY(context, size, double);
+    if (!o.mesh.vertex) return PDYN_NO_MEMORY;
+    pose_place_mesh(solid, 0.0, o.mesh.vertex);
+    pdyn_status status = resolve_obstacle(at, body, &o);
+    FREE_ARRAY(context, o.mesh.vertex, size);
     return status;
 }
 
-static bool contains_most(const struct mesh_query *query, const struct point_list *points) {
+/* Whether most of the points are in the box of a solid as it stands at time 0. */
+static bool contains_most(const struct scene_solid *solid, const struct point_list *points) {
     int inside = 0;
-    for (int i = 0; i < points->count; i++)
-        inside += mesh_query_contains(query, points->x + 3 * (size_t)i);
+    for (int i = 0; i < points->count; i++) {
+        double at[3];
+        pose_to_rest(solid, 0.0, points->x + 3 * (size_t)i, at);
+        inside += scene_box_contains(&solid->box, at);
+    }
     return 2 * inside > points->count;
 }
 
-static pdyn_status find_vessel(pdyn_context *context, const struct scene *scene,
-                               struct scene_solid *solid) {
-    struct mesh placed;
-    struct mesh_query query = {0};
-    pdyn_status status = place_mesh(context, solid, &placed);
-    if (status == PDYN_OK) status = mesh_query_create(context, &placed, &query);
-    for (int b = 0; b < scene->bodies && status == PDYN_OK; b++) {
+static bool holds_fluid(const struct scene *scene, const struct scene_solid *solid) {
+    for (int b = 0; b < scene->bodies; b++) {
         const struct scene_body *body = &scene->body[b];
-        solid->is_vessel |= contains_most(&query, &body->start);
+        if (contains_most(solid, &body->start)) return true;
         for (int k = 0; k < body->inlets; k++)
-            solid->is_vessel |= contains_most(&query, &body->inlet[k].layer);
+            if (contains_most(solid, &body->inlet[k].layer)) return true;
     }
-    if (status == PDYN_OK) mesh_query_free(context, &query);
-    free_placed(context, &placed);
-    return status;
+    return false;
 }
 
-pdyn_status overlap_find_vessels(pdyn_context *context, struct scene *scene) {
-    pdyn_status status = PDYN_OK;
-    for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
+void overlap_find_vessels(struct scene *scene) {
+    for (int k = 0; k < scene->solids; k++) {
         struct scene_solid *solid = &scene->solid[k];
-        solid->is_vessel = solid->open != 0;
-        if (solid->kind == SOLID_BOX && !solid->is_vessel)
-            status = find_vessel(context, scene, solid);
+        solid->is_vessel = solid->open || (solid->kind == SOLID_BOX && holds_fluid(scene, solid));
     }
-    return status;
 }
 
 pdyn_status overlap_resolve(const struct json_at *at, const struct scene *scene,

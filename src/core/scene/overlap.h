@@ -8,7 +8,7 @@
 
 /* Sets is_vessel of the solids: a box with an open side, or one that contains most particles of a
  * body or of a layer of an inlet. */
-pdyn_status overlap_find_vessels(pdyn_context *context, struct scene *scene);
+void overlap_find_vessels(struct scene *scene);
 
 /* Removes the particles of a body that lie inside a closed solid or body, or closer than a particle
  * radius to one. A closed solid that contains most particles of the body is a vessel: its inside

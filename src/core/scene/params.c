@@ -178,12 +178,8 @@ static pdyn_status select_listed(const struct json_at *at, struct selection *c) 
 static pdyn_status select_box(const struct json_at *at, struct selection *c) {
     struct scene_box box;
     pdyn_status status = params_box(at, &box);
-    for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++) {
-        const double *x = c->surface->vertex + 3 * v;
-        bool inside = true;
-        for (int a = 0; a < 3; a++) inside &= x[a] >= box.min[a] && x[a] <= box.max[a];
-        c->selected[v] |= inside;
-    }
+    for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++)
+        c->selected[v] |= scene_box_contains(&box, c->surface->vertex + 3 * v);
     return status;
 }
 

@@ -165,7 +165,7 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
     if (status == PDYN_OK) status = read_contact(r, &contact);
     if (status == PDYN_OK) status = read_probes(r, &probes);
-    if (status == PDYN_OK) status = overlap_find_vessels(r->context, r->scene);
+    if (status == PDYN_OK) overlap_find_vessels(r->scene);
     if (status == PDYN_OK) status = reader_each(r, &bodies, resolve_overlap);
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
