@@ -8,6 +8,7 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846, contact = 0.003; /* m, of what sinks */
+enum { BELOW = 8 }; /* spacings of water below a floating body: fewer hold it where it starts */
 
 enum shape { CUBE, SLAB, BALL, SHAPES };
 static const char *const names[SHAPES] = {"cube", "slab", "ball"};
@@ -47,7 +48,7 @@ static void layout(struct floater *f) {
     f->width = f->n * f->d, f->height = f->shape == SLAB ? 0.5 * f->width : f->width;
     f->draught = f->height * draught_over_height(f);
     f->cells[0] = f->cells[2] = 2 * f->n + 8;
-    f->cells[1] = f->n + 4 + (sinks ? 4 : 0);
+    f->cells[1] = f->n + BELOW;
     f->middle[0] = f->middle[2] = 0.5 * f->cells[0] * f->d;
     double bottom = sinks ? 4.0 * f->d : f->cells[1] * f->d - 1.1 * f->draught;
     f->middle[1] = bottom + 0.5 * f->height;
