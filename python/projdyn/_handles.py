@@ -2,9 +2,10 @@
 from __future__ import annotations
 
 import logging
+import threading
 import weakref
 from ctypes import byref, c_void_p, sizeof
-from typing import Any, Callable, Optional
+from typing import Any, Callable, NoReturn, Optional
 
 from ._library import lib
 from ._structs import Log, Options
@@ -26,12 +27,14 @@ def _free(free: Callable[[int], None], pointer: int, parent: Optional[Handle]) -
 class Handle:
     """An object of the library and the object that must outlive it: a writer has a simulation, a
     simulation and a scene have a context. The garbage collector frees the children first, because
-    the finaliser of a child refers to its parent."""
+    the finaliser of a child refers to its parent. Calls of several threads for one simulation and
+    its writers, or for one scene, wait for each other."""
 
     def __init__(self, pointer: int, free: Callable[[int], None],
                  parent: Optional[Handle] = None) -> None:
         self.pointer = pointer
         self.parent = parent
+        self.lock: Any = parent.lock if parent and parent.parent else threading.RLock()
         self.finalize = weakref.finalize(self, _free, free, pointer, parent)
         self.finalize.atexit = False
 
@@ -44,10 +47,15 @@ class Handle:
         """Calls a function of this object that returns a status; raises Error unless it is 0."""
         if not self.finalize.alive:
             raise Error("the object is closed")
-        status = function(self.pointer, *arguments)
-        if status:
-            text = lib.pdyn_last_error(self.context) or lib.pdyn_status_text(status)
-            raise error_of(status, text.decode())
+        with self.lock:
+            status = function(self.pointer, *arguments)
+            if status:
+                text = lib.pdyn_last_error(self.context) or lib.pdyn_status_text(status)
+                raise error_of(status, text.decode())
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("objects of projdyn cannot be copied or pickled: write a scene to a file "
+                        "(Scene.write), save a state (Simulation.save), and load them there")
 
     def make(self, function: Callable[..., int], *arguments: Any) -> int:
         """Pointer to a new object that a function of this object makes."""

@@ -1,4 +1,5 @@
 """Steps, views of the state, lifetimes, saved states and output."""
+import copy
 import gc
 import json
 import logging
@@ -6,6 +7,7 @@ import pathlib
 import pickle
 import subprocess
 import tempfile
+import threading
 import unittest
 
 import numpy as np
@@ -91,6 +93,32 @@ class Views(unittest.TestCase):
         gc.collect()
         gc.collect()
         self.assertEqual(freed, [2, 1])
+
+    def test_nothing_is_copied_or_pickled(self):
+        scene = hanging_sheet()
+        sim = scene.load()
+        for thing in (scene, sim, sim.bodies["sheet"], sim.constraints["sheet", "spring"]):
+            for copying in (pickle.dumps, copy.deepcopy):
+                with self.assertRaisesRegex(TypeError, "Scene.write"):
+                    copying(thing)
+
+    def test_steps_of_two_threads_wait_for_each_other(self):
+        sim, alone = (hanging_sheet(n=60).load() for _ in range(2))
+        steps = threading.Barrier(2)
+
+        def run():
+            steps.wait()
+            for _ in range(20):
+                sim.step()
+
+        threads = [threading.Thread(target=run) for _ in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for _ in range(40):
+            alone.step()
+        self.assertEqual(sim.hash, alone.hash)
 
     def test_fluid(self):
         sim = tank_of_water().load()
