@@ -455,8 +455,8 @@ static void test_step_by(void **state) {
     continues(sim, sheet);
     good(pdyn_step(sim, &info));
     assert_true(info.time < 0.3);
-    assert_int_equal(pdyn_step_by(sim, 0.0, NULL), PDYN_BAD_CALL);
-    assert_int_equal(pdyn_step_by(sim, NAN, NULL), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_step_by(sim, 0.0, NULL), PDYN_BAD_INPUT);
+    assert_int_equal(pdyn_step_by(sim, NAN, NULL), PDYN_BAD_INPUT);
     assert_int_equal(pdyn_step_by(NULL, 0.1, NULL), PDYN_BAD_CALL);
     pdyn_free(sim);
     pdyn_free(other);

@@ -30,6 +30,11 @@ def doubles(values: Any, shape: tuple[Optional[int], ...], what: str) -> np.ndar
     return _array(values, shape, what, np.float64)
 
 
+def number(value: Any, what: str) -> float:
+    """One number."""
+    return float(doubles(value, (1,), what)[0])
+
+
 def indices(values: Any, shape: tuple[Optional[int], ...], what: str) -> np.ndarray:
     """Contiguous array of C integers of this shape. InputError: numbers that are not whole, or are
     out of the range of a C integer."""

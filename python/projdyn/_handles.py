@@ -9,7 +9,7 @@ from typing import Any, Callable, NoReturn, Optional
 
 from ._library import lib
 from ._structs import Log, Options
-from .errors import Error, error_of
+from .errors import Error, InputError, error_of
 
 _logger = logging.getLogger("projdyn")
 _LEVELS = (logging.INFO, logging.WARNING)  # of pdyn_log_level
@@ -71,5 +71,5 @@ def new_context(threads: int, allow_plugins: bool) -> Handle:
     options.threads, options.log, options.refuse_scene_plugins = threads, _log, not allow_plugins
     status = lib.pdyn_create_sized(byref(options), sizeof(options), byref(out))
     if status:
-        raise error_of(status, f"threads: expected 0 to 1024, found {threads}")
+        raise InputError(f"threads: expected 0 to 1024, found {threads}")
     return Handle(out.value or 0, lib.pdyn_destroy)

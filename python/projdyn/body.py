@@ -6,7 +6,7 @@ from typing import Any, Callable, Optional
 
 import numpy as np
 
-from ._arrays import address, doubles, view
+from ._arrays import address, doubles, number, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
@@ -90,7 +90,8 @@ class Body(Fixed):
         """Pulls a vertex to the target, three numbers, m, by a spring of the stiffness, N/m. Held
         again, the target moves."""
         point = doubles(target, (3,), "target")
-        self._handle.call(lib.pdyn_hold, self._particle(vertex), stiffness, address(point))
+        self._handle.call(lib.pdyn_hold, self._particle(vertex),
+                          number(stiffness, "stiffness"), address(point))
 
     def release(self, vertex: int) -> None:
         """Ends the hold of a vertex."""
@@ -112,7 +113,7 @@ class Body(Fixed):
         self._handle.call(function, self.particles.start, len(self), address(rows))
 
     def _particle(self, vertex: int) -> int:
-        if not 0 <= vertex < len(self):
+        if not isinstance(vertex, (int, np.integer)) or not 0 <= vertex < len(self):
             raise InputError(f"{self.name}: expected a vertex from 0 to {len(self) - 1}, found "
                              f"{vertex}")
         return self.particles.start + vertex

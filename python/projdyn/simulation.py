@@ -8,7 +8,7 @@ from typing import Any, Iterator, Optional
 
 import numpy as np
 
-from ._arrays import address, doubles, view
+from ._arrays import address, doubles, number, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
@@ -70,7 +70,7 @@ class Simulation(Fixed):
         if h is None:
             self._handle.call(lib.pdyn_step_sized, byref(info), sizeof(info))
         else:
-            self._handle.call(lib.pdyn_step_by_sized, h, byref(info), sizeof(info))
+            self._handle.call(lib.pdyn_step_by_sized, number(h, "h"), byref(info), sizeof(info))
         return info
 
     def run(self, until: Optional[float] = None) -> Iterator[StepInfo]:

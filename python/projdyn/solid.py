@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arrays import address, doubles
+from ._arrays import address, doubles, number
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
@@ -40,4 +40,5 @@ class Solid(Fixed):
         place of the solid in the scene. InputError: the solid has no "motion" in the scene.
         """
         step, turn = doubles(translate, (3,), "translate"), doubles(rotate, (3,), "rotate")
-        self._handle.call(lib.pdyn_move_solid, self._index, time, address(step), address(turn))
+        self._handle.call(lib.pdyn_move_solid, self._index, number(time, "time"),
+                          address(step), address(turn))

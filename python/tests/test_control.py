@@ -53,6 +53,21 @@ class Control(unittest.TestCase):
         sim.constraints["second", "spring"]["stretching_stiffness"] = 20
         self.assertEqual(sim.constraints["first", "spring"]["stretching_stiffness"], 10)
 
+    def test_wrong_numbers(self):
+        sim = hanging_sheet().load()
+        sheet = sim.bodies["sheet"]
+        for text, call, arguments in (
+                ("a step from 1e-09 to 1000 s, found 0 s", sim.step, [0]),
+                ("a step from .*, found nan s", sim.step, [np.nan]),
+                ("h: expected an array of numbers", sim.step, ["fast"]),
+                ("h: expected the shape 1, found 2", sim.step, [[0.1, 0.2]]),
+                ("a vertex from 0 to 80, found 81", sheet.hold, [81, [0, 0, 0]]),
+                ("a vertex from 0 to 80, found 1.5", sheet.hold, [1.5, [0, 0, 0]]),
+                ("a vertex from 0 to 80, found two", sheet.release, ["two"]),
+                ("stiffness: expected an array of numbers", sheet.hold, [1, [0, 0, 0], "soft"])):
+            with self.assertRaisesRegex(projdyn.InputError, text):
+                call(*arguments)
+
     def test_one_force_for_all(self):
         sims = [hanging_sheet().load() for _ in range(2)]
         sims[0].bodies["sheet"].set_forces([0, 0, 0.01])

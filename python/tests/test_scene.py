@@ -133,8 +133,7 @@ class Mistakes(unittest.TestCase):
         self.fails("plug-in", hanging_sheet(plugins=["./some.so"]).load)
 
     def test_threads(self):
-        with self.assertRaisesRegex(projdyn.Error, "expected 0 to 1024, found -1"):
-            projdyn.Scene(threads=-1)
+        self.fails("expected 0 to 1024, found -1", projdyn.Scene, threads=-1)
 
 
 if __name__ == "__main__":

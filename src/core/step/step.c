@@ -220,7 +220,7 @@ pdyn_status pdyn_step_sized(pdyn_sim *sim, pdyn_step_info *info, size_t size) {
 pdyn_status pdyn_step_by_sized(pdyn_sim *sim, double h, pdyn_step_info *info, size_t size) {
     if (!sim) return PDYN_BAD_CALL;
     if (!(h >= TIMESTEP_SHORTEST && h <= TIMESTEP_LONGEST))
-        return context_fail(sim->context, PDYN_BAD_CALL,
+        return context_fail(sim->context, PDYN_BAD_INPUT,
                             "expected a step from %g to %g s, found %g s", TIMESTEP_SHORTEST,
                             TIMESTEP_LONGEST, h);
     return step_by(sim, h, info, size);
