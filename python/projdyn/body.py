@@ -15,7 +15,7 @@ from .errors import InputError
 
 
 class Body(Fixed):
-    """A fluid, a sheet or a soft solid of n particles (vertices).
+    """A fluid, a sheet, a soft solid or a rigid body of n particles (vertices).
 
     Arrays are read-only views of the simulation's memory, without copies: they change with every
     step, and stay valid when the simulation is dropped. Take a copy to remember a state.
@@ -23,7 +23,7 @@ class Body(Fixed):
     name            str
     particles       slice: its rows in arrays of all particles, e.g. of Constraint.forces
     x, v            n x 3, m and m/s
-    mass            n, kg
+    mass            n, kg; close to 0 at the vertices of a rigid body: see total_mass
     density         n, kg/m^3; the rest density without a fluid constraint
     pressure        n, Pa; 0 without a fluid constraint
     live            n, bool: whether a particle is in the scene, see inlets and outlets
@@ -50,6 +50,7 @@ class Body(Fixed):
         self.triangles = view(info.triangle, (info.triangles, 3), handle, np.intc)
         self.edges = view(info.edge, (info.edges, 2), handle, np.intc)
         self.tets = view(info.tet, (info.tets, 4), handle, np.intc)
+        self._total = state["mass"][info.first:self._end(len(state["mass"]))]
         self.radius: float = info.radius
         self.rest_density: float = info.rest_density
         self.fix()
@@ -60,6 +61,12 @@ class Body(Fixed):
 
     def __repr__(self) -> str:
         return f"<body {self.name} of {len(self)} particles>"
+
+    @property
+    def total_mass(self) -> float:
+        """kg, of the particles in the scene, or of the rigid body."""
+        live = self.live if len(self._total) == len(self) else True
+        return float(self._total.sum(where=live))
 
     @property
     def residual(self) -> float:
@@ -103,6 +110,12 @@ class Body(Fixed):
         info = BodyInfo()
         lib.pdyn_get_body_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
         return info
+
+    def _end(self, particles: int) -> int:
+        """End of its masses: those of a rigid body are at four points behind its vertices."""
+        info = BodyInfo()
+        lib.pdyn_get_body_sized(self._handle.pointer, self._index + 1, byref(info), sizeof(info))
+        return info.first if info.name else particles
 
     def _rows(self, values: Any, what: str) -> np.ndarray:
         if np.shape(values) == (3,):

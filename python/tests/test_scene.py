@@ -33,11 +33,15 @@ class Scenes(unittest.TestCase):
                         triangle={"stretching_stiffness": 10})
         scene.add_soft([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2, 3]], density=500,
                        name="soft", velocity=[1, 0, 0], tet={"stiffness": 1e4})
-        scene.add_fluid([[5, 0, 0], [6, 0, 0]], velocities=[[0, 1, 0], [0, 2, 0]], radius=0.01,
+        scene.add_fluid([[5, 0, 0], [6, 0, 0]], velocities=[[0, 1, 0], [0, 2, 0]], radius=0.1,
                         name="drops", fluid={"sound_speed": 10})
+        scene.add_rigid(box=([7, 0, 0], [8, 1, 2]), density=500, name="crate")
+        scene.add_rigid([[12, 0, 0], [13, 0, 0], [12, 1, 0], [12, 0, 1]],
+                        [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], mass=3, name="stone",
+                        velocity=[0, 1, 0])
         scene.add_solid([[9, 0, 0], [10, 0, 0], [9, 1, 0]], [[0, 1, 2]], name="wall")
         sim = scene.load()
-        self.assertEqual(list(sim.bodies), ["sheet", "soft", "drops"])
+        self.assertEqual(list(sim.bodies), ["sheet", "soft", "drops", "crate", "stone"])
         self.assertEqual(list(sim.solids), ["wall"])
         np.testing.assert_array_equal(sim.bodies["sheet"].x, vertices + [0, 2, 0])
         np.testing.assert_array_equal(sim.bodies["sheet"].triangles, triangles)
@@ -45,7 +49,11 @@ class Scenes(unittest.TestCase):
         self.assertEqual(sim.bodies["soft"].tets.shape, (1, 4))
         np.testing.assert_array_equal(sim.bodies["soft"].v, np.tile([1, 0, 0], (4, 1)))
         np.testing.assert_array_equal(sim.bodies["drops"].v, [[0, 1, 0], [0, 2, 0]])
-        self.assertAlmostEqual(sim.bodies["sheet"].mass.sum(), 0.1)
+        masses = [body.total_mass for body in sim.bodies.values()]
+        np.testing.assert_allclose(masses, [0.1, 500 / 6, 2 * 0.2**3 * 1000, 1000, 3])
+        np.testing.assert_array_equal(sim.bodies["crate"].x[[0, 1, 2, 4, 7]],
+                                      [[7, 0, 0], [8, 0, 0], [7, 1, 0], [7, 0, 2], [8, 1, 2]])
+        np.testing.assert_array_equal(sim.bodies["stone"].v, np.tile([0, 1, 0], (4, 1)))
 
     def test_names_are_given(self):
         vertices, triangles = square()
