@@ -12,12 +12,16 @@ from ._structs import Log, Options
 from .errors import Error, InputError, error_of
 
 _logger = logging.getLogger("projdyn")
+_raised: list[BaseException] = []  # by messages of a call, raised at its end
 _LEVELS = (logging.INFO, logging.WARNING)  # of pdyn_log_level
 
 
 @Log
 def _log(user: Any, level: int, message: bytes) -> None:
-    _logger.log(_LEVELS[level], "%s", message.decode())
+    try:
+        _logger.log(_LEVELS[level], "%s", message.decode())
+    except BaseException as error:  # ctypes would drop it; Ctrl-C during a step comes here first
+        _raised.append(error)
 
 
 def _free(free: Callable[[int], None], pointer: int, parent: Optional[Handle]) -> None:
@@ -49,6 +53,8 @@ class Handle:
             raise Error("the object is closed")
         with self.lock:
             status = function(self.pointer, *arguments)
+            if _raised:
+                raise _raised.pop()
             if status:
                 text = lib.pdyn_last_error(self.context) or lib.pdyn_status_text(status)
                 raise error_of(status, text.decode())

@@ -184,6 +184,21 @@ class Messages(unittest.TestCase):
         self.assertIn("unsolved", [warning.code for warning in sim.warnings])
         self.assertIn("unsolved", log.output[0])
 
+    def test_interrupt_during_a_message(self):
+        class Interrupt(logging.Handler):
+            def emit(self, record):
+                raise KeyboardInterrupt
+
+        handler = Interrupt()
+        logging.getLogger("projdyn").addHandler(handler)
+        try:
+            sim = hanging_sheet(solver={"outer_iterations": 1, "tolerance": 1e-9}).load()
+            with self.assertRaises(KeyboardInterrupt):
+                sim.step()
+        finally:
+            logging.getLogger("projdyn").removeHandler(handler)
+        sim.step()
+
     def test_version(self):
         self.assertRegex(projdyn.version(), r"^\d+\.\d+\.\d+$")
 
