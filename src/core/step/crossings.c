@@ -34,8 +34,9 @@ struct crossings {
     int surfaces, solids; /* the last surfaces are solids */
     struct surface *surface;
     struct triangle_set resting, moving;
-    bool fluid;  /* particles are tested */
-    bool bodies; /* vertices of bodies are tested */
+    bool fluid;    /* particles are tested */
+    bool bodies;   /* vertices of bodies are tested */
+    double *slack; /* bodies, m: how far a vertex of a body leaves a surface that it passes */
     /* particles: 0, or s + 1 for surface s, negative against its normal */
     int *passed; /* the surface that the particle passed in this step */
     int *beyond; /* the surface that the particle is beyond */
@@ -126,6 +127,16 @@ static void build_tree(const struct crossings *c, struct triangle_set *set) {
     bvh_build(&set->tree, set->box, set->count);
 }
 
+/* A vertex may lie on a solid, as those of a sheet that is held at a wall, and move a little there.
+ * It passes by this part of the size of a triangle. */
+static const double slack_part = 0.01;
+
+static double slack_of(const pdyn_body *body) {
+    double area = 0.0;
+    for (int t = 0; t < body->triangles; t++) area += body->triangle_area[t];
+    return slack_part * sqrt(area / fmax(1.0, body->triangles));
+}
+
 pdyn_status crossings_create(struct pdyn_sim *sim) {
     bool fluid = false, surfaces = false, solids = sim->scene.solids;
     for (int b = 0; b < sim->bodies; b++)
@@ -137,7 +148,9 @@ pdyn_status crossings_create(struct pdyn_sim *sim) {
     c->fluid = fluid, c->bodies = bodies;
     c->passed = NEW_ARRAY(sim->context, sim->objective.particles, int);
     c->beyond = NEW_ARRAY(sim->context, sim->objective.particles, int);
-    if (!c->passed || !c->beyond) return PDYN_NO_MEMORY;
+    c->slack = NEW_ARRAY(sim->context, sim->bodies, double);
+    if (!c->passed || !c->beyond || !c->slack) return PDYN_NO_MEMORY;
+    for (int b = 0; b < sim->bodies; b++) c->slack[b] = slack_of(&sim->body[b]);
     pdyn_status status = list_surfaces(sim);
     if (status == PDYN_OK) status = fill_set(sim, &c->resting, true);
     if (status == PDYN_OK) status = fill_set(sim, &c->moving, false);
@@ -158,6 +171,7 @@ void crossings_free(struct pdyn_sim *sim) {
     FREE_ARRAY(context, c->surface, sim->bodies + sim->scene.solids);
     FREE_ARRAY(context, c->passed, sim->objective.particles);
     FREE_ARRAY(context, c->beyond, sim->objective.particles);
+    FREE_ARRAY(context, c->slack, sim->bodies);
     FREE_ARRAY(context, c, 1);
 }
 
@@ -167,7 +181,7 @@ struct way { /* of a particle in the step */
     const struct crossings *crossings;
     const struct triangle_set *set;
     const double *begin, *end;
-    double radius;          /* of the particle, m */
+    double radius, slack;   /* of the particle, m */
     int first_surface;      /* surfaces before this one do not count */
     int surface, direction; /* the first one passed; sum of the directions, +1 along the normal */
 };
@@ -216,19 +230,28 @@ static bool is_on_border(const struct way *way, int k, const double x[3], double
     return false;
 }
 
+/* The direction in which a particle passes a plane, +1 along its normal; 0: it does not. slack and
+ * distances at the two ends of the step: times the length of the normal. */
+static int direction_of(double begin, double end, double slack) {
+    if (begin > -slack && end <= -slack) return -1;
+    return begin <= slack && end > slack;
+}
+
 static void test_triangle(void *user, int k) {
     struct way *way = user;
     double corner[3][3], n[3], x[3];
     int surface = way->set->surface[k];
     if (surface < way->first_surface) return;
     double begin = plane_at(way, k, 0.0, corner, n), end = plane_at(way, k, 1.0, corner, n);
-    if ((begin > 0.0) == (end > 0.0)) return;
-    double t = begin / (begin - end);
+    double slack = way->slack * vec3_length(n);
+    int direction = direction_of(begin, end, slack);
+    if (!direction) return;
+    double t = (begin - direction * slack) / (begin - end);
     plane_at(way, k, t, corner, n);
     for (int a = 0; a < 3; a++) x[a] = (1.0 - t) * way->begin[a] + t * way->end[a];
     if (!is_inside(x, corner, n) || is_on_border(way, k, x, corner)) return;
     if (!way->direction) way->surface = surface;
-    if (surface == way->surface) way->direction += end > 0.0 ? 1 : -1;
+    if (surface == way->surface) way->direction += direction;
 }
 
 /* ---- all particles --------------------------------------------------------------------------- */
@@ -266,6 +289,7 @@ static void find_passed(void *arg, int first, int last, int block) {
                           .begin = s->sim->x + 3 * (size_t)i,
                           .end = s->sim->x_next + 3 * (size_t)i,
                           .radius = s->body->radius,
+                          .slack = c->slack[s->body - s->sim->body],
                           .first_surface = s->first_surface};
         c->passed[i] = 0;
         if (!particle_is_live(s->sim, i)) continue;
@@ -280,7 +304,7 @@ static void update_beyond(struct pdyn_sim *sim, int i) {
     struct crossings *c = sim->crossings;
     int *beyond = &c->beyond[i], passed = c->passed[i];
     if (!particle_is_live(sim, i)) *beyond = 0;
-    if (!passed) return;
+    if (!passed || *beyond == passed) return;
     bool back = *beyond == -passed;
     *beyond = back ? 0 : passed;
     c->surface[abs(passed) - 1].beyond += back ? -1 : 1;
