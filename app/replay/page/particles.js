@@ -28,9 +28,12 @@ uniform vec3 vesselLow, vesselHigh;
 vec3 inWorld(vec3 p) { return (p - view[3].xyz) * mat3(view); }
 `;
 /* Which balls a program leaves out. Water: drops, and balls whose centres are hidden by what is opaque, so that it does
- * not reach past the rim of a cloth that holds it. */
+ * not reach past the rim of a cloth that holds it; in the lamp's view, so that it does not shade that cloth. */
 const noneLeftOut = `
 bool leftOut(vec4 at, float z, bool drop) { return false; }
+`, shadedLeftOut = `
+uniform sampler2DShadow shadowMap;
+bool leftOut(vec4 at, float z, bool drop) { return texture(shadowMap, 0.5 + 0.5 * at.xyz / at.w) < 0.5; }
 `, hiddenText = `
 uniform sampler2D sceneDepth;
 bool hidden(vec4 at, float z) { return z < eyeDepth(texture(sceneDepth, 0.5 + 0.5 * at.xy / at.w).r); }
@@ -112,5 +115,6 @@ class Balls {
   constructor(gl) {
     this.colour = compile(gl, lightText + noneLeftOut, ballVertex, ballText.colour);
     this.shadow = compile(gl, commonText + noneLeftOut, ballVertex, ballText.shadow);
+    this.waterShadow = compile(gl, commonText + shadedLeftOut, ballVertex, ballText.shadow);
   }
 }

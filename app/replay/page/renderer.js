@@ -123,12 +123,12 @@ class Renderer {
   }
   drawShadows(sorted, shared, { shadow: size, soft }) {
     const { view, projection } = this.shadows, values = { ...shared, view, projection, height: size };
-    const low = { ...values, height: size / 4, shrink: soft ? 1 : 1.5 };
+    const low = { ...values, height: size / 4, shrink: soft ? 1 : 1.5, shadowMap: this.shadows.opaque.depth };
     this.shadows.opaque.begin(size, size);
     for (const shape of sorted.surfaces) shape.draw(this.fabric.shadow, values);
     for (const shape of sorted.balls) shape.draw(this.balls.shadow, { ...values, shrink: 0 });
     this.shadows.water.begin(size / 4, size / 4);
-    for (const shape of sorted.water) shape.draw(this.balls.shadow, low, !soft);
+    for (const shape of sorted.water) shape.draw(this.balls.waterShadow, low, !soft);
   }
   ballLook(shape) {
     const plain = shape.solid || shape.tint && settings.fluid === "plain" ? [...shape.tint, 1] : [0, 0, 0, 0];
