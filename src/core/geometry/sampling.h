@@ -60,7 +60,7 @@ struct surface_point { /* a point on a triangle */
     double area;      /* m^2, area of the surface that is nearer to this point than to any other */
 };
 
-enum { SURFACE_CANDIDATES = 100000000 }; /* of one body or solid; 150 bytes each */
+enum { SURFACE_CANDIDATES = 100000000 }; /* of one body or solid: half a minute */
 
 struct surface_points {
     int count;
@@ -70,8 +70,8 @@ struct surface_points {
 
 /* Samples triangles with a Poisson-disk set in deterministic order (Akinci et al. 2012 sample
  * solids in this way): the distance between points is at least 0.75 spacing, and every place of the
- * surface is within about 1.1 spacing of a point. Time and memory are proportional to area /
- * spacing^2 + length of the sides / spacing. name: of the body or solid, for messages. *out must be
+ * surface is within about 1.1 spacing of a point. Time is proportional to area / spacing^2 + length
+ * of the sides / spacing, memory to the number of points. name: of the body or solid, for messages. *out must be
  * zeroed before; free it after a failure, too. PDYN_BAD_INPUT: more than SURFACE_CANDIDATES points
  * to choose from. */
 pdyn_status sample_triangles(pdyn_context *context, const char *name, const double *vertex,

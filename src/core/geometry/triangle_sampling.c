@@ -1,5 +1,6 @@
 /* Sampling of triangles: a greedy Poisson-disk set of points, and their areas. */
 #include "grid.h"
+#include "poisson_disk.h"
 #include "sampling.h"
 
 #include "projdyn/vec3.h"
@@ -76,97 +77,76 @@ static void weights_in_row(const struct pattern *p, double up, double along, dou
     weight[(p->apex + 1) % 3] = (1.0 - up) * (1.0 - along);
 }
 
-static void add_point(struct surface_points *points, int triangle, const double weight[3]) {
-    struct surface_point *point = &points->point[points->count++];
-    *point = (struct surface_point){.triangle = triangle};
-    memcpy(point->weight, weight, sizeof point->weight);
+/* ---- selection ------------------------------------------------------------------------------- */
+
+/* A candidate is selected if no selected one is within the distance of the set. */
+struct selection {
+    pdyn_context *context;
+    const double *vertex;
+    const int *triangle;
+    struct poisson_disk set;
+    struct surface_points *points;
+    pdyn_status status; /* after a failure nothing more is selected */
+};
+
+static pdyn_status add_point(pdyn_context *context, struct surface_points *points,
+                             const struct surface_point *point) {
+    size_t need = (size_t)points->count + 1;
+    struct surface_point *grown =
+        context_grow(context, points->point, &points->capacity, need, sizeof *grown);
+    if (!grown) return PDYN_NO_MEMORY;
+    points->point = grown;
+    points->point[points->count++] = *point;
+    return PDYN_OK;
 }
 
-static void add_rows(const struct pattern *p, int triangle, struct surface_points *out) {
+static void offer(struct selection *s, int triangle, const double weight[3]) {
+    struct surface_point point = {.triangle = triangle};
+    double x[3];
+    bool taken;
+    if (s->status != PDYN_OK) return;
+    memcpy(point.weight, weight, sizeof point.weight);
+    surface_point_position(&point, s->vertex, s->triangle, x);
+    s->status = poisson_disk_offer(s->context, &s->set, x, &taken);
+    if (s->status == PDYN_OK && taken) s->status = add_point(s->context, s->points, &point);
+}
+
+static void offer_rows(struct selection *s, const struct pattern *p, int triangle) {
     for (double i = 0; i <= p->rows; i++) {
         double weight[3], up = i / p->rows, cuts = ceil(p->cuts * (1.0 - up));
         for (double j = 0; j <= cuts; j++) {
             weights_in_row(p, up, j / fmax(1.0, cuts), weight);
-            add_point(out, triangle, weight);
+            offer(s, triangle, weight);
         }
     }
 }
 
-static void add_lattice(const struct pattern *p, int triangle, struct surface_points *out) {
+static void offer_lattice(struct selection *s, const struct pattern *p, int triangle) {
     for (double i = 0; i <= p->cuts; i++)
         for (double j = 0; i + j <= p->cuts; j++)
-            add_point(out, triangle,
-                      (const double[3]){1.0 - (i + j) / p->cuts, i / p->cuts, j / p->cuts});
+            offer(s, triangle,
+                  (const double[3]){1.0 - (i + j) / p->cuts, i / p->cuts, j / p->cuts});
 }
 
-/* Allocates the candidates; refuses a surface that needs too many. */
-static pdyn_status reserve_candidates(pdyn_context *context, const char *name, double spacing,
-                                      double count, struct surface_points *out) {
-    if (count > SURFACE_CANDIDATES)
-        return context_fail(
-            context, PDYN_BAD_INPUT,
-            "the surface of \"%s\" needs %.3g points to find samples %g m apart, more "
-            "than %d: the particle radius is too small for its size",
-            name, count, spacing, SURFACE_CANDIDATES);
-    out->point = NEW_ARRAY(context, count, struct surface_point);
-    if (!out->point) return PDYN_NO_MEMORY;
-    out->capacity = (size_t)count;
-    return PDYN_OK;
+/* Refuses a surface that would take too long. */
+static pdyn_status check_size(pdyn_context *context, const char *name, double spacing,
+                              double count) {
+    if (count <= SURFACE_CANDIDATES) return PDYN_OK;
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "the surface of \"%s\" needs %.3g points to find samples %g m apart, more "
+                        "than %d: make it no larger than fluid reaches, or the particles larger",
+                        name, count, spacing, SURFACE_CANDIDATES);
 }
 
-/* Makes the candidates of all triangles. */
-static pdyn_status mesh_candidates(pdyn_context *context, const char *name, const double *vertex,
-                                   int triangles, const int *triangle, double spacing,
-                                   struct surface_points *out) {
+/* Selects from the candidates of all triangles. */
+static void select_points(struct selection *s, int triangles, double spacing) {
     const double *c[3];
-    double count = 0.0;
     for (int t = 0; t < triangles; t++) {
-        corners_of(vertex, triangle, t, c);
+        corners_of(s->vertex, s->triangle, t, c);
         struct pattern p = pattern_of(c, spacing);
-        count += count_candidates(&p);
+        if (p.rows > 0.0) offer_rows(s, &p, t);
+        else offer_lattice(s, &p, t);
     }
-    if (count == 0.0) return PDYN_OK;
-    pdyn_status status = reserve_candidates(context, name, spacing, count, out);
-    for (int t = 0; status == PDYN_OK && t < triangles; t++) {
-        corners_of(vertex, triangle, t, c);
-        struct pattern p = pattern_of(c, spacing);
-        if (p.rows > 0.0) add_rows(&p, t, out);
-        else add_lattice(&p, t, out);
-    }
-    return status;
-}
-
-/* ---- selection ------------------------------------------------------------------------------- */
-
-/* Selects candidates greedily: one that has no selected candidate within `distance` is selected. */
-static void select_points(const struct grid *grid, const double *x, int count, double distance,
-                          bool *taken) {
-    struct grid_cells cells = {0};
-    int one;
-    for (int i = 0; i < count; i++) {
-        const double *at = x + 3 * (size_t)i;
-        grid_update_cells(grid, at, &cells);
-        taken[i] = !grid_query(grid, &cells, at, distance, i, taken, &one, 0);
-    }
-}
-
-/* Reduces the candidates at x to a Poisson-disk set. */
-static pdyn_status thin_candidates(pdyn_context *context, struct surface_points *points,
-                                   const double *x, double distance) {
-    struct grid grid = {0};
-    int count = points->count;
-    bool *taken = NEW_ARRAY(context, count, bool);
-    pdyn_status status = taken ? grid_create(context, count, distance, &grid) : PDYN_NO_MEMORY;
-    if (status == PDYN_OK) status = grid_sort(context, &grid, count, NULL, x);
-    if (status == PDYN_OK) {
-        select_points(&grid, x, count, distance, taken);
-        points->count = 0;
-        for (int i = 0; i < count; i++)
-            if (taken[i]) points->point[points->count++] = points->point[i];
-    }
-    FREE_ARRAY(context, taken, count);
-    grid_free(context, &grid);
-    return status;
 }
 
 /* ---- area of points -------------------------------------------------------------------------- */
@@ -255,26 +235,25 @@ static pdyn_status share_surface(pdyn_context *context, const double *vertex, in
     return status;
 }
 
-static void surface_point_positions(const struct surface_points *points, const double *vertex,
-                                    const int *triangle, double *x) {
-    for (int i = 0; i < points->count; i++)
-        surface_point_position(&points->point[i], vertex, triangle, x + 3 * (size_t)i);
+static double count_all(const double *vertex, int triangles, const int *triangle, double spacing) {
+    double count = 0.0;
+    for (int t = 0; t < triangles; t++) {
+        const double *c[3];
+        corners_of(vertex, triangle, t, c);
+        struct pattern p = pattern_of(c, spacing);
+        count += count_candidates(&p);
+    }
+    return count;
 }
 
 pdyn_status sample_triangles(pdyn_context *context, const char *name, const double *vertex,
                              int triangles, const int *triangle, double spacing,
                              struct surface_points *out) {
-    pdyn_status status = mesh_candidates(context, name, vertex, triangles, triangle, spacing, out);
-    if (status != PDYN_OK || !out->count) return status;
-    size_t count = (size_t)out->count;
-    double *x = NEW_ARRAY(context, 3 * count, double);
-    if (!x) return PDYN_NO_MEMORY;
-    surface_point_positions(out, vertex, triangle, x);
-    status = thin_candidates(context, out, x, 0.75 * spacing);
-    if (status == PDYN_OK) {
-        surface_point_positions(out, vertex, triangle, x);
-        status = share_surface(context, vertex, triangles, triangle, spacing, x, out);
-    }
-    FREE_ARRAY(context, x, 3 * count);
-    return status;
+    struct selection s = {context, vertex, triangle, {.distance = 0.75 * spacing}, out, PDYN_OK};
+    s.status = check_size(context, name, spacing, count_all(vertex, triangles, triangle, spacing));
+    if (s.status == PDYN_OK) select_points(&s, triangles, spacing);
+    if (s.status == PDYN_OK && out->count)
+        s.status = share_surface(context, vertex, triangles, triangle, spacing, s.set.at.x, out);
+    poisson_disk_free(context, &s.set);
+    return s.status;
 }
