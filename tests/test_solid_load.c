@@ -166,6 +166,52 @@ static void test_tank(void **state) {
     pdyn_destroy(c);
 }
 
+/* Impacts under BDF2 in weightlessness: the impulse of the loads is the momentum that the bodies
+ * lose. */
+static void assert_impulse(const char *contact, double speed, const char *bodies) {
+    char head[256];
+    pdyn_context *c = test_context(2);
+    snprintf(head, sizeof head,
+             "%s'gravity': [0, 0, 0], 'time_step': {'fixed': 0.004}, "
+             "'solver': {'tolerance': 0.01, 'outer_iterations': 200}",
+             contact);
+    pdyn_sim *sim = test_load(c, scene(head, bodies,
+                                       "{'name': 'floor', 'box': {'minimum': [-0.4, -0.1, -0.4], "
+                                       "'maximum': [0.7, 0, 0.7]}}"));
+    double impulse = 0.0, brought = speed * mass_of(sim);
+    struct total load;
+    pdyn_step_info info;
+    do {
+        info = test_step(c, sim);
+        get(sim, 0, &load);
+        impulse -= info.h * load.force[1];
+    } while (info.time < 0.4);
+    double lost = brought + info.momentum[1];
+    print_message("impulse %.3f of the momentum lost\n", impulse / lost);
+    assert_true(lost > 0.5 * brought && fabs(impulse / lost - 1.0) < 0.05);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
+#define FALLING  "'velocity': [0, -2, 0], "
+#define TOUCHING "'contact': {'thickness': 0.004, 'friction': 0}, "
+
+static void test_impacts(void **state) {
+    (void)state;
+    assert_impulse(
+        "", 2.0,
+        "{'velocity': [0, -2, 0], 'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': "
+        "[0, 0.05, 0], 'maximum': [0.2, 0.25, 0.2]}}]}, "
+        "'constraints': [{'type': 'fluid', 'sound_speed': 100}]}");
+    assert_impulse(TOUCHING, 0.4,
+                   GRID_SHEET("'velocity': [0, -0.4, 0], ", "0.24, 0.24", "9, 9",
+                              "'translate': [0.15, 0.05, 0.15], 'area_density': 0.3",
+                              SPRINGS("500")));
+    assert_impulse(TOUCHING, 2.0,
+                   "{'velocity': [0, -2, 0], 'rigid': {'box': {'minimum': [0, 0.05, 0], "
+                   "'maximum': [0.1, 0.15, 0.1]}, 'density': 500}}");
+}
+
 /* Water falls on a fixed ball above a floor: first the whole load is on the ball, then on the
  * floor. */
 static void test_obstacle(void **state) {
@@ -336,10 +382,11 @@ static void test_untouched(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_balance),  cmocka_unit_test(test_tank),
-        cmocka_unit_test(test_obstacle), cmocka_unit_test(test_buoyancy),
-        cmocka_unit_test(test_floor),    cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_calls),    cmocka_unit_test(test_untouched),
+        cmocka_unit_test(test_balance),   cmocka_unit_test(test_tank),
+        cmocka_unit_test(test_impacts),   cmocka_unit_test(test_obstacle),
+        cmocka_unit_test(test_buoyancy),  cmocka_unit_test(test_floor),
+        cmocka_unit_test(test_threads),   cmocka_unit_test(test_calls),
+        cmocka_unit_test(test_untouched),
     };
     return cmocka_run_group_tests_name("solid_load", tests, scene_set_up, scene_tear_down);
 }

@@ -128,6 +128,7 @@ struct grains {
     struct pair *pair;           /* room */
     double *value, *k, *squares; /* room */
     double *held;                /* particles */
+    const double *multiplier;    /* constraints: that of the last call of `force` */
 };
 
 static bool resize(struct grains *g, void *array, int old_count, int count, size_t size) {
@@ -224,6 +225,7 @@ static void rate(void *self, const bool *which, const double *u, double *out) {
 
 static void force(void *self, const double *multiplier, double *y) {
     struct grains *g = (struct grains *)self;
+    g->multiplier = multiplier;
     for (int c = g->count; c < g->constraints; c++) {
         const struct pair *q = &g->pair[c];
         vec3_add(y + 3 * q->a, -multiplier[c], q->n);
@@ -248,8 +250,8 @@ static void boundary_force(void *self, double *out) {
     struct grains *g = (struct grains *)self;
     for (int c = g->count; c < g->constraints; c++) {
         const struct pair *q = &g->pair[c];
-        if (q->b < g->particles || g->value[c] <= 0.0) continue;
-        vec3_add(out + 3 * (q->b - g->particles), -g->k[c] * g->value[c], q->n);
+        if (q->b < g->particles) continue;
+        vec3_add(out + 3 * (q->b - g->particles), -g->multiplier[c], q->n);
     }
 }
 

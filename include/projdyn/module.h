@@ -288,9 +288,10 @@ typedef struct pdyn_operator {
     void (*limit)(void *self, const double *x, double *way);
     /* The step that ended at the x of the last local step was accepted. NULL: nothing to do. */
     void (*accept)(void *self);
-    /* Adds the force on every boundary point, N, at the x of the last local step: minus the
-     * gradient of the energy with respect to the point. force: (points - particles) x 3. Core calls
-     * it when forces on solids are asked for. NULL: the operator puts no force on solids. */
+    /* Adds the force on every boundary point, N, at the x of the last local step: minus sum of
+     * multiplier_i dC_i/dx of the point. force: (points - particles) x 3. Core calls it when forces
+     * on solids are asked for, directly after `force`, which gets the multipliers. NULL: the
+     * operator puts no force on solids. */
     void (*boundary_force)(void *self, double *force);
     /* Takes changed parameters, between two steps; those among `alternatives` do not change. NULL:
      * no parameter may change while a simulation runs. */

@@ -307,19 +307,19 @@ INLINE void push_points(const struct fluid *f, const v4 *at, int first, int last
     }
 }
 
-/* The force on boundary point b is flux_i V grad W(x_i - x_b): C_i depends on x_i - x_b, so its
- * gradients with respect to x_b and x_i are opposite, to the last bit of the local step. The loop
- * is serial: sums have the same bits for any number of threads. */
+/* The force on boundary point b is multiplier_i V grad W(x_i - x_b): C_i depends on x_i - x_b, so
+ * its gradients with respect to x_b and x_i are opposite, to the last bit of the local step. The
+ * loop is serial: sums have the same bits for any number of threads. */
 WIDE static void push_boundary(const struct fluid *f, double *force) {
     const pdyn_neighbours *l = f->lists;
     for (int i = f->first; i < f->first + f->count; i++) {
         v4 at;
-        if (f->flux[i] == 0.0) continue;
+        if (f->multiplier[i] == 0.0) continue;
         v4_set(&at, f->x + 4 * (size_t)i, 0.0);
         push_points(f, &at, l->boundary_start[i], l->patch_start[i], l->support, evaluate_particles,
-                    f->flux[i], force);
+                    f->multiplier[i], force);
         push_points(f, &at, l->patch_start[i], l->end[i], l->surface_support, evaluate_areas,
-                    f->flux[i], force);
+                    f->multiplier[i], force);
     }
 }
 

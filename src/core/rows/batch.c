@@ -195,9 +195,10 @@ void batch_limit(struct batch *b, const double *x, double *way) {
 }
 
 /* The forces of the step are stored first: `accept` may change the stiffness. */
-void batch_accept(struct batch *b) {
+void batch_accept(struct batch *b, double left_out) {
+    b->left_out = b->op || b->type->flags & PDYN_ONE_SIDED ? left_out : 0.0;
     if (!b->op) return;
-    one_sided_store_forces(&b->one_sided);
+    one_sided_store_forces(&b->one_sided, left_out);
     if (b->type->matrix_free->accept) b->type->matrix_free->accept(b->op);
 }
 

@@ -28,11 +28,13 @@ struct batch {
     void *op;                   /* operator tier: the type's state */
     struct one_sided one_sided; /* operator tier: its constraints */
     struct surface_samples
-        *samples;  /* operator tier: vectors end with these samples; NULL: without */
-    double eps;    /* damping of the current linearisation */
-    double energy; /* J, at the last local step */
-    bool damper;   /* the second batch of pdyn_constraint_type.damping */
-    bool off;      /* switched off: all weights are 0 */
+        *samples;    /* operator tier: vectors end with these samples; NULL: without */
+    double eps;      /* damping of the current linearisation */
+    double energy;   /* J, at the last local step */
+    double left_out; /* part of impacts that the integrator left out in the last step: mean forces
+                        are w (u - p) less this part of the flux, which has the impacts then */
+    bool damper;     /* the second batch of pdyn_constraint_type.damping */
+    bool off;        /* switched off: all weights are 0 */
 
     /* rows tier */
     int rows, entries;
@@ -145,7 +147,9 @@ void batch_scatter(struct batch *batch, double *y);
  * batch_limit, x ends with the samples. */
 void batch_velocity(struct batch *batch, double *v);
 void batch_limit(struct batch *batch, const double *x, double *way);
-void batch_accept(struct batch *batch);
+/* left_out: the part of the impacts that the integrator left out; 0: batch_impacts was not called.
+ */
+void batch_accept(struct batch *batch, double left_out);
 
 /* Operator tier: rate_i = grad C_i . u for the constraints marked in `which`; y += sum of
  * multiplier_i grad C_i. u, y: particles x 3 */

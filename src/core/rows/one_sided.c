@@ -194,16 +194,20 @@ int one_sided_step_along(struct one_sided *s, double eps, double t, double *y) {
 static void take_forces(void *arg, int first, int last, int block) {
     (void)block;
     struct one_sided *s = ((const struct call *)arg)->s;
-    for (int i = first; i < last; i++)
+    const double left_out = ((const struct call *)arg)->t;
+    for (int i = first; i < last; i++) {
+        double impact = left_out > 0.0 ? s->multiplier[i] : 0.0;
         s->multiplier[i] = s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
+        s->rate[i] = s->multiplier[i] - left_out * impact;
+    }
 }
 
-void one_sided_store_forces(struct one_sided *s) {
-    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+void one_sided_store_forces(struct one_sided *s, double left_out) {
+    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, left_out);
 }
 
 void one_sided_forces(struct one_sided *s, double *y) {
-    one_sided_store_forces(s);
+    one_sided_store_forces(s, 0.0);
     s->op->force(s->self, s->multiplier, y);
 }
 

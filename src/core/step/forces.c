@@ -3,7 +3,8 @@
  *     rows tier       -G' w (u - p)                       u, p of the last local step
  *     operator tier   - sum of k_i max(0, C_i) grad C_i   multipliers stored by batch_accept
  *
- * The stored flux of rows cannot be used, because impacts modify it. */
+ * Of an impact, less the part of the impulse that the integrator left out: what remains is the mean
+ * force of the step, which changes momentum (docs/theory/time-integration.md). */
 #include "forces.h"
 
 #include "base/registry.h"
@@ -28,20 +29,28 @@ static void row_distance(const struct pdyn_sim *sim, const struct batch *b, int 
         vec3_add(d, v->coefficient[k], sim->x_next + 3 * (size_t)v->column[k]);
 }
 
+/* Minus the force of row r of element e. */
+static void row_gradient(const struct pdyn_sim *sim, const struct batch *b, int e, int r,
+                         double g[3]) {
+    row_distance(sim, b, r, g);
+    for (int a = 0; a < 3; a++) g[a] *= b->view.weight[e];
+    if (b->left_out > 0.0) vec3_add(g, -b->left_out, b->flux + 4 * (size_t)r);
+}
+
 static void add_rows(const struct pdyn_sim *sim, const struct batch *b, double *gradient) {
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < v->elements; e++)
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
-            double d[3];
-            row_distance(sim, b, r, d);
+            double g[3];
+            row_gradient(sim, b, e, r, g);
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
-                vec3_add(gradient + 3 * (size_t)v->column[k], v->weight[e] * v->coefficient[k], d);
+                vec3_add(gradient + 3 * (size_t)v->column[k], v->coefficient[k], g);
         }
 }
 
 /* Adds the gradient of the energy of a batch. */
 static void add_gradient(const struct pdyn_sim *sim, struct batch *b, double *gradient) {
-    if (b->op) batch_force(b, b->one_sided.multiplier, gradient);
+    if (b->op) batch_force(b, b->one_sided.rate, gradient);
     else add_rows(sim, b, gradient);
 }
 
@@ -76,11 +85,11 @@ static void add_row_load(const struct pdyn_sim *sim, const struct batch *b,
     const pdyn_batch *v = &b->view;
     for (int e = 0; e < v->elements; e++)
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
-            double d[3];
-            row_distance(sim, b, r, d);
+            double g[3];
+            row_gradient(sim, b, e, r, g);
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++) {
                 double force[3] = {0};
-                vec3_add(force, -v->weight[e] * v->coefficient[k], d);
+                vec3_add(force, -v->coefficient[k], g);
                 solid_load_add(load, sim->x_next + 3 * (size_t)v->column[k], force);
             }
         }

@@ -57,6 +57,7 @@ struct pdyn_sim {
     bool unfinished; /* the last step was not solved: its end is no guess for the next one */
     double last_h;   /* s, length of the last step; 0 before the first */
     int impacts;     /* number of constraints with an impact in the last step */
+    double left_out; /* part of their impulses that does not change velocities (integrator.h) */
     double history;  /* s, time from x_before to x; 0: the history must not be used */
     double damping;  /* eps, continued from step to step */
     bool anchored;   /* a constraint can change the momentum of the system */

@@ -23,14 +23,19 @@ static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
                        force + 3 * (size_t)k);
 }
 
+/* The operator takes its multipliers from the call of `force` before. */
+static void add_operator(const struct pdyn_sim *sim, const struct batch *b) {
+    batch_force((struct batch *)b, b->one_sided.rate, sim->trial);
+    b->type->matrix_free->boundary_force(b->op, sim->loads->force);
+}
+
 static void add_fluid(const struct pdyn_sim *sim) {
     size_t count = 3 * (size_t)sim->boundary.at.count;
     if (!count) return;
     memset(sim->loads->force, 0, count * sizeof *sim->loads->force);
     for (int b = 0; b < sim->objective.batches; b++) {
         const struct batch *batch = sim->objective.batch[b];
-        if (batch->op && batch->type->matrix_free->boundary_force)
-            batch->type->matrix_free->boundary_force(batch->op, sim->loads->force);
+        if (batch->op && batch->type->matrix_free->boundary_force) add_operator(sim, batch);
         if (!batch->op && batch->type->boundary_force)
             batch->type->boundary_force(batch->params, &batch->view, sim->loads->force);
     }
@@ -40,7 +45,7 @@ static void add_fluid(const struct pdyn_sim *sim) {
 /* ---- contact --------------------------------------------------------------------------------- */
 
 /* Adds the force of a contact. Its energy is a function of u = sum c_k x_k over the points of the
- * contact, with gradient w (u - p). The stored flux cannot be used, because impacts modify it. */
+ * contact, with gradient w (u - p), less what the integrator left out of an impact (forces.c). */
 static void add_element(const struct pdyn_sim *sim, const struct contact_list *list, int e) {
     const struct contact *c = sim->objective.contact;
     const struct stencil *stencil = &list->stencil[e];
@@ -50,7 +55,8 @@ static void add_element(const struct pdyn_sim *sim, const struct contact_list *l
         int point = stencil->point[k];
         if (point < c->free) continue;
         for (int a = 0; a < 3; a++)
-            force[a] = -stencil->c[k] * v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]);
+            force[a] = -stencil->c[k] * (v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]) -
+                                         list->batch->left_out * list->batch->flux[4 * e + a]);
         solid_load_add(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
                        force);
     }

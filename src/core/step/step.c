@@ -85,7 +85,7 @@ static void accept(struct pdyn_sim *sim, double h) {
         sim->constraint_acceleration[k] = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
     memcpy(sim->x, sim->x_next, objective_bytes(sys));
     velocities_apply_operators(sim, h);
-    for (int b = 0; b < sys->batches; b++) batch_accept(sys->batch[b]);
+    for (int b = 0; b < sys->batches; b++) batch_accept(sys->batch[b], sim->left_out);
     sim->last_h = h;
     sim->steps++;
 }

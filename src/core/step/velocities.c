@@ -86,6 +86,7 @@ static void update_unsolved(struct pdyn_sim *sim, double h) {
     rigid_bodies_project(sim, sim->x_next, sim->v);
     sim->history = 0.0;
     sim->impacts = 0;
+    sim->left_out = 0.0;
 }
 
 /* ---- all steps ------------------------------------------------------------------------------- */
@@ -101,6 +102,8 @@ void velocities_update(struct pdyn_sim *sim, double h) {
     compute_velocities(sim, sim->x_base, sim->objective.h);
     rigid_bodies_set_velocities(sim);
     sim->impacts = integrator_impacts(sim, h);
+    double part = sim->objective.h / h;
+    sim->left_out = sim->v_before ? 1.0 - part * part : 0.0;
 }
 
 /* The following steps see a change of v as an acceleration change / H instead of change / h; the
