@@ -51,6 +51,7 @@ struct run_totals {
     long steps, frames;
     /* Mean density error of each step: sum over the steps, and maximum. */
     double density_error_sum, density_error_max;
+    bool has_fluid; /* there was a particle */
 };
 
 /* Number of signals SIGINT and SIGTERM received during the run. */
@@ -178,6 +179,13 @@ static int parse(struct run_options *o, int argc, char **argv) {
 
 /* ---- progress -------------------------------------------------------------------------------- */
 
+/* What tells most about the last step: the density error of a fluid, or the step residual. */
+static const char *accuracy(const pdyn_step_info *info, const struct run_totals *t, char text[64]) {
+    if (t->has_fluid) snprintf(text, 64, "density %.4f%%", 100.0 * info->density_error_mean);
+    else snprintf(text, 64, "residual %.2g", info->step_residual);
+    return text;
+}
+
 static int terminal_columns(void) {
     struct winsize size;
     return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
@@ -190,26 +198,26 @@ static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct run
     if (time - t->progress_s < 0.1) return;
     t->progress_s = time;
     int filled = (int)(10.0 * part);
-    char line[256];
+    char line[256], text[64];
     snprintf(line, sizeof line,
-             "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, density %.2f%%, %d outer, %.3g ms/step",
-             filled, "##########", 10 - filled, "..........", 100.0 * part, info->time,
-             pdyn_duration(sim), (time - t->start_s) * (1.0 / part - 1.0),
-             100.0 * info->density_error_mean, info->outer_iterations,
-             1e3 * (time - t->start_s) / (double)t->steps);
+             "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, %s, %d outer, %.3g ms/step", filled,
+             "##########", 10 - filled, "..........", 100.0 * part, info->time, pdyn_duration(sim),
+             (time - t->start_s) * (1.0 / part - 1.0), accuracy(info, t, text),
+             info->outer_iterations, 1e3 * (time - t->start_s) / (double)t->steps);
     clear_progress();
     fprintf(stderr, "%.*s", terminal_columns() - 1, line);
 }
 
 /* A progress bar after each step on a terminal, otherwise one line per frame. */
 static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
+    char text[64];
     if (isatty(STDERR_FILENO)) show_bar(sim, info, t);
     else if (info->frame)
         fprintf(stderr,
-                "%.4f s of %g s, %.1f s of wall time, density error %.4f%%, %d outer iterations, "
+                "%.4f s of %g s, %.1f s of wall time, %s, %d outer iterations, "
                 "%d linear iterations\n",
                 info->time, pdyn_duration(sim), wall_seconds() - t->start_s,
-                100.0 * info->density_error_mean, info->outer_iterations, info->linear_iterations);
+                accuracy(info, t, text), info->outer_iterations, info->linear_iterations);
 }
 
 /* Prints the warnings that have grown since they were printed first, in their last form. */
@@ -228,9 +236,10 @@ static void print_summary(const pdyn_sim *sim, const char *output, const struct 
     printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
            t->steps, pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
            pdyn_integrator(sim), pdyn_solver_type(sim), pdyn_step_type(sim));
-    printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
-           t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
-           100.0 * t->density_error_max);
+    if (t->has_fluid)
+        printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
+               t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
+               100.0 * t->density_error_max);
     print_warnings(sim);
     printf("written to %s; next: projdyn replay %s\n", output, output);
 }
@@ -272,6 +281,7 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
         if (status != PDYN_OK) break;
         t->steps++;
         t->density_error_sum += info.density_error_mean;
+        t->has_fluid |= info.particles > 0;
         t->density_error_max = fmax(t->density_error_max, info.density_error_mean);
         frame = info.frame;
         if (frame) status = end_frame(writer, o, t);

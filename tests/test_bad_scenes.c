@@ -610,11 +610,11 @@ static const struct {
      "step, found 2"},
     {"bodies.shet.velocity=[0, 0, 1]",
      "--set bodies.shet.velocity=[0, 0, 1]: no element \"shet\"; did you mean \"sheet\"?; "
-     "there are 0 (water), 1 (sheet)"},
+     "known: 0 (water), 1 (sheet)"},
     {"bodies.7.velocity=[0, 0, 1]",
-     "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; there are 0 (water), 1 (sheet)"},
+     "--set bodies.7.velocity=[0, 0, 1]: no element \"7\"; known: 0 (water), 1 (sheet)"},
     {"bodies.sheet.constraints.pin.stiffness=1",
-     "--set bodies.sheet.constraints.pin.stiffness=1: no element \"pin\"; there are 0 "
+     "--set bodies.sheet.constraints.pin.stiffness=1: no element \"pin\"; known: 0 "
      "(spring)"},
     {"bodies.sheet.constraints.spring.stretching_stiffness=\"2\"",
      "--set bodies.sheet.constraints.spring.stretching_stiffness=\"2\": "
@@ -624,7 +624,7 @@ static const struct {
      "--set bodies.0.particles.radius=true: bodies[0].particles.radius: expected a number "
      "from 1e-06 to 1000 m, found true"},
     {"bodies.water.particles.fill.1.box=1",
-     "--set bodies.water.particles.fill.1.box=1: no element \"1\"; there are 0"},
+     "--set bodies.water.particles.fill.1.box=1: no element \"1\"; known: 0"},
     {"bodies.water.particles.fill.0.box.maximum.1=-1",
      "--set bodies.water.particles.fill.0.box.maximum.1=-1: "
      "bodies[0].particles.fill[0].box.maximum[1]: expected a number above the minimum, 0 "

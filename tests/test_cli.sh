@@ -104,6 +104,8 @@ else
 fi
 expect "run without a scene" 2 "expected one scene" "$program" run
 expect "missing scene" 2 "nowhere.json" "$program" run "$dir/nowhere.json" -o "$dir/out"
+expect "run without a fluid" 0 "s of wall time, residual " "$program" run "$root/scenes/hanging_cloth.json" \
+    --time 0.04 -o "$dir/cloth"
 expect "unknown option" 2 "frobnicate" "$program" run "$scene" --frobnicate
 expect "threads that are no number" 2 "from 1 to 1024" "$program" run "$scene" --threads two
 expect "negative time" 2 "seconds above 0" "$program" run "$scene" --time -1

@@ -54,6 +54,8 @@ f 1 2 3
 f 4 5 6
 """
 ALL = {"box": {"minimum": [-9, -9, -9], "maximum": [9, 9, 9]}}
+CRATE = {"name": "crate", "rigid": {"box": {"minimum": [-0.1, 0.1, -0.1], "maximum": [0.1, 0.3, 0.1]}, "density": 500}}
+MARBLE = {"name": "marble", "rigid": {"sphere": {"center": [0, 0.2, 0], "radius": 0.05}, "density": 500}}
 FREE = ("bodies.1.constraints.1", None)
 JET = {"disc": {"center": [0, 0.2, 0], "radius": 0.05}, "direction": [0, -1, 0], "speed": 2}
 BALL = {"name": "ball", "sphere": {"center": [0, 0.06, 0], "radius": 0.05}}
@@ -95,6 +97,10 @@ MISTAKES = [
     Mistake("a third of the water inside a solid",
             change(("solids.1", {"name": "block", "capsule": {"from": [0, 0, 0], "to": [0, 0.1, 0], "radius": 0.19}}),
                    *WATER_ONLY), "[overlap]"),
+    Mistake("springs on a rigid body", change(("bodies.0", {**CRATE, "constraints": [
+        {"type": "spring", "stretching_stiffness": 100}]}), ("bodies.1", None)), "[no-effect]"),
+    Mistake("a rigid ball inside a rigid box", change(("bodies.0", CRATE), ("bodies.1", MARBLE)),
+            '"crate" [overlap]'),
     # found in steps
     Mistake("too few iterations", change(("solver", {"outer_iterations": 1, "linear_iterations": 2})), "[unsolved]"),
     Mistake("nothing holds the cloth", change(("solids", []), ("bodies.0", None), ("bodies.0.constraints.1", None),

@@ -297,9 +297,9 @@ static const struct {
      "an array"},
     {"bodies.sheet.name.0.x", "memory: bodies.sheet.name.0.x: \"0\" is a key of a value that is "
                               "neither an object nor an array"},
-    {"gravity.3", "memory: gravity.3: no element \"3\"; there are 0, 1"},
-    {"gravity.y", "memory: gravity.y: no element \"y\"; there are 0, 1"},
-    {"bodies.2.name", "memory: bodies.2.name: no element \"2\"; there are 0 (sheet)"},
+    {"gravity.3", "memory: gravity.3: no element \"3\"; known: 0, 1"},
+    {"gravity.y", "memory: gravity.y: no element \"y\"; known: 0, 1"},
+    {"bodies.2.name", "memory: bodies.2.name: no element \"2\"; known: 0 (sheet)"},
     {"bodies.sheet.constraints.1.type",
      "memory: bodies.sheet.constraints.1.type: no element \"1\"; "
      "the array is empty"},
@@ -325,7 +325,7 @@ static void test_override(void **state) {
     (void)state;
     static const char *const typo[] = {"bodies.shet.velocity=[0, 0, 1]"};
     static const char error[] = "--set bodies.shet.velocity=[0, 0, 1]: no element \"shet\"; did "
-                                "you mean \"sheet\"?; there are 0 (sheet)";
+                                "you mean \"sheet\"?; known: 0 (sheet)";
     pdyn_scene *scene = NULL;
     pdyn_sim *sim = NULL;
     assert_int_equal(pdyn_scene_parse(context, "memory", quoted(base), &scene), PDYN_OK);

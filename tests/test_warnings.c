@@ -245,6 +245,20 @@ static void test_fallen(void **state) {
                 "true}]")));
 }
 
+/* The triangles of a ball, which nobody chooses, beside coarse water. */
+static void test_ball(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE(STEPS,
+                       PAIR(DUST("0, 0, 0"), "{'name': 'ball', 'rigid': {'sphere': {'center': [0, "
+                                             "-0.1, 0], 'radius': 0.05}, 'density': 500}}"),
+                       ""));
+    assert_null(find_warning(sim, "edge-length", "ball").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
@@ -252,7 +266,7 @@ int main(void) {
         cmocka_unit_test(test_cloth),     cmocka_unit_test(test_overlap),
         cmocka_unit_test(test_stretched), cmocka_unit_test(test_touching),
         cmocka_unit_test(test_rounding),  cmocka_unit_test(test_saved),
-        cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_fallen),    cmocka_unit_test(test_ball),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -9,6 +9,7 @@
 /* X(constant, code). Known from the scene, then found in steps. */
 #define WARNING_LIST(X)                                                                            \
     X(UNCONSTRAINED, "unconstrained")                                                              \
+    X(NO_EFFECT, "no-effect")                                                                      \
     X(NO_CONTACT, "no-contact")                                                                    \
     X(DENSITY, "density")                                                                          \
     X(SCALE, "scale")                                                                              \

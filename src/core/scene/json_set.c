@@ -63,7 +63,7 @@ static pdyn_status fail_element(const struct edit *e, const json_t *array, const
     int count = 0;
     for (size_t k = 0; k < json_array_size(array); k++) {
         const char *name = element_name(json_array_get(array, k));
-        text_append(hint, sizeof hint, "%s%zu", k ? ", " : "; there are ", k);
+        text_append(hint, sizeof hint, "%s%zu", k ? ", " : "; known: ", k);
         if (!name) continue;
         text_clip(clipped, sizeof clipped, name);
         text_append(hint, sizeof hint, " (%s)", clipped);

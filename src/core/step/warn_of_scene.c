@@ -76,6 +76,17 @@ static void check_constraints(struct pdyn_sim *sim, int b) {
             "{\"type\": \"fluid\"}");
 }
 
+/* Forces within a rigid body add up to nothing. */
+static void check_effect(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    for (int k = 0; k < body->constraints && body->is_rigid; k++) {
+        const pdyn_constraint_type *type = body->constraint[k].type;
+        if (!(type->flags & (PDYN_ANCHORED | PDYN_SEVERAL)))
+            WARN(sim, NO_EFFECT, body->name,
+                 "\"%s\" has no effect on a rigid body, which keeps its shape", type->name);
+    }
+}
+
 static void check_density(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     double density = body->rest_density > 0.0 ? body->rest_density : body->density;
@@ -88,12 +99,50 @@ static void check_density(struct pdyn_sim *sim, int b) {
              "an area density of %g kg/m^2 is unusual; cloth has 0.05 to 1 kg/m^2", area);
 }
 
-static void check_scale(struct pdyn_sim *sim, int b) {
-    const pdyn_body *body = &sim->body[b];
+static struct box box_of(const struct pdyn_sim *sim, const pdyn_body *body) {
     struct box box = box_empty;
-    double extent = 0.0;
     for (int i = body->first; i < body->first + body->count; i++)
         box_add(&box, sim->x + 3 * (size_t)i);
+    return box;
+}
+
+/* Number of times that the surface of a body encloses a point: the sum of the solid angles of its
+ * triangles over 4 pi (van Oosterom and Strackee 1983). */
+static double winding_number(const struct pdyn_sim *sim, const pdyn_body *body, const double *x) {
+    double sum = 0.0;
+    for (int t = 0; t < body->triangles; t++) {
+        double c[3][3], length[3], normal[3];
+        for (int k = 0; k < 3; k++) {
+            vec3_subtract(c[k], sim->x + 3 * (size_t)(body->first + body->triangle[3 * t + k]), x);
+            length[k] = vec3_length(c[k]);
+        }
+        vec3_cross(normal, c[1], c[2]);
+        double part = length[0] * length[1] * length[2];
+        for (int k = 0; k < 3; k++) part += vec3_dot(c[k], c[(k + 1) % 3]) * length[(k + 2) % 3];
+        sum += atan2(vec3_dot(c[0], normal), part);
+    }
+    return sum / (2.0 * acos(-1.0));
+}
+
+/* Bodies inside a rigid body: contact holds them there. */
+static void check_inside(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    struct box box = box_of(sim, body);
+    for (int k = 0; k < sim->bodies && body->triangles; k++) {
+        struct box around = box_of(sim, &sim->body[k]);
+        bool within = k != b && sim->scene.body[k].is_rigid;
+        for (int a = 0; a < 3; a++)
+            within &= box.min[a] >= around.min[a] && box.max[a] <= around.max[a];
+        if (within && winding_number(sim, &sim->body[k], sim->x + 3 * (size_t)body->first) > 0.5)
+            WARN(sim, OVERLAP, body->name, "it starts inside of the rigid body \"%s\"",
+                 sim->body[k].name);
+    }
+}
+
+static void check_scale(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    struct box box = box_of(sim, body);
+    double extent = 0.0;
     for (int a = 0; a < 3; a++) extent = fmax(extent, box.max[a] - box.min[a]);
     if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
     WARN(sim, SCALE, body->name,
@@ -132,8 +181,8 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
 static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const pdyn_body *body = &sim->body[b];
     double ratio = mean_edge(body) / (2.0 * fluid->radius);
-    bool large = ratio > max_edge && !sim->scene.body[b].is_rigid; /* flat faces are sampled */
-    if (!body->triangles || (ratio >= min_edge && !large)) return;
+    if (sim->scene.body[b].is_rigid) return; /* its steps cost the same, its faces are sampled */
+    if (!body->triangles || (ratio >= min_edge && ratio <= max_edge)) return;
     WARN(sim, EDGE_LENGTH, body->name,
          "its mean edge length is %.3g particle spacings; expected %g to %g", ratio, min_edge,
          max_edge);
@@ -187,6 +236,8 @@ void warn_of_scene(struct pdyn_sim *sim) {
     check_tolerance(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
+        check_effect(sim, b);
+        check_inside(sim, b);
         check_density(sim, b);
         check_scale(sim, b);
         check_thickness(sim, b);
