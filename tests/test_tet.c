@@ -120,6 +120,31 @@ static void test_stretch(void **state) {
     pdyn_destroy(context);
 }
 
+/* Small strains have the energy of Hooke's law: mu sum e^2 + lambda/2 (sum e)^2 per volume. */
+static void test_hooke(void **state) {
+    (void)state;
+    const double e[3] = {2e-4, -1e-4, 5e-5}, V = 0.4 * 0.2 * 0.3, E = 1e6, nu = 0.45;
+    const double mu = E / (2.0 * (1.0 + nu)), lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    char text[512];
+    snprintf(text, sizeof text,
+             "{'duration': 1, 'bodies': [{'volume': {'grid': {'size': [0.4, 0.2, 0.3], 'cells': "
+             "[3, 2, 2]}, 'density': 500}, 'constraints': [{'type': 'tet', 'stiffness': %.17g, "
+             "'volume_stiffness': %.17g}]}]}",
+             2.0 * mu, 3.0 * lambda);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->x[k] *= 1.0 + e[k % 3];
+    double energy, sum = e[0] + e[1] + e[2];
+    double expected =
+        V * (mu * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + 0.5 * lambda * sum * sum);
+    sim->objective.h = 0.01;
+    memcpy(sim->objective.s, sim->x, 3 * (size_t)sim->objective.particles * sizeof(double));
+    assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
+    assert_true(fabs(energy - expected) <= 1e-3 * expected);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A hanging rod is extended by rho g L^2 / 2 E, without Poisson's effect. */
 static void test_rod(void **state) {
     (void)state;
@@ -301,10 +326,11 @@ static void test_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_svd),       cmocka_unit_test(test_conformance),
-        cmocka_unit_test(test_stretch),   cmocka_unit_test(test_rod),
-        cmocka_unit_test(test_splash),    cmocka_unit_test(test_files),
-        cmocka_unit_test(test_bad_files), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_svd),     cmocka_unit_test(test_conformance),
+        cmocka_unit_test(test_stretch), cmocka_unit_test(test_hooke),
+        cmocka_unit_test(test_rod),     cmocka_unit_test(test_splash),
+        cmocka_unit_test(test_files),   cmocka_unit_test(test_bad_files),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests_name("tet", tests, test_enter_directory, test_leave_directory);
 }

@@ -21,9 +21,9 @@ struct params {
 
 static const pdyn_param params[] = {
     {"stiffness", PDYN_REAL, offsetof(struct params, stiffness), true, 0, 0, 1e12, "Pa",
-     "Young's modulus: stress per strain"},
+     "twice the shear modulus; without volume_stiffness Young's modulus: stress per strain"},
     {"volume_stiffness", PDYN_REAL, offsetof(struct params, volume_stiffness), false, 0, 0, 1e12,
-     "Pa", "how much more a change of volume is resisted; 0: not"},
+     "Pa", "three times Lame's first parameter: how much more a change of volume is resisted"},
     {"shortest", PDYN_REAL, offsetof(struct params, shortest), false, 1, 0, 1, "1",
      "principal stretch down to which nothing resists"},
     {"longest", PDYN_REAL, offsetof(struct params, longest), false, 1, 1, 1e3, "1",
