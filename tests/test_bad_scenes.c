@@ -31,6 +31,7 @@ static const struct {
     {"{'duration': 1} x", "scene.json:1:17: not valid JSON: *"},
     {"{'duration': 1e999}", "scene.json:1:18: not valid JSON: *"},
     {"{'duration': 99999999999999999999}", "scene.json:1:33: not valid JSON: *"},
+    {"\xef\xbb\xbf{'duration': NaN}", "scene.json:1:19: not valid JSON: *"}, /* byte order mark */
     {"{'duration': NaN}", "scene.json:1:16: not valid JSON: *"},
     {"{'\xff': 1}", "scene.json:1:2: not valid JSON: *"},
     {"{'name': 'a\\u0000b'}", "scene.json:1:19: not valid JSON: *"},
