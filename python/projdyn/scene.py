@@ -217,7 +217,13 @@ class Scene:
         self[f"{key}.{len(self.to_dict().get(key, []))}"] = entry
 
     def _free_name(self, key: str, word: str) -> str:
-        return f"{word}{len(self.to_dict().get(key, []))}"
+        """The name that the library gives to a new last element, or the next one that is free."""
+        entries = self.to_dict().get(key, [])
+        taken = {entry.get("name", f"{word}{k}") for k, entry in enumerate(entries)}
+        k = len(entries)
+        while f"{word}{k}" in taken:
+            k += 1
+        return f"{word}{k}"
 
 
 def load(path: Path, overrides: Optional[dict[str, Any]] = None, *, threads: int = 0,

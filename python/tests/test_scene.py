@@ -61,6 +61,10 @@ class Scenes(unittest.TestCase):
         self.assertEqual(scene.add_cloth(vertices, triangles, area_density=1), "body0")
         self.assertEqual(scene.add_cloth(vertices + 2, triangles, area_density=1), "body1")
         self.assertEqual(list(scene.load().bodies), ["body0", "body1"])
+        scene["bodies"] = scene["bodies"][1:]  # removes the first one
+        self.assertEqual(scene.add_cloth(vertices + 4, triangles, area_density=1), "body2")
+        self.assertEqual(list(scene.load().bodies), ["body1", "body2"])
+        np.testing.assert_array_equal(scene.load().bodies["body1"].x, vertices + 2)
 
     def test_several_constraints_of_a_type(self):
         scene = projdyn.Scene(threads=1)
