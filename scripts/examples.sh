@@ -20,20 +20,21 @@ others=$(nm -D --defined-only "$library/libprojdyn.so" | awk '$3 !~ /^pdyn_/ { p
 
 cp -r examples "$dir/examples"
 cd "$dir/examples"
-for compiler in "gcc -std=c17" "clang -std=c17" "g++ -x c++ -std=c++20 -Wno-missing-field-initializers"; do
+# The last compiler is that of the plug-ins that run below.
+for compiler in "clang -std=c17 -O0" "g++ -x c++ -std=c++20 -Wno-missing-field-initializers -O0" "gcc -std=c17 -O2"; do
     command -v "${compiler%% *}" >/dev/null || { echo "skipped: no $compiler"; continue; }
     echo "== $compiler"
-    ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -o cloth cloth.c $libs
+    ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -o cloth cloth.c $libs
     ./cloth | tail -n 1
-    ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -o memory memory.c $libs
-    ./memory 1
+    ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -o memory memory.c $libs
     for source in plugin/*.c; do
         name=$(basename "$source" .c)
-        ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -O2 -shared -fPIC $flags -o "plugin/$name.so" "$source" -lm
+        ${compiler%% *} -Wall -Wextra -Wpedantic -Werror ${compiler#* } -shared -fPIC $flags -o "plugin/$name.so" "$source" -lm
         "$program" list --plugin "plugin/$name.so" >/dev/null
         echo "$name: built"
     done
 done
+./memory 1
 
 echo "== scenes"
 for scene in plugin/*.json; do

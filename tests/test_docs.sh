@@ -48,15 +48,15 @@ for document in $(echo "$documents" | grep -v first-scene); do
     echo "ok $document: $(wc -l <commands) lines"
 done
 
-# Every other command of the documents, in their order, each on a small part of its scene: a run for
-# a few milliseconds, a comparison of one step, a small picture. Left out: commands with a placeholder
+# Every other command of the documents, once, in their order, each on a small part of its scene: a run for
+# a few milliseconds on one thread, a comparison of one step, a small picture. Left out: commands with a placeholder
 # (SCENE) and scenes of 100,000 particles and more.
 sed -e ':joined' -e '/\\$/{N;s/\\\n *//;bjoined' -e '}' $documents |
-    grep -E '^    projdyn ' | grep -vE 'million|SCENE|radius=0.00287' | sed 's/ *#.*//' >commands
+    grep -E '^    projdyn ' | grep -vE 'million|SCENE|radius=0.00287' | sed 's/ *#.*//' | awk '!seen[$0]++' >commands
 while read -r command; do
     case $command in
     *--resume*) ;;
-    "projdyn run"*) command="$command --set duration=0.004 --set frame_interval=0.002" ;;
+    "projdyn run"*) command="$command --threads 1 --set duration=0.004 --set frame_interval=0.002" ;;
     "projdyn sweep"*) command="$command --set duration=0.004 --set frame_interval=0.002" ;;
     "projdyn compare"*) command="$command --steps 1 --rounds 1" ;;
     "projdyn render"*docs/gallery/*) continue ;; # scripts/gallery.sh draws these

@@ -123,7 +123,7 @@ static void test_default(void **state) {
 static void test_settled_tank(void **state) {
     (void)state;
     const double depth = 0.4, spacing = 0.02, compression = 0.002;
-    pdyn_context *own = test_context(2);
+    pdyn_context *own = test_context(1);
     pdyn_sim *sim = test_load(own, FLUID(BLOCK, C, TANK("0")));
     const pdyn_state s = pdyn_get_state(sim);
     double found = 0.0, expected = 0.0;

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Follows the guides as a reader who starts with nothing: runs the code blocks of a page, in their
 # order, in an empty directory, with `projdyn` in PATH.
-# Pictures and films are small, and the run with more particles short.
+# Pictures and films are small, the run with more particles is short, and runs have one thread.
 # Usage: test_guides.sh PROJDYN SOURCE-ROOT
 set -eu
 projdyn=$(realpath "$1") root=$(realpath "$2")
@@ -19,7 +19,7 @@ follow() { # PAGE LANGUAGE INTERPRETER...
     shift 2
     mkdir "$dir/$page"
     blocks "$language" "$page" |
-        sed 's/^projdyn render .*/& --size 64x48/; s/^projdyn run .* -o fine$/& --time 0.1/' >"$dir/commands"
+        sed 's/^projdyn render .*/& --size 64x48/; s/^projdyn run .* -o fine$/& --time 0.1/; s/^projdyn run .*/& --threads 1/' >"$dir/commands"
     [ -s "$dir/commands" ] || { echo "not ok $page: no code blocks"; exit 1; }
     (cd "$dir/$page" && "$@" "$dir/commands") >"$dir/said" 2>&1 ||
         { echo "not ok $page:"; tail -n 20 "$dir/said"; exit 1; }

@@ -200,7 +200,7 @@ static void test_momentum(void **state) {
 static void test_stiff_jet(void **state) {
     (void)state;
     char path[1024];
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = NULL;
     snprintf(path, sizeof path, "%s/scenes/inlet.json", getenv("PROJDYN_SOURCE_ROOT"));
     const char *const euler = "time_step.integrator=euler";

@@ -193,7 +193,7 @@ static const char held[] = SCENE(
  * weight that the pins do not carry. */
 static double displaced(const char *set) {
     char text[2048];
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     snprintf(text, sizeof text, held, set);
     pdyn_sim *sim = test_load(context, text);
     double weight = 9.81 * 0.2 * 0.16 * 0.16, layer = 9.81 * 1000.0 * 0.16 * 0.16 * 0.02;

@@ -40,7 +40,7 @@ static int same_start(const pdyn_sim *sim, int i, const pdyn_sim *other) {
 }
 
 static void compare(const char *whole, const char *halves) {
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *one = test_load(context, whole), *two = test_load(context, halves);
     assert_true(one->objective.particles == two->objective.particles);
     for (int step = 0; step < 10; step++) test_step(context, one), test_step(context, two);
@@ -85,7 +85,7 @@ static double mean_pressure(const pdyn_sim *sim, double low, double high) {
 
 static void test_layers(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, layers);
     double in_oil = 0.0, in_water = 0.0, states = 0.0;
     assert_string_equal(pdyn_solver_type(sim), "dual");
@@ -129,7 +129,7 @@ static void test_momentum(void **state) {
     (void)state;
     static const char *const solver[] = {"solver.type=dual", "solver.type=cg"};
     for (int k = 0; k < 2; k++) {
-        pdyn_context *context = test_context(2);
+        pdyn_context *context = test_context(1);
         pdyn_sim *sim = NULL;
         double change[3] = {0};
         assert_int_equal(pdyn_load_text(context, quoted(drops), "drops", &solver[k], 1, &sim),

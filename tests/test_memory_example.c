@@ -1,5 +1,5 @@
 /* examples/memory.c makes the scene scenes/water_on_cloth.json: it prints the same hash of the
- * state after two steps. Argument: the program. */
+ * state after a step. Argument: the program. */
 #include "support.h"
 
 #include <string.h>
@@ -14,11 +14,11 @@ static void test_hash(void **state) {
     snprintf(path, sizeof path, "%s/scenes/water_on_cloth.json", getenv("PROJDYN_SOURCE_ROOT"));
     if (pdyn_load(context, path, NULL, 0, &sim) != PDYN_OK)
         fail_msg("%s", pdyn_last_error(context));
-    for (int k = 0; k < 2; k++) test_step(context, sim);
+    test_step(context, sim);
     snprintf(expected, sizeof expected, "%016llx\n", (unsigned long long)pdyn_state_hash(sim));
     pdyn_free(sim);
     pdyn_destroy(context);
-    snprintf(path, sizeof path, "'%s' 2", program);
+    snprintf(path, sizeof path, "'%s' 1", program);
     FILE *output = popen(path, "r");
     assert_non_null(output);
     assert_non_null(fgets(found, sizeof found, output));

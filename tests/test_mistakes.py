@@ -152,10 +152,10 @@ MISTAKES = [
 
 
 def said_by(command, mistake, folder):
-    more = mistake.run_options if command == "run" else []
+    more = ["--threads", "1", *mistake.run_options] if command == "run" else []
     if command == "run" and "-o" not in more:
         more = more + ["-o", "out", "--no-frames"]
-    done = subprocess.run([PROJDYN, command, "scene.json", *mistake.options, *more], cwd=folder, capture_output=True,
+    done = subprocess.run([PROJDYN, command, "scene.json", *more, *mistake.options], cwd=folder, capture_output=True,
                           text=True, timeout=120)
     return done.returncode, done.stdout + done.stderr
 

@@ -55,7 +55,7 @@ def run(directory, *options, limit=None):
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
-    command = [PROJDYN, "run", SCENE, "-o", str(directory), "--quiet", *options]
+    command = [PROJDYN, "run", SCENE, "-o", str(directory), "--quiet", "--threads", "1", *options]
     return subprocess.run(command, capture_output=True, text=True, timeout=600, preexec_fn=prepare)
 
 

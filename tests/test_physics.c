@@ -35,7 +35,7 @@ static void test_momentum(void **state) {
                             SHEET("31", ELASTIC)),
                        ""),
                  solvers[k]);
-        pdyn_context *context = test_context(2);
+        pdyn_context *context = test_context(1);
         pdyn_sim *sim = test_load(context, text);
         double mass = 0.0, first[3] = {0};
         const pdyn_state s = pdyn_get_state(sim);
@@ -71,7 +71,7 @@ static void add_linear(void *user, const pdyn_iteration *it) {
  * change sides: each step is solved to its tolerance. */
 static void test_stiff_column(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
         test_load(context, TANK("'time_step': {'fixed': 0.005}, 'solver': {'tolerance': 0.1, "
                                 "'linear_tolerance': 0.1, 'linear_iterations': 2000}",
@@ -93,7 +93,7 @@ static void test_stiff_column(void **state) {
  * rest without splashes, which steps of 5 ms would cause. */
 static void test_deep_water(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
         context, TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0, "
                       "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 10}",
@@ -120,7 +120,7 @@ static void test_long_step(void **state) {
              "1", "'stiffness': 7e4")};
     for (int solved = 0; solved < 2; solved++) {
         struct warnings warnings = {"the fixed step", 0};
-        pdyn_context *context = test_warned_context(2, &warnings);
+        pdyn_context *context = test_warned_context(1, &warnings);
         pdyn_sim *sim = test_load(context, scene[solved]);
         for (int step = 0; step < 20; step++) test_step(context, sim);
         assert_int_equal(warnings.count, !solved);
@@ -133,7 +133,7 @@ static void test_long_step(void **state) {
  * walls push along their normals, so the particles at walls are carried by the others. */
 static void test_narrow_tank(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(
         context, TANK("'time_step': {'maximum': 0.005}, 'solver': {'tolerance': 0.01, "
                       "'linear_tolerance': 0, 'outer_iterations': 1, 'linear_iterations': 20}",
@@ -156,7 +156,7 @@ static void test_narrow_tank(void **state) {
 /* Kinetic energy of a block of water 0.25 s after its release, J. */
 static double collapsed_energy(const char *solver) {
     char text[1024];
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_step_info info = {0};
     snprintf(text, sizeof text,
              SCENE("'duration': 0.25, 'frame_interval': 0.25, 'time_step': {'fixed': 0.005}, "
@@ -199,7 +199,7 @@ static double relative_pressure(const pdyn_state *s, double surface) {
  * depth (and up to 9 % more, see test_narrow_tank). */
 static void test_hydrostatic_rest(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
         test_load(context, SCENE("'duration': 2, 'frame_interval': 0.02, 'time_step': {'maximum': "
                                  "0.005}, 'solver': {'tolerance': 0.01, 'linear_tolerance': 0.01}",
@@ -231,7 +231,7 @@ static void test_hydrostatic_rest(void **state) {
  * else at the pinned points. */
 static void test_pin_reaction(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim =
         test_load(context, SCENE("'duration': 60, 'frame_interval': 0.05, 'time_step': {'fixed': "
                                  "0.05, 'integrator': 'euler'}, 'solver': {'tolerance': 1e-6, "
@@ -366,21 +366,15 @@ static void test_no_allocation(void **state) {
     pdyn_destroy(context);
 }
 
-static void test_failing_allocator(void **state) {
-    (void)state;
-    test_failing_scene(coupled);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_momentum),          cmocka_unit_test(test_hydrostatic_rest),
-        cmocka_unit_test(test_stiff_column),      cmocka_unit_test(test_cut_short),
-        cmocka_unit_test(test_deep_water),        cmocka_unit_test(test_narrow_tank),
-        cmocka_unit_test(test_long_step),         cmocka_unit_test(test_pin_reaction),
-        cmocka_unit_test(test_pin_path),          cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_one_length),        cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_numbers),           cmocka_unit_test(test_no_allocation),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_momentum),     cmocka_unit_test(test_hydrostatic_rest),
+        cmocka_unit_test(test_stiff_column), cmocka_unit_test(test_cut_short),
+        cmocka_unit_test(test_deep_water),   cmocka_unit_test(test_narrow_tank),
+        cmocka_unit_test(test_long_step),    cmocka_unit_test(test_pin_reaction),
+        cmocka_unit_test(test_pin_path),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_one_length),   cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_numbers),      cmocka_unit_test(test_no_allocation),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

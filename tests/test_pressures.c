@@ -43,8 +43,8 @@ static struct run pour(const char *scene, const char *solver, int threads, doubl
 static void test_same_motion(void **state) {
     (void)state;
     const char *scene = POUR("'tolerance': 1e-3, 'outer_iterations': 100", "1e4");
-    struct run positions = pour(scene, "solver.type=hybrid", 2, 0.08);
-    struct run pressures = pour(scene, "solver.type=dual", 2, 0.08);
+    struct run positions = pour(scene, "solver.type=hybrid", 1, 0.08);
+    struct run pressures = pour(scene, "solver.type=dual", 1, 0.08);
     assert_int_equal(positions.unsolved, 0);
     assert_int_equal(pressures.unsolved, 0);
     assert_true(fabs(pressures.kinetic - positions.kinetic) < 1e-3 * positions.kinetic);
@@ -55,9 +55,9 @@ static void test_same_motion(void **state) {
  * the water moves as soft water does. */
 static void test_stiff(void **state) {
     (void)state;
-    struct run soft = pour(POUR(ROUGH, "1e4"), "solver.type=hybrid", 2, 0.1);
-    struct run stiff = pour(POUR(ROUGH, "1e6"), "solver.type=auto", 2, 0.1);
-    struct run former = pour(POUR(ROUGH, "1e6"), "solver.type=hybrid", 2, 0.1);
+    struct run soft = pour(POUR(ROUGH, "1e4"), "solver.type=hybrid", 1, 0.1);
+    struct run stiff = pour(POUR(ROUGH, "1e6"), "solver.type=auto", 1, 0.1);
+    struct run former = pour(POUR(ROUGH, "1e6"), "solver.type=hybrid", 1, 0.1);
     assert_int_equal(stiff.unsolved, 0);
     assert_true(stiff.dual_steps > 0);
     assert_true(3 * stiff.linear < 2 * former.linear);

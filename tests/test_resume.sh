@@ -25,7 +25,7 @@ same_frames() {
     [ "$(cd whole && ls -R)" = "$(cd "$1" && ls -R)" ]
 }
 kill_often() { # DIR TIMES: kills a run, later and later, and lets it go on
-    "$program" run "$scene" --quiet --save 2 -o "$1" &
+    "$program" run "$scene" --quiet --threads 1 --save 2 -o "$1" &
     pid=$!
     for _ in $(seq 100); do # from its first frame on
         [ -e "$1/state.pdyn" ] && break
@@ -35,18 +35,18 @@ kill_often() { # DIR TIMES: kills a run, later and later, and lets it go on
         sleep "0.$k"
         kill -9 $pid 2>/dev/null
         wait $pid 2>/dev/null
-        "$program" run --resume "$1" --quiet --save 2 &
+        "$program" run --resume "$1" --quiet --threads 1 --save 2 &
         pid=$!
     done
     wait $pid
 }
 
-"$program" run "$scene" --quiet -o whole >/dev/null || exit 1
+"$program" run "$scene" --quiet --threads 1 -o whole >/dev/null || exit 1
 check "killed runs go on" kill_often killed 5
 check "the same bits" same killed
 check "the same frames" same_frames killed
-"$program" run "$scene" --quiet -o longer --time 0.1 >/dev/null
-check "a longer end" "$program" run --resume longer --quiet --time 0.2
+"$program" run "$scene" --quiet --threads 1 -o longer --time 0.1 >/dev/null
+check "a longer end" "$program" run --resume longer --quiet --threads 1 --time 0.2
 check "the same bits after a longer end" same longer
 check "nothing left to do" "$program" run --resume longer --quiet
 check "the same report then" same longer

@@ -319,7 +319,7 @@ static const char collision[] = "{" STEPS_OF(
 /* A box, a ball and a cloth hit each other: the linear momentum stays, and nothing passes. */
 static void test_collision(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, collision);
     struct momenta start = momenta_of(sim);
     steps(context, sim, 150);
@@ -360,7 +360,7 @@ static const char pair[] =
 
 static void test_pair(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, pair);
     struct momenta start = momenta_of(sim);
     int pairs = 0;
@@ -379,7 +379,7 @@ static void test_pair(void **state) {
 /* Water hits a box off its centre: momentum is conserved, the box moves along and turns. */
 static void test_water(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, hit);
     struct momenta start = momenta_of(sim);
     steps(context, sim, 40);

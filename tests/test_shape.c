@@ -99,7 +99,7 @@ static void test_water(void **state) {
                        FLUID_BOX("", "0.02", "-0.1, 0.04, -0.1", "0.1, 0.2, 0.1", ""),
                        ", 'solids': [%s]"),
                  solids[k]);
-        pdyn_context *context = test_context(2);
+        pdyn_context *context = test_context(1);
         pdyn_sim *sim = test_load(context, text);
         while (pdyn_time(sim) < pdyn_duration(sim)) test_step(context, sim);
         pdyn_state s = pdyn_get_state(sim);

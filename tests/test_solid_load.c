@@ -84,7 +84,7 @@ static void assert_momentum(const pdyn_sim *sim, const pdyn_step_info *info, con
 
 /* Takes steps, checks the balance; returns the largest force on the last solid over the weight. */
 static double assert_balance(const char *text, int steps) {
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(c, text);
     double weight = G * mass_of(sim), before[3] = {0}, most = 0.0;
     for (int n = 0; n < steps; n++) {
@@ -152,7 +152,7 @@ static struct total mean_load(pdyn_context *c, pdyn_sim *sim, int solid, double 
 /* Water at rest: the load is its weight, at its centre of mass. */
 static void test_tank(void **state) {
     (void)state;
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(
         c, scene("'time_step': {'maximum': 0.005}", POOL(DEEP, "'viscosity': 0.3"), TANK));
     double weight = G * mass_of(sim);
@@ -216,7 +216,7 @@ static void test_impacts(void **state) {
  * floor. */
 static void test_obstacle(void **state) {
     (void)state;
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(
         c, scene(SOLVED, RAIN,
                  "{'name': 'floor', 'box': {'minimum': [-0.4, -0.1, -0.4], 'maximum': [0.7, 0.6, "
@@ -243,7 +243,7 @@ static void test_obstacle(void **state) {
  * upwards; the tank carries the opposite. */
 static void test_buoyancy(void **state) {
     (void)state;
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(
         c, scene("'time_step': {'maximum': 0.005}", POOL(DEEP, "'viscosity': 0.3"),
                  "{'name': 'ball', 'sphere': {'center': [0.15, 0.52, 0.15], 'radius': 0.08}, "
@@ -276,7 +276,7 @@ static void test_buoyancy(void **state) {
 /* A body at rest on a floor tilted by an angle, rad: the load includes friction. */
 static void assert_carries(const char *body, const char *integrator, double angle) {
     char head[512];
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     double g[3] = {G * sin(angle), -G * cos(angle), 0.0}, moment[3];
     snprintf(head, sizeof head, LYING, integrator, g[0], g[1], angle > 0.0 ? 0.8 : 0.0);
     pdyn_sim *sim = test_load(c, scene(head, body, FLOOR));

@@ -24,7 +24,7 @@ static pdyn_sim *hang(pdyn_context *context, int n, const char *settings) {
  * block Jacobi alone, to the same place. */
 static void test_hybrid(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     const char *settings = "\"time_step\": {\"fixed\": 0.02}, \"solver\": {\"type\": \"%s\", "
                            "\"tolerance\": 1e-4, \"outer_iterations\": 100}";
     static const char *const solver[] = {"cg", "hybrid"};

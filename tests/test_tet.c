@@ -186,7 +186,7 @@ static double volume_of(const pdyn_sim *sim, const pdyn_body *body) {
 static void test_splash(void **state) {
     (void)state;
     char scene[2048];
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     snprintf(scene, sizeof scene,
              "{'duration': 1, 'gravity': [0, 0, 0], 'bodies': [{'name': 'water', 'particles': "
              "{'radius': 0.02, 'fill': [{'box': {'minimum': [-0.4, -0.1, -0.1], 'maximum': [-0.2, "

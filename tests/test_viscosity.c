@@ -221,10 +221,10 @@ static void test_bits(void **state) {
     for (int threads = 1; threads <= 3; threads += 2) {
         pdyn_context *context = test_context(threads);
         pdyn_sim *sim = load(context, &b, "10", stirred), *again = load(context, &b, "10", stirred);
-        for (int n = 0; n < 5; n++) test_step(context, sim);
+        for (int n = 0; n < 3; n++) test_step(context, sim);
         assert_int_equal(pdyn_save(sim, "state.pdyn"), PDYN_OK);
         assert_int_equal(pdyn_restore(again, "state.pdyn"), PDYN_OK);
-        for (int n = 0; n < 5; n++) test_step(context, sim), test_step(context, again);
+        for (int n = 0; n < 3; n++) test_step(context, sim), test_step(context, again);
         assert_true(pdyn_state_hash(sim) == pdyn_state_hash(again));
         if (threads > 1) assert_true(pdyn_state_hash(sim) == hash);
         hash = pdyn_state_hash(sim);

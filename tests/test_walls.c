@@ -23,7 +23,7 @@ static double beyond(const pdyn_state *s, double size) {
 
 static void test_corner(void **state) {
     (void)state;
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, jet);
     const pdyn_state s = pdyn_get_state(sim);
     double most = -INFINITY;
@@ -47,7 +47,7 @@ static const char *shaft =
 static void test_plate(void **state) {
     (void)state;
     test_write_text("plate.obj", plate);
-    pdyn_context *context = test_context(2);
+    pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, shaft);
     test_remove_file("plate.obj");
     const pdyn_state s = pdyn_get_state(sim);
@@ -81,7 +81,10 @@ static uint64_t hash_of(int threads) {
 
 static void test_threads(void **state) {
     (void)state;
-    for (int threads = 2; threads <= 8; threads++) assert_true(hash_of(threads) == hash_of(1));
+    uint64_t hash = hash_of(1);
+    assert_true(hash_of(2) == hash);
+    assert_true(hash_of(3) == hash);
+    assert_true(hash_of(8) == hash);
 }
 
 static void test_failing_allocator(void **state) {
