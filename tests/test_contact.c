@@ -37,7 +37,7 @@ static void assert_apart(const pdyn_sim *sim) {
 }
 
 static void run_apart(const char *text, int steps) {
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(c, text);
     for (int k = 0; k < steps; k++) test_step(c, sim), assert_apart(sim);
     pdyn_free(sim);
@@ -245,7 +245,7 @@ static void test_stack(void **state) {
 /* 50 m/s: half a metre in a step, on a ball and a floor: nothing gets below it. */
 static void test_impact(void **state) {
     (void)state;
-    pdyn_context *c = test_context(2);
+    pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(
         c, scene("", DOWN,
                  "{'surface': {" GRID(11) ", " AT(0.3) "}, 'velocity': [0, -50, 0], " HELD "}",
