@@ -101,6 +101,7 @@ MISTAKES = [
         {"type": "spring", "stretching_stiffness": 100}]}), ("bodies.1", None)), "[no-effect]"),
     Mistake("a rigid ball inside a rigid box", change(("bodies.0", CRATE), ("bodies.1", MARBLE)),
             '"crate" [overlap]'),
+    Mistake("a probe in millimetres", change(("probes", [{"name": "gauge", "point": [100, 50, 0]}])), "[probe]"),
     # found in steps
     Mistake("too few iterations", change(("solver", {"outer_iterations": 1, "linear_iterations": 2})), "[unsolved]"),
     Mistake("nothing holds the cloth", change(("solids", []), ("bodies.0", None), ("bodies.0.constraints.1", None),

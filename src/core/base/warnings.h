@@ -18,6 +18,7 @@
     X(LIGHT_SHEET, "light-sheet")                                                                  \
     X(EDGE_LENGTH, "edge-length")                                                                  \
     X(FRAMES, "frames")                                                                            \
+    X(PROBE, "probe")                                                                              \
     X(SEAMS, "seams")                                                                              \
     X(COINCIDENT, "coincident")                                                                    \
     X(OVERLAP, "overlap")                                                                          \

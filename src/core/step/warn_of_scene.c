@@ -230,10 +230,45 @@ static void check_tolerance(struct pdyn_sim *sim) {
              tolerance, loose_tolerance);
 }
 
+/* Everything at the start, widened on all sides by its largest extent. */
+static struct box surroundings(const struct pdyn_sim *sim) {
+    struct box box = box_empty;
+    for (int b = 0; b < sim->bodies; b++) {
+        struct box one = box_of(sim, &sim->body[b]);
+        box_add(&box, one.min);
+        box_add(&box, one.max);
+    }
+    for (int k = 0; k < sim->boundary.at.count; k++)
+        box_add(&box, sim->boundary.at.x + 3 * (size_t)k);
+    double extent = 0.0;
+    for (int a = 0; a < 3; a++) extent = fmax(extent, box.max[a] - box.min[a]);
+    for (int a = 0; a < 3; a++) box.min[a] -= extent, box.max[a] += extent;
+    return box;
+}
+
+/* Probes at places that nothing will reach: often a place in millimetres. */
+static void check_probes(struct pdyn_sim *sim) {
+    struct box box = surroundings(sim);
+    for (int p = 0; p < sim->scene.probes; p++) {
+        const struct scene_probe *probe = &sim->scene.probe[p];
+        for (int k = 0; k < probe->at.count; k++) {
+            const double *x = probe->at.x + 3 * (size_t)k;
+            bool within = true;
+            for (int a = 0; a < 3; a++) within &= x[a] >= box.min[a] && x[a] <= box.max[a];
+            if (within) continue;
+            WARN(sim, PROBE, probe->name,
+                 "(%g, %g, %g) is far from everything in the scene: it measures 0", x[0], x[1],
+                 x[2]);
+            break;
+        }
+    }
+}
+
 void warn_of_scene(struct pdyn_sim *sim) {
     const pdyn_body *fluid = find_fluid(sim);
     check_frames(sim);
     check_tolerance(sim);
+    check_probes(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
