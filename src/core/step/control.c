@@ -106,7 +106,7 @@ pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *f
 pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {
     if (!gravity) return PDYN_BAD_CALL;
     pdyn_status status = control_check(sim);
-    if (status == PDYN_OK) status = check_numbers(sim, gravity, 3, 1e4, "an acceleration", "m/s^2");
+    if (status == PDYN_OK) status = check_numbers(sim, gravity, 3, 1e6, "an acceleration", "m/s^2");
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
     memcpy(sim->scene.settings.gravity, gravity, sizeof sim->scene.settings.gravity);
