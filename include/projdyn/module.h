@@ -475,6 +475,10 @@ typedef struct pdyn_model {
     /* The same model without the one-sided constraints of matrix-free ones, whose product and
      * diagonals are those of the rest of H. NULL in itself. */
     struct pdyn_model *rest;
+    /* Runs fn over the particles that the vectors of a solve concern, in blocks of `grain`; returns
+     * the number of blocks. All particles; of `rest`, a range that contains every particle of
+     * in_rows: elsewhere this H is diagonal, and product, dot and norm take vectors as 0. */
+    int (*for_particles)(struct pdyn_model *model, int grain, pdyn_range_fn *fn, void *arg);
 } pdyn_model;
 
 typedef struct pdyn_stop { /* a solve ends at the first of these */

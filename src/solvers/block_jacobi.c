@@ -57,11 +57,6 @@ WIDE static void block_jacobi_multiply(void *arg, int first, int last, int block
     }
 }
 
-static void for_particles(const struct block_jacobi *s, pdyn_range_fn *fn, struct call *call) {
-    const pdyn_services *services = s->model->services;
-    services->parallel_for(services->core, s->model->particles, GRAIN, fn, call);
-}
-
 pdyn_status block_jacobi_create(struct block_jacobi *s, pdyn_model *model) {
     s->model = model;
     s->inverse = NEW(model->services, 6 * (size_t)model->particles, double);
@@ -73,11 +68,13 @@ void block_jacobi_free(struct block_jacobi *s) {
 }
 
 void block_jacobi_update(struct block_jacobi *s) {
+    const pdyn_services *services = s->model->services;
     s->model->diagonal(s->model, PDYN_WHOLE, s->inverse);
-    for_particles(s, invert_blocks, &(struct call){.jacobi = s});
+    services->parallel_for(services->core, s->model->particles, GRAIN, invert_blocks,
+                           &(struct call){.jacobi = s});
 }
 
 void block_jacobi_apply(const struct block_jacobi *s, const double *r, double *z) {
-    for_particles(s, block_jacobi_multiply, &(struct call){s, r, z});
+    s->model->for_particles(s->model, GRAIN, block_jacobi_multiply, &(struct call){s, r, z});
     if (s->model->solve_bodies) s->model->solve_bodies(s->model, r, z);
 }

@@ -185,5 +185,5 @@ void coarse_space_correct(struct coarse_space *s, const double *r, double *z) {
     s->r = r, s->z = z, s->left--;
     parallel_for(s, s->interpolation.nodes, RESTRICT_GRAIN, coarse_restrict);
     skyline_solve(&s->a, s->x);
-    parallel_for(s, s->model->particles, PARTICLE_GRAIN, coarse_prolong);
+    s->model->for_particles(s->model, PARTICLE_GRAIN, coarse_prolong, s);
 }

@@ -236,14 +236,24 @@ static void compute_displacement(struct dual *s, const double *b, const double *
     if (s->coupled) s->model->solve_bodies(s->model, force, d);
 }
 
-/* d += A^-1 (b - G' multiplier - A d) */
+/* d = 0 for particles in no row */
+static void clear_free(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    const bool *in_rows = c->s->rest.model->in_rows;
+    for (int k = 3 * first; k < 3 * last; k++) c->out[k] = in_rows[k / 3] ? c->out[k] : 0.0;
+}
+
+/* d += A^-1 (b - G' multiplier - A d), from 0 for particles in no row: their solve is exact */
 static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
+    pdyn_model *rest = s->rest.model;
     size_t n = 3 * (size_t)s->model->particles;
     memset(s->rhs, 0, n * sizeof *s->rhs);
     add_force(s, multiplier, s->rhs);
     for_all(s, s->model->particles, subtract_from, 0.0, b, s->rhs);
-    s->rest.model->product(s->rest.model, s->d, s->u);
-    for_all(s, s->model->particles, add_scaled, -1.0, s->u, s->rhs);
+    for_all(s, s->model->particles, clear_free, 0.0, NULL, s->d);
+    rest->product(rest, s->d, s->u);
+    rest->for_particles(rest, GRAIN, add_scaled, &(struct call){s, NULL, -1.0, s->u, s->rhs});
     s->products += rest_solve_apply(&s->rest, s->rhs, s->u, end_tolerance);
     for_all(s, s->model->particles, add_scaled, 1.0, s->u, s->d);
 }

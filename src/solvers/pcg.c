@@ -52,16 +52,12 @@ WIDE static void pcg_advance(void *arg, int first, int last, int block) {
     }
 }
 
-static void for_particles(const struct pcg *s, pdyn_range_fn *fn, struct call *call) {
-    const pdyn_services *services = s->model->services;
-    services->parallel_for(services->core, s->model->particles, GRAIN, fn, call);
-}
-
 /* r . p for p = z + scale p */
 static double update_direction(struct pcg *s, double *r, double scale) {
     double sum = 0.0;
-    for_particles(s, pcg_update_direction, &(struct call){s, r, NULL, scale});
-    for (int b = 0; b < block_count(s->model->particles, GRAIN); b++) sum += s->partial[b];
+    int blocks = s->model->for_particles(s->model, GRAIN, pcg_update_direction,
+                                         &(struct call){s, r, NULL, scale});
+    for (int b = 0; b < blocks; b++) sum += s->partial[b];
     return sum;
 }
 
@@ -82,7 +78,7 @@ static double iterate(struct pcg *s, double *r, double *y) {
     m->product(m, s->p, s->q);
     s->curvature = m->dot(m, s->p, s->q);
     if (!(s->curvature > 0.0)) return 0.0;
-    for_particles(s, pcg_advance, &(struct call){s, r, y, rp / s->curvature});
+    m->for_particles(m, GRAIN, pcg_advance, &(struct call){s, r, y, rp / s->curvature});
     return rp * rp / s->curvature;
 }
 

@@ -131,6 +131,23 @@ void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *
     pthread_mutex_unlock(&pool->caller);
 }
 
+struct shifted {
+    pdyn_range_fn *fn;
+    void *arg;
+    int by;
+};
+
+static void run_shifted(void *arg, int first, int last, int block) {
+    const struct shifted *s = arg;
+    s->fn(s->arg, s->by + first, s->by + last, block);
+}
+
+int pool_for_between(struct pool *pool, int first, int last, int grain, pdyn_range_fn *fn,
+                     void *arg) {
+    pool_for(pool, last - first, grain, run_shifted, &(struct shifted){fn, arg, first});
+    return pool_blocks(last - first, grain);
+}
+
 void pool_check_process(struct pool *pool) {
     if (pool->process == getpid()) return;
     pool->threads = 1, pool->process = getpid();

@@ -19,6 +19,10 @@ void pool_destroy(struct pool *pool);
  * runs all blocks alone: the results are the same. */
 void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *arg);
 
+/* The same on [first, last). Returns the number of blocks. */
+int pool_for_between(struct pool *pool, int first, int last, int grain, pdyn_range_fn *fn,
+                     void *arg);
+
 /* Call it where a job may begin in a forked child: it has none of the workers, and runs alone. */
 void pool_check_process(struct pool *pool);
 

@@ -15,15 +15,16 @@ struct call {
     double scale;
 };
 
-static void for_particles(struct objective *sys, pdyn_range_fn *fn, const double *a,
-                          const double *b, double *out, double scale) {
+/* Returns the number of blocks. */
+static int for_particles(struct objective *sys, pdyn_range_fn *fn, const double *a, const double *b,
+                         double *out, double scale) {
     struct call call = {sys, a, b, out, scale};
-    pool_for(sys->context->pool, sys->particles, PARTICLE_GRAIN, fn, &call);
+    return pool_for_between(sys->context->pool, 0, sys->particles, PARTICLE_GRAIN, fn, &call);
 }
 
-double objective_partial_sum(const struct objective *sys) {
+double objective_partial_sum(const struct objective *sys, int blocks) {
     double sum = 0.0;
-    for (int k = 0; k < pool_blocks(sys->particles, PARTICLE_GRAIN); k++) sum += sys->partial[k];
+    for (int k = 0; k < blocks; k++) sum += sys->partial[k];
     return sum;
 }
 
@@ -91,8 +92,7 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
     if (status != PDYN_OK) return status;
     double start = clock_ms();
     sys->x = x;
-    for_particles(sys, inertia, x, NULL, gradient, 0.0);
-    *energy = objective_partial_sum(sys);
+    *energy = objective_partial_sum(sys, for_particles(sys, inertia, x, NULL, gradient, 0.0));
     residual_forget_loads(sys);
     for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
         struct batch *batch = sys->batch[b];
@@ -184,9 +184,10 @@ void objective_apply(struct objective *sys, const double *u, double *y) {
     objective_pull(sys, y);
 }
 
-void objective_apply_rest(struct objective *sys, const double *u, double *y) {
+void objective_apply_rest(struct objective *sys, int first, int last, const double *u, double *y) {
     u = objective_extended(sys, u);
-    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
+    struct call call = {.objective = sys, .a = u, .out = y};
+    pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
     for (int b = 0; b < sys->batches; b++) batch_apply_rest(sys->batch[b], u, y);
     objective_pull(sys, y);
 }
@@ -274,9 +275,15 @@ WIDE static void dot_block(void *arg, int first, int last, int block) {
     c->objective->partial[block] = simd_dot(c->a + 3 * first, c->b + 3 * first, 3 * (last - first));
 }
 
+double objective_dot_between(struct objective *sys, int first, int last, const double *a,
+                             const double *b) {
+    struct call call = {.objective = sys, .a = a, .b = b};
+    return objective_partial_sum(
+        sys, pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, dot_block, &call));
+}
+
 double objective_dot(struct objective *sys, const double *a, const double *b) {
-    for_particles(sys, dot_block, a, b, NULL, 0.0);
-    return objective_partial_sum(sys);
+    return objective_dot_between(sys, 0, sys->particles, a, b);
 }
 
 WIDE static void axpy_block(void *arg, int first, int last, int block) {

@@ -99,8 +99,10 @@ void objective_pull(const struct objective *objective, double *y);
 /* y = H u */
 void objective_apply(struct objective *objective, const double *u, double *y);
 
-/* The same without the matrix-free constraints. */
-void objective_apply_rest(struct objective *objective, const double *u, double *y);
+/* The same without the matrix-free constraints, for u that is 0 outside the particles first to
+ * before last, which all rows concern; y has no meaning outside. */
+void objective_apply_rest(struct objective *objective, int first, int last, const double *u,
+                          double *y);
 void objective_rest_diagonal(struct objective *objective, pdyn_part part, double *blocks);
 
 /* The model of E around x as a function of a displacement d, which begins at 0 and moves along one
@@ -125,10 +127,14 @@ void objective_diagonal(struct objective *objective, pdyn_part part, double *blo
 
 /* a . b, the same bits for any number of threads. */
 double objective_dot(struct objective *objective, const double *a, const double *b);
+/* Of the particles first to before last alone. */
+double objective_dot_between(struct objective *objective, int first, int last, const double *a,
+                             const double *b);
 
 /* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2 (residual.h). It
  * bounds the residual of every body. */
 double objective_norm(struct objective *objective, const double *r);
+double objective_norm_between(struct objective *objective, int first, int last, const double *r);
 
 /* The body of a particle. */
 int objective_body_of(const struct objective *objective, int particle);
@@ -136,8 +142,8 @@ int objective_body_of(const struct objective *objective, int particle);
 /* Measures the residual of every body from the gradient of E; returns the largest. */
 double objective_residual(struct objective *objective, const double *gradient);
 
-/* The sum of `partial` over the blocks of a loop over the particles. */
-double objective_partial_sum(const struct objective *objective);
+/* The sum of `partial` over the blocks of a loop. */
+double objective_partial_sum(const struct objective *objective, int blocks);
 
 /* Bytes of a vector, particles x 3. */
 static inline size_t objective_bytes(const struct objective *objective) {

@@ -10,9 +10,12 @@ struct call {
     const double *a;
 };
 
-static void for_range(struct objective *sys, int count, pdyn_range_fn *fn, const double *a) {
+/* The sum of the partial sums of fn over particles. */
+static double sum_between(struct objective *sys, int first, int last, pdyn_range_fn *fn,
+                          const double *a) {
     struct call call = {sys, a};
-    pool_for(sys->context->pool, count, PARTICLE_GRAIN, fn, &call);
+    return objective_partial_sum(
+        sys, pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, fn, &call));
 }
 
 /* ---- bodies ---------------------------------------------------------------------------------- */
@@ -36,10 +39,7 @@ WIDE static void squares_block(void *arg, int first, int last, int block) {
 /* The norm of a vector, particles x 3, over the particles of a body. */
 static double body_norm(struct objective *sys, const struct objective_body *body,
                         const double *vector) {
-    double sum = 0.0;
-    for_range(sys, body->count, squares_block, vector + 3 * (size_t)body->first);
-    for (int k = 0; k < pool_blocks(body->count, PARTICLE_GRAIN); k++) sum += sys->partial[k];
-    return sqrt(sum);
+    return sqrt(sum_between(sys, body->first, body->first + body->count, squares_block, vector));
 }
 
 static double scale_of(const struct objective_body *body) { return body->weight + body->load; }
@@ -102,9 +102,12 @@ WIDE static void norm_block(void *arg, int first, int last, int block) {
     c->objective->partial[block] = norm_part(c->objective, c->a, first, last);
 }
 
+double objective_norm_between(struct objective *sys, int first, int last, const double *r) {
+    return sqrt(sum_between(sys, first, last, norm_block, r));
+}
+
 double objective_norm(struct objective *sys, const double *r) {
-    for_range(sys, sys->particles, norm_block, r);
-    return sqrt(objective_partial_sum(sys));
+    return objective_norm_between(sys, 0, sys->particles, r);
 }
 
 double objective_residual(struct objective *sys, const double *gradient) {

@@ -33,7 +33,8 @@ static void diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
 }
 
 static void rest_product(pdyn_model *model, const double *u, double *y) {
-    objective_apply_rest(objective_of(model), u, y);
+    const struct solver_view *view = (struct solver_view *)model;
+    objective_apply_rest(view->objective, view->first, view->last, u, y);
 }
 
 static void rest_diagonal(pdyn_model *model, pdyn_part part, double *blocks) {
@@ -45,11 +46,19 @@ static void solve_bodies(pdyn_model *model, const double *r, double *z) {
 }
 
 static double dot(pdyn_model *model, const double *a, const double *b) {
-    return objective_dot(objective_of(model), a, b);
+    const struct solver_view *view = (struct solver_view *)model;
+    return objective_dot_between(view->objective, view->first, view->last, a, b);
 }
 
 static double norm(pdyn_model *model, const double *r) {
-    return objective_norm(objective_of(model), r);
+    const struct solver_view *view = (struct solver_view *)model;
+    return objective_norm_between(view->objective, view->first, view->last, r);
+}
+
+static int for_particles(pdyn_model *model, int grain, pdyn_range_fn *fn, void *arg) {
+    const struct solver_view *view = (struct solver_view *)model;
+    struct pool *pool = view->objective->context->pool;
+    return pool_for_between(pool, view->first, view->last, grain, fn, arg);
 }
 
 /* ---- matrices -------------------------------------------------------------------------------- */
@@ -134,6 +143,9 @@ static void update_rest(struct solver_view *rest, const struct solver_view *whol
     memcpy(rest->in_rows, whole->in_rows, (size_t)o->particles * sizeof *rest->in_rows);
     for (int b = 0; b < o->batches; b++)
         if (batch_comes_and_goes(o->batch[b])) batch_mark_held(o->batch[b], rest->in_rows);
+    rest->first = 0, rest->last = o->particles;
+    while (rest->last > 0 && !rest->in_rows[rest->last - 1]) rest->last--;
+    while (rest->first < rest->last && !rest->in_rows[rest->first]) rest->first++;
 }
 
 static void update_view(struct solver_view *view) {
@@ -159,7 +171,7 @@ static pdyn_status create_rest(struct solver_view *view) {
 
 pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bool newton,
                                const pdyn_services *services) {
-    *view = (struct solver_view){.objective = o};
+    *view = (struct solver_view){.objective = o, .last = o->particles};
     view->in_rows = NEW_ARRAY(o->context, o->particles, bool);
     if (o->particles && !view->in_rows) return PDYN_NO_MEMORY;
     for (int b = 0; b < o->batches; b++) batch_mark_held(o->batch[b], view->in_rows);
@@ -186,7 +198,8 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
                                .elements = elements,
                                .one_sided = one_sided,
                                .rate = rate,
-                               .force = force};
+                               .force = force,
+                               .for_particles = for_particles};
     return create_rest(view);
 }
 

@@ -11,6 +11,7 @@ struct solver_view {
     struct objective *objective;
     struct solver_view *rest;      /* the model without one-sided constraints */
     bool *in_rows;                 /* particles */
+    int first, last;               /* the particles first to before last concern a solve */
     struct hessian_matrix hessian; /* created when H is asked for first */
     struct matrix graph;
     unsigned pattern, values; /* counters of the hessian's changes */
