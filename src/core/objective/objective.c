@@ -83,6 +83,10 @@ pdyn_status objective_ensure_lists(struct objective *sys, const double *x, const
     return lists_hold(sys, *all) ? PDYN_OK : build_lists(sys, *all);
 }
 
+/* Work of a local step and of the diagonals that follow it, in products with H. Measured: 5 to 15.
+ */
+static const double local_work = 8.0;
+
 pdyn_status objective_local(struct objective *sys, const double *x, double *energy,
                             double *gradient) {
     const double *all;
@@ -103,7 +107,7 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
     }
     if (sys->rigid) rigid_map_update(sys->rigid, x);
     objective_pull(sys, gradient);
-    sys->ms_local += clock_ms() - start;
+    sys->ms_local += clock_ms() - start, sys->work += local_work;
     return status;
 }
 
@@ -182,6 +186,7 @@ void objective_apply(struct objective *sys, const double *u, double *y) {
     for_particles(sys, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
     objective_pull(sys, y);
+    sys->work += 1.0;
 }
 
 void objective_apply_rest(struct objective *sys, int first, int last, const double *u, double *y) {
@@ -190,6 +195,7 @@ void objective_apply_rest(struct objective *sys, int first, int last, const doub
     pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
     for (int b = 0; b < sys->batches; b++) batch_apply_rest(sys->batch[b], u, y);
     objective_pull(sys, y);
+    sys->work += (double)(last - first) / sys->particles;
 }
 
 /* ---- the model along a direction ------------------------------------------------------------- */

@@ -22,6 +22,12 @@ static const double min_progress = 0.3;
  */
 enum { MIN_ITERATIONS = 5 };
 
+/* A dual solver ends its solves early, and may exceed its allowance by one of them. */
+static int max_iterations(const struct pdyn_sim *sim) {
+    int most = sim->scene.settings.linear_iterations;
+    return sim->solver->dual ? most : (int)fmin(most, ceil(solver_choice_allowance(sim)));
+}
+
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     const struct scene_settings *set = &sim->scene.settings;
     bool dynamic = sim->objective.dynamic_rows;
@@ -31,7 +37,7 @@ static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     return (pdyn_stop){.rel_tol = fmax(set->linear_tolerance, enough),
                        .min_progress = dynamic ? 0.0 : min_progress,
                        .min_iterations = far ? MIN_ITERATIONS : 0,
-                       .max_iterations = set->linear_iterations,
+                       .max_iterations = max_iterations(sim),
                        .first_of_step = first_of_step};
 }
 

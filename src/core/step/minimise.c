@@ -348,6 +348,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
+    sim->objective.work = 0.0;
     measure_weights(sim);
     pdyn_status status = update_way(sim, sim->x);
     if (status == PDYN_OK)
@@ -362,8 +363,8 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (is_solved(sim, p) || p->outer >= set->outer_iterations) break;
-        if (solver_choice_has_lost(sim, p->linear)) solver_choice_hand_over(sim);
-        else if (!moved && !(sim->solver->dual && solver_choice_hand_over(sim))) break;
+        if (solver_choice_allowance(sim) < 1.0) solver_choice_hand_over(sim, moved);
+        else if (!moved && !(sim->solver->dual && solver_choice_hand_over(sim, false))) break;
         status = iterate(sim, p, &moved);
         if (status == PDYN_OK) status = advance_solids(sim, &p->energy);
         p->outer++;

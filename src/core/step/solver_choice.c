@@ -8,16 +8,18 @@
 #include <string.h>
 
 enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
-enum { SHORTEST_WAIT = 32, LONGEST_WAIT = 512 }; /* steps between trials */
+/* Work is counted in products with H (objective.h). Steps with less are not worth a trial. */
+static const double cheap = 50.0;
 
-/* Steps with fewer products are not worth a trial. */
-static const double cheap = 30.0;
+/* In a step, a solver may take so many times the work that is expected of the other one. */
+static const double patience = 1.25;
 
-/* Time of an iteration of a dual solver, relative to one in positions: it multiplies with the rows
- * or with the constraints, which are parts of H, but has as many vectors. Measured: 0.7 to 1.3. */
-static const double dual_share = 0.9;
+/* After handing a step over, a solver is expected to need so many times the work that it has taken;
+ * and before its first step, so many times the work of the other one. What is expected of a solver
+ * not in use falls by this factor in each step, until it is tried. */
+static const double caution = 2.0, decay = 0.98;
 
-/* An unsolved step counts as so many times its iterations. */
+/* The work of an unsolved step, or of one without progress, counts so many times. */
 static const double unsolved_penalty = 4.0;
 
 /* ---- which solvers --------------------------------------------------------------------------- */
@@ -109,7 +111,6 @@ pdyn_status solver_choice_create(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = create_slot(sim, first);
     if (status == PDYN_OK && second) status = create_slot(sim, second);
     if (status != PDYN_OK) return status;
-    c->wait = SHORTEST_WAIT, c->next = sim->steps + SHORTEST_WAIT;
     activate(sim, 0);
     return PDYN_OK;
 }
@@ -126,45 +127,30 @@ void solver_choice_free(struct pdyn_sim *sim) {
 
 /* ---- from step to step ----------------------------------------------------------------------- */
 
-static void end_trial(struct pdyn_sim *sim) {
+void solver_choice_step(struct pdyn_sim *sim, bool solved) {
     struct solver_choice *c = &sim->choice;
-    bool won = c->slot[c->active].cost < c->slot[!c->active].cost;
-    c->trial = false;
-    c->wait = won ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
-    c->next = sim->steps + c->wait;
-    if (!won) activate(sim, !c->active);
-    c->reference = c->slot[c->active].cost;
-}
-
-static double cost_of(const struct solver_choice *c, int iterations) {
-    return iterations * (c->active ? dual_share : 1.0);
-}
-
-void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
-    struct solver_choice *c = &sim->choice;
+    struct solver_slot *now = &c->slot[c->active], *other = &c->slot[!c->active];
+    double work = sim->objective.work;
     if (c->count < 2) return;
-    if (c->handed_over) activate(sim, !c->active);
-    c->handed_over = false;
-    struct solver_slot *now = &c->slot[c->active];
-    now->cost = cost_of(c, iterations) * (solved ? 1.0 : unsolved_penalty);
     c->dual_steps += c->active;
-    if (c->trial) {
-        end_trial(sim);
-    } else if (now->cost > cheap && (sim->steps >= c->next || now->cost > 3.0 * c->reference)) {
-        c->trial = true;
-        activate(sim, !c->active);
-    }
+    now->cost = (work - c->spent) * (solved ? 1.0 : unsolved_penalty);
+    other->cost = other->cost > 0.0 ? decay * other->cost : caution * now->cost;
+    c->handed_over = false, c->spent = 0.0;
+    if (now->cost > cheap && now->cost > other->cost) activate(sim, !c->active);
 }
 
-bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations) {
+double solver_choice_allowance(const struct pdyn_sim *sim) {
     const struct solver_choice *c = &sim->choice;
-    return c->trial && !c->handed_over && cost_of(c, iterations) > c->slot[!c->active].cost;
+    double other = c->slot[!c->active].cost;
+    if (c->count < 2 || c->handed_over || other == 0.0) return INFINITY;
+    return fmax(cheap, patience * other) - sim->objective.work;
 }
 
-bool solver_choice_hand_over(struct pdyn_sim *sim) {
+bool solver_choice_hand_over(struct pdyn_sim *sim, bool moved) {
     struct solver_choice *c = &sim->choice;
     if (c->count < 2 || c->handed_over) return false;
-    c->handed_over = true, sim->damping = 0.0;
+    c->handed_over = true, c->spent = sim->objective.work, sim->damping = 0.0;
+    c->slot[c->active].cost = caution * c->spent * (moved ? 1.0 : unsolved_penalty);
     activate(sim, !c->active);
     return true;
 }
@@ -172,18 +158,16 @@ bool solver_choice_hand_over(struct pdyn_sim *sim) {
 void solver_choice_reject(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     if (sim->solver->forget) sim->solver->forget(sim->solver_state);
-    c->trial = c->handed_over = false, c->next = sim->steps + c->wait;
+    c->handed_over = true, c->spent = 0.0;
     if (c->active) activate(sim, 0);
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */
 
 static void persist_numbers(struct solver_choice *c, struct snapshot_file *a) {
-    snapshot_file_flags(a, &c->trial, 1, "the flag of a trial is neither 0 nor 1");
-    snapshot_file_long(a, &c->wait, LONGEST_WAIT, "the steps between trials are out of range");
-    snapshot_file_long(a, &c->next, LONG_MAX, "the step of the next trial is negative");
+    snapshot_file_flags(a, &c->handed_over, 1,
+                        "the flag of a step in one solver is neither 0 nor 1");
     snapshot_file_long(a, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");
-    snapshot_file_numbers(a, &c->reference, 1, "the cost of a step is not finite");
     for (int k = 0; k < c->count; k++)
         snapshot_file_numbers(a, &c->slot[k].cost, 1, "the cost of a step is not finite");
 }
