@@ -17,6 +17,7 @@ struct run {
     int steps, linear, unsolved;
     long dual_steps;
     double kinetic, x[3]; /* J, m: at the end; mean position of all particles */
+    double work;          /* in products with H */
     uint64_t hash;
 };
 
@@ -28,6 +29,7 @@ static struct run pour(const char *scene, const char *solver, int threads, doubl
     while (pdyn_time(sim) < seconds - 1e-9) {
         pdyn_step_info info = test_step(context, sim);
         run.steps++, run.linear += info.linear_iterations, run.kinetic = info.kinetic_energy;
+        run.work += sim->objective.work;
         run.unsolved += info.step_residual > sim->scene.settings.tolerance;
         assert_int_equal(info.leaked, 0);
     }
@@ -64,6 +66,19 @@ static void test_stiff(void **state) {
     assert_true(fabs(stiff.kinetic - soft.kinetic) < 0.05 * soft.kinetic);
 }
 
+/* Through an impact, auto takes little more work than the better of the two. */
+static void test_choice(void **state) {
+    (void)state;
+    static const char *const scenes[] = {POUR(ROUGH, "1e4"), POUR(ROUGH, "1e5"),
+                                         POUR(ROUGH, "1e6")};
+    for (int k = 0; k < 3; k++) {
+        double positions = pour(scenes[k], "solver.type=hybrid", 2, 0.15).work;
+        double pressures = pour(scenes[k], "solver.type=dual", 2, 0.15).work;
+        double both = pour(scenes[k], "solver.type=auto", 2, 0.15).work;
+        assert_true(both < 1.25 * fmin(positions, pressures));
+    }
+}
+
 static void test_same_bits(void **state) {
     (void)state;
     const char *scene = POUR("'outer_iterations': 50", "1e5");
@@ -77,6 +92,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_motion),
         cmocka_unit_test(test_stiff),
+        cmocka_unit_test(test_choice),
         cmocka_unit_test(test_same_bits),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);

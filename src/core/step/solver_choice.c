@@ -12,12 +12,12 @@ enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
 static const double cheap = 50.0;
 
 /* In a step, a solver may take so many times the work that is expected of the other one. */
-static const double patience = 1.25;
+static const double patience = 1.5;
 
-/* After handing a step over, a solver is expected to need so many times the work that it has taken;
- * and before its first step, so many times the work of the other one. What is expected of a solver
- * not in use falls by this factor in each step, until it is tried. */
-static const double caution = 2.0, decay = 0.98;
+/* Expected work of a solver not in use: at first a multiple of that of the first step; of one that
+ * has handed over, a multiple of the work that it has taken. It falls by a factor in each step,
+ * until the solver is tried. */
+static const double guess = 3.0, caution = 1.5, decay = 0.985;
 
 /* The work of an unsolved step, or of one without progress, counts so many times. */
 static const double unsolved_penalty = 4.0;
@@ -134,7 +134,7 @@ void solver_choice_step(struct pdyn_sim *sim, bool solved) {
     if (c->count < 2) return;
     c->dual_steps += c->active;
     now->cost = (work - c->spent) * (solved ? 1.0 : unsolved_penalty);
-    other->cost = other->cost > 0.0 ? decay * other->cost : caution * now->cost;
+    other->cost = other->cost > 0.0 ? decay * other->cost : guess * now->cost;
     c->handed_over = false, c->spent = 0.0;
     if (now->cost > cheap && now->cost > other->cost) activate(sim, !c->active);
 }
