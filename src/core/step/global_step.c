@@ -25,7 +25,8 @@ enum { MIN_ITERATIONS = 5 };
 /* A dual solver ends its solves early, and may exceed its allowance by one of them. */
 static int max_iterations(const struct pdyn_sim *sim) {
     int most = sim->scene.settings.linear_iterations;
-    return sim->solver->dual ? most : (int)fmin(most, ceil(solver_choice_allowance(sim)));
+    double allowed = solver_choice_allowance(sim);
+    return sim->solver->dual || allowed < 1.0 ? most : (int)fmin(most, ceil(allowed));
 }
 
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {

@@ -14,10 +14,10 @@ static const double cheap = 50.0;
 /* In a step, a solver may take so many times the work that is expected of the other one. */
 static const double patience = 1.5;
 
-/* Expected work of a solver not in use: at first a multiple of that of the first step; of one that
- * has handed over, a multiple of the work that it has taken. It falls by a factor in each step,
- * until the solver is tried. */
-static const double guess = 3.0, caution = 1.5, decay = 0.985;
+/* Expected work of the solver in use: the mean of the last expectation and the last step. Of the
+ * other one: at first a multiple of that of the first step; after it has handed over, a multiple of
+ * the work that it has taken. This falls by a factor in each step, until the solver is tried. */
+static const double guess = 1.5, caution = 1.5, decay = 0.985;
 
 /* The work of an unsolved step, or of one without progress, counts so many times. */
 static const double unsolved_penalty = 4.0;
@@ -133,7 +133,8 @@ void solver_choice_step(struct pdyn_sim *sim, bool solved) {
     double work = sim->objective.work;
     if (c->count < 2) return;
     c->dual_steps += c->active;
-    now->cost = (work - c->spent) * (solved ? 1.0 : unsolved_penalty);
+    double taken = (work - c->spent) * (solved ? 1.0 : unsolved_penalty);
+    now->cost = now->cost > 0.0 ? 0.5 * (now->cost + taken) : taken;
     other->cost = other->cost > 0.0 ? decay * other->cost : guess * now->cost;
     c->handed_over = false, c->spent = 0.0;
     if (now->cost > cheap && now->cost > other->cost) activate(sim, !c->active);

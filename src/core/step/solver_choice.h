@@ -18,7 +18,7 @@ struct pdyn_sim;
 struct solver_slot {
     const pdyn_global_solver *solver;
     void *state; /* solver->state_size bytes */
-    double cost; /* expected work of a step: that of its last one */
+    double cost; /* expected work of a step */
 };
 
 struct solver_choice {
