@@ -71,9 +71,9 @@ struct surface_points {
 /* Samples triangles with a Poisson-disk set in deterministic order (Akinci et al. 2012 sample
  * solids in this way): the distance between points is at least 0.75 spacing, and every place of the
  * surface is within about 1.1 spacing of a point. Time is proportional to area / spacing^2 + length
- * of the sides / spacing, memory to the number of points. name: of the body or solid, for messages. *out must be
- * zeroed before; free it after a failure, too. PDYN_BAD_INPUT: more than SURFACE_CANDIDATES points
- * to choose from. */
+ * of the sides / spacing, memory to the number of points. name: of the body or solid, for messages.
+ * *out must be zeroed before; free it after a failure, too. PDYN_BAD_INPUT: more than
+ * SURFACE_CANDIDATES points to choose from. */
 pdyn_status sample_triangles(pdyn_context *context, const char *name, const double *vertex,
                              int triangles, const int *triangle, double spacing,
                              struct surface_points *out);
