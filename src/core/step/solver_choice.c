@@ -14,9 +14,10 @@ static const double cheap = 50.0;
 /* In a step, a solver may take so many times the work that is expected of the other one. */
 static const double patience = 1.5;
 
-/* The expected work of the solver in use is the mean of the last expectation and the last step. That
- * of the other one is at first a multiple of the first step; after it has handed over, a multiple of
- * the work that it has taken. It falls by a factor in each step, until the other one is tried. */
+/* The expected work of the solver in use is the mean of the last expectation and the last step.
+ * That of the other one is at first a multiple of the first step; after it has handed over, a
+ * multiple of the work that it has taken. It falls by a factor in each step, until the other one is
+ * tried. */
 static const double guess = 1.5, caution = 1.5, decay = 0.985;
 
 /* The work of an unsolved step, or of one without progress, counts so many times. */
