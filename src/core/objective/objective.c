@@ -83,10 +83,6 @@ pdyn_status objective_ensure_lists(struct objective *sys, const double *x, const
     return lists_hold(sys, *all) ? PDYN_OK : build_lists(sys, *all);
 }
 
-/* Work of a local step and of the diagonals that follow it, in products with H. Measured: 5 to 15.
- */
-static const double local_work = 8.0;
-
 pdyn_status objective_local(struct objective *sys, const double *x, double *energy,
                             double *gradient) {
     const double *all;
@@ -107,7 +103,7 @@ pdyn_status objective_local(struct objective *sys, const double *x, double *ener
     }
     if (sys->rigid) rigid_map_update(sys->rigid, x);
     objective_pull(sys, gradient);
-    sys->ms_local += clock_ms() - start, sys->work += local_work;
+    sys->ms_local += clock_ms() - start;
     return status;
 }
 
@@ -186,25 +182,6 @@ void objective_apply(struct objective *sys, const double *u, double *y) {
     for_particles(sys, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
     objective_pull(sys, y);
-    sys->work += 1.0;
-}
-
-/* An entry of a row takes as long as a neighbour of a fluid particle. */
-enum { NEIGHBOURS = 50 };
-
-/* Work of the vector operations and the coarse space beside a product with the rows, in products
- * with H. Measured: 0.05 to 0.15. */
-static const double vector_share = 0.1;
-
-/* The part of a product with H that is made with the rows. */
-static double rows_share(const struct objective *sys) {
-    double rows = 0.0, fluid = 0.0;
-    for (int b = 0; b < sys->batches; b++) {
-        const struct batch *batch = sys->batch[b];
-        if (batch->op) fluid += NEIGHBOURS * (double)batch->one_sided.at.count;
-        else rows += batch->entries;
-    }
-    return rows / (rows + fluid);
 }
 
 void objective_apply_rest(struct objective *sys, int first, int last, const double *u, double *y) {
@@ -213,7 +190,6 @@ void objective_apply_rest(struct objective *sys, int first, int last, const doub
     pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
     for (int b = 0; b < sys->batches; b++) batch_apply_rest(sys->batch[b], u, y);
     objective_pull(sys, y);
-    sys->work += rows_share(sys) + vector_share;
 }
 
 /* ---- the model along a direction ------------------------------------------------------------- */

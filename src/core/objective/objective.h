@@ -49,7 +49,6 @@ struct objective {
     struct objective_body *body; /* bodies, by first particle; together they have all particles */
     double *before;              /* particles x 3: scratch of residual.h; NULL: no loads */
     double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
-    double work;                 /* in products with H; a step sets it to 0 */
     double ms_neighbours, ms_local;
 };
 

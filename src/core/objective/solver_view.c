@@ -127,13 +127,11 @@ static pdyn_one_sided one_sided(pdyn_model *model, int k, const pdyn_body **body
 static void rate(pdyn_model *model, int k, const bool *which, const double *u, double *out) {
     batch_rate(batch_at(model, is_matrix_free, k), which,
                objective_extended(objective_of(model), u), out);
-    objective_of(model)->work += 0.5 / model->one_sided_count;
 }
 
 static void force(pdyn_model *model, int k, const double *multiplier, double *out) {
     batch_force(batch_at(model, is_matrix_free, k), multiplier, out);
     objective_pull(objective_of(model), out);
-    objective_of(model)->work += 0.5 / model->one_sided_count;
 }
 
 /* ---- the view -------------------------------------------------------------------------------- */

@@ -22,13 +22,6 @@ static const double min_progress = 0.3;
  */
 enum { MIN_ITERATIONS = 5 };
 
-/* A dual solver ends its solves early, and may exceed its allowance by one of them. */
-static int max_iterations(const struct pdyn_sim *sim) {
-    int most = sim->scene.settings.linear_iterations;
-    double allowed = solver_choice_allowance(sim);
-    return sim->solver->dual || allowed < 1.0 ? most : (int)fmin(most, ceil(allowed));
-}
-
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     const struct scene_settings *set = &sim->scene.settings;
     bool dynamic = sim->objective.dynamic_rows;
@@ -38,7 +31,7 @@ static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     return (pdyn_stop){.rel_tol = fmax(set->linear_tolerance, enough),
                        .min_progress = dynamic ? 0.0 : min_progress,
                        .min_iterations = far ? MIN_ITERATIONS : 0,
-                       .max_iterations = max_iterations(sim),
+                       .max_iterations = set->linear_iterations,
                        .first_of_step = first_of_step};
 }
 

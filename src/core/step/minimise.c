@@ -343,15 +343,11 @@ static pdyn_status fail_not_finite(const struct pdyn_sim *sim) {
     return context_fail(sim->context, PDYN_DIVERGED, "the energy is not finite");
 }
 
-/* A step whose residual is at most so many times the tolerance ends with the solver in use. */
-static const double nearly_solved = 3.0;
-
 /* Local and global steps in turn until the step residual is small enough. */
 pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *set = &sim->scene.settings;
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
-    sim->objective.work = 0.0;
     measure_weights(sim);
     pdyn_status status = update_way(sim, sim->x);
     if (status == PDYN_OK)
@@ -366,9 +362,8 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (is_solved(sim, p) || p->outer >= set->outer_iterations) break;
-        if (solver_choice_allowance(sim) < 1.0 && p->residual > nearly_solved * set->tolerance)
-            solver_choice_hand_over(sim, moved);
-        else if (!moved && !(sim->solver->dual && solver_choice_hand_over(sim, false))) break;
+        if (solver_choice_has_lost(sim, p->linear)) solver_choice_hand_over(sim);
+        else if (!moved && !(sim->solver->dual && solver_choice_hand_over(sim))) break;
         status = iterate(sim, p, &moved);
         if (status == PDYN_OK) status = advance_solids(sim, &p->energy);
         p->outer++;

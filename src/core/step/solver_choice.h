@@ -3,11 +3,10 @@
  * costs less depends on the scene and on the moment: an impact of stiff water takes thousands of
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
- * Where the scene asks for "auto", work is counted in products with H, of which `dual` makes parts:
- * those with the rows alone, and those with the gradients of the fluid. A step begins with the
- * solver of which less work is expected, by its last step. When that takes more work than is
- * expected of the other one, the other one continues the step where it is. Counts decide, never
- * times, so that results are the same on every machine. */
+ * Where the scene asks for "auto", steps are counted: the solver in use is the one whose last step
+ * took fewer products with H. The other one is tried for a step when the cost has doubled since
+ * the last trial, or after a number of steps, which grows with every trial that it loses. Counts
+ * decide, never times, so that results are the same on every machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
@@ -18,16 +17,18 @@ struct pdyn_sim;
 struct solver_slot {
     const pdyn_global_solver *solver;
     void *state; /* solver->state_size bytes */
-    double cost; /* expected work of a step */
+    double cost; /* products with H in its last step */
 };
 
 struct solver_choice {
     struct solver_slot slot[2]; /* the best one by its bid, then a dual one */
     int count, active;          /* number of slots; the slot in use: sim->solver */
     const char *reason;         /* for the first one, in words */
+    bool trial;                 /* this step is a trial of the active one */
     bool fresh;                 /* the active one has not solved in this step yet */
-    bool handed_over;           /* the active one ends this step, whatever its work */
-    double spent;               /* work of the step by the one that handed over */
+    bool handed_over;           /* this step goes on with the solver that did not begin it */
+    long wait, next;            /* steps between two trials; step of the next trial */
+    double reference;           /* cost after the last trial */
     long dual_steps;            /* accepted steps with the second one */
 };
 
@@ -39,15 +40,16 @@ void solver_choice_free(struct pdyn_sim *sim);
 /* Warns where a direct solver factors a matrix that changes. */
 void solver_choice_warn(struct pdyn_sim *sim);
 
-/* Chooses the solver of the next step. */
-void solver_choice_step(struct pdyn_sim *sim, bool solved);
+/* Chooses the solver of the next step after a step that took so many linear iterations. */
+void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 
-/* Work that the solver in use may take before it has to hand over; INFINITY: any. */
-double solver_choice_allowance(const struct pdyn_sim *sim);
+/* Whether the solver on trial has taken more products than the other one took in its last step, or
+ * the one in positions many times more than in its own last step. */
+bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations);
 
-/* The other solver continues the step. moved: this one still makes progress. Returns false if there
- * is no other one, or if one has handed over already. */
-bool solver_choice_hand_over(struct pdyn_sim *sim, bool moved);
+/* The other solver continues the step: after a lost trial, in an impact, or where a dual solver
+ * makes no progress. Returns false if there is no other one, or if it has handed over already. */
+bool solver_choice_hand_over(struct pdyn_sim *sim);
 
 /* After a failed attempt at a step: the solvers forget what they keep, and the next attempt is made
  * in positions. */

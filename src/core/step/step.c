@@ -172,7 +172,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
     accept(sim, end.h);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end.h, progress.residual);
-    solver_choice_step(sim, progress.residual <= sim->scene.settings.tolerance);
+    solver_choice_step(sim, progress.linear, progress.residual <= sim->scene.settings.tolerance);
 
     timestep_advance(sim, &end);
     live_particles_step(sim);
