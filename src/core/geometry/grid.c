@@ -231,21 +231,21 @@ INLINE void measure(const struct grid *grid, const double *at, int first, int co
 
 /* Appends the candidates within the limit to `list`, which has `found` entries, and empties `c`.
  * Returns the new number of entries. */
-INLINE int append_near(struct candidates *c, double limit, int self, const bool *keep, int *list,
-                       int room, int found) {
+INLINE int append_near(struct candidates *c, double limit, int self, int *list, int room,
+                       int found) {
     int count = c->count;
     c->count = 0;
-    if (!keep && found + count <= room)
+    if (found + count <= room)
         return found + compress_ids(c->squared, c->id, count, limit, self, list + found);
     for (int k = 0; k < count; k++) {
         list[found < room ? found : room] = c->id[k];
-        found += (c->squared[k] < limit) & (c->id[k] != self) & (!keep || keep[c->id[k]]);
+        found += (c->squared[k] < limit) & (c->id[k] != self);
     }
     return found;
 }
 
 WIDE static int query(const struct grid *grid, const struct grid_cells *cells, const double *at,
-                      double radius, int self, const bool *keep, int *list, int room) {
+                      double radius, int self, int *list, int room) {
     struct candidates near;
     double limit = radius * radius;
     int found = 0;
@@ -255,15 +255,14 @@ WIDE static int query(const struct grid *grid, const struct grid_cells *cells, c
             count = cells->last[r] - first;
             if (count > CHUNK - near.count) count = CHUNK - near.count;
             measure(grid, at, first, count, &near);
-            if (near.count == CHUNK)
-                found = append_near(&near, limit, self, keep, list, room, found);
+            if (near.count == CHUNK) found = append_near(&near, limit, self, list, room, found);
         }
-    return append_near(&near, limit, self, keep, list, room, found);
+    return append_near(&near, limit, self, list, room, found);
 }
 
 int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
-               double radius, int self, const bool *keep, int *list, int room) {
-    return query(grid, cells, at, radius, self, keep, list, room);
+               double radius, int self, int *list, int room) {
+    return query(grid, cells, at, radius, self, list, room);
 }
 
 /* ---- visits ---------------------------------------------------------------------------------- */

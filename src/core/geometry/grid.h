@@ -53,11 +53,10 @@ struct grid_cells {
 void grid_update_cells(const struct grid *grid, const double *at, struct grid_cells *cells);
 
 /* Finds the points closer than `radius` <= reach to `at`, a position in the central cell of
- * `cells`. Skips the id `self` and, if `keep` is given, every id with keep[id] false. Returns the
- * number of points found and writes the first `room` of their ids to `list`, which needs space for
- * room + 1. */
+ * `cells`, without the id `self`. Returns the number of points found and writes the first `room` of
+ * their ids to `list`, which needs space for room + 1. */
 int grid_query(const struct grid *grid, const struct grid_cells *cells, const double *at,
-               double radius, int self, const bool *keep, int *list, int room);
+               double radius, int self, int *list, int room);
 
 /* Calls `visit` with the id of every point in the cells that a cube of half the edge `radius`
  * around `at`, m, touches, by ascending cell. */

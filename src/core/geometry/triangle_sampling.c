@@ -158,7 +158,7 @@ static int nearest_point(const struct grid *grid, struct grid_cells *cells, cons
     int list[NEAR + 1], best = -1;
     double smallest = INFINITY;
     grid_update_cells(grid, at, cells);
-    int found = grid_query(grid, cells, at, grid->cell, -1, NULL, list, NEAR);
+    int found = grid_query(grid, cells, at, grid->cell, -1, list, NEAR);
     for (int k = 0; k < found && k < NEAR; k++) {
         double distance = vec3_distance(at, x + 3 * (size_t)list[k]);
         if (distance < smallest) smallest = distance, best = list[k];

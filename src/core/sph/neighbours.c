@@ -222,7 +222,7 @@ static void append(struct neighbours *n, struct search *w, const struct grid *gr
     int *list = w->list + n->room - room;
     if (!grid->points) return;
     grid_update_cells(grid, at, cells);
-    int found = grid_query(grid, cells, at, reach, i, NULL, list, room);
+    int found = grid_query(grid, cells, at, reach, i, list, room);
     for (int k = 0; first && k < found && k < room; k++) list[k] += first;
     w->used += found;
 }
@@ -330,12 +330,12 @@ static pdyn_status list_near(pdyn_context *context, const struct grid *grid,
                              size_t *capacity, int *found) {
     const double *at = x + 3 * (size_t)i;
     grid_update_cells(grid, at, cells);
-    *found = grid_query(grid, cells, at, grid->cell, -1, NULL, *list, (int)*capacity - 1);
+    *found = grid_query(grid, cells, at, grid->cell, -1, *list, (int)*capacity - 1);
     if ((size_t)*found < *capacity) return PDYN_OK;
     int *grown = context_grow(context, *list, capacity, (size_t)*found + 1, sizeof *grown);
     if (!grown) return PDYN_NO_MEMORY;
     *list = grown;
-    grid_query(grid, cells, at, grid->cell, -1, NULL, *list, (int)*capacity - 1);
+    grid_query(grid, cells, at, grid->cell, -1, *list, (int)*capacity - 1);
     return PDYN_OK;
 }
 
