@@ -412,7 +412,8 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = energy_budget_create(sim);
     if (status != PDYN_OK) return status;
     sim->floor = warn_floor(sim);
-    warn_of_scene(sim);
+    status = warn_of_scene(sim);
+    if (status != PDYN_OK) return status;
     return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration,
                                &sim->objective);
 }

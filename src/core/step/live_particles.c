@@ -69,9 +69,7 @@ static void emit_particle(struct pdyn_sim *sim, int b, const double x[3], const 
 /* ---- outlets --------------------------------------------------------------------------------- */
 
 static bool outlet_contains(const struct scene_outlet *outlet, const double x[3]) {
-    bool inside = true;
-    for (int a = 0; a < 3; a++) inside &= x[a] >= outlet->box.min[a] && x[a] <= outlet->box.max[a];
-    return inside != outlet->outside;
+    return scene_box_contains(&outlet->box, x) != outlet->outside;
 }
 
 static bool is_in_outlet(const struct scene *scene, const double x[3]) {

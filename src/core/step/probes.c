@@ -60,13 +60,10 @@ static bool is_fluid(const struct pdyn_sim *sim, int i) {
 
 /* The volume of all fluids in the box, and its mean velocity. */
 static void measure_box(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
-    const double *low = probe->box.min, *high = probe->box.max;
     double spacing = sim_spacing(sim), count = 0.0, sum[3] = {0};
     for (int i = 0; i < sim->objective.particles; i++) {
         const double *x = sim->x + 3 * (size_t)i;
-        bool inside = true;
-        for (int a = 0; a < 3; a++) inside &= x[a] >= low[a] && x[a] <= high[a];
-        if (!inside || !is_fluid(sim, i)) continue;
+        if (!scene_box_contains(&probe->box, x) || !is_fluid(sim, i)) continue;
         count++;
         vec3_add(sum, 1.0, sim->v + 3 * (size_t)i);
     }

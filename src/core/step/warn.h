@@ -2,12 +2,16 @@
 #ifndef PDYN_WARN_H
 #define PDYN_WARN_H
 
+#include "projdyn/box.h"
 #include "projdyn/projdyn.h"
 
 struct pdyn_sim;
 
 /* Raises warnings about values that are legal but surely not meant. */
-void warn_of_scene(struct pdyn_sim *sim);
+pdyn_status warn_of_scene(struct pdyn_sim *sim);
+
+/* The bounding box of all solids and live particles. */
+struct box warn_extent(const struct pdyn_sim *sim);
 
 /* The height, m, against gravity, below which a particle fell out of the scene: it is as far below
  * everything that the scene has at the start as that is wide and high. */

@@ -1,5 +1,5 @@
 /* Warnings about a scene: values that are legal but surely not meant. */
-#include "geometry/bvh.h"
+#include "geometry/mesh_query.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -106,44 +106,52 @@ static struct box box_of(const struct pdyn_sim *sim, const pdyn_body *body) {
     return box;
 }
 
-/* Number of times that the surface of a body encloses a point: the sum of the solid angles of its
- * triangles over 4 pi (van Oosterom and Strackee 1983). */
-static double winding_number(const struct pdyn_sim *sim, const pdyn_body *body, const double *x) {
-    double sum = 0.0;
-    for (int t = 0; t < body->triangles; t++) {
-        double c[3][3], length[3], normal[3];
-        for (int k = 0; k < 3; k++) {
-            vec3_subtract(c[k], sim->x + 3 * (size_t)(body->first + body->triangle[3 * t + k]), x);
-            length[k] = vec3_length(c[k]);
-        }
-        vec3_cross(normal, c[1], c[2]);
-        double part = length[0] * length[1] * length[2];
-        for (int k = 0; k < 3; k++) part += vec3_dot(c[k], c[(k + 1) % 3]) * length[(k + 2) % 3];
-        sum += atan2(vec3_dot(c[0], normal), part);
-    }
-    return sum / (2.0 * acos(-1.0));
+static double extent_of(const struct box *box) {
+    double extent = 0.0;
+    for (int a = 0; a < 3; a++) extent = fmax(extent, box->max[a] - box->min[a]);
+    return extent;
+}
+
+static bool contains(const struct box *box, const double x[3]) {
+    bool inside = true;
+    for (int a = 0; a < 3; a++) inside &= x[a] >= box->min[a] && x[a] <= box->max[a];
+    return inside;
+}
+
+/* Is the body, with the bounding box `box`, inside the closed surface of body k? */
+static pdyn_status find_inside(const struct pdyn_sim *sim, const pdyn_body *body,
+                               const struct box *box, int k, bool *inside) {
+    struct box around = box_of(sim, &sim->body[k]);
+    struct mesh_query query;
+    *inside = contains(&around, box->min) && contains(&around, box->max);
+    if (!*inside) return PDYN_OK;
+    pdyn_status status = mesh_query_create(sim->context, &sim->scene.body[k].mesh, &query);
+    if (status != PDYN_OK) return status;
+    *inside = mesh_query_contains(&query, sim->x + 3 * (size_t)body->first);
+    mesh_query_free(sim->context, &query);
+    return PDYN_OK;
 }
 
 /* Bodies inside a rigid body: contact holds them there. */
-static void check_inside(struct pdyn_sim *sim, int b) {
+static pdyn_status check_inside(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = box_of(sim, body);
     for (int k = 0; k < sim->bodies && body->triangles; k++) {
-        struct box around = box_of(sim, &sim->body[k]);
-        bool within = k != b && sim->scene.body[k].is_rigid;
-        for (int a = 0; a < 3; a++)
-            within &= box.min[a] >= around.min[a] && box.max[a] <= around.max[a];
-        if (within && winding_number(sim, &sim->body[k], sim->x + 3 * (size_t)body->first) > 0.5)
+        bool inside;
+        if (k == b || !sim->scene.body[k].is_rigid) continue;
+        pdyn_status status = find_inside(sim, body, &box, k, &inside);
+        if (status != PDYN_OK) return status;
+        if (inside)
             WARN(sim, OVERLAP, body->name, "it starts inside of the rigid body \"%s\"",
                  sim->body[k].name);
     }
+    return PDYN_OK;
 }
 
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = box_of(sim, body);
-    double extent = 0.0;
-    for (int a = 0; a < 3; a++) extent = fmax(extent, box.max[a] - box.min[a]);
+    double extent = extent_of(&box);
     if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
     WARN(sim, SCALE, body->name,
          "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh", extent);
@@ -230,32 +238,17 @@ static void check_tolerance(struct pdyn_sim *sim) {
              tolerance, loose_tolerance);
 }
 
-/* Everything at the start, widened on all sides by its largest extent. */
-static struct box surroundings(const struct pdyn_sim *sim) {
-    struct box box = box_empty;
-    for (int b = 0; b < sim->bodies; b++) {
-        struct box one = box_of(sim, &sim->body[b]);
-        box_add(&box, one.min);
-        box_add(&box, one.max);
-    }
-    for (int k = 0; k < sim->boundary.at.count; k++)
-        box_add(&box, sim->boundary.at.x + 3 * (size_t)k);
-    double extent = 0.0;
-    for (int a = 0; a < 3; a++) extent = fmax(extent, box.max[a] - box.min[a]);
-    for (int a = 0; a < 3; a++) box.min[a] -= extent, box.max[a] += extent;
-    return box;
-}
-
 /* Probes at places that nothing will reach: often a place in millimetres. */
 static void check_probes(struct pdyn_sim *sim) {
-    struct box box = surroundings(sim);
+    struct box box = warn_extent(sim);
+    double extent = extent_of(&box);
+    if (box.min[0] > box.max[0]) return; /* everything is to come from inlets */
+    for (int a = 0; a < 3; a++) box.min[a] -= extent, box.max[a] += extent;
     for (int p = 0; p < sim->scene.probes; p++) {
         const struct scene_probe *probe = &sim->scene.probe[p];
         for (int k = 0; k < probe->at.count; k++) {
             const double *x = probe->at.x + 3 * (size_t)k;
-            bool within = true;
-            for (int a = 0; a < 3; a++) within &= x[a] >= box.min[a] && x[a] <= box.max[a];
-            if (within) continue;
+            if (contains(&box, x)) continue;
             WARN(sim, PROBE, probe->name,
                  "(%g, %g, %g) is far from everything in the scene: it measures 0", x[0], x[1],
                  x[2]);
@@ -264,7 +257,7 @@ static void check_probes(struct pdyn_sim *sim) {
     }
 }
 
-void warn_of_scene(struct pdyn_sim *sim) {
+pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     const pdyn_body *fluid = find_fluid(sim);
     check_frames(sim);
     check_tolerance(sim);
@@ -272,7 +265,8 @@ void warn_of_scene(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
-        check_inside(sim, b);
+        pdyn_status status = check_inside(sim, b);
+        if (status != PDYN_OK) return status;
         check_density(sim, b);
         check_scale(sim, b);
         check_thickness(sim, b);
@@ -280,4 +274,5 @@ void warn_of_scene(struct pdyn_sim *sim) {
         check_overlap(sim, b);
         if (fluid) check_weight(sim, b, fluid), check_edges(sim, b, fluid);
     }
+    return PDYN_OK;
 }

@@ -45,15 +45,20 @@ static void warn_compressed(struct pdyn_sim *sim, double error) {
 
 /* ---- particles that fell out of the scene ---------------------------------------------------- */
 
-double warn_floor(const struct pdyn_sim *sim) {
+struct box warn_extent(const struct pdyn_sim *sim) {
     struct box box = box_empty;
-    const double *g = sim->scene.settings.gravity;
-    double height = INFINITY, length = fmax(vec3_length(g), 1e-300);
     for (int s = 0; s < sim->scene.solids; s++)
         for (int i = 0; i < sim->scene.solid[s].mesh.vertices; i++)
             box_add(&box, sim->scene.solid[s].mesh.vertex + 3 * (size_t)i);
     for (int i = 0; i < sim->objective.particles; i++)
         if (particle_is_live(sim, i)) box_add(&box, sim->x + 3 * (size_t)i);
+    return box;
+}
+
+double warn_floor(const struct pdyn_sim *sim) {
+    struct box box = warn_extent(sim);
+    const double *g = sim->scene.settings.gravity;
+    double height = INFINITY, length = fmax(vec3_length(g), 1e-300);
     for (int k = 0; k < 8; k++) {
         double corner[3];
         for (int a = 0; a < 3; a++) corner[a] = k >> a & 1 ? box.max[a] : box.min[a];
