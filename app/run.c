@@ -181,7 +181,7 @@ static int parse(struct run_options *o, int argc, char **argv) {
 
 /* What tells most about the last step: the density error of a fluid, or the step residual. */
 static const char *accuracy(const pdyn_step_info *info, const struct run_totals *t, char text[64]) {
-    if (t->has_fluid) snprintf(text, 64, "density %.4f%%", 100.0 * info->density_error_mean);
+    if (t->has_fluid) snprintf(text, 64, "density error %.4f%%", 100.0 * info->density_error_mean);
     else snprintf(text, 64, "residual %.2g", info->step_residual);
     return text;
 }

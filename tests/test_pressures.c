@@ -64,9 +64,7 @@ static void test_stiff(void **state) {
     assert_true(fabs(stiff.kinetic - soft.kinetic) < 0.05 * soft.kinetic);
 }
 
-/* A step in positions that takes many times the iterations of the last one goes on in pressures,
- * once.
- */
+/* A step in positions that takes many times the iterations of the last one goes on in pressures. */
 static void test_surprise(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);

@@ -193,7 +193,6 @@ static void assert_impulse(const char *contact, double speed, const char *bodies
     pdyn_destroy(c);
 }
 
-#define FALLING  "'velocity': [0, -2, 0], "
 #define TOUCHING "'contact': {'thickness': 0.004, 'friction': 0}, "
 
 static void test_impacts(void **state) {

@@ -4,9 +4,10 @@
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
  * Where the scene asks for "auto", steps are counted: the solver in use is the one whose last step
- * took fewer products with H. The other one is tried for a step when the cost has doubled since
- * the last trial, or after a number of steps, which grows with every trial that it loses. Counts
- * decide, never times, so that results are the same on every machine. */
+ * took fewer products with H. The other one is tried for a step when the cost has tripled since
+ * the last trial, or after a number of steps, which grows with every trial that it loses. A step in
+ * positions that takes many times the products of the last one goes on in pressures. Counts decide,
+ * never times, so that results are the same on every machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
