@@ -179,9 +179,11 @@ static int parse(struct run_options *o, int argc, char **argv) {
 
 /* ---- progress -------------------------------------------------------------------------------- */
 
-/* What tells most about the last step: the density error of a fluid, or the step residual. */
-static const char *accuracy(const pdyn_step_info *info, const struct run_totals *t, char text[64]) {
-    if (t->has_fluid) snprintf(text, 64, "density error %.4f%%", 100.0 * info->density_error_mean);
+/* What tells most about the last step: the density error of a fluid, called `density`, or the step
+ * residual. */
+static const char *accuracy(const pdyn_step_info *info, const struct run_totals *t,
+                            const char *density, char text[64]) {
+    if (t->has_fluid) snprintf(text, 64, "%s %.4f%%", density, 100.0 * info->density_error_mean);
     else snprintf(text, 64, "residual %.2g", info->step_residual);
     return text;
 }
@@ -202,7 +204,7 @@ static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct run
     snprintf(line, sizeof line,
              "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, %s, %d outer, %.3g ms/step", filled,
              "##########", 10 - filled, "..........", 100.0 * part, info->time, pdyn_duration(sim),
-             (time - t->start_s) * (1.0 / part - 1.0), accuracy(info, t, text),
+             (time - t->start_s) * (1.0 / part - 1.0), accuracy(info, t, "density", text),
              info->outer_iterations, 1e3 * (time - t->start_s) / (double)t->steps);
     clear_progress();
     fprintf(stderr, "%.*s", terminal_columns() - 1, line);
@@ -217,7 +219,8 @@ static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struc
                 "%.4f s of %g s, %.1f s of wall time, %s, %d outer iterations, "
                 "%d linear iterations\n",
                 info->time, pdyn_duration(sim), wall_seconds() - t->start_s,
-                accuracy(info, t, text), info->outer_iterations, info->linear_iterations);
+                accuracy(info, t, "density error", text), info->outer_iterations,
+                info->linear_iterations);
 }
 
 /* Prints the warnings that have grown since they were printed first, in their last form. */
