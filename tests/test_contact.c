@@ -87,7 +87,7 @@ static struct trial start(const char *solver) {
     const char *set[] = {solver, "solver.linear_tolerance=1e-12", "solver.tolerance=1e-6"};
     assert_int_equal(
         pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
-    assert_int_equal(contact_begin(t.sim->objective.contact, 1.0), PDYN_OK);
+    assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, 1.0), PDYN_OK);
     t.n = 3 * t.sim->objective.particles;
     t.x = array(t.n), t.gradient = array(t.n), t.u = array(t.n), t.y = array(t.n), t.z = array(t.n);
     for (int k = 0; k < t.n; k++) {
@@ -95,8 +95,9 @@ static struct trial start(const char *solver) {
         t.u[k] = test_random(&seed);
     }
     double energy;
-    t.sim->objective.h = 0.01;
+    t.sim->objective.h = t.sim->objective.length = 0.01;
     assert_int_equal(objective_open(&t.sim->objective, t.sim->x, t.sim->v), PDYN_OK);
+    objective_begin(&t.sim->objective, t.sim->x, t.sim->v);
     assert_int_equal(objective_local(&t.sim->objective, t.x, &energy, t.gradient), PDYN_OK);
     assert_true(t.sim->objective.contact->current.view.count > 20);
     assert_true(t.sim->objective.contact->start.view.count > 20);
@@ -123,7 +124,7 @@ static void test_gradient(void **state) {
     (void)state;
     struct trial t = start("solver.type=cg");
     struct contact *c = t.sim->objective.contact;
-    struct batch *batch[] = {c->current.batch, c->start.batch};
+    struct batch *batch[] = {c->barrier, c->friction};
     double h = 1e-9, slope[2] = {0}, expected[2], energy;
     for (int k = 0; k < 2; k++) {
         memset(t.y, 0, (size_t)t.n * sizeof *t.y);

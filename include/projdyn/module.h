@@ -122,11 +122,25 @@ typedef struct pdyn_contact {
     double coefficient[4]; /* 0 for a point of a solid */
     double offset[3];      /* m: what points of solids add to the shortest vector */
     double separation[3];  /* m: the shortest vector when the contact was found */
+    double shift[3];       /* m: what solids that move add to it in this step; 0 in a local step */
+    double damping;        /* N s/m: its part of the dashpots of rigid bodies; 0 in a local step */
     double distance;       /* m: its length, below the thickness */
     double thickness;      /* m: the distance at which contact begins */
     double share;          /* of the stiffness, up to 1; less for nearly parallel edges of rigid
                               bodies, whose vertices touch faces in the same place */
 } pdyn_contact;
+
+/* A dashpot across the contacts of a rigid body with another one or a solid, of the beginning of
+ * the step: it resists the change of u = sum over k of coefficient_k x_k along the normal. */
+typedef struct pdyn_dashpot {
+    int particle[8]; /* in the system: four that carry the one body, then four of the other; an
+                        arbitrary one where coefficient is 0 */
+    double coefficient[8];
+    double normal[3]; /* length 1; contact pushes u along it */
+    double damping;   /* N s/m */
+    double limit;     /* N: the largest force that pulls */
+    double shift;     /* m: what a solid that moves adds to u along the normal in this step */
+} pdyn_dashpot;
 
 /* Constraints with PDYN_EVERY_ITERATION see the contacts of the local step. Other constraints see
  * those of the beginning of the step, without contacts of fluid particles; their `offset` follows
@@ -137,6 +151,8 @@ typedef struct pdyn_contacts {
     int particles;    /* of the system; rows may select all of them */
     int count;
     const pdyn_contact *contact; /* count */
+    int dashpots;                /* 0 in a local step */
+    const pdyn_dashpot *dashpot; /* dashpots */
 } pdyn_contacts;
 
 /* One side of a surface's sample (pdyn_neighbours) with fluid on it when the step begins:
@@ -516,7 +532,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 13u
+#define PDYN_ABI 14u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

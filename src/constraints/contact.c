@@ -47,8 +47,8 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     double sum = 0.0;
     for (int e = first; e < last; e++) {
         const pdyn_contact *contact = &b->contacts->contact[e];
-        double n[3], d = distance(b, e, n), T = contact->thickness;
-        sum += 0.5 * contact->share * b->contacts->stiffness * (T - d) * (T - d) * (T - d) / d;
+        double n[3], d = distance(b, e, n);
+        sum += barrier_energy(contact_stiffness(b, contact), contact->thickness, d);
     }
     return sum;
 }

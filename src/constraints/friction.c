@@ -30,22 +30,35 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
 
 /* The anchor is behind the shortest vector by the stretch of the step before, of which the part
  * along the surface counts. */
-static void attach(const pdyn_batch *b, const pdyn_contact *contact, const double stretch[3],
-                   struct spring *spring) {
-    double d = vec3_length(contact->separation);
-    for (int a = 0; a < 3; a++) spring->normal[a] = contact->separation[a] / d;
+static void attach(const pdyn_contact *contact, const double stretch[3], struct spring *spring) {
+    for (int a = 0; a < 3; a++) spring->normal[a] = contact->separation[a] / contact->distance;
     double along = vec3_dot(stretch, spring->normal);
     for (int a = 0; a < 3; a++)
         spring->anchor[a] = contact->separation[a] - (stretch[a] - along * spring->normal[a]);
-    spring->limit = b->contacts->friction * contact_force(b, contact, d);
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         contact_select(b, e);
-        attach(b, &b->contacts->contact[e], (const double *)b->memory + 3 * e,
+        attach(&b->contacts->contact[e], (const double *)b->memory + 3 * e,
                (struct spring *)b->data + e);
+    }
+}
+
+/* The normal force is that of the barrier and, on a rigid body, of the dashpots. p: the rate at
+ * which u changes, m/s, at the base of the step. */
+static void begin(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        const pdyn_contact *contact = &b->contacts->contact[e];
+        struct spring *spring = (struct spring *)b->data + e;
+        double force =
+            barrier_force(contact_stiffness(b, contact), contact->thickness, contact->distance);
+        if (contact->damping > 0.0)
+            force -= contact->damping * (vec3_dot(spring->normal, b->p + 3 * e) +
+                                         vec3_dot(spring->normal, contact->shift) / b->length);
+        spring->limit = force > 0.0 ? b->contacts->friction * force : 0.0;
     }
 }
 
@@ -114,6 +127,7 @@ const pdyn_constraint_type pdyn_constraint_friction = {
     .rows = 1,
     .width = 4,
     .select = select,
+    .begin = begin,
     .weight = contact_weight, /* as stiff across the contact as along it */
     .project = project,
     .tangent = tangent,

@@ -1,4 +1,5 @@
 #include "contact.h"
+#include "bearings.h"
 
 #include "base/clock.h"
 #include "scene/poses.h"
@@ -114,13 +115,14 @@ static void set_goal(struct contact *c, double time) {
     }
 }
 
-pdyn_status contact_begin(struct contact *c, double time) {
+pdyn_status contact_begin(struct contact *c, const double *x, double time) {
     double start = clock_ms();
     size_t solids = 3 * (size_t)(c->points - c->free) * sizeof *c->at;
     c->ms = 0.0;
     if (solids) memcpy(c->begin, c->at + 3 * (size_t)c->free, solids);
     if (c->moving) set_goal(c, time);
     pdyn_status status = contact_set_start(c);
+    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
     c->ms += clock_ms() - start;
     return status;
 }

@@ -43,7 +43,6 @@ struct contact_list {
     pdyn_contact *contact;   /* room */
     struct stencil *stencil; /* room: of the same contacts */
     pdyn_contacts view;      /* what constraints see */
-    struct batch *batch;     /* its element e acts on contact e; NULL: none */
 };
 
 struct blocked { /* a pair that may move by a part of its displacement only */
@@ -114,8 +113,13 @@ struct contact {
     /* contacts (contact_find.c) */
     struct hit *hit;             /* room: each block of pairs has its hits at its own place */
     int *hit_count, *hit_start;  /* room / CONTACT_GRAIN */
-    struct contact_list current; /* of the last local step; its batch is the barrier */
-    struct contact_list start;   /* of the beginning of the step; its batch is friction */
+    struct contact_list current; /* of the last local step */
+    struct contact_list start;   /* of the beginning of the step */
+    struct bearings *bearings;   /* of the latter; NULL: without rigid bodies or damping */
+
+    /* Element e acts on contact e of `current`, on dashpot e, and on contact e of `start`. NULL:
+     * without bearings; without friction */
+    struct batch *barrier, *damping, *friction;
 };
 
 /* Makes points and batches and checks that nothing intersects. sim->objective.contact stays NULL in
@@ -123,9 +127,9 @@ struct contact {
 pdyn_status contact_create(struct pdyn_sim *sim);
 void contact_free(struct contact *contact);
 
-/* Begins a step at the positions of the last local step: the contacts there become those of the
+/* Begins a step at the positions x of the last local step: the contacts there become those of the
  * beginning of the step, and solids get their poses at `time`, s, as goals. */
-pdyn_status contact_begin(struct contact *contact, double time);
+pdyn_status contact_begin(struct contact *contact, const double *x, double time);
 
 /* Undoes a step that failed: solids go back to where it began, surfaces are at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);

@@ -105,6 +105,15 @@ static bool has_fluid(const struct contact *c, const struct stencil *s) {
     return s->point[0] >= c->vertices && s->point[0] < c->free;
 }
 
+/* What solids add to the shortest vector on their way to their goals. */
+static void set_shift(const struct contact *c, const struct stencil *s, double shift[3]) {
+    for (int k = 0; k < 4 && c->moving; k++) {
+        if (s->point[k] < c->free) continue;
+        vec3_add(shift, s->c[k], c->goal + 3 * (size_t)(s->point[k] - c->free));
+        vec3_add(shift, -s->c[k], c->at + 3 * (size_t)s->point[k]);
+    }
+}
+
 pdyn_status contact_set_start(struct contact *c) {
     const struct contact_list *from = &c->current;
     struct contact_list *to = &c->start;
@@ -116,6 +125,7 @@ pdyn_status contact_set_start(struct contact *c) {
     for (int e = 0; e < from->view.count; e++) {
         if (has_fluid(c, &from->stencil[e])) continue;
         to->contact[to->view.count] = from->contact[e];
+        set_shift(c, &from->stencil[e], to->contact[to->view.count].shift);
         to->stencil[to->view.count++] = from->stencil[e];
     }
     return PDYN_OK;

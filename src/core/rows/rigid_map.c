@@ -31,6 +31,15 @@ void rigid_body_matrix(const struct rigid_body *b, const double *x, double A[9])
     }
 }
 
+void rigid_body_weights(const struct rigid_body *b, const double *x, const double arm[3],
+                        double w[RIGID_POINTS]) {
+    double A[9], at_rest[3] = {0};
+    rigid_body_matrix(b, x, A);
+    for (int a = 0; a < 3; a++) vec3_add(at_rest, arm[a], A + 3 * a);
+    for (int k = 0; k < RIGID_POINTS; k++)
+        w[k] = 1.0 / RIGID_POINTS + vec3_dot(b->frame[k], at_rest);
+}
+
 void rigid_body_place(const struct rigid_body *b, const double c[3], const double R[9], double *x) {
     for (int i = 0; i < particles_of(b); i++) {
         double r[3], *to = x + 3 * (size_t)(b->first + i);

@@ -97,6 +97,9 @@ void rigid_body_centre(const struct rigid_body *body, const double *x, double c[
 /* The matrix of the affine map of the rest shape to the points at x, row by row: the rotation where
  * x is rigid. */
 void rigid_body_matrix(const struct rigid_body *body, const double *x, double A[9]);
+/* The weights w of the body's points for which sum of w_k x_k is its point at centre + arm. */
+void rigid_body_weights(const struct rigid_body *body, const double *x, const double arm[3],
+                        double w[RIGID_POINTS]);
 /* R: the rotation closest to A, both row by row. */
 void rigid_closest_rotation(const double A[9], double R[9]);
 /* Sets x of the body to the pose with centre c and rotation R. */

@@ -118,6 +118,8 @@ const pdyn_param scene_contact_params[] = {
     {"friction", PDYN_REAL, offsetof(struct scene_contact, friction), false, 0.3, 0, 100, "1", ""},
     {"stiffness", PDYN_REAL, offsetof(struct scene_contact, stiffness), false, 1000, 1e-9, 1e15,
      "N/m", ""},
+    {"damping_ratio", PDYN_REAL, offsetof(struct scene_contact, damping), false, 0.3, 0, 100, "1",
+     ""},
     {"self", PDYN_BOOL, offsetof(struct scene_contact, self), false, 1, 0, 0, "", ""},
     {0}};
 

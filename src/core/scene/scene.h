@@ -127,6 +127,7 @@ struct scene_contact {
     double thickness; /* m, distance that surfaces keep */
     double friction;  /* Coulomb friction coefficient */
     double stiffness; /* N/m, of a pair at a distance of the thickness */
+    double damping;   /* of rigid bodies on their contacts, ratio to critical damping */
     bool self;        /* contact of a surface with itself */
 };
 

@@ -354,7 +354,7 @@ static pdyn_status make_batches(struct pdyn_sim *sim) {
     struct objective *sys = &sim->objective;
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
-    if (sim->scene.has_contact) count += 2; /* contact, friction */
+    if (sim->scene.has_contact) count += 3; /* contact, its damping, friction */
     if (sim->samples) count++;              /* slip */
     sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !sys->batch) return PDYN_NO_MEMORY;

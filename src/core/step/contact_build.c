@@ -1,6 +1,7 @@
 /* Sets up contact from a scene: points, faces and edges of all surfaces and solids, the batches of
  * contact and friction, and the check that nothing intersects at the start. */
 #include "contact/contact.h"
+#include "contact/bearings.h"
 
 #include "base/registry.h"
 #include "live_particles.h"
@@ -152,11 +153,11 @@ static pdyn_status plant_trees(struct contact *c) {
 /* ---- batches --------------------------------------------------------------------------------- */
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *type,
-                             struct contact_list *list) {
+                             struct batch **out) {
     struct objective *sys = &sim->objective;
-    pdyn_status status = batch_create(sim->context, type, NULL, &sys->contact->body, NULL, NULL,
-                                      false, &list->batch);
-    if (status == PDYN_OK) sys->batch[sys->batches++] = list->batch;
+    pdyn_status status =
+        batch_create(sim->context, type, NULL, &sys->contact->body, NULL, NULL, false, out);
+    if (status == PDYN_OK) sys->batch[sys->batches++] = *out;
     return status;
 }
 
@@ -178,9 +179,12 @@ static pdyn_status add_batches(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
     sim->objective.dynamic_rows = true;
     sim->anchored |= c->points > c->free;
-    pdyn_status status = add_batch(sim, &pdyn_constraint_contact, &c->current);
+    pdyn_status status = add_batch(sim, &pdyn_constraint_contact, &c->barrier);
+    if (status == PDYN_OK) status = bearings_create(c, sim->objective.rigid);
+    if (status == PDYN_OK && c->bearings)
+        status = add_batch(sim, &pdyn_constraint_contact_damping, &c->damping);
     if (status == PDYN_OK && c->set->friction > 0.0)
-        status = add_batch(sim, &pdyn_constraint_friction, &c->start);
+        status = add_batch(sim, &pdyn_constraint_friction, &c->friction);
     show(sim);
     return status;
 }
@@ -227,6 +231,7 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->found_count, c->blocks);
     contact_list_free(x, &c->current);
     contact_list_free(x, &c->start);
+    bearings_free(c->bearings);
     for (int k = 0; k < 2; k++) {
         bvh_free(x, &c->face_tree[k]);
         bvh_free(x, &c->edge_tree[k]);

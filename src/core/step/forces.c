@@ -60,8 +60,9 @@ typedef bool choose_fn(const struct batch *batch, const struct batch *constraint
 
 static bool is_of_contact(const struct batch *batch, const struct batch *none) {
     (void)none;
-    return batch->type == &pdyn_constraint_contact || batch->type == &pdyn_constraint_friction ||
-           batch->type == &pdyn_constraint_slip;
+    const pdyn_constraint_type *type = batch->type;
+    return type == &pdyn_constraint_contact || type == &pdyn_constraint_contact_damping ||
+           type == &pdyn_constraint_friction || type == &pdyn_constraint_slip;
 }
 
 /* force = the sum over the chosen batches; 0 while forces are unknown. */

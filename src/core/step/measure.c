@@ -70,7 +70,7 @@ static void add_energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
     for (int b = 0; b < sim->constraints; b++)
         if (!(sys->batch[b]->type->flags & PDYN_LOSSY))
             info->constraint_energy += sys->batch[b]->energy;
-    if (sys->contact) info->constraint_energy += sys->contact->current.batch->energy;
+    if (sys->contact) info->constraint_energy += sys->contact->barrier->energy;
 }
 
 /* Adds the reactions of pins. The force in a pin is the gradient of all other terms at its point:

@@ -1,6 +1,7 @@
 /* Loads on solids: sums of the forces of operators and contact pairs. */
 #include "solid_load.h"
 
+#include "contact/bearings.h"
 #include "sim.h"
 
 #include "projdyn/vec3.h"
@@ -46,28 +47,46 @@ static void add_fluid(const struct pdyn_sim *sim) {
 
 /* Adds the force of a contact. Its energy is a function of u = sum c_k x_k over the points of the
  * contact, with gradient w (u - p), less what the integrator left out of an impact (forces.c). */
-static void add_element(const struct pdyn_sim *sim, const struct contact_list *list, int e) {
+static void add_element(const struct pdyn_sim *sim, const struct contact_list *list,
+                        const struct batch *batch, int e) {
     const struct contact *c = sim->objective.contact;
     const struct stencil *stencil = &list->stencil[e];
-    const pdyn_batch *v = &list->batch->view;
+    const pdyn_batch *v = &batch->view;
     for (int k = 0; k < 4; k++) {
         double force[3];
         int point = stencil->point[k];
         if (point < c->free) continue;
         for (int a = 0; a < 3; a++)
             force[a] = -stencil->c[k] * (v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]) -
-                                         list->batch->left_out * list->batch->flux[4 * e + a]);
+                                         batch->left_out * batch->flux[4 * e + a]);
         solid_load_add(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
                        force);
     }
 }
 
+/* The dashpots' forces w (u - p) act on solids with the opposite sign. */
+static void add_damping(const struct pdyn_sim *sim) {
+    const struct contact *c = sim->objective.contact;
+    for (int e = 0; c->damping && e < c->damping->view.elements; e++) {
+        const double *u = c->damping->view.u + 3 * (size_t)e;
+        const double *p = c->damping->view.p + 3 * (size_t)e;
+        double force[3] = {0};
+        int solid = bearings_solid(c, e);
+        if (solid < 0) continue;
+        vec3_add(force, c->damping->view.weight[e], u);
+        vec3_add(force, -c->damping->view.weight[e], p);
+        solid_load_add(&sim->loads->solid[solid], u, force);
+    }
+}
+
 static void add_contact(const struct pdyn_sim *sim) {
     const struct contact *c = sim->objective.contact;
-    const struct contact_list *list[] = {c ? &c->current : NULL, c ? &c->start : NULL};
-    for (int k = 0; k < 2 && c; k++)
-        for (int e = 0; list[k]->batch && e < list[k]->batch->view.elements; e++)
-            add_element(sim, list[k], e);
+    if (!c) return;
+    for (int e = 0; e < c->barrier->view.elements; e++)
+        add_element(sim, &c->current, c->barrier, e);
+    for (int e = 0; c->friction && e < c->friction->view.elements; e++)
+        add_element(sim, &c->start, c->friction, e);
+    add_damping(sim);
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */

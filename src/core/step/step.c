@@ -96,7 +96,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
     pdyn_status status = prepare_samples(sim);
-    if (status == PDYN_OK && contact) status = contact_begin(contact, sim->time + h);
+    if (status == PDYN_OK && contact) status = contact_begin(contact, sim->x, sim->time + h);
     if (status == PDYN_OK) status = predict(sim, h);
     if (status != PDYN_OK) return status;
     kinematic_move(sim, sim->objective.time);

@@ -1,0 +1,236 @@
+#include "bearings.h"
+
+#include "projdyn/barrier.h"
+#include "projdyn/svd3.h"
+
+#include <math.h>
+#include <string.h>
+
+static double stiffness_of(const struct contact *c, const pdyn_contact *contact) {
+    return barrier_stiffness(contact->share * c->set->stiffness, contact->thickness,
+                             contact->distance);
+}
+
+/* ---- bearings ---------------------------------------------------------------------------------
+ */
+
+/* The bearing of two groups, a < b; a new one if there is none. NULL without memory. */
+static struct bearing *find(struct bearings *t, int a, int b) {
+    for (int k = t->first[a]; k >= 0; k = t->bearing[k].next)
+        if (t->bearing[k].group[1] == b) return &t->bearing[k];
+    struct bearing *all =
+        context_grow(t->context, t->bearing, &t->room, (size_t)t->count + 1, sizeof *all);
+    if (!all) return NULL;
+    t->bearing = all;
+    all[t->count] = (struct bearing){.group = {a, b}, .next = t->first[a]};
+    t->first[a] = t->count;
+    return &all[t->count++];
+}
+
+/* The points of a contact on the groups of its bearing, m: weighted means of the corners. */
+static void points_of(const struct contact *c, const struct bearing *bearing,
+                      const struct stencil *s, double point[2][3]) {
+    memset(point, 0, 6 * sizeof **point);
+    for (int k = 0; k < 4; k++)
+        vec3_add(point[c->group[s->point[k]] == bearing->group[1]], fabs(s->c[k]),
+                 c->at + 3 * (size_t)s->point[k]);
+}
+
+static void add_contact(const struct contact *c, struct bearing *bearing, int e) {
+    const pdyn_contact *contact = &c->start.contact[e];
+    const struct stencil *s = &c->start.stencil[e];
+    double k = contact->share * c->set->stiffness, weight = stiffness_of(c, contact), point[2][3];
+    double force = barrier_force(k, contact->thickness, contact->distance);
+    double sign = c->group[s->point[0]] == bearing->group[0] ? 1.0 : -1.0;
+    points_of(c, bearing, s, point);
+    bearing->force += force, bearing->stiffness += weight;
+    vec3_add(bearing->normal, sign * force / contact->distance, contact->separation);
+    bearing->shift += weight * vec3_dot(contact->separation, contact->shift) / contact->distance;
+    for (int side = 0; side < 2; side++) vec3_add(bearing->centre[side], weight, point[side]);
+}
+
+static bool is_soft(const struct contact *c, int group) {
+    return group < c->bodies && c->bearings->body[group] < 0;
+}
+
+/* Gathers the contacts of rigid bodies into bearings. */
+static pdyn_status gather(struct contact *c) {
+    struct bearings *t = c->bearings;
+    t->count = 0;
+    for (int k = 0; k < t->groups; k++) t->first[k] = -1;
+    for (int e = 0; e < c->start.view.count; e++) {
+        const struct stencil *s = &c->start.stencil[e];
+        int a = c->group[s->point[0]], b = c->group[s->point[3]];
+        t->of[e] = -1;
+        if (is_soft(c, a) || is_soft(c, b)) continue;
+        struct bearing *bearing = a < b ? find(t, a, b) : find(t, b, a);
+        if (!bearing) return PDYN_NO_MEMORY;
+        t->of[e] = (int)(bearing - t->bearing);
+        add_contact(c, bearing, e);
+    }
+    return PDYN_OK;
+}
+
+static void add_tilt(const struct contact *c, struct bearing *bearing, int e) {
+    double point[2][3], *r = point[0], weight = stiffness_of(c, &c->start.contact[e]);
+    points_of(c, bearing, &c->start.stencil[e], point);
+    vec3_add(r, -1.0, bearing->centre[0]);
+    vec3_add(r, -vec3_dot(r, bearing->normal), bearing->normal);
+    for (int k = 0; k < 9; k++) bearing->tilt[k] += weight * r[k / 3] * r[k % 3];
+}
+
+/* Turns sums into means, then adds up the second moments. */
+static void complete(struct contact *c) {
+    struct bearings *t = c->bearings;
+    for (int k = 0; k < t->count; k++) {
+        struct bearing *bearing = &t->bearing[k];
+        vec3_normalise(bearing->normal);
+        bearing->shift /= bearing->stiffness;
+        for (int a = 0; a < 6; a++) bearing->centre[a / 3][a % 3] /= bearing->stiffness;
+    }
+    for (int e = 0; e < c->start.view.count; e++)
+        if (t->of[e] >= 0) add_tilt(c, &t->bearing[t->of[e]], e);
+}
+
+/* ---- dashpots -------------------------------------------------------------------------------- */
+
+struct end {                       /* of a bearing on a rigid body */
+    const struct rigid_body *body; /* NULL: a solid */
+    double arm[3];                 /* m: from the body's centre to that of the bearing */
+};
+
+static struct end end_of(const struct bearings *t, const struct bearing *bearing, int side,
+                         const double *x) {
+    struct end end = {NULL, {0}};
+    int number = t->body[bearing->group[side]];
+    if (number < 0) return end;
+    double centre[3];
+    end.body = &t->map->body[number];
+    rigid_body_centre(end.body, x, centre);
+    vec3_subtract(end.arm, bearing->centre[side], centre);
+    return end;
+}
+
+/* The end of a dashpot at centre + point of a body. Returns 1/m of a push there, 1/kg, as if the
+ * four points that carry the body were free. */
+static double add_end(pdyn_dashpot *d, const struct end *end, const double *x,
+                      const double point[3], int side) {
+    double w[RIGID_POINTS], inverse = 0.0;
+    rigid_body_weights(end->body, x, point, w);
+    for (int k = 0; k < RIGID_POINTS; k++) {
+        d->particle[RIGID_POINTS * side + k] = end->body->first + end->body->vertices + k;
+        d->coefficient[RIGID_POINTS * side + k] = side ? -w[k] : w[k];
+        inverse += RIGID_POINTS * w[k] * w[k] / end->body->mass;
+    }
+    return inverse;
+}
+
+/* A dashpot of a bearing at a way from its centre, across the normal. Its ends are on the planes
+ * through the centres of the bodies: there a turn of a body does not move them along the normal in
+ * second order, and the line of the force is the same. *inverse: 1/m. */
+static pdyn_dashpot dashpot_at(const struct bearing *bearing, const struct end end[2],
+                               const double *x, const double way[3], double *inverse) {
+    pdyn_dashpot d = {.limit = bearing->force / BEARING_DASHPOTS, .shift = bearing->shift};
+    memcpy(d.normal, bearing->normal, sizeof d.normal);
+    *inverse = 0.0;
+    for (int side = 0; side < 2; side++) {
+        double point[3];
+        for (int k = 0; k < RIGID_POINTS; k++) /* of a solid: a particle with the coefficient 0 */
+            d.particle[RIGID_POINTS * side + k] = d.particle[k];
+        if (!end[side].body) continue;
+        for (int a = 0; a < 3; a++) point[a] = end[side].arm[a] + way[a];
+        vec3_add(point, -vec3_dot(point, d.normal), d.normal);
+        *inverse += add_end(&d, &end[side], x, point, side);
+    }
+    return d;
+}
+
+/* F R, 1/R = sum of 1/R_i over the bodies, R_i: the height of its centre above the bearing. A body
+ * that rolls has the second moment F R, and its rolling changes no force. */
+static double rolling(const struct bearing *bearing, const struct end end[2]) {
+    double curvature = 0.0;
+    for (int side = 0; side < 2; side++) {
+        double height = (side ? 1.0 : -1.0) * vec3_dot(end[side].arm, bearing->normal);
+        if (end[side].body) curvature += height > 0.0 ? 1.0 / height : INFINITY;
+    }
+    return bearing->force / curvature;
+}
+
+/* Four dashpots at the ends of a cross have the stiffness of the bearing against a push along the
+ * normal and against two tilts, less what rolling has. */
+static void set_dashpots(struct bearings *t, struct bearing *bearing, const double *x,
+                         pdyn_dashpot *dashpot) {
+    static const double none[3] = {0};
+    const struct end end[2] = {end_of(t, bearing, 0, x), end_of(t, bearing, 1, x)};
+    const svd3 tilt = svd3_of(bearing->tilt);
+    double inverse, unused, roll = rolling(bearing, end);
+    dashpot_at(bearing, end, x, none, &inverse);
+    bearing->damping = 2.0 * t->ratio * sqrt(bearing->stiffness / inverse);
+    for (int k = 0; k < BEARING_DASHPOTS; k++) {
+        double rest = fmax(0.0, tilt.s[k / 2] - roll), way[3] = {0};
+        vec3_add(way, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
+                 tilt.left[k / 2]);
+        dashpot[k] = dashpot_at(bearing, end, x, way, &unused);
+        dashpot[k].damping = bearing->damping / BEARING_DASHPOTS;
+    }
+}
+
+static pdyn_status reserve(struct bearings *t, size_t contacts) {
+    int *of = context_grow(t->context, t->of, &t->of_room, contacts, sizeof *of);
+    if (!of && contacts) return PDYN_NO_MEMORY;
+    t->of = of;
+    return PDYN_OK;
+}
+
+pdyn_status bearings_update(struct contact *c, const double *x) {
+    struct bearings *t = c->bearings;
+    pdyn_status status = reserve(t, (size_t)c->start.view.count);
+    if (status == PDYN_OK) status = gather(c);
+    if (status != PDYN_OK) return status;
+    complete(c);
+    size_t need = BEARING_DASHPOTS * (size_t)t->count;
+    pdyn_dashpot *all = context_grow(t->context, t->dashpot, &t->dashpot_room, need, sizeof *all);
+    if (!all && need) return PDYN_NO_MEMORY;
+    t->dashpot = all;
+    for (int k = 0; k < t->count; k++)
+        set_dashpots(t, &t->bearing[k], x, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
+    for (int e = 0; e < c->start.view.count; e++) {
+        const struct bearing *bearing = t->of[e] < 0 ? NULL : &t->bearing[t->of[e]];
+        pdyn_contact *contact = &c->start.contact[e];
+        if (bearing)
+            contact->damping = bearing->damping * stiffness_of(c, contact) / bearing->stiffness;
+    }
+    c->start.view.dashpot = t->dashpot, c->start.view.dashpots = (int)need;
+    return PDYN_OK;
+}
+
+int bearings_solid(const struct contact *c, int dashpot) {
+    int group = c->bearings->bearing[dashpot / BEARING_DASHPOTS].group[1];
+    return group < c->bodies ? -1 : group - c->bodies;
+}
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+pdyn_status bearings_create(struct contact *c, const struct rigid_map *map) {
+    if (!map || !(c->set->damping > 0.0)) return PDYN_OK;
+    struct bearings *t = c->bearings = NEW_ARRAY(c->context, 1, struct bearings);
+    if (!t) return PDYN_NO_MEMORY;
+    *t = (struct bearings){
+        .context = c->context, .map = map, .ratio = c->set->damping, .groups = c->groups};
+    t->body = NEW_ARRAY(c->context, t->groups, int);
+    t->first = NEW_ARRAY(c->context, t->groups, int);
+    for (int k = 0, number = 0; t->body && k < t->groups; k++)
+        t->body[k] = c->is_rigid[k] ? number++ : -1;
+    return t->body && t->first ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+void bearings_free(struct bearings *t) {
+    if (!t) return;
+    pdyn_context *c = t->context;
+    FREE_ARRAY(c, t->body, t->groups);
+    FREE_ARRAY(c, t->first, t->groups);
+    FREE_ARRAY(c, t->bearing, t->room);
+    FREE_ARRAY(c, t->dashpot, t->dashpot_room);
+    FREE_ARRAY(c, t->of, t->of_room);
+    FREE_ARRAY(c, t, 1);
+}

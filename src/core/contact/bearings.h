@@ -1,0 +1,47 @@
+/* Bearings: all contacts between a rigid body and another one, or a solid, as one elastic support,
+ * and the dashpots that damp the body's oscillation on it (docs/theory/contact.md#damping). */
+#ifndef PDYN_BEARINGS_H
+#define PDYN_BEARINGS_H
+
+#include "contact.h"
+#include "rows/rigid_map.h"
+
+enum { BEARING_DASHPOTS = 4 };
+
+struct bearing {
+    int group[2]; /* of contact: a rigid body; another one of a higher number or a solid */
+    int next;     /* bearing with the same first group, -1: none */
+    double force, stiffness; /* sums of -b', N, and of b'', N/m, over the contacts */
+    double normal[3];        /* from the second group to the first, length 1 */
+    double centre[2][3]; /* m: mean of the contacts' points on the groups, with the weights b'' */
+    double tilt[9];      /* N m: sum of b'' r r', r: from the centre, across the normal */
+    double shift;        /* m: what a solid that moves adds to the distance in this step */
+    double damping;      /* c of all dashpots together, N s/m */
+};
+
+struct bearings {
+    pdyn_context *context;
+    const struct rigid_map *map;
+    double ratio; /* of the damping to critical damping */
+    int groups;
+    int *body;  /* groups: number of the rigid body; -1: none */
+    int *first; /* groups: a bearing of which it is the first group; -1: none */
+    int count;
+    size_t room, dashpot_room, of_room;
+    struct bearing *bearing; /* room */
+    pdyn_dashpot *dashpot;   /* dashpot_room */
+    int *of;                 /* of_room: the bearing of each contact; -1: none */
+};
+
+/* Makes contact->bearings; they stay NULL in a scene without rigid bodies or damping. */
+pdyn_status bearings_create(struct contact *contact, const struct rigid_map *map);
+void bearings_free(struct bearings *bearings); /* NULL: nothing */
+
+/* Sets the dashpots of the contacts of the beginning of the step, and the damping of these. x:
+ * positions of the system then, particles x 3, m. */
+pdyn_status bearings_update(struct contact *contact, const double *x);
+
+/* The solid on which a dashpot acts, at its u; -1: none. */
+int bearings_solid(const struct contact *contact, int dashpot);
+
+#endif
