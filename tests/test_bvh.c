@@ -25,13 +25,29 @@ static void note(void *user, int id) {
     found->count++;
 }
 
+/* Boxes of one owner are left out, those of none are not. */
+static void check_others(const struct bvh *tree, const struct box *box, const struct box *query,
+                         int from) {
+    for (int owner = -1; owner < 3; owner++) {
+        struct found found = {0};
+        int expected = 0;
+        bvh_visit_others(tree, query, from, owner, note, &found);
+        for (int i = from; i < tree->count; i++)
+            expected += box_overlaps(&box[i], query) && (owner < 0 || tree->owner[i] != owner);
+        assert_int_equal(found.count, expected);
+    }
+}
+
 static void check_set(int count, double size, uint64_t seed) {
     enum { ROOM = 1000 };
     pdyn_context *context = test_context(1);
     struct box box[ROOM];
+    int owner[ROOM];
     struct bvh tree;
+    for (int i = 0; i < count; i++) owner[i] = i / 100 % 4 - 1;
     for (int i = 0; i < count; i++) box[i] = random_box(&seed, i % 50 ? size : 2.0);
     assert_int_equal(bvh_create(context, count + 3, &tree), PDYN_OK);
+    tree.owner = owner;
     for (int again = 0; again < 2; again++) {
         bvh_build(&tree, box, count);
         for (int q = 0; q < 100; q++) {
@@ -45,6 +61,7 @@ static void check_set(int count, double size, uint64_t seed) {
                 expected++;
             }
             assert_int_equal(found.count, expected);
+            check_others(&tree, box, &query, from);
         }
         for (int i = 0; i < count; i++) box[i] = random_box(&seed, size);
     }

@@ -96,11 +96,15 @@ struct contact {
     double *moved, *reach; /* points, m: distance from there, and the maximum of it in the region */
     struct box *face_box, *edge_box;       /* faces, edges_room */
     struct bvh face_tree[2], edge_tree[2]; /* of surfaces; of solids */
-    int pairs, room;                       /* room: of `pair` and of arrays that say so */
+    int *face_body, *edge_body; /* free_faces, free_edges: the group, if it does not touch itself;
+                                   -1: it does */
+    int pairs, room;            /* room: of `pair` and of arrays that say so */
     struct pair *pair;
-    int block_room, blocks; /* of the parallel search */
-    struct pair *found;     /* blocks x block_room */
-    int *found_count;       /* blocks */
+    int blocks; /* of the parallel search */
+    size_t found_room;
+    struct pair *found;  /* found_room: those of block b from found_start[b] on */
+    size_t *found_start; /* blocks + 1 */
+    int *found_count;    /* blocks */
 
     /* paths (contact_filter.c) */
     double *step;            /* points x 3, m: displacement */
@@ -184,11 +188,6 @@ void contact_list_free(pdyn_context *context, struct contact_list *list);
 
 /* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. */
 pdyn_status contact_check(struct contact *contact);
-
-/* Whether pairs within the group of a point come into contact. */
-static inline bool contact_has_self(const struct contact *c, int point) {
-    return c->set->self && !c->is_rigid[c->group[point]];
-}
 
 static inline const struct pair_kind *pair_kind_of(uint64_t key) {
     return key >> 63 ? &pair_edge_edge : &pair_vertex_face;

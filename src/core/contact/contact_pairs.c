@@ -8,8 +8,7 @@
 
 #include <string.h>
 
-enum { QUERIES = 256 };     /* of a parallel block */
-enum { FIRST_ROOM = 4096 }; /* pairs that a block may find, at first */
+enum { QUERIES = 256 }; /* of a parallel block */
 
 /* Margin of a region around a point and its displacement: `still` thicknesses plus `ahead` of the
  * length of the displacement, the latter at most `most_ahead` thicknesses. */
@@ -134,7 +133,7 @@ static double share_of(const struct contact *c, const struct pair *p) {
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
-    if (share_point(p->point, first) || (same && !contact_has_self(c, p->point[0]))) return false;
+    if (share_point(p->point, first)) return false;
     p->distance = distance_in(p, c->built);
     p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
     double nearest = p->distance - farthest(c->reach, p->point, first);
@@ -157,15 +156,16 @@ static void visit(void *user, int id) {
     struct contact *c = s->contact;
     struct pair p = make_pair(c, s->edges, s->a, s->base + id);
     if (!close_enough(c, &p)) return;
-    int at = c->found_count[s->block]++;
-    if (at < c->block_room) c->found[(size_t)s->block * (size_t)c->block_room + (size_t)at] = p;
+    size_t at = c->found_start[s->block] + (size_t)c->found_count[s->block]++;
+    if (at < c->found_start[s->block + 1]) c->found[at] = p;
 }
 
 static void search_around(struct search *s, const struct box *box) {
     struct contact *c = s->contact;
+    int group = c->group[s->edges ? c->edge[2 * s->a] : s->a];
     s->base = 0;
-    bvh_visit(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0, visit,
-              s);
+    bvh_visit_others(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0,
+                     group, visit, s);
     if (!s->edges && s->a >= c->vertices) return; /* solids act on fluids by their samples */
     s->base = s->edges ? c->free_edges : c->free_faces;
     bvh_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
@@ -191,12 +191,15 @@ static void search_block(void *arg, int first, int last, int block) {
     }
 }
 
-static pdyn_status make_block_room(struct contact *c, int room) {
-    size_t blocks = (size_t)c->blocks;
-    FREE_ARRAY(c->context, c->found, blocks * (size_t)c->block_room);
-    c->block_room = room;
-    c->found = NEW_ARRAY(c->context, blocks * (size_t)room, struct pair);
-    return c->found ? PDYN_OK : PDYN_NO_MEMORY;
+/* Gives each block room for twice as many pairs as it has found. */
+static pdyn_status make_block_room(struct contact *c) {
+    for (int b = 0; b < c->blocks; b++)
+        c->found_start[b + 1] = c->found_start[b] + 64 + 2 * (size_t)c->found_count[b];
+    struct pair *found = context_grow(c->context, c->found, &c->found_room,
+                                      c->found_start[c->blocks], sizeof *found);
+    if (!found) return PDYN_NO_MEMORY;
+    c->found = found;
+    return PDYN_OK;
 }
 
 /* Makes room for the search before the first one. */
@@ -204,19 +207,24 @@ static pdyn_status prepare(struct contact *c) {
     if (c->found) return PDYN_OK;
     c->blocks = pool_blocks(c->points + c->free_edges, QUERIES);
     c->found_count = NEW_ARRAY(c->context, c->blocks, int);
-    return c->found_count ? make_block_room(c, FIRST_ROOM) : PDYN_NO_MEMORY;
+    c->found_start = NEW_ARRAY(c->context, c->blocks + 1, size_t);
+    return c->found_count && c->found_start ? make_block_room(c) : PDYN_NO_MEMORY;
+}
+
+static bool is_complete(const struct contact *c) {
+    bool complete = true;
+    for (int b = 0; b < c->blocks; b++)
+        complete &= c->found_start[b] + (size_t)c->found_count[b] <= c->found_start[b + 1];
+    return complete;
 }
 
 /* Repeats the search with more room if a block found more pairs than it had room for. */
 static pdyn_status search(struct contact *c) {
     pdyn_status status = prepare(c);
     while (status == PDYN_OK) {
-        int most = 0;
         pool_for(c->context->pool, c->points + c->free_edges, QUERIES, search_block, c);
-        for (int b = 0; b < c->blocks; b++)
-            if (c->found_count[b] > most) most = c->found_count[b];
-        if (most <= c->block_room) return PDYN_OK;
-        status = make_block_room(c, most + most / 4);
+        if (is_complete(c)) return PDYN_OK;
+        status = make_block_room(c);
     }
     return status;
 }
@@ -256,7 +264,7 @@ static pdyn_status collect(struct contact *c) {
         if (status != PDYN_OK) return status;
     }
     for (int b = 0; count && b < c->blocks; b++) {
-        memcpy(c->pair + c->pairs, c->found + (size_t)b * (size_t)c->block_room,
+        memcpy(c->pair + c->pairs, c->found + c->found_start[b],
                (size_t)c->found_count[b] * sizeof *c->pair);
         c->pairs += c->found_count[b];
     }

@@ -81,9 +81,17 @@ static void sort_keys(struct bvh *tree, int count) {
     }
 }
 
-static void set_lane(struct box_group *group, int lane, const struct box *box) {
+static void set_lane(struct box_group *group, int lane, const struct box *box, int owner) {
     for (int a = 0; a < 3; a++)
         group->min[a][lane] = box->min[a], group->max[a][lane] = box->max[a];
+    group->owner[lane] = owner;
+}
+
+/* The owner of all boxes of a group. Unused lanes repeat the owner of the first one. */
+static int owner_of(const struct box_group *group) {
+    bool same = true;
+    for (int k = 1; k < BVH_WIDTH; k++) same &= group->owner[k] == group->owner[0];
+    return same ? group->owner[0] : -1;
 }
 
 static struct box bounds_of(const struct box_group *group) {
@@ -106,11 +114,14 @@ void bvh_build(struct bvh *tree, const struct box *box, int count) {
         struct box_group *group = tree->group + tree->first[level];
         int groups = tree->first[level + 1] - tree->first[level];
         for (int k = 0; k < BVH_WIDTH * groups; k++) {
+            const struct box_group *under =
+                level && k < below ? tree->group + tree->first[level - 1] + k : NULL;
             struct box one = box_empty;
-            if (k < below)
-                one = level ? bounds_of(tree->group + tree->first[level - 1] + k)
-                            : box[tree->order[k]];
-            set_lane(&group[k / BVH_WIDTH], k % BVH_WIDTH, &one);
+            int owner = group[k / BVH_WIDTH].owner[0];
+            if (under) one = bounds_of(under), owner = owner_of(under);
+            else if (k < below)
+                one = box[tree->order[k]], owner = tree->owner ? tree->owner[tree->order[k]] : -1;
+            set_lane(&group[k / BVH_WIDTH], k % BVH_WIDTH, &one, owner);
         }
         below = groups;
     }
@@ -135,7 +146,7 @@ INLINE void test_group(const struct box_group *group, const struct box *box, int
 }
 
 /* Depth-first traversal with a stack of groups and their levels. */
-WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int from,
+WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int from, int except,
                               void (*visit)(void *user, int id), void *user) {
     struct {
         int level, group;
@@ -143,9 +154,10 @@ WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int
     for (int waiting = 1; waiting;) {
         int level = stack[--waiting].level, group = stack[waiting].group;
         int64_t lanes[BVH_WIDTH];
-        test_group(&tree->group[tree->first[level] + group], box, lanes);
+        const struct box_group *four = &tree->group[tree->first[level] + group];
+        test_group(four, box, lanes);
         for (int k = 0, child = BVH_WIDTH * group; k < BVH_WIDTH; k++, child++) {
-            if (!lanes[k]) continue;
+            if (!lanes[k] || four->owner[k] == except) continue;
             if (level) stack[waiting].level = level - 1, stack[waiting++].group = child;
             else if (tree->order[child] >= from) visit(user, tree->order[child]);
         }
@@ -154,5 +166,10 @@ WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int
 
 void bvh_visit(const struct bvh *tree, const struct box *box, int from,
                void (*visit)(void *user, int id), void *user) {
-    if (tree->count) visit_groups(tree, box, from, visit, user);
+    if (tree->count) visit_groups(tree, box, from, INT32_MIN, visit, user);
+}
+
+void bvh_visit_others(const struct bvh *tree, const struct box *box, int from, int owner,
+                      void (*visit)(void *user, int id), void *user) {
+    if (tree->count) visit_groups(tree, box, from, owner < 0 ? INT32_MIN : owner, visit, user);
 }

@@ -13,6 +13,7 @@ enum { BVH_WIDTH = 4, BVH_LEVELS = 16 };
 
 struct box_group { /* four boxes side by side; unused lanes hold the empty box */
     double min[3][BVH_WIDTH], max[3][BVH_WIDTH];
+    int owner[BVH_WIDTH]; /* of all boxes within; -1 where they have several or none */
 };
 
 struct bvh {
@@ -21,8 +22,9 @@ struct bvh {
     int levels;
     int first[BVH_LEVELS + 1]; /* first group of each level; level 0 holds the boxes themselves */
     struct box_group *group;
-    uint32_t *key; /* capacity: Morton codes, 30 bits */
-    int *swapped;  /* capacity: scratch of the sort */
+    uint32_t *key;    /* capacity: Morton codes, 30 bits */
+    int *swapped;     /* capacity: scratch of the sort */
+    const int *owner; /* of each box, set before bvh_build: 0 or more, -1: none. NULL: all -1 */
 };
 
 /* Allocates a hierarchy of up to `capacity` boxes; free it with bvh_free. */
@@ -36,6 +38,11 @@ void bvh_build(struct bvh *tree, const struct box *box, int count);
  * `box`. `visit` may shrink `box`; the rest of the search then uses the smaller one. */
 void bvh_visit(const struct bvh *tree, const struct box *box, int from,
                void (*visit)(void *user, int id), void *user);
+
+/* As bvh_visit, but for the boxes of one owner: subtrees that are all its own are left out at once.
+ */
+void bvh_visit_others(const struct bvh *tree, const struct box *box, int from, int owner,
+                      void (*visit)(void *user, int id), void *user);
 
 static inline bool box_overlaps(const struct box *a, const struct box *b) {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &

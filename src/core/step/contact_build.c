@@ -1,7 +1,7 @@
 /* Sets up contact from a scene: points, faces and edges of all surfaces and solids, the batches of
  * contact and friction, and the check that nothing intersects at the start. */
-#include "contact/contact.h"
 #include "contact/bearings.h"
+#include "contact/contact.h"
 
 #include "base/registry.h"
 #include "live_particles.h"
@@ -76,7 +76,9 @@ static bool allocate(struct contact *c) {
     c->region = NEW_ARRAY(x, n, struct box);
     c->face_box = NEW_ARRAY(x, c->faces, struct box);
     c->edge_box = NEW_ARRAY(x, c->edges_room, struct box);
-    return good && c->region && c->face_box && c->edge_box;
+    c->face_body = NEW_ARRAY(x, c->free_faces, int);
+    c->edge_body = NEW_ARRAY(x, c->free_edges, int);
+    return good && c->region && c->face_box && c->edge_box && c->face_body && c->edge_body;
 }
 
 /* ---- parts ----------------------------------------------------------------------------------- */
@@ -107,9 +109,12 @@ static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
         if (c->is_rigid[b])
             c->rigid[rigids++] =
                 (struct contact_rigid){points, body->count, body->first + body->count};
+        int alone = c->set->self && !c->is_rigid[b] ? -1 : b;
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
+        for (int k = 0; k < body->triangles; k++) c->face_body[faces + k] = alone;
+        for (int k = 0; k < body->edges; k++) c->edge_body[edges + k] = alone;
         *first += body->count, faces += body->triangles, edges += body->edges;
     }
 }
@@ -147,6 +152,7 @@ static pdyn_status plant_trees(struct contact *c) {
     if (status == PDYN_OK) status = bvh_create(c->context, c->free_edges, &c->edge_tree[0]);
     if (status == PDYN_OK)
         status = bvh_create(c->context, c->edges - c->free_edges, &c->edge_tree[1]);
+    c->face_tree[0].owner = c->face_body, c->edge_tree[0].owner = c->edge_body;
     return status;
 }
 
@@ -227,7 +233,8 @@ void contact_free(struct contact *c) {
     pdyn_context *x = c->context;
     size_t n = (size_t)c->points, solids = n - (size_t)c->free;
     contact_free_pairs(c);
-    FREE_ARRAY(x, c->found, (size_t)c->blocks * (size_t)c->block_room);
+    FREE_ARRAY(x, c->found, c->found_room);
+    FREE_ARRAY(x, c->found_start, c->blocks + 1);
     FREE_ARRAY(x, c->found_count, c->blocks);
     contact_list_free(x, &c->current);
     contact_list_free(x, &c->start);
@@ -245,6 +252,8 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->region, n);
     FREE_ARRAY(x, c->face_box, c->faces);
     FREE_ARRAY(x, c->edge_box, c->edges_room);
+    FREE_ARRAY(x, c->face_body, c->free_faces);
+    FREE_ARRAY(x, c->edge_body, c->free_edges);
     FREE_ARRAY(x, c->owner, c->groups);
     FREE_ARRAY(x, c->near, c->groups);
     FREE_ARRAY(x, c->is_rigid, c->groups);
@@ -287,10 +296,9 @@ static void try_face(void *user, int id) {
     struct crossing *s = user;
     const struct contact *c = s->contact;
     const int *e = c->edge + 2 * s->edge, *f = c->face + 3 * (s->base + id);
-    bool same = c->group[e[0]] == c->group[f[0]];
     for (int k = 0; k < 6; k++)
         if (e[k / 3] == f[k % 3]) return;
-    if (s->face >= 0 || (same && !contact_has_self(c, e[0]))) return;
+    if (s->face >= 0) return;
     const double *x = c->at;
     if (passes(x + 3 * e[0], x + 3 * e[1], x + 3 * f[0], x + 3 * f[1], x + 3 * f[2]))
         s->face = s->base + id;
@@ -314,7 +322,8 @@ static int triangle_number(const struct contact *c, const int *corner, int corne
 pdyn_status contact_check(struct contact *c) {
     for (int e = 0; e < c->edges; e++) {
         struct crossing s = {.contact = c, .edge = e, .face = -1};
-        bvh_visit(&c->face_tree[0], &c->edge_box[e], 0, try_face, &s);
+        bvh_visit_others(&c->face_tree[0], &c->edge_box[e], 0, c->group[c->edge[2 * e]], try_face,
+                         &s);
         s.base = c->free_faces;
         if (e < c->free_edges) bvh_visit(&c->face_tree[1], &c->edge_box[e], 0, try_face, &s);
         if (s.face < 0) continue;
