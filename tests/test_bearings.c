@@ -105,6 +105,24 @@ static void test_rebound(void **state) {
     }
 }
 
+/* A slot 6 mm wider than the box touches it on both sides: without friction the box falls freely.
+ */
+static void test_slot(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.005}, 'contact': "
+        "{'thickness': 0.004, 'friction': 0}, 'solids': [{'box': {'minimum': [-0.053, 0, -1], "
+        "'maximum': [0.053, 2, 1]}}], 'bodies': [" BOX_AT("1.5") "}]}");
+    step_to(context, sim, 0.3);
+    assert_int_equal(sim->objective.contact->damping->view.elements, 4);
+    print_message("slot: %.4f m/s after 0.3 s\n", mean_of(sim, sim->v, 1));
+    assert_true(fabs(mean_of(sim, sim->v, 1) + 0.3 * 9.81) < 0.01);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- the dashpots ---------------------------------------------------------------------------- */
 
 /* Moves the box at rest by a distance along the normal and by turns, 1 mm at its corners. */
@@ -151,7 +169,7 @@ static void test_energy(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_slope), cmocka_unit_test(test_roll),
-                                       cmocka_unit_test(test_rebound),
+                                       cmocka_unit_test(test_rebound), cmocka_unit_test(test_slot),
                                        cmocka_unit_test(test_energy)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

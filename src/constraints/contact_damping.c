@@ -49,7 +49,7 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
 /* y, m; *least: -l */
 static double approach(const pdyn_batch *b, int e, double *least) {
     const pdyn_dashpot *d = &b->contacts->dashpot[e];
-    *least = -b->h * d->limit / d->damping;
+    *least = d->damping > 0.0 ? -b->h * d->limit / d->damping : 0.0;
     return ((const struct base *)b->data)[e].at - vec3_dot(d->normal, b->u + 3 * e);
 }
 

@@ -11,8 +11,7 @@ static double stiffness_of(const struct contact *c, const pdyn_contact *contact)
                              contact->distance);
 }
 
-/* ---- bearings ---------------------------------------------------------------------------------
- */
+/* ---- bearings -------------------------------------------------------------------------------- */
 
 /* The bearing of two groups, a < b; a new one if there is none. NULL without memory. */
 static struct bearing *find(struct bearings *t, int a, int b) {
@@ -62,7 +61,8 @@ static pdyn_status gather(struct contact *c) {
         const struct stencil *s = &c->start.stencil[e];
         int a = c->group[s->point[0]], b = c->group[s->point[3]];
         t->of[e] = -1;
-        if (is_soft(c, a) || is_soft(c, b)) continue;
+        if (is_soft(c, a) || is_soft(c, b) || !(stiffness_of(c, &c->start.contact[e]) > 0.0))
+            continue;
         struct bearing *bearing = a < b ? find(t, a, b) : find(t, b, a);
         if (!bearing) return PDYN_NO_MEMORY;
         t->of[e] = (int)(bearing - t->bearing);
@@ -84,7 +84,7 @@ static void complete(struct contact *c) {
     struct bearings *t = c->bearings;
     for (int k = 0; k < t->count; k++) {
         struct bearing *bearing = &t->bearing[k];
-        vec3_normalise(bearing->normal);
+        bearing->net = vec3_normalise(bearing->normal);
         bearing->shift /= bearing->stiffness;
         for (int a = 0; a < 6; a++) bearing->centre[a / 3][a % 3] /= bearing->stiffness;
     }
@@ -111,28 +111,26 @@ static struct end end_of(const struct bearings *t, const struct bearing *bearing
     return end;
 }
 
-/* The end of a dashpot at centre + point of a body. Returns 1/m of a push there, 1/kg, as if the
- * four points that carry the body were free. */
-static double add_end(pdyn_dashpot *d, const struct end *end, const double *x,
-                      const double point[3], int side) {
-    double w[RIGID_POINTS], inverse = 0.0;
+/* The end of a dashpot at centre + point of a body. */
+static void set_end(pdyn_dashpot *d, const struct end *end, const double *x, const double point[3],
+                    int side) {
+    double w[RIGID_POINTS];
     rigid_body_weights(end->body, x, point, w);
     for (int k = 0; k < RIGID_POINTS; k++) {
         d->particle[RIGID_POINTS * side + k] = end->body->first + end->body->vertices + k;
         d->coefficient[RIGID_POINTS * side + k] = side ? -w[k] : w[k];
-        inverse += RIGID_POINTS * w[k] * w[k] / end->body->mass;
     }
-    return inverse;
 }
 
 /* A dashpot of a bearing at a way from its centre, across the normal. Its ends are on the planes
  * through the centres of the bodies: there a turn of a body does not move them along the normal in
- * second order, and the line of the force is the same. *inverse: 1/m. */
+ * second order, and the line of the force is the same. */
 static pdyn_dashpot dashpot_at(const struct bearing *bearing, const struct end end[2],
-                               const double *x, const double way[3], double *inverse) {
-    pdyn_dashpot d = {.limit = bearing->force / BEARING_DASHPOTS, .shift = bearing->shift};
+                               const double *x, const double way[3]) {
+    pdyn_dashpot d = {.damping = bearing->damping / BEARING_DASHPOTS,
+                      .limit = bearing->net / BEARING_DASHPOTS,
+                      .shift = bearing->shift};
     memcpy(d.normal, bearing->normal, sizeof d.normal);
-    *inverse = 0.0;
     for (int side = 0; side < 2; side++) {
         double point[3];
         for (int k = 0; k < RIGID_POINTS; k++) /* of a solid: a particle with the coefficient 0 */
@@ -140,9 +138,20 @@ static pdyn_dashpot dashpot_at(const struct bearing *bearing, const struct end e
         if (!end[side].body) continue;
         for (int a = 0; a < 3; a++) point[a] = end[side].arm[a] + way[a];
         vec3_add(point, -vec3_dot(point, d.normal), d.normal);
-        *inverse += add_end(&d, &end[side], x, point, side);
+        set_end(&d, &end[side], x, point, side);
     }
     return d;
+}
+
+/* 1/m of a push at the ends of a dashpot, 1/kg, as if the four points that carry a body were free.
+ */
+static double inverse_mass(const pdyn_dashpot *d, const struct end end[2]) {
+    double sum = 0.0;
+    for (int k = 0; k < 2 * RIGID_POINTS; k++) {
+        const struct rigid_body *body = end[k / RIGID_POINTS].body;
+        if (body) sum += RIGID_POINTS * d->coefficient[k] * d->coefficient[k] / body->mass;
+    }
+    return sum;
 }
 
 /* F R, 1/R = sum of 1/R_i over the bodies, R_i: the height of its centre above the bearing. A body
@@ -157,21 +166,22 @@ static double rolling(const struct bearing *bearing, const struct end end[2]) {
 }
 
 /* Four dashpots at the ends of a cross have the stiffness of the bearing against a push along the
- * normal and against two tilts, less what rolling has. */
+ * normal and against two tilts, less what rolling has. Contacts on opposite sides, as in a slot,
+ * have little net force, and nothing is damped along their mean normal. */
 static void set_dashpots(struct bearings *t, struct bearing *bearing, const double *x,
                          pdyn_dashpot *dashpot) {
     static const double none[3] = {0};
     const struct end end[2] = {end_of(t, bearing, 0, x), end_of(t, bearing, 1, x)};
     const svd3 tilt = svd3_of(bearing->tilt);
-    double inverse, unused, roll = rolling(bearing, end);
-    dashpot_at(bearing, end, x, none, &inverse);
-    bearing->damping = 2.0 * t->ratio * sqrt(bearing->stiffness / inverse);
+    const pdyn_dashpot central = dashpot_at(bearing, end, x, none);
+    double roll = rolling(bearing, end), part = bearing->net / bearing->force;
+    bearing->damping =
+        part * part * 2.0 * t->ratio * sqrt(bearing->stiffness / inverse_mass(&central, end));
     for (int k = 0; k < BEARING_DASHPOTS; k++) {
         double rest = fmax(0.0, tilt.s[k / 2] - roll), way[3] = {0};
         vec3_add(way, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
                  tilt.left[k / 2]);
-        dashpot[k] = dashpot_at(bearing, end, x, way, &unused);
-        dashpot[k].damping = bearing->damping / BEARING_DASHPOTS;
+        dashpot[k] = dashpot_at(bearing, end, x, way);
     }
 }
 

@@ -12,7 +12,8 @@ struct bearing {
     int group[2]; /* of contact: a rigid body; another one of a higher number or a solid */
     int next;     /* bearing with the same first group, -1: none */
     double force, stiffness; /* sums of -b', N, and of b'', N/m, over the contacts */
-    double normal[3];        /* from the second group to the first, length 1 */
+    double normal[3];        /* along the sum of the forces on the first group, length 1 */
+    double net;              /* N: length of that sum */
     double centre[2][3]; /* m: mean of the contacts' points on the groups, with the weights b'' */
     double tilt[9];      /* N m: sum of b'' r r', r: from the centre, across the normal */
     double shift;        /* m: what a solid that moves adds to the distance in this step */
