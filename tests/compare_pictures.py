@@ -52,13 +52,15 @@ def expect(what, count, least, most=10**9):
 
 
 every = pictures["all"]
+water = changed(every, pictures["hide=water"])
+blue = sum(every[i][2] > every[i][0] + 25 for i in water)
+expect("water is blue", blue, 2000)
+if len(pictures) == 2:
+    sys.exit(faults > 0)
 for name, least in [("hide=water", 3000), ("hide=sheet", 6000), ("hide=tank", 800), ("hide=ball", 500), ("hide=rod", 200),
                     ("look=particles", 2000), ("no_report", 800), ("surface=checker", 2000), ("surface=stretch", 4000),
                     ("fluid=speed", 2000), ("fluid=pressure", 2000), ("cut=x-0.5", 2000), ("camera=90,20,1,0,0.4,0", 9000)]:
     expect(f"{name} against all", len(changed(every, pictures[name])), least)
-water = changed(every, pictures["hide=water"])
-blue = sum(every[i][2] > every[i][0] + 25 for i in water)
-expect("water is blue", blue, 2000)
 balls = changed(pictures["look=particles"], pictures["hide=water"])
 expect("particles", len(balls), 2000)
 expect("holes: particles without a surface", len(balls - water), 0, len(balls) // 100)

@@ -90,6 +90,36 @@ grep -q "no report.json" "$folder/out" || fail "no word about the missing report
 mv "$folder/report.json" "$run/report.json"
 "$python" "$here/compare_pictures.py" "$folder"
 
+# A can, as a mesh, around water, and water that falls past it: the picture shows the water in the can.
+cat >"$folder/can.json" <<'EOF'
+{"duration": 2, "frame_interval": 0.2,
+ "bodies": [{"name": "water", "constraints": [{"type": "fluid"}], "particles": {"radius": 0.02, "fill": [
+    {"box": {"minimum": [-0.16, 0, -0.16], "maximum": [0.16, 0.24, 0.16]}},
+    {"box": {"minimum": [0.3, 0.2, 0], "maximum": [0.42, 0.32, 0.12]}}]}}],
+ "solids": [{"name": "can", "mesh": "can.obj"}]}
+EOF
+cat >"$folder/can.obj" <<'EOF'
+v -0.16 0 -0.16
+v 0.16 0 -0.16
+v 0.16 0 0.16
+v -0.16 0 0.16
+v -0.16 0.4 -0.16
+v 0.16 0.4 -0.16
+v 0.16 0.4 0.16
+v -0.16 0.4 0.16
+f 1 2 3 4
+f 1 5 6 2
+f 2 6 7 3
+f 3 7 8 4
+f 4 8 5 1
+EOF
+"$projdyn" run "$folder/can.json" -o "$folder/can" --quiet
+mkdir "$folder/cans"
+for view in all hide=water; do
+    "$projdyn" render "$folder/can" -o "$folder/cans/$view.png" --size 480x300 --view "$view" >/dev/null
+done
+"$python" "$here/compare_pictures.py" "$folder/cans"
+
 # Numbered pictures and films.
 "$projdyn" render "$run" -o "$folder/n_%03d.png" --size 64x48 >/dev/null
 [ "$(ls "$folder" | grep -c '^n_0')" -eq 11 ] || fail "expected 11 numbered pictures: $(ls "$folder")"

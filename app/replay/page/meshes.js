@@ -133,3 +133,27 @@ function boxWalls(x, index, [low, high]) {
       });
   return walls;
 }
+
+/* Whether a triangle of a mesh meets the ray from p towards d (Moeller, Trumbore 1997). */
+function meetsRay(x, index, p, d) {
+  const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  for (let t = 0; t < index.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => x.subarray(3 * index[t + k], 3 * index[t + k] + 3));
+    const u = minus(b, a), v = minus(c, a), n = cross(d, v), volume = dot(u, n);
+    const r = minus(p, a), q = cross(r, u), alpha = dot(r, n) / volume, beta = dot(d, q) / volume;
+    if (alpha >= 0 && beta >= 0 && alpha + beta <= 1 && dot(v, q) / volume > 0) return true;
+  }
+  return false;
+}
+
+/* Whether most points of a body in a frame are in the box of a solid and behind its mesh, seen from the direction
+ * `back`. */
+function hidesBody(solid, body, f, back) {
+  const x = metres(solid, f), p = metres(body, f), count = pointsOf(body, f), step = Math.max(1, Math.floor(count / 50));
+  const [low, high] = boxOf(solid, f), sample = [];
+  for (let i = 0; i < count; i += step) sample.push(p.subarray(3 * i, 3 * i + 3));
+  const within = sample.filter((at) => at.every((v, k) => v > low[k] && v < high[k]));
+  return 2 * within.length > sample.length &&
+    2 * within.filter((at) => meetsRay(x, solid.index, at, back)).length > sample.length;
+}

@@ -77,7 +77,7 @@ class Renderer {
       const shape = this.isVessel(part) ? new Glass(gl, part) : new Surface(gl, part);
       this.parts.push(Object.assign(shape, { tint: linearColour(clay), solid: true }));
     }
-    const vessel = this.parts.find((shape) => shape instanceof Glass && shape.part.rest);
+    const vessel = this.parts.find((shape) => shape instanceof Glass && shape.part.rest && shape.part.kind === "box");
     const [vesselLow, vesselHigh] = vessel ? boxWalls(metres(vessel.part, 0), vessel.part.index, vessel.part.box)
       : boxWalls([], [], [0, 0]);
     this.vessel = { vesselLow, vesselHigh };
@@ -95,10 +95,13 @@ class Renderer {
       shapes.filter((shape) => isSheet(shape) === (kind === "sheet"))
         .forEach((shape, k) => { shape.tint = linearColour(colours[k % colours.length]); });
   }
-  /* Whether a solid is a container: a box with an open side, or around the middle of the bodies. */
+  /* Whether a solid is a container: a box with an open side, or around the middle of the bodies; a mesh around a body
+   * that it hides from the first view at the start, in the middle or at the end. */
   isVessel(part) {
     const around = this.camera.centre.every((v, k) => v > part.box[0][k] && v < part.box[1][k]);
-    return part.kind === "box" && (around || !isClosed(metres(part, 0), part.index));
+    if (part.kind === "box") return around || !isClosed(metres(part, 0), part.index);
+    const last = lastFrame(), { back } = this.camera.axes();
+    return [...new Set([0, last >> 1, last])].some((f) => meta.bodies.some((body) => hidesBody(part, body, f, back)));
   }
   upload(frame) {
     for (const shape of this.parts) {
