@@ -19,25 +19,36 @@ function measureChannel(bodies, channel, frames) {
   return { top: (code / 255) ** 2 * most || 1e-6, most };
 }
 
-/* Range of coordinate k of a body in a frame, m; of particles the 1 % and 99 % quantiles, so that single ones that
- * fly away do not shrink the view. Empty (Infinity, -Infinity) for a frame without points. */
-function coordinateRange(body, f, k) {
+/* Range of coordinate k of a body in a frame, m; of particles above `floor` the 1 % and 99 % quantiles, so that single
+ * ones that fly away do not shrink the view. Empty (Infinity, -Infinity) for a frame without points. */
+function coordinateRange(body, f, k, floor) {
   const x = body.x[f], step = Math.max(1, Math.floor(body.points[f] / 2000)), values = [];
-  for (let i = 0; i < body.points[f]; i += step) values.push(x[3 * i + k]);
+  const [low, high] = boxOf(body, f), rest = body.triangles ? 0 : 0.01;
+  const least = body.triangles ? 0 : 65535 * (floor - low[1]) / (high[1] - low[1] || 1);
+  for (let i = 0; i < body.points[f]; i += step) if (x[3 * i + 1] >= least) values.push(x[3 * i + k]);
   if (!values.length) return [Infinity, -Infinity];
   values.sort((a, b) => a - b);
-  const [low, high] = boxOf(body, f), rest = body.triangles ? 0 : 0.01;
   const place = (part) => values[Math.round(part * (values.length - 1))] / 65535;
   return [rest, 1 - rest].map((part) => low[k] + (high[k] - low[k]) * place(part));
+}
+
+/* Height below which particles have fallen out of the scene: half its height at the start below all solids and
+ * surfaces. */
+function floorOfView() {
+  const firm = [...solidParts(), ...meta.bodies.filter((body) => body.triangles)];
+  const tops = meta.bodies.map((body) => coordinateRange(body, 0, 1, -Infinity)[1]);
+  const low = Math.min(...firm.map((part) => part.box[0][1])), high = Math.max(...tops, ...firm.map((part) => part.box[1][1]));
+  return firm.length ? low - 0.5 * (high - low) : -Infinity;
 }
 
 /* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40. Three pairs, m. */
 function measureBounds() {
   const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frameCount() / 40));
+  const floor = floorOfView();
   for (const body of meta.bodies)
     for (let f = 0; f < frameCount(); f += step)
       for (let k = 0; k < 3; k++) {
-        const [low, high] = coordinateRange(body, f, k);
+        const [low, high] = coordinateRange(body, f, k, floor);
         bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
       }
   return bounds[0][0] <= bounds[0][1] ? bounds : [[0, 1], [0, 1], [0, 1]];
@@ -50,10 +61,12 @@ function includeGround(bounds, ground) {
   return bounds;
 }
 
-/* Height of the ground: below all bodies and solids; below the boundary points if no solid has a mesh. m */
+/* The solids, or their boundary points if none has a mesh. */
+const solidParts = () => meta.solids.length ? meta.solids : meta.boundary;
+
+/* Height of the ground: below all bodies and solids. m */
 function groundHeight() {
-  const parts = [...meta.bodies, ...(meta.solids.length ? meta.solids : meta.boundary)];
-  return Math.min(...parts.map((part) => part.box[0][1]));
+  return Math.min(...[...meta.bodies, ...solidParts()].map((part) => part.box[0][1]));
 }
 
 /* Bounds of a live view, whose later frames are not known: those of the first frame, with solids that are not much
