@@ -107,6 +107,14 @@ static void print_probes(const pdyn_sim *sim) {
         printf("probe %s: %s%s\n", probe.name, probe.column[0], probe.values > 1 ? " ..." : "");
 }
 
+/* A run ends with the step that reaches the duration. */
+static void print_duration(double duration, double interval) {
+    double last = interval * floor(duration / interval + 1e-9);
+    printf("duration %g s, a frame every %g s", duration, interval);
+    if (last < duration * (1.0 - 1e-9)) printf(", the last one at %g s", last);
+    printf("\n");
+}
+
 void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
     for (int b = 0; b < state.bodies; b++) print_body(sim, &state, b);
@@ -116,7 +124,7 @@ void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("integrator %s\n", pdyn_integrator(sim));
-    printf("duration %g s, a frame every %g s\n", pdyn_duration(sim), pdyn_frame_interval(sim));
+    print_duration(pdyn_duration(sim), pdyn_frame_interval(sim));
     printf("memory %.0f MB\n", 1e-6 * (double)pdyn_peak_bytes(context));
 }
 
