@@ -54,17 +54,21 @@ static void test_sheet(void **state) {
     assert_int_equal(leaks(SCENE(WEIGHTLESS, PAIR(DUST("0, 2, 0"), HELD), ""), "sheet", 8), 0);
 }
 
-/* Half of the block is beside the sheet, and a sixth is closer to its border than a radius. */
+#define SHIFTED(z)                                                                                 \
+    SCENE(WEIGHTLESS,                                                                              \
+          PAIR(DUST("0, -2, 0"),                                                                   \
+               GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",                               \
+                          "'area_density': 0.2, 'translate': [0.085, 0, " z "]",                   \
+                          PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),        \
+          "")
+
+/* Half of the block is beside the sheet, and a sixth is closer to its border than a radius, also
+ * where a triangle has a vertex on the border but no edge. */
 static void test_border(void **state) {
     (void)state;
-    const char *shifted =
-        SCENE(WEIGHTLESS,
-              PAIR(DUST("0, -2, 0"),
-                   GRID_SHEET("'name': 'sheet', ", "0.16, 0.16", "9, 9",
-                              "'area_density': 0.2, 'translate': [0.085, 0, 0]",
-                              PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))),
-              "");
-    assert_int_equal(leaks(shifted, "sheet", 8), DUST_COUNT / 3);
+    assert_int_equal(leaks(SHIFTED("0"), "sheet", 8), DUST_COUNT / 3);
+    assert_int_equal(leaks(SHIFTED("0.0075"), "sheet", 8), DUST_COUNT / 3);
+    assert_int_equal(leaks(SHIFTED("0.0125"), "sheet", 8), DUST_COUNT / 3);
 }
 
 /* Dust that is thrown up through the sheet and falls back is on its side again. */

@@ -217,17 +217,38 @@ static bool is_inside(const double x[3], double corner[3][3], const double n[3])
     return true;
 }
 
-/* Closer to the border of the surface than the particle's radius: the particle goes around. */
-static bool is_on_border(const struct way *way, int k, const double x[3], double corner[3][3]) {
-    const int *across = way->crossings->surface[way->set->surface[k]].across;
-    for (int i = 0; across && i < 3; i++) {
-        const double *side[4] = {x, x, corner[(i + 1) % 3], corner[(i + 2) % 3]};
-        double weight[4];
-        if (across[3 * (size_t)way->set->triangle[k] + (size_t)i] < 0 &&
-            closest_edge_edge(side, weight) < way->radius * way->radius)
-            return true;
+struct border_search { /* for a border edge close to a point */
+    const struct way *way;
+    int surface;
+    double t, x[3];
+    bool found;
+};
+
+static void test_border(void *user, int k) {
+    struct border_search *s = user;
+    const struct triangle_set *set = s->way->set;
+    const int *across = s->way->crossings->surface[s->surface].across;
+    double corner[3][3], n[3], weight[4];
+    if (s->found || set->surface[k] != s->surface) return;
+    plane_at(s->way, k, s->t, corner, n);
+    for (int i = 0; i < 3; i++) {
+        const double *side[4] = {s->x, s->x, corner[(i + 1) % 3], corner[(i + 2) % 3]};
+        if (across[3 * (size_t)set->triangle[k] + (size_t)i] < 0 &&
+            closest_edge_edge(side, weight) < s->way->radius * s->way->radius)
+            s->found = true;
     }
-    return false;
+}
+
+/* Closer to the border of the surface than the particle's radius: the particle goes around. The
+ * border edge may belong to another triangle than k. */
+static bool is_on_border(const struct way *way, int k, double t, const double x[3]) {
+    struct border_search s = {.way = way, .surface = way->set->surface[k], .t = t};
+    struct box box;
+    if (!way->crossings->surface[s.surface].across) return false;
+    for (int a = 0; a < 3; a++)
+        s.x[a] = x[a], box.min[a] = x[a] - way->radius, box.max[a] = x[a] + way->radius;
+    bvh_visit(&way->set->tree, &box, 0, test_border, &s);
+    return s.found;
 }
 
 /* The direction in which a particle passes a plane, +1 along its normal; 0: it does not. slack and
@@ -249,7 +270,7 @@ static void test_triangle(void *user, int k) {
     double t = (begin - direction * slack) / (begin - end);
     plane_at(way, k, t, corner, n);
     for (int a = 0; a < 3; a++) x[a] = (1.0 - t) * way->begin[a] + t * way->end[a];
-    if (!is_inside(x, corner, n) || is_on_border(way, k, x, corner)) return;
+    if (!is_inside(x, corner, n) || is_on_border(way, k, t, x)) return;
     if (!way->direction) way->surface = surface;
     if (surface == way->surface) way->direction += direction;
 }
