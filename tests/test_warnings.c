@@ -250,7 +250,7 @@ static void test_fallen(void **state) {
                 "true}]")));
 }
 
-/* The triangles of a ball, which nobody chooses, beside coarse water. */
+/* The triangles of a ball, which nobody chooses, beside coarse water, in thicker contact. */
 static void test_ball(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -258,8 +258,9 @@ static void test_ball(void **state) {
         context, SCENE(STEPS,
                        PAIR(DUST("0, 0, 0"), "{'name': 'ball', 'rigid': {'sphere': {'center': [0, "
                                              "-0.1, 0], 'radius': 0.05}, 'density': 500}}"),
-                       ""));
+                       ", 'contact': {'thickness': 0.01}"));
     assert_null(find_warning(sim, "edge-length", "ball").code);
+    assert_null(find_warning(sim, "contact-thickness", "ball").code);
     pdyn_free(sim);
     pdyn_destroy(context);
 }

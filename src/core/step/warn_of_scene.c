@@ -160,7 +160,7 @@ static void check_scale(struct pdyn_sim *sim, int b) {
 static void check_thickness(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
-    if (!body->triangles || thickness <= mean_edge(body)) return;
+    if (!body->triangles || sim->scene.body[b].is_rigid || thickness <= mean_edge(body)) return;
     WARN(sim, THICKNESS, body->name,
          "the contact thickness of %.3g m is above its mean edge length of %.3g m: contact acts "
          "between neighbours, and the surface cannot fold",
