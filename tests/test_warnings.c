@@ -183,6 +183,23 @@ static void test_touching(void **state) {
     pdyn_destroy(context);
 }
 
+/* A bat gives a sheet its speed; there is no fluid. */
+static void test_bat(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, SCENE(WEIGHTLESS, SHEET_AT("sheet", "0"),
+                       ", 'contact': {'thickness': 0.01}, 'solids': [{'box': {'minimum': [-1, -1, "
+                       "-1], 'maximum': [1, -0.02, 1]}, 'motion': [{'time': 0}, {'time': 1, "
+                       "'translate': [0, 5, 0]}]}]"));
+    double fastest = 0.0;
+    for (int n = 0; n < 10; n++) fastest = fmax(fastest, test_step(context, sim).kinetic_energy);
+    assert_true(fastest > 10.0 * sim->energy.mass);
+    assert_null(find_warning(sim, "energy", "").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A sheet at rest without gravity has the energies of rounding. */
 static void test_rounding(void **state) {
     (void)state;
@@ -271,8 +288,9 @@ int main(void) {
         cmocka_unit_test(test_return),    cmocka_unit_test(test_solids),
         cmocka_unit_test(test_cloth),     cmocka_unit_test(test_overlap),
         cmocka_unit_test(test_stretched), cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_rounding),  cmocka_unit_test(test_saved),
-        cmocka_unit_test(test_fallen),    cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_bat),       cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_saved),     cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_ball),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -57,7 +57,7 @@ static bool has_sources(const struct pdyn_sim *sim) {
 
 /* Kinetic energy that inlets and moving solids can give. */
 static double drive(const struct pdyn_sim *sim) {
-    double speed = jet_speed * kinematic_speed(&sim->motion, 0.0, sim->scene.settings.duration);
+    double speed = jet_speed * kinematic_top_speed(sim);
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].inlets; k++)
             speed = fmax(speed, sim->scene.body[b].inlet[k].speed);
@@ -73,7 +73,7 @@ static int blocks(const struct pdyn_sim *sim) {
 pdyn_status energy_budget_create(struct pdyn_sim *sim) {
     struct energy_budget *e = &sim->energy;
     e->bounded = !has_sources(sim);
-    e->closed = e->bounded && !sim->live && !sim->motion.points;
+    e->closed = e->bounded && !sim->live && kinematic_top_speed(sim) == 0.0;
     e->mass = total_mass(sim);
     e->block = NEW_ARRAY(sim->context, blocks(sim), struct energy_block);
     return e->block || !blocks(sim) ? PDYN_OK : PDYN_NO_MEMORY;

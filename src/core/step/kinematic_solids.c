@@ -99,6 +99,28 @@ double kinematic_speed(const struct kinematic_solids *motion, double from, doubl
     return speed;
 }
 
+/* The solid with the box of its mesh. */
+static struct moving_solid whole_solid(const struct scene_solid *solid) {
+    struct moving_solid m = {.solid = solid};
+    for (int i = 0; i < 3 * solid->mesh.vertices; i++) {
+        double r = solid->mesh.vertex[i] - solid->pivot[i % 3];
+        m.min[i % 3] = i < 3 ? r : fmin(m.min[i % 3], r);
+        m.max[i % 3] = i < 3 ? r : fmax(m.max[i % 3], r);
+    }
+    return m;
+}
+
+double kinematic_top_speed(const struct pdyn_sim *sim) {
+    double speed = 0.0;
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct scene_solid *solid = &sim->scene.solid[s];
+        if (!solid->keys) continue;
+        const struct moving_solid m = whole_solid(solid);
+        speed = fmax(speed, max_solid_speed(&m, 0.0, sim->scene.settings.duration));
+    }
+    return speed;
+}
+
 /* ---- motion that a program gives ------------------------------------------------------------- */
 
 static pdyn_status fail_move(struct pdyn_sim *sim, int solid, const char *expected) {

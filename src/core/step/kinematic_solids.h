@@ -36,4 +36,8 @@ void kinematic_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
  * the bounding boxes, which is slightly too large. */
 double kinematic_speed(const struct kinematic_solids *motion, double from, double to);
 
+/* The same of all solids of the scene from its start to its end, by their meshes. Solids have no
+ * boundary points in a scene without fluid. */
+double kinematic_top_speed(const struct pdyn_sim *sim);
+
 #endif
