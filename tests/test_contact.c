@@ -291,6 +291,21 @@ static void test_moving(void **state) {
               25);
 }
 
+/* A soft block falls on a plane along whose diagonal its own diagonals lie: parallel edges. */
+static void test_parallel(void **state) {
+    (void)state;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(
+        c, quoted("{'duration': 1, 'contact': {'thickness': 0.005}, 'bodies': [{'volume': {'grid': "
+                  "{'size': [0.3, 0.2, 0.2], 'cells': [6, 4, 4]}, 'translate': [0, 0.12, 0], "
+                  "'density': 1000}, 'constraints': [{'type': 'tet', 'stiffness': 15e3, "
+                  "'volume_stiffness': 35e3}]}], 'solids': [{'plane': {'center': [0, 0, 0], "
+                  "'normal': [0, 1, 0], 'size': 4}}]}"));
+    for (int k = 0; k < 60; k++) assert_true(test_step(c, sim).step_residual <= 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
 /* A press that closes: the cloth stays in between, the press waits. */
 static void test_press(void **state) {
     (void)state;
@@ -442,15 +457,16 @@ static void test_not_self(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intersect),   cmocka_unit_test(test_gradient),
-        cmocka_unit_test(test_hessian),     cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),       cmocka_unit_test(test_sphere),
-        cmocka_unit_test(test_fold),        cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_impact),      cmocka_unit_test(test_head_on),
-        cmocka_unit_test(test_moving),      cmocka_unit_test(test_press),
-        cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_allocations), cmocka_unit_test(test_incline),
-        cmocka_unit_test(test_refused),     cmocka_unit_test(test_not_self),
+        cmocka_unit_test(test_intersect), cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_hessian),   cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_steps),     cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_fold),      cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_impact),    cmocka_unit_test(test_head_on),
+        cmocka_unit_test(test_moving),    cmocka_unit_test(test_press),
+        cmocka_unit_test(test_parallel),  cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_threads),   cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_incline),   cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_not_self),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);
 }

@@ -126,8 +126,8 @@ typedef struct pdyn_contact {
     double damping;        /* N s/m: its part of the dashpots of rigid bodies; 0 in a local step */
     double distance;       /* m: its length, below the thickness */
     double thickness;      /* m: the distance at which contact begins */
-    double share;          /* of the stiffness, up to 1; less for nearly parallel edges of rigid
-                              bodies, whose vertices touch faces in the same place */
+    double share;          /* of the stiffness, up to 1; less for nearly parallel edges, whose
+                              vertices touch faces in the same place */
 } pdyn_contact;
 
 /* A dashpot across the contacts of a rigid body with another one or a solid, of the beginning of

@@ -110,15 +110,13 @@ static double distance_in(const struct pair *p, const double *x) {
 static const double parallel = 1e-3;
 
 /* The closest points of parallel edges are not unique, and the moment of a force between them would
- * jump. Their distance is that of a vertex and a face, which is a pair, too. The
- * mollifier of Li et al. (2020), with the directions of when the pair is listed. Sheets are soft
- * enough without.
- */
+ * jump: a soft block whose edges lie along the diagonal of a plane would not come to the end of a
+ * step. Their distance is that of a vertex and a face, which is a pair, too. The mollifier of Li et
+ * al. (2020), with the directions of when the pair is listed. */
 static double share_of(const struct contact *c, const struct pair *p) {
     const double *x[4];
     double d[2][3], normal[3];
-    bool rigid = c->is_rigid[c->group[p->point[0]]] || c->is_rigid[c->group[p->point[3]]];
-    if (!rigid || pair_kind_of(p->key) != &pair_edge_edge) return 1.0;
+    if (pair_kind_of(p->key) != &pair_edge_edge) return 1.0;
     pair_load(p->point, c->built, x);
     for (int k = 0; k < 2; k++) vec3_subtract(d[k], x[2 * k + 1], x[2 * k]);
     vec3_cross(normal, d[0], d[1]);
