@@ -323,6 +323,20 @@ static void test_press(void **state) {
     pdyn_destroy(c);
 }
 
+/* Two sheets between plates that close: they rest, and so do their velocities. */
+static void test_squeeze(void **state) {
+    (void)state;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(
+        c, scene("", DOWN, CLOTH_AT(6, -0.195) ", " CLOTH_AT(7, -0.19),
+                 FLOOR ", {'name': 'lid', 'plane': {'center': [0.1, -0.18, 0.2], 'normal': [0, 1, "
+                       "0], 'size': 2}, 'motion': [{'time': 0}, {'time': 0.2, 'translate': [0, "
+                       "-0.016, 0]}]}"));
+    for (int k = 0; k < 40; k++) assert_true(test_step(c, sim).kinetic_energy < 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
 /* ---- conservation, bits, memory -------------------------------------------------------------- */
 
 static const char *collision(void) {
@@ -457,16 +471,16 @@ static void test_not_self(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intersect), cmocka_unit_test(test_gradient),
-        cmocka_unit_test(test_hessian),   cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),     cmocka_unit_test(test_sphere),
-        cmocka_unit_test(test_fold),      cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_impact),    cmocka_unit_test(test_head_on),
-        cmocka_unit_test(test_moving),    cmocka_unit_test(test_press),
-        cmocka_unit_test(test_parallel),  cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_threads),   cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_incline),   cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_not_self),
+        cmocka_unit_test(test_intersect),   cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_hessian),     cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_steps),       cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_fold),        cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_impact),      cmocka_unit_test(test_head_on),
+        cmocka_unit_test(test_moving),      cmocka_unit_test(test_press),
+        cmocka_unit_test(test_parallel),    cmocka_unit_test(test_squeeze),
+        cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_allocations), cmocka_unit_test(test_incline),
+        cmocka_unit_test(test_refused),     cmocka_unit_test(test_not_self),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);
 }

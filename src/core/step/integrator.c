@@ -42,15 +42,14 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
 /* ---- impacts --------------------------------------------------------------------------------- */
 
 /* Moves impulses (particles x 3, m/s) in v from the weight H to the weight H^2 / h, and adds the
- * latter to v_before. Beside a fluid or rigid bodies the change of a particle is limited to twice
- * the distance to its Euler velocity, (x_next - x) / h: otherwise a light vertex or body, pressed
- * by water or a heavy body and held by other forces, would be thrown. The momentum that the limit
- * removes is returned in *excess, divided by the total mass, for v and v_before. */
+ * latter to v_before. The change of a particle is limited to twice the distance to its Euler
+ * velocity, (x_next - x) / h: otherwise a light vertex or body, pressed by water, a heavy body or a
+ * plate and held by other forces, would be thrown. The momentum that the limit removes is returned
+ * in *excess, divided by the total mass, for v and v_before. */
 static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
                              double excess[2][3]) {
     const struct objective *sys = &sim->objective;
     double part = sys->h / h, mass = 0.0;
-    bool limited = sim->neighbours || sys->rigid;
     memset(excess, 0, 6 * sizeof **excess);
     for (int i = 0; i < sys->particles; i++) {
         const double *dv = impulse + 3 * i;
@@ -60,7 +59,7 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
             squared += missing * missing;
         }
         double m = sys->mass[i], kept = 1.0;
-        if (limited && size * size > 4.0 * squared) kept = 2.0 * sqrt(squared) / size;
+        if (size * size > 4.0 * squared) kept = 2.0 * sqrt(squared) / size;
         for (int a = 0; a < 3; a++) {
             double lost = (1.0 - part) * dv[a], gained = part * dv[a];
             sim->v[3 * i + a] -= kept * lost;
