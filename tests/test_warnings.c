@@ -248,23 +248,32 @@ static void test_saved(void **state) {
 
 #define FALLING(outlets) SCENE(STEPS, DUST("0, -5, 0"), outlets)
 
-static bool warns_of_fall(const char *scene) {
+static bool warns_of_fall(const char *scene, const char *body) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, scene);
     for (int n = 0; n < 20; n++) test_step(context, sim);
-    bool found = find_warning(sim, "fell-out", "dust").code;
+    bool found = find_warning(sim, "fell-out", body).code;
     pdyn_free(sim);
     pdyn_destroy(context);
     return found;
 }
 
-/* Dust that falls for ever, and dust that an outlet around the scene will remove. */
+/* A sheet that a pin at one of its corners lowers. */
+static const char *lowered =
+    SCENE(STEPS,
+          SHEET("{'type': 'pin', 'vertices': {'vertices': [0]}, 'path': [[0, 0, 0, 0], [0.2, 0, "
+                "-1, 0]]}"),
+          "");
+
+/* Dust that falls for ever, dust that an outlet around the scene will remove, and a held sheet. */
 static void test_fallen(void **state) {
     (void)state;
-    assert_true(warns_of_fall(FALLING("")));
+    assert_true(warns_of_fall(FALLING(""), "dust"));
     assert_false(warns_of_fall(
         FALLING(", 'outlets': [{'box': {'minimum': [-1, -9, -1], 'maximum': [1, 1, 1]}, 'outside': "
-                "true}]")));
+                "true}]"),
+        "dust"));
+    assert_false(warns_of_fall(lowered, "sheet"));
 }
 
 /* The triangles of a ball, which nobody chooses, beside coarse water, in thicker contact. */

@@ -85,11 +85,21 @@ static bool has_outlet_around(const struct scene *scene) {
     return false;
 }
 
+/* Pins hold the body, which they may lower as far as they like. */
+static bool is_pinned(const struct pdyn_sim *sim, int b) {
+    for (int k = 0; k < sim->constraints; k++) {
+        const struct batch *batch = sim->objective.batch[k];
+        bool own = batch->view.body == &sim->body[b];
+        if (own && (batch->type->flags & PDYN_REACTION) && !batch->off) return true;
+    }
+    return false;
+}
+
 /* Particles that nothing holds fall for ever, and make steps short. */
 static void warn_fallen(struct pdyn_sim *sim) {
     bool removed = has_outlet_around(&sim->scene);
     for (int b = 0; b < sim->bodies; b++) {
-        if (removed && !sim->scene.body[b].is_surface) continue;
+        if ((removed && !sim->scene.body[b].is_surface) || is_pinned(sim, b)) continue;
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_FELL_OUT, sim->body[b].name,
