@@ -8,8 +8,8 @@
  *
  * so the strain energy is E/2 V sum_i (s_i - clamp(s_i))^2: a rod has Young's modulus E where K is
  * 0 (without Poisson's effect). For small strains the volume adds the energy K/6 V (tr strain)^2.
- * s_3 < 0 for an inverted tetrahedron, which both projections turn back. Elements: the strain of
- * every tetrahedron, then the volume of every tetrahedron if K > 0. */
+ * s_3 < 0 for an inverted tetrahedron, which both projections turn back. Elements: for every
+ * tetrahedron its strain, then its volume if K > 0, which has the same u. */
 #include "projdyn/module.h"
 #include "projdyn/svd3.h"
 
@@ -41,12 +41,13 @@ struct target {             /* bounds of the singular values of u */
     double least, most;     /* volume: of the product, m^(9/2) */
 };
 
-/* Elements 0 to tets - 1 are the strains, elements from tets on the volumes of the tetrahedra. */
-static int tet_of(const pdyn_batch *b, int e) { return e % b->body->tets; }
-static bool is_volume(const pdyn_batch *b, int e) { return e >= b->body->tets; }
+static int elements_of_tet(const void *par) {
+    return ((const struct params *)par)->volume_stiffness > 0.0 ? 2 : 1;
+}
+static bool is_volume(const void *par, int e) { return e % elements_of_tet(par) == 1; }
 
 static int elements(const void *par, const pdyn_body *body) {
-    return (((const struct params *)par)->volume_stiffness > 0.0 ? 2 : 1) * body->tets;
+    return elements_of_tet(par) * body->tets;
 }
 
 /* Gradients of the four barycentric coordinates in the rest shape, 1/m. */
@@ -65,7 +66,7 @@ static void gradients_of(const pdyn_body *body, int t, double g[4][3]) {
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
     for (int e = first; e < last; e++) {
-        int t = tet_of(b, e);
+        int t = e / elements_of_tet(par);
         double g[4][3], root = sqrt(b->body->tet_volume[t]), cube = root * root * root;
         struct target *target = (struct target *)b->data + e;
         gradients_of(b->body, t, g);
@@ -82,7 +83,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = par;
     for (int e = first; e < last; e++)
-        b->weight[e] = is_volume(b, e) ? q->volume_stiffness : q->stiffness;
+        b->weight[e] = is_volume(par, e) ? q->volume_stiffness : q->stiffness;
 }
 
 static double clamp(double value, double low, double high) { return fmin(fmax(value, low), high); }
@@ -112,21 +113,29 @@ static void onto_product(const double s[3], double c, double p[3]) {
 }
 
 /* Singular values p of the projection of element e from the singular values s of u. */
-static void project_values(const pdyn_batch *b, int e, const double s[3], double p[3]) {
+static void project_values(const void *par, const pdyn_batch *b, int e, const double s[3],
+                           double p[3]) {
     const struct target *target = (const struct target *)b->data + e;
     double volume = product(s), c = clamp(volume, target->least, target->most);
-    if (!is_volume(b, e))
+    if (!is_volume(par, e))
         for (int i = 0; i < 3; i++) p[i] = clamp(s[i], target->low[i], target->high[i]);
     else if (c == volume) memcpy(p, s, 3 * sizeof *p);
     else onto_product(s, c, p);
 }
 
+/* d: the decomposition of the u of element e. It is that of the element before where u is the same,
+ * as it is for strain and volume. */
+static void decompose(const pdyn_batch *b, int first, int e, svd3 *d) {
+    const double *u = b->u + 9 * (size_t)e;
+    if (e == first || memcmp(u, u - 9, 9 * sizeof *u)) *d = svd3_of(u);
+}
+
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
+    svd3 d;
     for (int e = first; e < last; e++) {
-        svd3 d = svd3_of(b->u + 9 * (size_t)e);
         double p[3];
-        project_values(b, e, d.s, p);
+        decompose(b, first, e, &d);
+        project_values(par, b, e, d.s, p);
         svd3_compose(&d, p, b->p + 9 * (size_t)e);
     }
 }
@@ -195,11 +204,11 @@ static void add_ways(double *J, const svd3 *d, double way[2][3], const double pa
  *
  *     left_i right_j' - left_j right_i'    rotation:   (p_i + p_j) / (s_i + s_j)
  *     left_i right_j' + left_j right_i'    shear:      (p_i - p_j) / (s_i - s_j) */
-static void tangent_of(const pdyn_batch *b, int e, const svd3 *d, double *J) {
+static void tangent_of(const void *par, const pdyn_batch *b, int e, const svd3 *d, double *J) {
     double p[3], way[2][3], part[2];
     const double *s = d->s;
-    project_values(b, e, s, p);
-    if (is_volume(b, e) && memcmp(p, s, sizeof p)) {
+    project_values(par, b, e, s, p);
+    if (is_volume(par, e) && memcmp(p, s, sizeof p)) {
         product_tangent(s, p, way, part);
         add_ways(J, d, way, part);
     } else
@@ -215,10 +224,10 @@ static void tangent_of(const pdyn_batch *b, int e, const svd3 *d, double *J) {
 }
 
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *J) {
-    (void)par;
+    svd3 d;
     for (int e = first; e < last; e++, J += 81) {
-        svd3 d = svd3_of(b->u + 9 * (size_t)e);
-        tangent_of(b, e, &d, J);
+        decompose(b, first, e, &d);
+        tangent_of(par, b, e, &d, J);
     }
 }
 
@@ -228,8 +237,9 @@ static double damping(const void *par) { return ((const struct params *)par)->da
 
 static void damping_rest(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
+    svd3 d;
     for (int e = first; e < last; e++) {
-        svd3 d = svd3_of(b->u + 9 * (size_t)e);
+        decompose(b, first, e, &d);
         struct target *target = (struct target *)b->data + e;
         for (int i = 0; i < 3; i++) target->low[i] = target->high[i] = d.s[i];
         target->least = target->most = product(d.s);
