@@ -58,7 +58,7 @@ static inline svd3 svd3_of(const double *F) {
     double rounding = 1e-16 * (A[0][0] + A[1][1] + A[2][2]);
     for (int sweep = 0; sweep < 8; sweep++) {
         if (fabs(A[0][1]) + fabs(A[0][2]) + fabs(A[1][2]) <= rounding) break;
-        for (int k = 0; k < 3; k++) svd3_rotate(A, k < 2 ? 0 : 1, k < 1 ? 1 : 2, right);
+        svd3_rotate(A, 0, 1, right), svd3_rotate(A, 0, 2, right), svd3_rotate(A, 1, 2, right);
     }
     for (int k = 0; k < 3; k++) { /* descending: 3 exchanges sort 3 numbers */
         int i = k == 1 ? 1 : 0, high = order[i + 1];
