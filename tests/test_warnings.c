@@ -291,15 +291,35 @@ static void test_ball(void **state) {
     pdyn_destroy(context);
 }
 
+/* A cube of 0.1 m that moves by 0.06 m in a step, and one that is half as fast. */
+static void test_fast(void **state) {
+    (void)state;
+    static const char scene[] =
+        "{'duration': 1, 'time_step': {'fixed': 0.002}, 'contact': {'thickness': 0.004}, "
+        "'gravity': [0, 0, 0], 'bodies': [{'name': 'cube', 'velocity': [%s, 0, 0], 'rigid': "
+        "{'box': {'minimum': [0, 0, 0], 'maximum': [0.1, 0.1, 0.1]}, 'density': 500}}]}";
+    static const char *const speed[] = {"30", "15"};
+    for (int k = 0; k < 2; k++) {
+        char text[512];
+        pdyn_context *context = test_context(1);
+        snprintf(text, sizeof text, scene, speed[k]);
+        pdyn_sim *sim = test_load(context, text);
+        test_step(context, sim), test_step(context, sim);
+        assert_int_equal(find_warning(sim, "fast", "cube").count, k ? 0 : 2);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
         cmocka_unit_test(test_return),    cmocka_unit_test(test_solids),
         cmocka_unit_test(test_cloth),     cmocka_unit_test(test_overlap),
         cmocka_unit_test(test_stretched), cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),       cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_saved),     cmocka_unit_test(test_fallen),
-        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_bat),       cmocka_unit_test(test_fast),
+        cmocka_unit_test(test_rounding),  cmocka_unit_test(test_saved),
+        cmocka_unit_test(test_fallen),    cmocka_unit_test(test_ball),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

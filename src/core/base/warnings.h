@@ -26,6 +26,7 @@
     X(UNSOLVED, "unsolved")                                                                        \
     X(RETRIES, "retries")                                                                          \
     X(LEAK, "leak")                                                                                \
+    X(FAST, "fast")                                                                                \
     X(FELL_OUT, "fell-out")                                                                        \
     X(ENERGY, "energy")                                                                            \
     X(COMPRESSED, "compressed")                                                                    \

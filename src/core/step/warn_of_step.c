@@ -43,6 +43,37 @@ static void warn_compressed(struct pdyn_sim *sim, double error) {
                  100.0 * max_density_error, w->count, sim->steps, 100.0 * w->worst);
 }
 
+/* ---- bodies that move far in a step ---------------------------------------------------------- */
+
+/* Longest side of the box around the rest shape, m. */
+static double size_of(const pdyn_body *body) {
+    struct box box = box_empty;
+    double size = 0.0;
+    for (int i = 0; i < body->count; i++) box_add(&box, body->rest + 3 * (size_t)i);
+    for (int a = 0; a < 3; a++) size = fmax(size, box.max[a] - box.min[a]);
+    return size;
+}
+
+/* Contact keeps surfaces from passing through each other, not two bodies from getting around each
+ * other in a single step. */
+static void warn_fast(struct pdyn_sim *sim, double h) {
+    for (int b = 0; sim->objective.contact && b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        double v[3] = {0}, size = size_of(body);
+        for (int i = body->first; i < body->first + body->count; i++)
+            vec3_add(v, 1.0 / body->count, sim->v + 3 * (size_t)i);
+        double way = h * vec3_length(v);
+        if (!body->triangles || way <= 0.5 * size) continue;
+        struct warning *w =
+            warnings_count(&sim->warnings, WARNING_FAST, body->name, sim->time, 1, way);
+        warnings_say(
+            sim->context, w,
+            "moves by up to %.3g m in a step, more than half of its size of %.3g m: it may "
+            "get around other bodies despite contact",
+            w->worst, size);
+    }
+}
+
 /* ---- particles that fell out of the scene ---------------------------------------------------- */
 
 struct box warn_extent(const struct pdyn_sim *sim) {
@@ -117,6 +148,7 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_retries(sim, info->retries);
     warn_compressed(sim, info->density_error_mean);
     crossings_warn(sim);
+    warn_fast(sim, info->h);
     energy_budget_step(sim, info);
     if (info->frame) warn_fallen(sim);
 }
