@@ -20,4 +20,11 @@ static inline void box_add(struct box *box, const double x[3]) {
     }
 }
 
+/* The longest side, m. */
+static inline double box_extent(const struct box *box) {
+    double extent = 0.0;
+    for (int a = 0; a < 3; a++) extent = fmax(extent, box->max[a] - box->min[a]);
+    return extent;
+}
+
 #endif

@@ -1,5 +1,6 @@
 /* The camera: it orbits around a target. */
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
 /* Axes of a view whose direction has the angles yaw (around the vertical) and pitch (above the horizontal). */
 function viewAxes(yaw, pitch) {

@@ -89,7 +89,6 @@ function checkerCoordinates(x, index, closed) {
   const mean = [0, 1, 2].map((k) => used.reduce((sum, i) => sum + x[3 * i + k], 0) / used.length);
   const moment = [0, 1, 2].map((j) => [0, 1, 2].map((k) =>
     used.reduce((sum, i) => sum + (x[3 * i + j] - mean[j]) * (x[3 * i + k] - mean[k]), 0)));
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (a) => a.map((v) => v / (Math.hypot(...a) || 1));
   const times = (a) => moment.map((row) => dot(row, a));
   let first = [0.8, 0.5, 0.33], second = [-0.4, 0.3, 0.86];
@@ -137,7 +136,6 @@ function boxWalls(x, index, [low, high]) {
 /* Whether a triangle of a mesh meets the ray from p towards d (Moeller, Trumbore 1997). */
 function meetsRay(x, index, p, d) {
   const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   for (let t = 0; t < index.length; t += 3) {
     const [a, b, c] = [0, 1, 2].map((k) => x.subarray(3 * index[t + k], 3 * index[t + k] + 3));
     const u = minus(b, a), v = minus(c, a), n = cross(d, v), volume = dot(u, n);

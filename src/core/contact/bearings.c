@@ -14,11 +14,12 @@ static double stiffness_of(const struct contact *c, const pdyn_contact *contact)
 /* ---- bearings -------------------------------------------------------------------------------- */
 
 /* The bearing of two groups, a < b; a new one if there is none. NULL without memory. */
-static struct bearing *find(struct bearings *t, int a, int b) {
+static struct bearing *find(const struct contact *c, int a, int b) {
+    struct bearings *t = c->bearings;
     for (int k = t->first[a]; k >= 0; k = t->bearing[k].next)
         if (t->bearing[k].group[1] == b) return &t->bearing[k];
     struct bearing *all =
-        context_grow(t->context, t->bearing, &t->room, (size_t)t->count + 1, sizeof *all);
+        context_grow(c->context, t->bearing, &t->room, (size_t)t->count + 1, sizeof *all);
     if (!all) return NULL;
     t->bearing = all;
     all[t->count] = (struct bearing){.group = {a, b}, .next = t->first[a]};
@@ -38,7 +39,8 @@ static void points_of(const struct contact *c, const struct bearing *bearing,
 static void add_contact(const struct contact *c, struct bearing *bearing, int e) {
     const pdyn_contact *contact = &c->start.contact[e];
     const struct stencil *s = &c->start.stencil[e];
-    double k = contact->share * c->set->stiffness, weight = stiffness_of(c, contact), point[2][3];
+    double k = contact->share * c->set->stiffness, weight = c->bearings->contact[e].stiffness;
+    double point[2][3];
     double force = barrier_force(k, contact->thickness, contact->distance);
     double sign = c->group[s->point[0]] == bearing->group[0] ? 1.0 : -1.0;
     points_of(c, bearing, s, point);
@@ -56,23 +58,23 @@ static bool is_soft(const struct contact *c, int group) {
 static pdyn_status gather(struct contact *c) {
     struct bearings *t = c->bearings;
     t->count = 0;
-    for (int k = 0; k < t->groups; k++) t->first[k] = -1;
+    for (int k = 0; k < c->groups; k++) t->first[k] = -1;
     for (int e = 0; e < c->start.view.count; e++) {
         const struct stencil *s = &c->start.stencil[e];
         int a = c->group[s->point[0]], b = c->group[s->point[3]];
-        t->of[e] = -1;
-        if (is_soft(c, a) || is_soft(c, b) || !(stiffness_of(c, &c->start.contact[e]) > 0.0))
-            continue;
-        struct bearing *bearing = a < b ? find(t, a, b) : find(t, b, a);
+        struct bearing_contact *own = &t->contact[e];
+        *own = (struct bearing_contact){-1, stiffness_of(c, &c->start.contact[e])};
+        if (is_soft(c, a) || is_soft(c, b) || !(own->stiffness > 0.0)) continue;
+        struct bearing *bearing = a < b ? find(c, a, b) : find(c, b, a);
         if (!bearing) return PDYN_NO_MEMORY;
-        t->of[e] = (int)(bearing - t->bearing);
+        own->bearing = (int)(bearing - t->bearing);
         add_contact(c, bearing, e);
     }
     return PDYN_OK;
 }
 
 static void add_tilt(const struct contact *c, struct bearing *bearing, int e) {
-    double point[2][3], *r = point[0], weight = stiffness_of(c, &c->start.contact[e]);
+    double point[2][3], *r = point[0], weight = c->bearings->contact[e].stiffness;
     points_of(c, bearing, &c->start.stencil[e], point);
     vec3_add(r, -1.0, bearing->centre[0]);
     vec3_add(r, -vec3_dot(r, bearing->normal), bearing->normal);
@@ -89,7 +91,7 @@ static void complete(struct contact *c) {
         for (int a = 0; a < 6; a++) bearing->centre[a / 3][a % 3] /= bearing->stiffness;
     }
     for (int e = 0; e < c->start.view.count; e++)
-        if (t->of[e] >= 0) add_tilt(c, &t->bearing[t->of[e]], e);
+        if (t->contact[e].bearing >= 0) add_tilt(c, &t->bearing[t->contact[e].bearing], e);
 }
 
 /* ---- dashpots -------------------------------------------------------------------------------- */
@@ -168,15 +170,16 @@ static double rolling(const struct bearing *bearing, const struct end end[2]) {
 /* Four dashpots at the ends of a cross have the stiffness of the bearing against a push along the
  * normal and against two tilts, less what rolling has. Contacts on opposite sides, as in a slot,
  * have little net force, and nothing is damped along their mean normal. */
-static void set_dashpots(struct bearings *t, struct bearing *bearing, const double *x,
+static void set_dashpots(const struct contact *c, struct bearing *bearing, const double *x,
                          pdyn_dashpot *dashpot) {
     static const double none[3] = {0};
+    const struct bearings *t = c->bearings;
     const struct end end[2] = {end_of(t, bearing, 0, x), end_of(t, bearing, 1, x)};
     const svd3 tilt = svd3_of(bearing->tilt);
     const pdyn_dashpot central = dashpot_at(bearing, end, x, none);
     double roll = rolling(bearing, end), part = bearing->net / bearing->force;
-    bearing->damping =
-        part * part * 2.0 * t->ratio * sqrt(bearing->stiffness / inverse_mass(&central, end));
+    bearing->damping = part * part * 2.0 * c->set->damping *
+                       sqrt(bearing->stiffness / inverse_mass(&central, end));
     for (int k = 0; k < BEARING_DASHPOTS; k++) {
         double rest = fmax(0.0, tilt.s[k / 2] - roll), way[3] = {0};
         vec3_add(way, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
@@ -185,32 +188,40 @@ static void set_dashpots(struct bearings *t, struct bearing *bearing, const doub
     }
 }
 
-static pdyn_status reserve(struct bearings *t, size_t contacts) {
-    int *of = context_grow(t->context, t->of, &t->of_room, contacts, sizeof *of);
-    if (!of && contacts) return PDYN_NO_MEMORY;
-    t->of = of;
+static pdyn_status reserve_contacts(struct contact *c) {
+    struct bearings *t = c->bearings;
+    size_t need = (size_t)c->start.view.count;
+    struct bearing_contact *all =
+        context_grow(c->context, t->contact, &t->contact_room, need, sizeof *all);
+    if (!all && need) return PDYN_NO_MEMORY;
+    t->contact = all;
+    return PDYN_OK;
+}
+
+static pdyn_status reserve_dashpots(struct contact *c) {
+    struct bearings *t = c->bearings;
+    size_t need = BEARING_DASHPOTS * (size_t)t->count;
+    pdyn_dashpot *all = context_grow(c->context, t->dashpot, &t->dashpot_room, need, sizeof *all);
+    if (!all && need) return PDYN_NO_MEMORY;
+    c->start.view.dashpot = t->dashpot = all, c->start.view.dashpots = (int)need;
     return PDYN_OK;
 }
 
 pdyn_status bearings_update(struct contact *c, const double *x) {
     struct bearings *t = c->bearings;
-    pdyn_status status = reserve(t, (size_t)c->start.view.count);
+    pdyn_status status = reserve_contacts(c);
     if (status == PDYN_OK) status = gather(c);
+    if (status == PDYN_OK) status = reserve_dashpots(c);
     if (status != PDYN_OK) return status;
     complete(c);
-    size_t need = BEARING_DASHPOTS * (size_t)t->count;
-    pdyn_dashpot *all = context_grow(t->context, t->dashpot, &t->dashpot_room, need, sizeof *all);
-    if (!all && need) return PDYN_NO_MEMORY;
-    t->dashpot = all;
     for (int k = 0; k < t->count; k++)
-        set_dashpots(t, &t->bearing[k], x, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
+        set_dashpots(c, &t->bearing[k], x, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
     for (int e = 0; e < c->start.view.count; e++) {
-        const struct bearing *bearing = t->of[e] < 0 ? NULL : &t->bearing[t->of[e]];
-        pdyn_contact *contact = &c->start.contact[e];
-        if (bearing)
-            contact->damping = bearing->damping * stiffness_of(c, contact) / bearing->stiffness;
+        const struct bearing_contact *own = &t->contact[e];
+        if (own->bearing < 0) continue;
+        const struct bearing *bearing = &t->bearing[own->bearing];
+        c->start.contact[e].damping = bearing->damping * own->stiffness / bearing->stiffness;
     }
-    c->start.view.dashpot = t->dashpot, c->start.view.dashpots = (int)need;
     return PDYN_OK;
 }
 
@@ -225,22 +236,21 @@ pdyn_status bearings_create(struct contact *c, const struct rigid_map *map) {
     if (!map || !(c->set->damping > 0.0)) return PDYN_OK;
     struct bearings *t = c->bearings = NEW_ARRAY(c->context, 1, struct bearings);
     if (!t) return PDYN_NO_MEMORY;
-    *t = (struct bearings){
-        .context = c->context, .map = map, .ratio = c->set->damping, .groups = c->groups};
-    t->body = NEW_ARRAY(c->context, t->groups, int);
-    t->first = NEW_ARRAY(c->context, t->groups, int);
-    for (int k = 0, number = 0; t->body && k < t->groups; k++)
+    t->map = map;
+    t->body = NEW_ARRAY(c->context, c->groups, int);
+    t->first = NEW_ARRAY(c->context, c->groups, int);
+    for (int k = 0, number = 0; t->body && k < c->groups; k++)
         t->body[k] = c->is_rigid[k] ? number++ : -1;
     return t->body && t->first ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-void bearings_free(struct bearings *t) {
+void bearings_free(struct contact *c) {
+    struct bearings *t = c->bearings;
     if (!t) return;
-    pdyn_context *c = t->context;
-    FREE_ARRAY(c, t->body, t->groups);
-    FREE_ARRAY(c, t->first, t->groups);
-    FREE_ARRAY(c, t->bearing, t->room);
-    FREE_ARRAY(c, t->dashpot, t->dashpot_room);
-    FREE_ARRAY(c, t->of, t->of_room);
-    FREE_ARRAY(c, t, 1);
+    FREE_ARRAY(c->context, t->body, c->groups);
+    FREE_ARRAY(c->context, t->first, c->groups);
+    FREE_ARRAY(c->context, t->bearing, t->room);
+    FREE_ARRAY(c->context, t->dashpot, t->dashpot_room);
+    FREE_ARRAY(c->context, t->contact, t->contact_room);
+    FREE_ARRAY(c->context, c->bearings, 1);
 }

@@ -20,23 +20,25 @@ struct bearing {
     double damping;      /* c of all dashpots together, N s/m */
 };
 
+struct bearing_contact { /* of a contact of the beginning of the step */
+    int bearing;         /* -1: none */
+    double stiffness;    /* b'', N/m */
+};
+
 struct bearings {
-    pdyn_context *context;
     const struct rigid_map *map;
-    double ratio; /* of the damping to critical damping */
-    int groups;
     int *body;  /* groups: number of the rigid body; -1: none */
     int *first; /* groups: a bearing of which it is the first group; -1: none */
     int count;
-    size_t room, dashpot_room, of_room;
-    struct bearing *bearing; /* room */
-    pdyn_dashpot *dashpot;   /* dashpot_room */
-    int *of;                 /* of_room: the bearing of each contact; -1: none */
+    size_t room, dashpot_room, contact_room;
+    struct bearing *bearing;         /* room */
+    pdyn_dashpot *dashpot;           /* dashpot_room */
+    struct bearing_contact *contact; /* contact_room */
 };
 
 /* Makes contact->bearings; they stay NULL in a scene without rigid bodies or damping. */
 pdyn_status bearings_create(struct contact *contact, const struct rigid_map *map);
-void bearings_free(struct bearings *bearings); /* NULL: nothing */
+void bearings_free(struct contact *contact);
 
 /* Sets the dashpots of the contacts of the beginning of the step, and the damping of these. x:
  * positions of the system then, particles x 3, m. */

@@ -166,7 +166,7 @@ WIDE static void visit_groups(const struct bvh *tree, const struct box *box, int
 
 void bvh_visit(const struct bvh *tree, const struct box *box, int from,
                void (*visit)(void *user, int id), void *user) {
-    if (tree->count) visit_groups(tree, box, from, INT32_MIN, visit, user);
+    bvh_visit_others(tree, box, from, -1, visit, user);
 }
 
 void bvh_visit_others(const struct bvh *tree, const struct box *box, int from, int owner,

@@ -238,7 +238,7 @@ void contact_free(struct contact *c) {
     FREE_ARRAY(x, c->found_count, c->blocks);
     contact_list_free(x, &c->current);
     contact_list_free(x, &c->start);
-    bearings_free(c->bearings);
+    bearings_free(c);
     for (int k = 0; k < 2; k++) {
         bvh_free(x, &c->face_tree[k]);
         bvh_free(x, &c->edge_tree[k]);

@@ -106,12 +106,6 @@ static struct box box_of(const struct pdyn_sim *sim, const pdyn_body *body) {
     return box;
 }
 
-static double extent_of(const struct box *box) {
-    double extent = 0.0;
-    for (int a = 0; a < 3; a++) extent = fmax(extent, box->max[a] - box->min[a]);
-    return extent;
-}
-
 static bool contains(const struct box *box, const double x[3]) {
     bool inside = true;
     for (int a = 0; a < 3; a++) inside &= x[a] >= box->min[a] && x[a] <= box->max[a];
@@ -151,7 +145,7 @@ static pdyn_status check_inside(struct pdyn_sim *sim, int b) {
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = box_of(sim, body);
-    double extent = extent_of(&box);
+    double extent = box_extent(&box);
     if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
     WARN(sim, SCALE, body->name,
          "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh", extent);
@@ -241,7 +235,7 @@ static void check_tolerance(struct pdyn_sim *sim) {
 /* Probes at places that nothing will reach: often a place in millimetres. */
 static void check_probes(struct pdyn_sim *sim) {
     struct box box = warn_extent(sim);
-    double extent = extent_of(&box);
+    double extent = box_extent(&box);
     if (box.min[0] > box.max[0]) return; /* everything is to come from inlets */
     for (int a = 0; a < 3; a++) box.min[a] -= extent, box.max[a] += extent;
     for (int p = 0; p < sim->scene.probes; p++) {

@@ -48,10 +48,8 @@ static void warn_compressed(struct pdyn_sim *sim, double error) {
 /* Longest side of the box around the rest shape, m. */
 static double size_of(const pdyn_body *body) {
     struct box box = box_empty;
-    double size = 0.0;
     for (int i = 0; i < body->count; i++) box_add(&box, body->rest + 3 * (size_t)i);
-    for (int a = 0; a < 3; a++) size = fmax(size, box.max[a] - box.min[a]);
-    return size;
+    return box_extent(&box);
 }
 
 /* Contact keeps surfaces from passing through each other, not two bodies from getting around each
@@ -59,11 +57,12 @@ static double size_of(const pdyn_body *body) {
 static void warn_fast(struct pdyn_sim *sim, double h) {
     for (int b = 0; sim->objective.contact && b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
+        if (!body->triangles) continue;
         double v[3] = {0}, size = size_of(body);
         for (int i = body->first; i < body->first + body->count; i++)
             vec3_add(v, 1.0 / body->count, sim->v + 3 * (size_t)i);
         double way = h * vec3_length(v);
-        if (!body->triangles || way <= 0.5 * size) continue;
+        if (way <= 0.5 * size) continue;
         struct warning *w =
             warnings_count(&sim->warnings, WARNING_FAST, body->name, sim->time, 1, way);
         warnings_say(
