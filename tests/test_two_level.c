@@ -149,6 +149,30 @@ static void test_galerkin(void **state) {
     pdyn_destroy(context);
 }
 
+/* The blocks of a particle's dynamic constraints lie in the pattern of A, for all nodes that it
+ * follows: rows of tetrahedra leave weak nodes out. */
+static void test_dynamic_pattern(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = NULL;
+    struct coarse_space c = {0};
+    char path[1024];
+    snprintf(path, sizeof path, "%s/scenes/soft_ball.json", getenv("PROJDYN_SOURCE_ROOT"));
+    assert_int_equal(pdyn_load(context, path, NULL, 0, &sim), PDYN_OK);
+    test_step(context, sim);
+    assert_int_equal(coarse_space_create(&c, &sim->model.model), PDYN_OK);
+    const struct sparse *follows = &c.interpolation.particles;
+    assert_non_null(c.dynamic);
+    for (int i = 0; i < follows->rows; i++)
+        for (int k = follows->start[i]; k < follows->start[i + 1]; k++)
+            for (int m = follows->start[i]; m < follows->start[i + 1]; m++)
+                if (follows->entry[m].column <= follows->entry[k].column)
+                    assert_true(follows->entry[m].column >= c.a.first[follows->entry[k].column]);
+    coarse_space_free(&c);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A hanging sheet of %d x %d vertices. */
 static const char hanging[] =
     "{\"duration\": 1, \"time_step\": {\"fixed\": 0.0166}, \"solver\": {\"type\": \"hybrid\"},"
@@ -257,10 +281,10 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_skyline),           cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_galerkin),          cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_coupled),           cmocka_unit_test(test_without_nodes),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_skyline),       cmocka_unit_test(test_sparse),
+        cmocka_unit_test(test_galerkin),      cmocka_unit_test(test_dynamic_pattern),
+        cmocka_unit_test(test_sizes),         cmocka_unit_test(test_coupled),
+        cmocka_unit_test(test_without_nodes), cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -129,6 +129,8 @@ static pdyn_status create_pattern(struct coarse_space *s) {
         for (int e = 0; e < b->elements; e++)
             couple_nodes(&s->part[k].rows, b->element_row[e], b->element_row[e + 1], first);
     }
+    for (int i = 0; s->model->dynamic && i < s->model->particles; i++)
+        couple_nodes(&s->interpolation.particles, i, i + 1, first);
     pdyn_status status = skyline_create(&s->a, c, nodes, first);
     FREE(c, first, nodes);
     return status;
