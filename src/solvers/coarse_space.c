@@ -7,7 +7,7 @@
 /* Terms that are summed side by side, so that no addition waits for the one before. */
 enum { LANES = 2 };
 
-enum { NODE_GRAIN = 16, RESTRICT_GRAIN = 32, PARTICLE_GRAIN = 1024 }; /* parallel blocks */
+enum { NODE_GRAIN = 4, RESTRICT_GRAIN = 32, PARTICLE_GRAIN = 1024 }; /* parallel blocks */
 
 /* Dynamic constraints couple particles of one node, which their block diagonal does not contain:
  * it is multiplied by this. Measured on water_on_cloth: 1 to 8 make little difference. */

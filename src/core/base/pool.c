@@ -1,19 +1,25 @@
-/* The thread pool: shares of blocks, and workers that spin briefly before they sleep. */
+/* The thread pool: shares of blocks, and workers that spin briefly before they sleep.
+ *
+ * A job ends when its blocks are done: nobody waits for workers that still sleep. A worker that
+ * comes late finds no block of the job that it was called for; the number of the job beside the
+ * count of blocks of every share keeps it from beginning a block of another. */
 #include "pool.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-enum {
-    SPINS = 2000
-}; /* busy-wait of about 50 microseconds, longer than the gap between two parallel regions of a CG
-    * iteration: threads then do not sleep within a solve */
+/* How often a waiting thread looks before it sleeps: 50 to 100 microseconds of pauses, longer than
+ * the gap between two parallel regions of a CG iteration, then about half a millisecond in which
+ * other processes may have its core. */
+enum { PAUSES = 2000, LOOKS = PAUSES + 1000 };
 
-static void pause_cpu(void) {
+static void pause_after(int look) {
+    if (look >= PAUSES) sched_yield();
 #if defined(__x86_64__) || defined(__i386__)
-    __builtin_ia32_pause();
+    else __builtin_ia32_pause();
 #endif
 }
 
@@ -21,8 +27,7 @@ static void pause_cpu(void) {
  * size, so that the thread finds its data in its cache. A thread that has finished its share
  * continues with blocks that other threads have not begun. */
 struct share {
-    _Alignas(64) atomic_int next; /* next block to run */
-    int end;
+    _Alignas(64) atomic_ullong state; /* the job's number and the blocks not begun, 32 bits each */
 };
 
 struct worker {
@@ -39,38 +44,79 @@ struct pool {
     struct share *share;    /* one share per thread */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
-    atomic_uint job; /* number of the current job; workers wait for it to change */
-    atomic_int busy; /* workers that have not finished the current job */
-    bool stop;
-    int count, grain, blocks;
+    atomic_uint job;       /* number of the current job; workers wait for it to change */
+    atomic_int sleepers;   /* workers that wait for `wake` */
+    atomic_int unfinished; /* blocks of the current job that are not done */
+    atomic_bool stop;
+    int count, grain, blocks; /* of the current job: constant while one of its blocks runs */
     pdyn_range_fn *fn;
     void *arg;
 };
 
-static void run_share(struct pool *pool, struct share *share) {
-    for (;;) {
-        int block = atomic_fetch_add_explicit(&share->next, 1, memory_order_relaxed);
-        if (block >= share->end) return;
-        int first = block * pool->grain;
+static unsigned long long share_state(unsigned job, int blocks) {
+    return (unsigned long long)job << 32 | (unsigned)blocks;
+}
+
+/* First block of share k. */
+static int share_begin(const struct pool *pool, int k) {
+    return (int)((long long)pool->blocks * k / pool->threads);
+}
+
+/* Begins a block of a share in this job. Returns the number of its blocks that were not begun
+ * before, 0: none, or the share has blocks of another job. */
+static int take_block(struct share *share, unsigned job) {
+    unsigned long long state = atomic_load_explicit(&share->state, memory_order_relaxed);
+    while (state >> 32 == job && (unsigned)state)
+        if (atomic_compare_exchange_weak_explicit(&share->state, &state, state - 1,
+                                                  memory_order_acquire, memory_order_relaxed))
+            return (int)(unsigned)state;
+    return 0;
+}
+
+/* Returns the number of blocks that it has run. */
+static int run_share(struct pool *pool, int k, unsigned job) {
+    int done = 0;
+    for (int left; (left = take_block(&pool->share[k], job)); done++) {
+        int block = share_begin(pool, k + 1) - left, first = block * pool->grain;
         int last = pool->count - first > pool->grain ? first + pool->grain : pool->count;
         pool->fn(pool->arg, first, last, block);
     }
+    return done;
 }
 
-/* Runs the blocks of the thread's share, then blocks of other shares that no thread has begun. */
-static void run_blocks(struct pool *pool, int number) {
+/* Runs the blocks of the thread's share, then blocks of other shares that no thread has begun.
+ * Returns whether the job ended with one of them. */
+static bool run_blocks(struct pool *pool, int number, unsigned job) {
+    int done = 0;
     for (int k = 0; k < pool->threads; k++)
-        run_share(pool, &pool->share[(number + k) % pool->threads]);
+        done += run_share(pool, (number + k) % pool->threads, job);
+    return done && atomic_fetch_sub(&pool->unfinished, done) == done;
 }
 
-/* Waits until the job number differs from `seen`; returns the new number. */
+/* Wakes a worker, if one sleeps. */
+static void wake_worker(struct pool *pool) {
+    if (!atomic_load(&pool->sleepers)) return;
+    pthread_mutex_lock(&pool->lock);
+    pthread_cond_signal(&pool->wake);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+static void sleep_until_job(struct pool *pool, unsigned seen) {
+    pthread_mutex_lock(&pool->lock);
+    atomic_fetch_add(&pool->sleepers, 1);
+    while (atomic_load(&pool->job) == seen) pthread_cond_wait(&pool->wake, &pool->lock);
+    atomic_fetch_sub(&pool->sleepers, 1);
+    pthread_mutex_unlock(&pool->lock);
+}
+
+/* Waits until the job number differs from `seen`; returns the new number. A worker that slept wakes
+ * two others: the caller is not held up by it, and all are awake after few rounds. */
 static unsigned wait_job(struct pool *pool, unsigned seen) {
-    for (int i = 0; i < SPINS; i++, pause_cpu())
+    for (int i = 0; i < LOOKS; pause_after(i++))
         if (atomic_load_explicit(&pool->job, memory_order_acquire) != seen)
             return atomic_load_explicit(&pool->job, memory_order_acquire);
-    pthread_mutex_lock(&pool->lock);
-    while (atomic_load(&pool->job) == seen) pthread_cond_wait(&pool->wake, &pool->lock);
-    pthread_mutex_unlock(&pool->lock);
+    sleep_until_job(pool, seen);
+    for (int k = 0; k < 2 && atomic_load(&pool->unfinished); k++) wake_worker(pool);
     return atomic_load(&pool->job);
 }
 
@@ -80,8 +126,7 @@ static void *worker_main(void *arg) {
     for (unsigned seen = 0;;) {
         seen = wait_job(pool, seen);
         if (pool->stop) return NULL;
-        run_blocks(pool, worker->number);
-        if (atomic_fetch_sub(&pool->busy, 1) == 1) {
+        if (run_blocks(pool, worker->number, seen)) {
             pthread_mutex_lock(&pool->lock);
             pthread_cond_signal(&pool->done);
             pthread_mutex_unlock(&pool->lock);
@@ -89,26 +134,24 @@ static void *worker_main(void *arg) {
     }
 }
 
-/* Divides the blocks of a job among the threads and wakes the workers. */
-static void start_job(struct pool *pool) {
-    pthread_mutex_lock(&pool->lock);
+/* Divides the blocks of a job among the threads. Returns the number of the job. */
+static unsigned start_job(struct pool *pool) {
+    unsigned job = atomic_load(&pool->job) + 1;
+    atomic_store(&pool->unfinished, pool->blocks);
     for (int k = 0; k < pool->threads; k++) {
-        struct share *share = &pool->share[k];
-        int begin = (int)((long long)pool->blocks * k / pool->threads);
-        atomic_store_explicit(&share->next, begin, memory_order_relaxed);
-        share->end = (int)((long long)pool->blocks * (k + 1) / pool->threads);
+        int blocks = share_begin(pool, k + 1) - share_begin(pool, k);
+        atomic_store_explicit(&pool->share[k].state, share_state(job, blocks),
+                              memory_order_release);
     }
-    atomic_store(&pool->busy, pool->threads - 1);
-    atomic_fetch_add_explicit(&pool->job, 1, memory_order_release);
-    pthread_cond_broadcast(&pool->wake);
-    pthread_mutex_unlock(&pool->lock);
+    atomic_store(&pool->job, job);
+    return job;
 }
 
 static void wait_done(struct pool *pool) {
-    for (int i = 0; i < SPINS; i++, pause_cpu())
-        if (!atomic_load_explicit(&pool->busy, memory_order_acquire)) return;
+    for (int i = 0; i < LOOKS; pause_after(i++))
+        if (!atomic_load_explicit(&pool->unfinished, memory_order_acquire)) return;
     pthread_mutex_lock(&pool->lock);
-    while (atomic_load(&pool->busy)) pthread_cond_wait(&pool->done, &pool->lock);
+    while (atomic_load(&pool->unfinished)) pthread_cond_wait(&pool->done, &pool->lock);
     pthread_mutex_unlock(&pool->lock);
 }
 
@@ -125,9 +168,9 @@ void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *
         return;
     }
     pool->count = count, pool->grain = grain, pool->blocks = blocks, pool->fn = fn, pool->arg = arg;
-    start_job(pool);
-    run_blocks(pool, 0);
-    wait_done(pool);
+    unsigned job = start_job(pool);
+    wake_worker(pool);
+    if (!run_blocks(pool, 0, job)) wait_done(pool);
     pthread_mutex_unlock(&pool->caller);
 }
 
@@ -178,8 +221,12 @@ struct pool *pool_create(int threads) {
 /* Not in a forked child: workers of its parent wait on the conditions, and to destroy a condition
  * waits for them. */
 static void end_workers(struct pool *pool) {
-    pool->stop = true, pool->blocks = 0;
+    pool->stop = true;
+    pool->blocks = 0;
     start_job(pool);
+    pthread_mutex_lock(&pool->lock);
+    pthread_cond_broadcast(&pool->wake);
+    pthread_mutex_unlock(&pool->lock);
     for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i].thread, NULL);
     pthread_cond_destroy(&pool->wake);
     pthread_cond_destroy(&pool->done);

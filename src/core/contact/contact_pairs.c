@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { QUERIES = 256 }; /* of a parallel block */
+enum { QUERIES = 64 }; /* of a parallel block */
 
 /* Margin of a region around a point and its displacement: `still` thicknesses plus `ahead` of the
  * length of the displacement, the latter at most `most_ahead` thicknesses. */

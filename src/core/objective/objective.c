@@ -245,14 +245,22 @@ int objective_step_along(struct objective *sys, double t, double *y) {
     return changed;
 }
 
+/* Every block becomes the particle's inertia times `scale`. */
+static void start_blocks(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    memset(c->out + 6 * (size_t)first, 0, 6 * (size_t)(last - first) * sizeof *c->out);
+    for (int i = first; i < last; i++)
+        for (int a = 0; a < 6; a += a ? 2 : 3)
+            c->out[6 * (size_t)i + a] = c->scale * objective_inertia(c->objective, i);
+}
+
 typedef void add_diagonal_fn(struct batch *batch, double *blocks);
 
 /* The block diagonal of a part of H; add: adds that of a batch. */
 static void sum_diagonal(struct objective *sys, pdyn_part part, add_diagonal_fn *add,
                          double *blocks) {
-    memset(blocks, 0, 6 * (size_t)sys->particles * sizeof *blocks);
-    for (int i = 0; part == PDYN_WHOLE && i < sys->particles; i++)
-        blocks[6 * i] = blocks[6 * i + 3] = blocks[6 * i + 5] = objective_inertia(sys, i);
+    for_particles(sys, start_blocks, NULL, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
     for (int b = 0; b < sys->batches; b++)
         if (part == PDYN_WHOLE || !batch_is_static(sys->batch[b])) add(sys->batch[b], blocks);
     if (!sys->rigid) return;

@@ -13,8 +13,6 @@
 #include "row_memory.h"
 #include "sph/neighbours.h"
 
-enum { BATCH_GRAIN = 2048 }; /* elements of a parallel block */
-
 struct touch { /* an entry, in the list of its particle */
     double coefficient;
     int row, entry;
@@ -51,7 +49,8 @@ struct batch {
     double *block;       /* B = w ((1 - eps)(I - J) + eps I) of each element, (3 rows)^2 numbers;
                             with tangent_rank1 B = m m' + a I, 3 rows + 1 numbers, m and a; NULL
                             until eps is below 1 for the first time */
-    double *partial;     /* one number for each parallel block */
+    int grain;           /* elements of a parallel block */
+    double *partial;     /* one number for each of these blocks */
     struct linear_rows *linear;     /* replaces all rows in products and local steps; NULL: none */
     int *entry_element, *entry_row; /* entries: their elements and rows */
     int touch_first, touch_count;   /* rows select only particles of this range of the system */

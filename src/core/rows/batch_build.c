@@ -74,6 +74,8 @@ static pdyn_status create_rows(struct batch *b) {
     if (!element_row) return PDYN_NO_MEMORY;
     pdyn_status status = shape_rows(b, element_row, &row_width);
     b->room.rows = b->rows, b->room.entries = b->entries;
+    if (v->elements)
+        rows_set_grain(b, (double)b->rows / v->elements, (double)b->entries / v->elements);
     if (status == PDYN_OK && !rows_allocate(b, row_width)) status = context_no_memory(b->context);
     FREE_ARRAY(b->context, row_width, b->rows);
     if (status != PDYN_OK) return status;
@@ -94,6 +96,7 @@ pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type
     struct batch *b = *out = NEW_ARRAY(context, 1, struct batch);
     if (!b) return PDYN_NO_MEMORY;
     b->context = context, b->type = type, b->params = params;
+    rows_set_grain(b, type->rows, (double)type->rows * type->width);
     b->view.body = body, b->view.neighbours = neighbours;
     b->view.elements = type->update ? 0 : type->elements(params, body);
     pdyn_status status = PDYN_OK;

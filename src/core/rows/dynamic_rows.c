@@ -81,11 +81,11 @@ pdyn_status batch_update(struct batch *b, const double *x, const double *v) {
     pdyn_status status = b->touch_start ? PDYN_OK : make_index(b);
     if (status == PDYN_OK) status = count_elements(b, x, v);
     if (status != PDYN_OK) return status;
-    int elements = b->view.elements, blocks = pool_blocks(elements, BATCH_GRAIN);
+    int elements = b->view.elements, blocks = pool_blocks(elements, b->grain);
     bool good = true;
     if (t->memory_size)
         row_memory_get(&b->memory, b->view.key, b->view.memory, elements, t->memory_size);
-    pool_for(b->context->pool, elements, BATCH_GRAIN, fill_rows, b);
+    pool_for(b->context->pool, elements, b->grain, fill_rows, b);
     for (int k = 0; k < blocks; k++) good &= b->partial[k] == 0.0;
     status = good ? PDYN_OK : rows_check(b);
     if (status == PDYN_OK) rows_index(b);
@@ -100,7 +100,7 @@ static void end_rows(void *arg, int first, int last, int block) {
 
 pdyn_status batch_end(struct batch *b) {
     if (!b->type->end) return PDYN_OK;
-    pool_for(b->context->pool, b->view.elements, BATCH_GRAIN, end_rows, b);
+    pool_for(b->context->pool, b->view.elements, b->grain, end_rows, b);
     return row_memory_set(b->context, &b->memory, b->view.key, b->view.memory, b->view.elements,
                           b->type->memory_size);
 }

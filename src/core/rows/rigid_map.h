@@ -12,7 +12,7 @@
 #include "base/context.h"
 #include "scene/scene.h"
 
-enum { RIGID_GRAIN = 4 }; /* bodies of a parallel block */
+enum { RIGID_GRAIN = 8 }; /* bodies of a parallel block */
 enum { RIGID_SIZE = 6 };  /* numbers of a motion: t, w; of a force: its sum and moment */
 
 struct rigid_body {

@@ -83,6 +83,10 @@ static void number_rows(struct batch *b) {
     }
 }
 
+void rows_set_grain(struct batch *b, double rows, double entries) {
+    b->grain = (int)fmax(64.0, 4096.0 / fmax(2.0, rows * entries));
+}
+
 bool rows_allocate(struct batch *b, const int *row_width) {
     pdyn_context *c = b->context;
     pdyn_batch *v = &b->view;
@@ -101,7 +105,7 @@ bool rows_allocate(struct batch *b, const int *row_width) {
     v->u = NEW_VECTOR(c, rows);
     v->p = NEW_VECTOR(c, rows);
     b->flux = NEW_ARRAY(c, 4 * (size_t)rows, double);
-    b->partial = NEW_ARRAY(c, pool_blocks(elements, BATCH_GRAIN), double);
+    b->partial = NEW_ARRAY(c, pool_blocks(elements, b->grain), double);
     b->block_start = NEW_ARRAY(c, elements + 1, size_t);
     b->entry_element = NEW_ARRAY(c, entries, int);
     b->entry_row = NEW_ARRAY(c, entries, int);
@@ -130,7 +134,7 @@ void rows_free(struct batch *b) {
     FREE_VECTOR(c, v->u, rows);
     FREE_VECTOR(c, v->p, rows);
     FREE_ARRAY(c, b->flux, 4 * (size_t)rows);
-    FREE_ARRAY(c, b->partial, pool_blocks(elements, BATCH_GRAIN));
+    FREE_ARRAY(c, b->partial, pool_blocks(elements, b->grain));
     FREE_ARRAY(c, b->block_start, elements + 1);
     FREE_ARRAY(c, b->entry_element, entries);
     FREE_ARRAY(c, b->entry_row, entries);

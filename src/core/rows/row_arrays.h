@@ -20,6 +20,10 @@ pdyn_status rows_check(const struct batch *batch);
 /* Fills the weights of the elements [first, last); 0 where the batch is off. */
 void rows_weigh(struct batch *batch, int first, int last);
 
+/* Sets the grain by the rows and entries of an element, so that a parallel block takes some ten
+ * microseconds: a tetrahedron costs as much as twenty springs. */
+void rows_set_grain(struct batch *batch, double rows, double entries);
+
 /* All arrays but element_row, which is there, with room for batch->room elements, rows and entries.
  * row_width: rows; NULL: all rows have batch->width entries. */
 bool rows_allocate(struct batch *batch, const int *row_width);

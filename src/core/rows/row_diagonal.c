@@ -3,28 +3,44 @@
 
 #include "projdyn/vec3.h"
 
-/* Adds the contribution of entry k to the block of its particle: its pairs with those entries of
- * the same element that select the same particle. */
-static void diagonal_of_entry(const struct batch *b, int k, double *block) {
-    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
-    const pdyn_batch *v = &b->view;
-    int e = b->entry_element[k], r0 = v->element_row[e], r1 = v->element_row[e + 1];
-    if (!batch_has_blocks(b)) r0 = b->entry_row[k], r1 = r0 + 1; /* B = w I */
-    for (int m = v->row_entry[r0]; m < v->row_entry[r1]; m++) {
-        if (v->column[m] != v->column[k]) continue;
-        double B[9], c = v->coefficient[k] * v->coefficient[m];
-        batch_block(b, k, m, B);
-        for (int a = 0; a < 6; a++) block[a] += c * B[3 * row[a] + column[a]];
-    }
+static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
+
+/* Adds c (B + B') to a block, for the part B between two rows of an element whose block has n
+ * columns. */
+INLINE void add_symmetric(double *block, double c, const double *B, int n) {
+    for (int a = 0; a < 6; a++)
+        block[a] += c * (B[n * row[a] + column[a]] + B[n * column[a] + row[a]]);
+}
+
+/* Adds the part of element e, which a particle's entries touch[0] to touch[count - 1] select. */
+INLINE void diagonal_of_element(const struct batch *b, int e, const struct touch *touch, int count,
+                                double *block) {
+    int first = b->view.element_row[e], n = 3 * (b->view.element_row[e + 1] - first);
+    const double *B = batch_has_blocks(b) ? b->block + b->block_start[e] : NULL;
+    for (int k = 0; k < count; k++)
+        for (int m = 0; m <= k; m++) {
+            int r = touch[k].row - first, s = touch[m].row - first;
+            double c = touch[k].coefficient * touch[m].coefficient * (m < k ? 1.0 : 0.5);
+            if (B) add_symmetric(block, c, B + 3 * r * n + 3 * s, n);
+            else if (r == s) /* B = w I */
+                for (int a = 0; a < 6; a += a ? 2 : 3) block[a] += 2.0 * c * b->view.weight[e];
+        }
 }
 
 static void diagonal_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
     const struct batch *b = c->batch;
-    for (int i = first; i < last; i++)
-        for (int t = b->touch_start[i]; t < b->touch_start[i + 1]; t++)
-            diagonal_of_entry(b, b->touch[t].entry, c->out + 6 * (size_t)(b->touch_first + i));
+    for (int i = first; i < last; i++) {
+        double sum[6] = {0}, *out = c->out + 6 * (size_t)(b->touch_first + i);
+        for (int t = b->touch_start[i], next; t < b->touch_start[i + 1]; t = next) {
+            int e = b->entry_element[b->touch[t].entry];
+            for (next = t + 1; next < b->touch_start[i + 1]; next++)
+                if (b->entry_element[b->touch[next].entry] != e) break;
+            diagonal_of_element(b, e, b->touch + t, next - t, sum);
+        }
+        for (int a = 0; a < 6; a++) out[a] += sum[a];
+    }
 }
 
 /* Adds to the blocks of particles [first, last) where each element is a row that selects no
@@ -75,7 +91,6 @@ WIDE static void diagonal_axes(void *arg, int first, int last, int block) {
 /* As diagonal_axes, for elements of any number of rows: the entries of a particle in an element
  * have the sum m of their parts of m, and add m m'. */
 static void diagonal_wide(void *arg, int first, int last, int block) {
-    static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     (void)block;
     const struct row_loop *c = arg;
     const struct batch *b = c->batch;
@@ -103,5 +118,5 @@ static pdyn_range_fn *diagonal_of(const struct batch *b) {
 }
 
 void rows_diagonal(struct batch *b, double *blocks) {
-    rows_for(b, b->touch_count, ROWS_PARTICLES, diagonal_of(b), NULL, blocks, 0.0);
+    rows_for_particles(b, diagonal_of(b), blocks);
 }

@@ -43,8 +43,8 @@ int rows_impacts(struct batch *b, const struct velocity_change *change, const do
                  double *force) {
     struct impacts impacts = {b, change, acceleration};
     double count = 0.0;
-    pool_for(b->context->pool, b->view.elements, BATCH_GRAIN, keep_impacts, &impacts);
-    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) count += b->partial[k];
+    pool_for(b->context->pool, b->view.elements, b->grain, keep_impacts, &impacts);
+    for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) count += b->partial[k];
     batch_scatter(b, force);
     return (int)count;
 }

@@ -27,9 +27,7 @@ WIDE static void scatter_rows(void *arg, int first, int last, int block) {
     }
 }
 
-void batch_scatter(struct batch *b, double *y) {
-    rows_for(b, b->touch_count, ROWS_PARTICLES, scatter_rows, NULL, y, 0.0);
-}
+void batch_scatter(struct batch *b, double *y) { rows_for_particles(b, scatter_rows, y); }
 
 /* flux = w (u - p) in row r; adds twice the energy of the row. */
 INLINE void pull_row(const struct batch *b, int r, double w, v4 *energy) {
@@ -72,8 +70,8 @@ static void project_rows(void *arg, int first, int last, int block) {
 
 double rows_project(struct batch *b, const double *x) {
     double energy = 0.0;
-    rows_for(b, b->view.elements, BATCH_GRAIN, project_rows, x, NULL, 0.0);
-    for (int k = 0; k < pool_blocks(b->view.elements, BATCH_GRAIN); k++) energy += b->partial[k];
+    rows_for(b, b->view.elements, b->grain, project_rows, x, NULL, 0.0);
+    for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) energy += b->partial[k];
     return energy;
 }
 
@@ -121,7 +119,7 @@ static void weigh_rows(void *arg, int first, int last, int block) {
 }
 
 void batch_weigh(struct batch *b, double h) {
-    if (b->damper) rows_for(b, b->view.elements, BATCH_GRAIN, weigh_rows, NULL, NULL, h);
+    if (b->damper) rows_for(b, b->view.elements, b->grain, weigh_rows, NULL, NULL, h);
 }
 
 /* in: x; out: v */
@@ -139,10 +137,9 @@ static void begin_rows(void *arg, int first, int last, int block) {
 }
 
 void rows_hold(struct batch *b, const double *x, const double *before) {
-    rows_for(b, b->view.elements, BATCH_GRAIN, hold_rows, x, (double *)before,
-             b->view.extrapolation);
+    rows_for(b, b->view.elements, b->grain, hold_rows, x, (double *)before, b->view.extrapolation);
 }
 
 void rows_begin(struct batch *b, const double *x, const double *v) {
-    rows_for(b, b->view.elements, BATCH_GRAIN, begin_rows, x, (double *)v, 0.0);
+    rows_for(b, b->view.elements, b->grain, begin_rows, x, (double *)v, 0.0);
 }

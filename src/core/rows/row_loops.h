@@ -10,8 +10,8 @@
 #include <string.h>
 
 enum {
-    ROWS_PARTICLES = 1024, /* of a parallel block */
-    ROWS_PIECE = 256       /* elements of one call of a callback: they stay in the L1 cache */
+    ROWS_PIECE = 256,   /* elements of one call of a callback: they stay in the L1 cache */
+    ROWS_ENTRIES = 4096 /* of the particles of a parallel block, about */
 };
 
 struct row_loop { /* the arguments of a parallel loop */
@@ -25,6 +25,12 @@ static inline void rows_for(struct batch *batch, int count, int grain, pdyn_rang
                             const double *in, double *out, double number) {
     struct row_loop loop = {batch, in, out, number};
     pool_for(batch->context->pool, count, grain, fn, &loop);
+}
+
+/* Calls fn for all particles that rows may select. */
+static inline void rows_for_particles(struct batch *batch, pdyn_range_fn *fn, double *out) {
+    int count = batch->touch_count, blocks = batch->entries / ROWS_ENTRIES + count / ROWS_ENTRIES;
+    rows_for(batch, count, count / (blocks + 1) + 1, fn, NULL, out, 0.0);
 }
 
 /* u = sum over `width` entries from k on */

@@ -71,7 +71,7 @@ pdyn_status rows_linearise(struct batch *b) {
     if (!batch_has_blocks(b) || !b->rows) return PDYN_OK;
     if (!b->block) b->block = NEW_ARRAY(b->context, batch_block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
-    rows_for(b, b->view.elements, BATCH_GRAIN,
+    rows_for(b, b->view.elements, b->grain,
              b->type->tangent_rank1 ? linearise_axes : linearise_rows, NULL, NULL, b->eps);
     return PDYN_OK;
 }
@@ -156,7 +156,7 @@ static pdyn_range_fn *apply_of(const struct batch *b) {
 }
 
 void rows_multiply(struct batch *b, const double *u) {
-    rows_for(b, b->view.elements, BATCH_GRAIN, apply_of(b), u, NULL, 0.0);
+    rows_for(b, b->view.elements, b->grain, apply_of(b), u, NULL, 0.0);
 }
 
 /* The part of m m' + a I between two rows with the parts m and n of m; a: 0 unless they are the

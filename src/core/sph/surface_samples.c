@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { GRAIN = 2048 };
+enum { PARTICLES = 2048, SAMPLES = 256 }; /* of a parallel block */
 
 /* ---- interpolation and its transpose --------------------------------------------------------- */
 
@@ -21,10 +21,17 @@ struct call {
     int numbers; /* per particle: 3 (vector) or 6 (block) */
 };
 
-static void parallel_for(const struct surface_samples *s, int count, pdyn_range_fn *fn,
+static void parallel_for(const struct surface_samples *s, int count, int grain, pdyn_range_fn *fn,
                          const double *in, double *out, int numbers) {
     struct call call = {s, in, out, numbers};
-    pool_for(s->context->pool, count, GRAIN, fn, &call);
+    pool_for(s->context->pool, count, grain, fn, &call);
+}
+
+static void copy_particles(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    size_t begin = 3 * (size_t)first, count = 3 * (size_t)(last - first);
+    memcpy(c->out + begin, c->in + begin, count * sizeof *c->out);
 }
 
 /* Interpolates sample k from the three corners of its triangle. */
@@ -42,8 +49,8 @@ static void interpolate_all(void *arg, int first, int last, int block) {
 }
 
 void samples_interpolate(const struct surface_samples *s, const double *x, double *out) {
-    memcpy(out, x, 3 * (size_t)s->particles * sizeof *x);
-    parallel_for(s, s->count, interpolate_all, x, out, 3);
+    parallel_for(s, s->particles, PARTICLES, copy_particles, x, out, 3);
+    parallel_for(s, s->count, SAMPLES, interpolate_all, x, out, 3);
 }
 
 WIDE static void interpolate_active(void *arg, int first, int last, int block) {
@@ -53,15 +60,26 @@ WIDE static void interpolate_active(void *arg, int first, int last, int block) {
 }
 
 void samples_interpolate_active(const struct surface_samples *s, const double *u) {
-    if (u != s->input) memcpy(s->input, u, 3 * (size_t)s->particles * sizeof *u);
-    parallel_for(s, s->active_count, interpolate_active, u, s->input, 3);
+    if (u != s->input) parallel_for(s, s->particles, PARTICLES, copy_particles, u, s->input, 3);
+    parallel_for(s, s->active_count, SAMPLES, interpolate_active, u, s->input, 3);
+}
+
+static void clear_particles(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    memset(c->out + 3 * (size_t)first, 0, 3 * (size_t)(last - first) * sizeof *c->out);
+}
+
+static void clear_active(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = first; k < last; k++)
+        memset(c->out + 3 * (size_t)(c->s->particles + c->s->active[k]), 0, 3 * sizeof *c->out);
 }
 
 void samples_clear(const struct surface_samples *s, bool particles) {
-    double *out = s->output;
-    if (particles) memset(out, 0, 3 * (size_t)s->particles * sizeof *out);
-    for (int k = 0; k < s->active_count; k++)
-        memset(out + 3 * (size_t)(s->particles + s->active[k]), 0, 3 * sizeof *out);
+    if (particles) parallel_for(s, s->particles, PARTICLES, clear_particles, NULL, s->output, 3);
+    parallel_for(s, s->active_count, SAMPLES, clear_active, NULL, s->output, 3);
 }
 
 static void add_particles(void *arg, int first, int last, int block) {
@@ -91,8 +109,9 @@ WIDE static void add_samples(void *arg, int first, int last, int block) {
 
 static void scatter(const struct surface_samples *s, const double *extended, double *out,
                     int numbers) {
-    if (out != extended) parallel_for(s, s->particles, add_particles, extended, out, numbers);
-    parallel_for(s, s->corner_count, add_samples, extended, out, numbers);
+    if (out != extended)
+        parallel_for(s, s->particles, PARTICLES, add_particles, extended, out, numbers);
+    parallel_for(s, s->corner_count, SAMPLES, add_samples, extended, out, numbers);
 }
 
 void samples_scatter(const struct surface_samples *s, const double *extended, double *y) {
@@ -162,7 +181,7 @@ static void compute_volumes(void *arg, int first, int last, int block) {
 }
 
 void samples_update_volumes(struct surface_samples *s, const double *x) {
-    parallel_for(s, s->count, compute_volumes, x, s->volume, 1);
+    parallel_for(s, s->count, SAMPLES, compute_volumes, x, s->volume, 1);
 }
 
 /* ---- creation -------------------------------------------------------------------------------- */
