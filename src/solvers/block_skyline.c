@@ -5,7 +5,10 @@
 
 #include <math.h>
 
-enum { FOUR = 4 }; /* columns of L that are found at once */
+enum {
+    FOUR = 4,  /* columns of L that are found at once */
+    PANEL = 16 /* block rows that are factored on several threads */
+};
 
 pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int nodes,
                            const int *first) {
@@ -20,7 +23,8 @@ pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int
     }
     for (int i = 0; i < nodes; i++) s->start[i + 1] = s->start[i] + (size_t)(i - s->first[i] + 1);
     s->value = NEW(services, skyline_size(s), double);
-    if (nodes && !s->value) return PDYN_NO_MEMORY;
+    s->factor = NEW(services, skyline_size(s), float);
+    if (nodes && !(s->value && s->factor)) return PDYN_NO_MEMORY;
     for (int r = 0; r < 3 * nodes; r++)
         s->origin[r] = skyline_row(s, r / 3, r % 3) - s->value - 3 * s->first[r / 3];
     return PDYN_OK;
@@ -28,7 +32,10 @@ pdyn_status skyline_create(struct skyline *s, const pdyn_services *services, int
 
 void skyline_free(struct skyline *s) {
     if (!s->services) return;
-    if (s->start) FREE(s->services, s->value, skyline_size(s));
+    if (s->start) {
+        FREE(s->services, s->value, skyline_size(s));
+        FREE(s->services, s->factor, skyline_size(s));
+    }
     FREE(s->services, s->start, s->nodes + 1);
     FREE(s->services, s->first, s->nodes);
     FREE(s->services, s->origin, 3 * s->nodes);
@@ -108,70 +115,121 @@ INLINE bool factor_diagonal(const struct skyline *s, int i, double *const row[3]
     return good;
 }
 
-WIDE static bool factor_rows(const struct skyline *s) {
+/* The three rows of block row i. */
+INLINE void rows_of(const struct skyline *s, int i, double *row[3]) {
+    for (int p = 0; p < 3; p++) row[p] = row_at(s, i, 3 * i + p);
+}
+
+/* Columns of block row i from its column k on, four at a time, as far as they lie before block
+ * column `end`. Returns the first column that is left. */
+INLINE int factor_columns(const struct skyline *s, int i, int k, int end) {
+    int f = 3 * s->first[i];
+    double *row[3];
+    rows_of(s, i, row);
+    for (; k + FOUR <= 3 * end - f; k += FOUR) {
+        const double *other[FOUR];
+        for (int q = 0; q < FOUR; q++) other[q] = row_at(s, i, f + k + q);
+        factor_four_columns(row, other, k);
+    }
+    return k;
+}
+
+struct panel { /* block rows that are factored together */
+    const struct skyline *s;
+    int first;
+    int done[PANEL]; /* columns of each row that are done */
+};
+
+/* Columns before the panel: they need no other row of it. */
+WIDE static void factor_before_panel(void *arg, int first, int last, int block) {
+    (void)block;
+    struct panel *panel = arg;
+    for (int r = first; r < last; r++)
+        panel->done[r] = factor_columns(panel->s, panel->first + r, 0, panel->first);
+}
+
+/* The other columns, row after row. */
+WIDE static bool factor_panel(const struct panel *panel, int rows) {
+    const struct skyline *s = panel->s;
     bool good = true;
-    for (int i = 0; i < s->nodes; i++) {
-        int k = 0, f = 3 * s->first[i], n = 3 * i - f;
+    for (int r = 0; r < rows; r++) {
+        int i = panel->first + r, n = 3 * (i - s->first[i]);
         double *row[3];
-        for (int p = 0; p < 3; p++) row[p] = row_at(s, i, 3 * i + p);
-        for (; k + FOUR <= n; k += FOUR) {
-            const double *other[FOUR];
-            for (int q = 0; q < FOUR; q++) other[q] = row_at(s, i, f + k + q);
-            factor_four_columns(row, other, k);
-        }
-        good &= factor_diagonal(s, i, row, k, n);
+        rows_of(s, i, row);
+        good &= factor_diagonal(s, i, row, factor_columns(s, i, panel->done[r], i), n);
     }
     return good;
 }
 
-bool skyline_factor(struct skyline *s) { return factor_rows(s); }
+/* L in single precision: solves wait for memory. */
+WIDE static void copy_factor(const struct skyline *s) {
+    for (size_t k = 0; k < skyline_size(s); k++) s->factor[k] = (float)s->value[k];
+}
+
+bool skyline_factor(struct skyline *s) {
+    bool good = true;
+    for (int i = 0; i < s->nodes; i += PANEL) {
+        struct panel panel = {.s = s, .first = i};
+        int rows = s->nodes - i < PANEL ? s->nodes - i : PANEL;
+        s->services->parallel_for(s->services->core, rows, 1, factor_before_panel, &panel);
+        good &= factor_panel(&panel, rows);
+    }
+    copy_factor(s);
+    return good;
+}
 
 /* ---- solves ---------------------------------------------------------------------------------- */
 
+INLINE void load_four(v4 *out, const float *from) {
+    double wide[4]; /* as a loop, four lanes are converted by one instruction */
+    for (int a = 0; a < 4; a++) wide[a] = (double)from[a];
+    memcpy(out, wide, sizeof wide);
+}
+
 /* x = L^-1 x in block row i */
-INLINE void substitute_forward(const double *const row[3], const double *x, int n, double *own) {
+INLINE void substitute_forward(const float *const row[3], const double *x, int n, double *own) {
     v4 sum[3] = {{0}}, a, b;
     double rest[3] = {0};
     int k = 0;
     for (; k + 4 <= n; k += 4) {
         memcpy(&b, x + k, sizeof b);
-        for (int p = 0; p < 3; p++) memcpy(&a, row[p] + k, sizeof a), sum[p] += a * b;
+        for (int p = 0; p < 3; p++) load_four(&a, row[p] + k), sum[p] += a * b;
     }
     for (; k < n; k++)
-        for (int p = 0; p < 3; p++) rest[p] += row[p][k] * x[k];
+        for (int p = 0; p < 3; p++) rest[p] += (double)row[p][k] * x[k];
     for (int p = 0; p < 3; p++) {
         own[p] -= v4_sum(&sum[p]) + rest[p];
-        for (int q = 0; q < p; q++) own[p] -= row[p][n + q] * own[q];
-        own[p] *= row[p][n + p];
+        for (int q = 0; q < p; q++) own[p] -= (double)row[p][n + q] * own[q];
+        own[p] *= (double)row[p][n + p];
     }
 }
 
 /* x = L^-T x there, which leaves its part of those before it */
-INLINE void substitute_backward(const double *const row[3], double *x, int n, double *own) {
+INLINE void substitute_backward(const float *const row[3], double *x, int n, double *own) {
     v4 a, b;
     int k = 0;
     for (int p = 2; p >= 0; p--) {
-        for (int q = p + 1; q < 3; q++) own[p] -= row[q][n + p] * own[q];
-        own[p] *= row[p][n + p];
+        for (int q = p + 1; q < 3; q++) own[p] -= (double)row[q][n + p] * own[q];
+        own[p] *= (double)row[p][n + p];
     }
     double known[3] = {own[0], own[1], own[2]};
     for (; k + 4 <= n; k += 4) {
         memcpy(&b, x + k, sizeof b);
-        for (int p = 0; p < 3; p++) memcpy(&a, row[p] + k, sizeof a), b -= known[p] * a;
+        for (int p = 0; p < 3; p++) load_four(&a, row[p] + k), b -= known[p] * a;
         memcpy(x + k, &b, sizeof b);
     }
     for (; k < n; k++)
-        for (int p = 0; p < 3; p++) x[k] -= known[p] * row[p][k];
+        for (int p = 0; p < 3; p++) x[k] -= known[p] * (double)row[p][k];
 }
 
 WIDE static void substitute(const struct skyline *s, double *x) {
-    const double *row[3];
+    const float *row[3];
     for (int i = 0; i < s->nodes; i++) {
-        for (int p = 0; p < 3; p++) row[p] = skyline_row(s, i, p);
+        for (int p = 0; p < 3; p++) row[p] = s->factor + (skyline_row(s, i, p) - s->value);
         substitute_forward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
     }
     for (int i = s->nodes - 1; i >= 0; i--) {
-        for (int p = 0; p < 3; p++) row[p] = skyline_row(s, i, p);
+        for (int p = 0; p < 3; p++) row[p] = s->factor + (skyline_row(s, i, p) - s->value);
         substitute_backward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
     }
 }

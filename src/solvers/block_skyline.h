@@ -16,6 +16,7 @@ struct skyline {
     ptrdiff_t *origin; /* nodes x 3: offset in `value` of column 0 of each scalar row */
     double *value;     /* block rows of three scalar rows each, up to the end of the diagonal block;
                           numbers above the diagonal are ignored */
+    float *factor;     /* L as solves read it, in the same places */
 };
 
 /* first: the first block column of every block row; it is lowered where a later row begins earlier.
@@ -35,7 +36,7 @@ static inline double *skyline_row(const struct skyline *s, int i, int p) {
 /* Replaces A by its Cholesky factor L, with the inverse of L's diagonal. false: A is not positive
  * definite; the inverse is 0 for pivots that are not positive. */
 bool skyline_factor(struct skyline *skyline);
-/* x = A^-1 x, with the factor; nodes x 3 */
+/* x = A^-1 x, with the factor in single precision; nodes x 3 */
 void skyline_solve(const struct skyline *skyline, double *x);
 
 #endif
