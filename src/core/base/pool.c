@@ -1,8 +1,8 @@
 /* The thread pool: shares of blocks, and workers that spin briefly before they sleep.
  *
  * A job ends when its blocks are done: nobody waits for workers that still sleep. A worker that
- * comes late finds no block of the job that it was called for; the number of the job beside the
- * count of blocks of every share keeps it from beginning a block of another. */
+ * comes late finds no block of the job that it was called for: the number of the job, beside the
+ * count of blocks of every share, keeps it from beginning a block of another. */
 #include "pool.h"
 
 #include <pthread.h>
@@ -27,12 +27,14 @@ static void pause_after(int look) {
  * size, so that the thread finds its data in its cache. A thread that has finished its share
  * continues with blocks that other threads have not begun. */
 struct share {
-    _Alignas(64) atomic_ullong state; /* the job's number and the blocks not begun, 32 bits each */
+    _Alignas(64) atomic_ullong state; /* the job's number and the blocks not begun, as a pair */
 };
 
 struct worker {
     struct pool *pool;
     pthread_t thread;
+    pthread_cond_t wake;
+    atomic_bool asleep;
     int number; /* index of its share; the calling thread has share 0 */
 };
 
@@ -42,10 +44,9 @@ struct pool {
     pid_t process;          /* a forked child has no workers */
     struct worker *worker;  /* threads - 1 workers: the calling thread works, too */
     struct share *share;    /* one share per thread */
-    pthread_mutex_t lock;
-    pthread_cond_t wake, done;
-    atomic_uint job;       /* number of the current job; workers wait for it to change */
-    atomic_int sleepers;   /* workers that wait for `wake` */
+    pthread_mutex_t lock;   /* of threads that sleep */
+    pthread_cond_t done;
+    atomic_ullong job;     /* number of the current job and its shares, as a pair */
     atomic_int unfinished; /* blocks of the current job that are not done */
     atomic_bool stop;
     int count, grain, blocks; /* of the current job: constant while one of its blocks runs */
@@ -53,31 +54,36 @@ struct pool {
     void *arg;
 };
 
-static unsigned long long share_state(unsigned job, int blocks) {
-    return (unsigned long long)job << 32 | (unsigned)blocks;
+/* Two numbers that are read and written at once. */
+static unsigned long long pair_of(unsigned number, int count) {
+    return (unsigned long long)number << 32 | (unsigned)count;
 }
+static unsigned number_of(unsigned long long pair) { return (unsigned)(pair >> 32); }
+static int count_of(unsigned long long pair) { return (int)(unsigned)pair; }
+
+/* ---- work ------------------------------------------------------------------------------------ */
 
 /* First block of share k. */
-static int share_begin(const struct pool *pool, int k) {
-    return (int)((long long)pool->blocks * k / pool->threads);
+static int share_begin(const struct pool *pool, int shares, int k) {
+    return (int)((long long)pool->blocks * k / shares);
 }
 
 /* Begins a block of a share in this job. Returns the number of its blocks that were not begun
  * before, 0: none, or the share has blocks of another job. */
 static int take_block(struct share *share, unsigned job) {
     unsigned long long state = atomic_load_explicit(&share->state, memory_order_relaxed);
-    while (state >> 32 == job && (unsigned)state)
+    while (number_of(state) == job && count_of(state))
         if (atomic_compare_exchange_weak_explicit(&share->state, &state, state - 1,
                                                   memory_order_acquire, memory_order_relaxed))
-            return (int)(unsigned)state;
+            return count_of(state);
     return 0;
 }
 
 /* Returns the number of blocks that it has run. */
-static int run_share(struct pool *pool, int k, unsigned job) {
+static int run_share(struct pool *pool, int k, unsigned long long job) {
     int done = 0;
-    for (int left; (left = take_block(&pool->share[k], job)); done++) {
-        int block = share_begin(pool, k + 1) - left, first = block * pool->grain;
+    for (int left; (left = take_block(&pool->share[k], number_of(job))); done++) {
+        int block = share_begin(pool, count_of(job), k + 1) - left, first = block * pool->grain;
         int last = pool->count - first > pool->grain ? first + pool->grain : pool->count;
         pool->fn(pool->arg, first, last, block);
     }
@@ -86,47 +92,61 @@ static int run_share(struct pool *pool, int k, unsigned job) {
 
 /* Runs the blocks of the thread's share, then blocks of other shares that no thread has begun.
  * Returns whether the job ended with one of them. */
-static bool run_blocks(struct pool *pool, int number, unsigned job) {
-    int done = 0;
-    for (int k = 0; k < pool->threads; k++)
-        done += run_share(pool, (number + k) % pool->threads, job);
+static bool run_blocks(struct pool *pool, int number, unsigned long long job) {
+    int done = 0, shares = count_of(job);
+    for (int k = 0; k < shares; k++) done += run_share(pool, (number + k) % shares, job);
     return done && atomic_fetch_sub(&pool->unfinished, done) == done;
 }
 
-/* Wakes a worker, if one sleeps. */
-static void wake_worker(struct pool *pool) {
-    if (!atomic_load(&pool->sleepers)) return;
-    pthread_mutex_lock(&pool->lock);
-    pthread_cond_signal(&pool->wake);
-    pthread_mutex_unlock(&pool->lock);
+/* ---- workers --------------------------------------------------------------------------------- */
+
+static bool has_share(const struct worker *w, unsigned long long job, unsigned long long seen) {
+    return job != seen && w->number < count_of(job);
 }
 
-static void sleep_until_job(struct pool *pool, unsigned seen) {
-    pthread_mutex_lock(&pool->lock);
-    atomic_fetch_add(&pool->sleepers, 1);
-    while (atomic_load(&pool->job) == seen) pthread_cond_wait(&pool->wake, &pool->lock);
-    atomic_fetch_sub(&pool->sleepers, 1);
-    pthread_mutex_unlock(&pool->lock);
+/* Wakes up to two workers that sleep and have a share of the job. These do the same: the caller is
+ * not held up, and all are awake after few rounds. */
+static void wake_two(struct pool *pool, unsigned long long job) {
+    for (int k = 1, woken = 0; k < count_of(job) && woken < 2; k++) {
+        struct worker *w = &pool->worker[k - 1];
+        if (!atomic_load(&w->asleep) || !atomic_exchange(&w->asleep, false)) continue;
+        pthread_mutex_lock(&pool->lock);
+        pthread_cond_signal(&w->wake);
+        pthread_mutex_unlock(&pool->lock);
+        woken++;
+    }
 }
 
-/* Waits until the job number differs from `seen`; returns the new number. A worker that slept wakes
- * two others: the caller is not held up by it, and all are awake after few rounds. */
-static unsigned wait_job(struct pool *pool, unsigned seen) {
-    for (int i = 0; i < LOOKS; pause_after(i++))
-        if (atomic_load_explicit(&pool->job, memory_order_acquire) != seen)
-            return atomic_load_explicit(&pool->job, memory_order_acquire);
-    sleep_until_job(pool, seen);
-    for (int k = 0; k < 2 && atomic_load(&pool->unfinished); k++) wake_worker(pool);
-    return atomic_load(&pool->job);
+static void sleep_until_job(struct worker *w, unsigned long long seen) {
+    pthread_mutex_lock(&w->pool->lock);
+    for (;;) {
+        atomic_store(&w->asleep, true);
+        if (has_share(w, atomic_load(&w->pool->job), seen)) break;
+        pthread_cond_wait(&w->wake, &w->pool->lock);
+    }
+    atomic_store(&w->asleep, false);
+    pthread_mutex_unlock(&w->pool->lock);
+}
+
+/* Waits for a job other than `seen` in which the worker has a share. */
+static unsigned long long wait_job(struct worker *w, unsigned long long seen) {
+    for (int i = 0; i < LOOKS; pause_after(i++)) {
+        unsigned long long job = atomic_load_explicit(&w->pool->job, memory_order_acquire);
+        if (has_share(w, job, seen)) return job;
+    }
+    sleep_until_job(w, seen);
+    unsigned long long job = atomic_load(&w->pool->job);
+    if (atomic_load(&w->pool->unfinished)) wake_two(w->pool, job);
+    return job;
 }
 
 static void *worker_main(void *arg) {
-    const struct worker *worker = arg;
+    struct worker *worker = arg;
     struct pool *pool = worker->pool;
-    for (unsigned seen = 0;;) {
-        seen = wait_job(pool, seen);
+    for (unsigned long long job = 0;;) {
+        job = wait_job(worker, job);
         if (pool->stop) return NULL;
-        if (run_blocks(pool, worker->number, seen)) {
+        if (run_blocks(pool, worker->number, job)) {
             pthread_mutex_lock(&pool->lock);
             pthread_cond_signal(&pool->done);
             pthread_mutex_unlock(&pool->lock);
@@ -134,13 +154,15 @@ static void *worker_main(void *arg) {
     }
 }
 
-/* Divides the blocks of a job among the threads. Returns the number of the job. */
-static unsigned start_job(struct pool *pool) {
-    unsigned job = atomic_load(&pool->job) + 1;
+/* ---- jobs ------------------------------------------------------------------------------------ */
+
+/* Divides the blocks of a job among as many threads as have one: others do not take part. */
+static unsigned long long start_job(struct pool *pool, int shares) {
+    unsigned long long job = pair_of(number_of(atomic_load(&pool->job)) + 1, shares);
     atomic_store(&pool->unfinished, pool->blocks);
-    for (int k = 0; k < pool->threads; k++) {
-        int blocks = share_begin(pool, k + 1) - share_begin(pool, k);
-        atomic_store_explicit(&pool->share[k].state, share_state(job, blocks),
+    for (int k = 0; k < shares; k++) {
+        int blocks = share_begin(pool, shares, k + 1) - share_begin(pool, shares, k);
+        atomic_store_explicit(&pool->share[k].state, pair_of(number_of(job), blocks),
                               memory_order_release);
     }
     atomic_store(&pool->job, job);
@@ -168,8 +190,8 @@ void pool_for(struct pool *pool, int count, int grain, pdyn_range_fn *fn, void *
         return;
     }
     pool->count = count, pool->grain = grain, pool->blocks = blocks, pool->fn = fn, pool->arg = arg;
-    unsigned job = start_job(pool);
-    wake_worker(pool);
+    unsigned long long job = start_job(pool, blocks < pool->threads ? blocks : pool->threads);
+    wake_two(pool, job);
     if (!run_blocks(pool, 0, job)) wait_done(pool);
     pthread_mutex_unlock(&pool->caller);
 }
@@ -202,14 +224,14 @@ struct pool *pool_create(int threads) {
     pool->process = getpid();
     pthread_mutex_init(&pool->lock, NULL);
     pthread_mutex_init(&pool->caller, NULL);
-    pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
     pool->threads = 1;
     pool->worker = calloc((size_t)threads, sizeof *pool->worker);
     pool->share = aligned_alloc(sizeof *pool->share, (size_t)threads * sizeof *pool->share);
     while (pool->worker && pool->share && pool->threads < threads) {
         struct worker *w = &pool->worker[pool->threads - 1];
-        *w = (struct worker){.pool = pool, .number = pool->threads};
+        w->pool = pool, w->number = pool->threads;
+        pthread_cond_init(&w->wake, NULL);
         if (pthread_create(&w->thread, NULL, worker_main, w)) break;
         pool->threads++;
     }
@@ -223,12 +245,14 @@ struct pool *pool_create(int threads) {
 static void end_workers(struct pool *pool) {
     pool->stop = true;
     pool->blocks = 0;
-    start_job(pool);
-    pthread_mutex_lock(&pool->lock);
-    pthread_cond_broadcast(&pool->wake);
-    pthread_mutex_unlock(&pool->lock);
-    for (int i = 0; i + 1 < pool->threads; i++) pthread_join(pool->worker[i].thread, NULL);
-    pthread_cond_destroy(&pool->wake);
+    start_job(pool, pool->threads);
+    for (struct worker *w = pool->worker; w < pool->worker + pool->threads - 1; w++) {
+        pthread_mutex_lock(&pool->lock);
+        pthread_cond_signal(&w->wake);
+        pthread_mutex_unlock(&pool->lock);
+        pthread_join(w->thread, NULL);
+        pthread_cond_destroy(&w->wake);
+    }
     pthread_cond_destroy(&pool->done);
     pthread_mutex_destroy(&pool->lock);
     pthread_mutex_destroy(&pool->caller);
