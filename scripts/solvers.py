@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Measures the solvers of coupled scenes with the program build/app/projdyn and prints one table of
-docs/results/solvers.md. Times are processor time of one thread.
+docs/results/solvers.md. Times are processor time of one thread, those of `threads` wall-clock time.
 
 Usage: solvers.py shaken SECONDS           a bag of water, shaken
        solvers.py cost SECONDS [SCENE...]  coupled scenes and their bodies alone
        solvers.py stiffness SECONDS [N/M...]
        solvers.py sizes MMxSECONDSxSECONDS...  water_on_cloth with particles of this radius, from and
                                                to a time
+       solvers.py threads THREADS...           scenes on so many threads
 """
 import copy
 import csv
@@ -27,13 +28,13 @@ SOLVERS = ["auto", "hybrid", "dual", "cg"]
 class Run:
     """Steps of a run and its report."""
 
-    def __init__(self, name, scene, seconds, *settings, start=0.0):
+    def __init__(self, name, scene, seconds, *settings, start=0.0, threads=1):
         path = ROOT / "scenes" / f"{scene}.json"
         if not isinstance(scene, str):
             path = OUT / f"{name}.json"
             path.write_text(json.dumps(scene))
         out = OUT / name
-        command = [ROOT / "build/app/projdyn", "run", path, "-o", out, "--threads", "1", "--no-frames",
+        command = [ROOT / "build/app/projdyn", "run", path, "-o", out, "--threads", str(threads), "--no-frames",
                    "--quiet", "--save", "0", "--time", str(seconds)]
         for setting in settings:
             command += ["--set", setting]
@@ -51,6 +52,9 @@ class Run:
 
     def ms(self):
         return self.mean("ms_cpu")
+
+    def wall_ms(self):
+        return sum(self.mean(f"ms_{part}") for part in ("neighbours", "local", "contact", "global"))
 
     def unsolved(self):
         """Unsolved steps of the whole run."""
@@ -195,6 +199,31 @@ def sizes(runs):
                       f"{1e-3 * run.report['peak_memory_bytes'] / count:.2g}")
 
 
+# ---- threads --------------------------------------------------------------------------------------
+
+THREADED = [
+    ("water of `water_on_cloth`, 21,600 particles, on its sheet", "water_on_cloth", 0.06,
+     "bodies.water.particles.radius=0.0048"),
+    ("the same, 98,400 particles, `dual`", "water_on_cloth", 0.05, "bodies.water.particles.radius=0.00287",
+     "solver.type=dual"),
+    ("`dam_break`", "dam_break", 0.2),
+    ("`soft_ball`", "soft_ball", 0.1),
+    ("`rafts`", "rafts", 0.2),
+    ("`honey`", "honey", 0.6),
+    ("`hanging_cloth`, 129 x 129 vertices", "hanging_cloth", 0.2, "bodies.sheet.surface.grid.vertices=[129,129]"),
+    ("`cloth_on_sphere`, 65 x 65 vertices", "cloth_on_sphere", 0.18, "bodies.sheet.surface.grid.vertices=[65,65]"),
+]
+
+
+def threads(counts):
+    """The lesser time of two runs."""
+    print_head("scene", *[f"{count} thread{'s' if count > 1 else ''}, ms" for count in counts], "speed-up")
+    for title, scene, seconds, *settings in THREADED:
+        ms = [min(Run("threads", scene, seconds, *settings, threads=count).wall_ms() for _ in range(2))
+              for count in counts]
+        print_row(title, *[f"{value:.3g}" for value in ms], f"{ms[0] / min(ms):.1f}")
+
+
 def main():
     command, arguments = (sys.argv + [""])[1], sys.argv[2:]
     OUT.mkdir(parents=True, exist_ok=True)
@@ -206,6 +235,8 @@ def main():
         stiffness(float(arguments[0]), [float(weight) for weight in arguments[1:]])
     elif command == "sizes" and arguments:
         sizes(arguments)
+    elif command == "threads" and arguments:
+        threads([int(count) for count in arguments])
     else:
         sys.exit(__doc__)
 

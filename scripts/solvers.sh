@@ -14,6 +14,8 @@ million) sizes="$sizes 1.35x0.035x0.039" ;;
 *) echo "usage: scripts/solvers.sh [quick|million]" >&2; exit 2 ;;
 esac
 mkdir -p "$out"
+threads=1 next=2
+while [ $next -le "$(nproc)" ]; do threads="$threads $next" next=$((2 * next)); done
 export OMP_NUM_THREADS=1 # of CHOLMOD and BLAS: times are those of all threads
 # shellcheck disable=SC2086
 {
@@ -21,5 +23,6 @@ export OMP_NUM_THREADS=1 # of CHOLMOD and BLAS: times are those of all threads
     scripts/solvers.py sizes $sizes >"$out/sizes.md"
     scripts/solvers.py stiffness "$seconds" >"$out/stiffness.md"
     scripts/solvers.py shaken "$shaken" >"$out/shaken.md"
+    scripts/solvers.py threads $threads >"$out/threads.md"
 }
 scripts/fill_tables.sh "$out" docs/results/solvers.md "$docs/solvers.md"
