@@ -2,6 +2,7 @@
 #include "app.h"
 
 #include <errno.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +51,12 @@ static double clock_seconds(clockid_t clock) {
     struct timespec t;
     clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+long usable_cores(void) {
+    cpu_set_t set;
+    if (!sched_getaffinity(0, sizeof set, &set)) return CPU_COUNT(&set);
+    return sysconf(_SC_NPROCESSORS_ONLN); /* above 1024 cores */
 }
 
 double wall_seconds(void) { return clock_seconds(CLOCK_MONOTONIC); }

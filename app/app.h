@@ -47,6 +47,9 @@ double wall_seconds(void);
 /* Processor time of the process, s, summed over its threads. */
 double processor_seconds(void);
 
+/* Cores that this process may use: `taskset` and batch systems grant a part of them. */
+long usable_cores(void);
+
 /* Erases the progress line of `projdyn run` if stderr is a terminal; call it before other output
  * to stderr. */
 void clear_progress(void);

@@ -78,7 +78,7 @@ static bool accept_option(void *self, int option) {
 
 /* Checks the options against the grid and sets defaults. Returns -1, or an exit code on failure. */
 static int complete_options(struct sweep *s) {
-    long cores = sysconf(_SC_NPROCESSORS_ONLN), count = parameter_grid_count(&s->grid);
+    long cores = usable_cores(), count = parameter_grid_count(&s->grid);
     if (count > GRID_MAX_POINTS) {
         fprintf(stderr, "projdyn: sweep: expected at most %d grid points\n", GRID_MAX_POINTS);
         return EXIT_BAD_INPUT;

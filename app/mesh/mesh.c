@@ -198,7 +198,7 @@ int mesh_main(int argc, char **argv) {
                                                  {"threads", required_argument, NULL, 't'},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
-    struct mesh_options options = {surface_formats, 0, LONG_MAX, sysconf(_SC_NPROCESSORS_ONLN)};
+    struct mesh_options options = {surface_formats, 0, LONG_MAX, usable_cores()};
     int code = parse_options(argc, argv, "h", long_options, usage, accept_option, &options);
     if (code >= 0) return code;
     if (argc - optind != 1) return report_usage("mesh", "one directory", usage);

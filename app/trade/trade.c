@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char usage[] =
     "Usage: projdyn trade SCENE [OPTIONS]\n"
@@ -168,7 +167,7 @@ static int trade(struct study *study, const struct target *target) {
 }
 
 int trade_main(int argc, char **argv) {
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    long cores = usable_cores();
     struct options o = {.target = {.max_error = INFINITY, .max_ms = INFINITY},
                         .minutes = 25.0,
                         .study = {.table.metric = TRIAL_MAX_ERROR,

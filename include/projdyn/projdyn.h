@@ -80,7 +80,8 @@ typedef struct pdyn_sim pdyn_sim;         /* a scene that is simulated */
 typedef enum pdyn_log_level { PDYN_LOG_INFO, PDYN_LOG_WARNING } pdyn_log_level;
 
 typedef struct pdyn_options {
-    int threads; /* number of threads, the caller's included; 0: one per core, at most 64 */
+    int threads; /* number of threads, the caller's included; 0: one per core that the process
+                    may use (taskset), at most 64 */
     /* Allocator: block NULL allocates, new_size 0 frees. Must be thread-safe. NULL: the C
      * library's. */
     void *(*allocate)(void *user, void *block, size_t old_size, size_t new_size);

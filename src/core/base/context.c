@@ -4,6 +4,7 @@
 #include "registry.h"
 #include "sized.h"
 
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,13 @@ void pdyn_default_options_sized(pdyn_options *out, size_t size) {
     sized_copy(out, size, &options, sizeof options);
 }
 
+/* Cores that this process may use: `taskset` and batch systems grant a part of them. */
+static int usable_cores(void) {
+    cpu_set_t set;
+    if (!sched_getaffinity(0, sizeof set, &set)) return CPU_COUNT(&set);
+    return (int)sysconf(_SC_NPROCESSORS_ONLN); /* above 1024 cores */
+}
+
 pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size, pdyn_context **out) {
     if (!out) return PDYN_BAD_CALL;
     *out = NULL;
@@ -49,8 +57,8 @@ pdyn_status pdyn_create_sized(const pdyn_options *options, size_t size, pdyn_con
     if (!chosen.allocate) chosen.allocate = libc_allocate;
     if (chosen.threads < 0 || chosen.threads > 1024) return PDYN_BAD_CALL;
     if (!chosen.threads) {
-        long cores = sysconf(_SC_NPROCESSORS_ONLN);
-        chosen.threads = cores < 1 ? 1 : cores > 64 ? 64 : (int)cores;
+        int cores = usable_cores();
+        chosen.threads = cores < 1 ? 1 : cores > 64 ? 64 : cores;
     }
     pdyn_context *context = chosen.allocate(chosen.allocate_user, NULL, 0, sizeof *context);
     if (!context) return PDYN_NO_MEMORY;
