@@ -130,8 +130,9 @@ void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
 
 /* ---- the time that a run takes --------------------------------------------------------------- */
 
-enum { TRIAL_STEPS = 5 };
-static const double trial_seconds = 2.0; /* no further step after this time */
+/* Steps are tried for so long, s; the first few for longer. */
+enum { FEW_STEPS = 5 };
+static const double trial_seconds = 0.5, few_seconds = 2.0;
 
 static void print_seconds(double seconds) {
     if (seconds < 10.0) printf("%.2g s", seconds);
@@ -141,19 +142,24 @@ static void print_seconds(double seconds) {
 }
 
 int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
-    double start = wall_seconds();
+    double start = wall_seconds(), spent = 0.0, duration = pdyn_duration(sim);
     int steps = 0;
-    while (steps < TRIAL_STEPS && wall_seconds() - start < trial_seconds) {
+    do {
         pdyn_status status = pdyn_step(sim, NULL);
         if (status != PDYN_OK) return report_status(context, status);
         steps++;
-    }
-    double per_step = (wall_seconds() - start) / steps, h = pdyn_time(sim) / steps;
+        spent = wall_seconds() - start;
+    } while (pdyn_time(sim) < duration &&
+             spent < (steps < FEW_STEPS ? few_seconds : trial_seconds));
+    double h = pdyn_time(sim) / steps;
     printf("steps of %.3g s: %.0f per frame, %.0f in all, %.3g ms each on %d thread%s; a run takes "
            "about ",
-           h, ceil(pdyn_frame_interval(sim) / h - 1e-6), pdyn_duration(sim) / h, 1e3 * per_step,
+           h, ceil(pdyn_frame_interval(sim) / h - 1e-6), duration / h, 1e3 * spent / steps,
            pdyn_thread_count(context), pdyn_thread_count(context) == 1 ? "" : "s");
-    print_seconds(per_step * pdyn_duration(sim) / h);
-    printf(", by the first %d step%s\n", steps, steps == 1 ? "" : "s");
+    print_seconds(spent / steps * duration / h);
+    if (pdyn_time(sim) < duration)
+        printf(" if all is like the first %.2g s: impacts and contacts take longer",
+               pdyn_time(sim));
+    printf("\n");
     return EXIT_GOOD;
 }
