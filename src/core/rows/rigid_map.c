@@ -251,14 +251,18 @@ static double mass_at(const struct rigid_body *b, const double *r) {
 }
 
 static bool resize(struct rigid_map *map, enum array_action action) {
-    const struct array_entry table[] = {ARRAY(map->input, 3 * (size_t)map->particles + 1),
-                                        ARRAY(map->mass, map->particles),
-                                        ARRAY(map->owner, map->particles)};
+    size_t n = RIGID_SIZE * (size_t)map->bodies;
+    const struct array_entry table[] = {
+        ARRAY(map->input, 3 * (size_t)map->particles + 1),
+        ARRAY(map->mass, map->particles),
+        ARRAY(map->owner, map->particles),
+        ARRAY(map->solve.x, n),
+        ARRAY(map->solve.r, n),
+        ARRAY(map->solve.p, n),
+        ARRAY(map->solve.q, n),
+        ARRAY(map->solve.z, n),
+    };
     bool good = context_arrays(map->context, table, ARRAY_ROWS(table), action);
-    for (size_t k = 0; k < ARRAY_ROWS(map->motion); k++) {
-        const struct array_entry own[] = {ARRAY(map->motion[k], RIGID_SIZE * (size_t)map->bodies)};
-        good &= context_arrays(map->context, own, ARRAY_ROWS(own), action);
-    }
     for (int k = 0; k < map->bodies; k++) {
         struct rigid_body *b = &map->body[k];
         const struct array_entry own[] = {ARRAY(b->arm, 3 * (size_t)particles_of(b))};

@@ -49,8 +49,11 @@ struct rigid_map {
     struct rigid_pair *pair; /* rigid_matrix.h: pairs, in the order of the rows */
     size_t pair_room;
     int pairs;
-    bool closed;       /* rows that come and go select particles of rigid bodies alone */
-    double *motion[5]; /* bodies x 6: vectors of the solve, rigid_matrix.c */
+    bool closed; /* rows that come and go select particles of rigid bodies alone */
+    struct {
+        double *x, *r, *p, *q, *z; /* bodies x 6: solution, residual, direction, product, corrected
+                                      residual */
+    } solve;                       /* rigid_matrix.c */
 };
 
 /* rest: particles x 3, m; mass: particles, kg. Bodies have `first`, `vertices` and `mass`; the

@@ -6,7 +6,6 @@
 #include <string.h>
 
 enum { SIZE = RIGID_SIZE, BLOCK = SIZE * SIZE };
-enum { SOLUTION, RESIDUAL, DIRECTION, PRODUCT, CORRECTION }; /* vectors of the solve */
 enum { MAX_ITERATIONS = 500 };
 
 /* Reduction of the residual in the norm of the preconditioner: exact beside the solve of a fluid.
@@ -170,7 +169,7 @@ static double multiply_all(const struct rigid_map *map, const double *p, double 
 /* p = P^-1 r + scale p with the diagonal blocks P of B; returns r . P^-1 r */
 static double turn_direction(const struct rigid_map *map, const double *r, double before,
                              double *p) {
-    double *z = map->motion[CORRECTION], sum = 0.0;
+    double *z = map->solve.z, sum = 0.0;
     memcpy(z, r, SIZE * (size_t)map->bodies * sizeof *z);
     for (int k = 0; k < map->bodies; k++) substitute(map->body[k].factor, z + SIZE * k);
     for (int k = 0; k < SIZE * map->bodies; k++) sum += z[k] * r[k];
@@ -181,8 +180,8 @@ static double turn_direction(const struct rigid_map *map, const double *r, doubl
 
 /* x = B^-1 r */
 static void solve_coupled(const struct rigid_map *map) {
-    double *x = map->motion[SOLUTION], *r = map->motion[RESIDUAL];
-    double *p = map->motion[DIRECTION], *q = map->motion[PRODUCT];
+    double *x = map->solve.x, *r = map->solve.r;
+    double *p = map->solve.p, *q = map->solve.q;
     memset(x, 0, SIZE * (size_t)map->bodies * sizeof *x);
     double rz = turn_direction(map, r, 0.0, p), end = tolerance * tolerance * rz;
     for (int n = 0; n < MAX_ITERATIONS && rz > end; n++) {
@@ -197,15 +196,15 @@ static void gather(void *arg, int first, int last, int block) {
     const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++) {
         const struct rigid_body *b = &c->map->body[k];
-        rigid_body_sum(b, b->vertices, c->in, c->map->motion[RESIDUAL] + SIZE * k);
+        rigid_body_sum(b, b->vertices, c->in, c->map->solve.r + SIZE * k);
     }
 }
 
 static void solve_alone(void *arg, int first, int last, int block) {
     (void)block;
     const struct rigid_loop *c = arg;
-    double *x = c->map->motion[SOLUTION];
-    memcpy(x + SIZE * first, c->map->motion[RESIDUAL] + SIZE * first,
+    double *x = c->map->solve.x;
+    memcpy(x + SIZE * first, c->map->solve.r + SIZE * first,
            SIZE * (size_t)(last - first) * sizeof *x);
     for (int k = first; k < last; k++) substitute(c->map->body[k].factor, x + SIZE * k);
 }
@@ -214,7 +213,7 @@ static void spread(void *arg, int first, int last, int block) {
     (void)block;
     const struct rigid_loop *c = arg;
     for (int k = first; k < last; k++)
-        rigid_body_move(&c->map->body[k], 0, c->map->motion[SOLUTION] + SIZE * k, c->out);
+        rigid_body_move(&c->map->body[k], 0, c->map->solve.x + SIZE * k, c->out);
 }
 
 void rigid_matrix_solve(const struct rigid_map *map, const double *r, double *z) {
