@@ -12,7 +12,7 @@ import projdyn
 
 SIDE = 0.6  # m
 K = np.pi / SIDE
-STIR, FAST, SETTLE, TIME = 0.4, 0.6, 1.2, 1.5  # s; m/s; s; s
+REST, FAST, STIR, TIME = 0.4, 0.6, 1.2, 1.5  # s at rest, m/s of the stirred water, s stirred, s measured
 
 
 def vortex(x):
@@ -37,11 +37,11 @@ def step_until(sim, time):
 def stir(sim, share):
     """Brings the particles out of the lattice of the start, and stops them."""
     water = sim.bodies["water"]
-    step_until(sim, STIR * share)
+    step_until(sim, REST * share)
     water.set_velocities(FAST * vortex(np.array(water.x)))
-    step_until(sim, (STIR + SETTLE) * share)
+    step_until(sim, (REST + STIR) * share)
     water.set_velocities([0, 0, 0])
-    step_until(sim, (STIR + SETTLE + 0.2) * share)
+    step_until(sim, (REST + STIR + 0.2) * share)
 
 
 def measure(speed, share, setting):
