@@ -219,7 +219,8 @@ typedef struct pdyn_core pdyn_core; /* opaque to modules */
 
 typedef struct pdyn_services { /* what core offers to operators and solvers */
     pdyn_core *core;
-    /* Runs fn over [0, count) in blocks of `grain`; blocks may run in parallel. */
+    /* Runs fn over [0, count) in blocks of `grain`; blocks may run in parallel. A block should take
+     * some ten microseconds. */
     void (*parallel_for)(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg);
     /* New memory is zeroed. block NULL allocates, new_size 0 frees. Returns NULL: no memory. */
     void *(*allocate)(pdyn_core *core, void *block, size_t old_size, size_t new_size);

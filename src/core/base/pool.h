@@ -1,8 +1,8 @@
 /* A thread pool (pthreads) with one operation: call a function on [0, count) in blocks of a fixed
  * grain.
  *
- * The grain is a constant of the call site. The blocks, and with them every partial sum, are the
- * same for any number of threads. Work that fits one block runs on the calling thread alone. */
+ * The grain does not depend on the number of threads: the blocks, and with them every partial sum,
+ * are the same for any number. Work that fits one block runs on the calling thread alone. */
 #ifndef PDYN_POOL_H
 #define PDYN_POOL_H
 
