@@ -249,6 +249,38 @@ static void test_values(void **state) {
     pdyn_free(sim);
 }
 
+/* A sheet that hangs by two pins of two places. */
+static const char hung[] =
+    SCENE("'duration': 1, 'time_step': {'fixed': 5e-3}",
+          GRID_SHEET("'name': 'sheet', ", "1, 1", "5, 5", "'area_density': 0.3",
+                     PAIR(SPRINGS("500"), PAIR(PINS("'vertices': [0]"), PINS("'vertices': [4]")))),
+          ", 'probes': [{'name': 'all', 'pins': 'sheet'}, {'name': 'left', 'pins': 'sheet', 'pin': "
+          "0}, {'name': 'right', 'pins': 'sheet', 'pin': 1}]");
+
+static void test_single_pins(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_load(context, quoted(hung));
+    for (int n = 0; n < 5; n++) test_step(context, sim);
+    const double *all = pdyn_get_probe(sim, 0).value;
+    for (int pin = 0; pin < 2; pin++) {
+        double force[3], moment[3];
+        assert_int_equal(pdyn_constraint_load(sim, 1 + pin, force, moment), PDYN_OK);
+        assert_memory_equal(force, pdyn_get_probe(sim, 1 + pin).value, sizeof force);
+        assert_true(force[1] > 0.0 && force[1] < 0.9 * all[1]);
+    }
+    const double *left = pdyn_get_probe(sim, 1).value, *right = pdyn_get_probe(sim, 2).value;
+    for (int a = 0; a < 6; a++) assert_true(fabs(left[a] + right[a] - all[a]) < 1e-12);
+    pdyn_free(sim);
+    char text[2048];
+    snprintf(text, sizeof text, "%s", quoted(hung));
+    *strstr(text, "\"pin\": 1") = '\0';
+    strcat(text, "\"pin\": 2}]}");
+    sim = NULL;
+    assert_int_equal(pdyn_load_text(context, text, "scene", NULL, 0, &sim), PDYN_BAD_INPUT);
+    if (!strstr(pdyn_last_error(context), "probes[2].pin: expected"))
+        fail_msg("%s", pdyn_last_error(context));
+}
+
 /* Probes change no bit of a step, have the same bits for any number of threads, and allocate
  * nothing in a step. */
 static void test_steps(void **state) {
@@ -365,6 +397,7 @@ static void test_errors(void **state) {
         {"{'point': [0, 0, 0], 'radius': 0}", "probes[0].radius: expected"},
         {"{'point': [0, 0, 0], 'time': -1}", "probes[0].time: expected"},
         {"{'solid': 'tank', 'radius': 1}", "\"radius\" needs a \"point\", \"line\" or \"wall\""},
+        {"{'solid': 'tank', 'pin': 0}", "\"pin\" needs \"pins\""},
         {"{'solid': 'tnak'}", "unknown solid \"tnak\"; did you mean \"tank\"?"},
         {"{'pins': 'water'}", "probes[0].pins: expected a body with a \"pin\""},
         {"{'line': {'from': [0, 0, 0], 'to': [1, 1, 1], 'count': 1}}", "probes[0].line.count"},
@@ -406,9 +439,9 @@ int main(void) {
         cmocka_unit_test(test_rest),   cmocka_unit_test(test_linear),
         cmocka_unit_test(test_few),    cmocka_unit_test(test_visits),
         cmocka_unit_test(test_calls),  cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_values), cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_memory), cmocka_unit_test(test_resume),
-        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_values), cmocka_unit_test(test_single_pins),
+        cmocka_unit_test(test_steps),  cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_resume), cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("probes", tests, scene_set_up, scene_tear_down);
 }

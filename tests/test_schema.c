@@ -193,7 +193,7 @@ static void test_schema(void **state) {
     check_table(definition("inlet_rectangle"), inlet_params, 2);
     check_table(definition("inlet_disc"), inlet_params, 2);
     check_table(definition("outlet"), outlet_params, 1);
-    check_table(definition("probe"), scene_probe_params, 10);
+    check_table(definition("probe"), scene_probe_params, 11);
     static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};
     for (int k = 0; k < COUNT(fills); k++) {
         const json_t *fill = definition(fills[k]);

@@ -117,6 +117,7 @@ struct scene_probe {
     struct point_list at; /* m, where, not of a box, solid or body */
     struct scene_box box; /* of PROBE_BOX */
     int target;           /* index of the solid, or of the body */
+    int pin;              /* of PROBE_PINS: number among the pins of the body; -1: all */
     double radius;        /* m: particles and boundary points within it count; 0: two spacings */
     double time;          /* s, time constant of an exponential mean; 0: none */
 };

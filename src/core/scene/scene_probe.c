@@ -98,6 +98,17 @@ static pdyn_status read_pins(struct reader *r, const struct json_at *at,
     return read_body_with(r, at, PDYN_REACTION, "pin", probe);
 }
 
+/* "pin": one of the pins of the body. */
+static pdyn_status read_pin(const struct reader *r, const struct json_at *at,
+                            struct scene_probe *probe) {
+    const struct scene_body *body = &r->scene->body[probe->target];
+    int pins = 0;
+    probe->pin = -1;
+    for (int k = 0; k < body->constraints; k++)
+        pins += (body->constraint[k].type->flags & PDYN_REACTION) != 0;
+    return at->value ? params_int(at, 0, pins - 1, &probe->pin) : PDYN_OK;
+}
+
 static pdyn_status read_inside(struct reader *r, const struct json_at *at,
                                struct scene_probe *probe) {
     return read_body_with(r, at, PDYN_ON_CLOSED, "gas", probe);
@@ -114,10 +125,10 @@ static const struct {
 pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int index) {
     static const char *const names[PROBE_KINDS] = {"point", "line", "wall",   "height", "box",
                                                    "solid", "pins", "inside", "body"};
-    static const char *const keys[] = {"name",  "point", "line",   "wall", "height", "box",
-                                       "solid", "pins",  "inside", "body", NULL};
+    static const char *const keys[] = {"name",  "point", "line", "wall",   "height", "box",
+                                       "solid", "pins",  "pin",  "inside", "body",   NULL};
     struct scene_probe *probe = &r->scene->probe[index];
-    struct json_at radius = json_member(at, "radius");
+    struct json_at radius = json_member(at, "radius"), pin = json_member(at, "pin");
     pdyn_status status = params_check_keys(at, scene_probe_params, keys);
     if (status == PDYN_OK) status = reader_name(r, at, "probe", index, &probe->name);
     if (status == PDYN_OK) status = params_read(at, scene_probe_params, NULL, probe);
@@ -129,5 +140,8 @@ pdyn_status scene_read_probe(struct reader *r, const struct json_at *at, int ind
                                 names[probe->kind]);
     if (radius.value && !kinds[probe->kind].has_radius)
         return json_fail_at_key(&radius, "\"radius\" needs a \"point\", \"line\" or \"wall\"");
-    return kinds[probe->kind].read(r, &place, probe);
+    if (pin.value && probe->kind != PROBE_PINS)
+        return json_fail_at_key(&pin, "\"pin\" needs \"pins\"");
+    status = kinds[probe->kind].read(r, &place, probe);
+    return status == PDYN_OK && probe->kind == PROBE_PINS ? read_pin(r, &pin, probe) : status;
 }

@@ -81,13 +81,15 @@ static void measure_solid(const struct pdyn_sim *sim, const struct scene_probe *
     copy_load(solid_load_compute(sim) + probe->target, out);
 }
 
-/* The force of all pins of a body. */
+/* The force of all pins of a body, or of one. */
 static void measure_pins(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
     struct solid_load load = {{0}, {0}};
-    for (int k = 0; k < sim->constraints; k++) {
+    for (int k = 0, pin = 0; k < sim->constraints; k++) {
         const struct batch *b = sim->objective.batch[k];
-        if (b->type->flags & PDYN_REACTION && b->view.body == &sim->body[probe->target])
-            forces_add_load(sim, k, &load);
+        if (!(b->type->flags & PDYN_REACTION) || b->view.body != &sim->body[probe->target])
+            continue;
+        if (probe->pin < 0 || probe->pin == pin) forces_add_load(sim, k, &load);
+        pin++;
     }
     copy_load(&load, out);
 }
