@@ -47,6 +47,13 @@ INLINE void v4_store(double *to, int index, const v4 *from) {
     memcpy(to + 4 * (size_t)index, from, sizeof *from);
 }
 
+/* out = (from[0], ..., from[3]); as a loop, four lanes are converted by one instruction */
+INLINE void v4_widen(v4 *out, const float *from) {
+    double wide[4];
+    for (int a = 0; a < 4; a++) wide[a] = (double)from[a];
+    memcpy(out, wide, sizeof wide);
+}
+
 /* y += a, first three lanes */
 INLINE void v4_add_to(double *y, const v4 *a) { y[0] += (*a)[0], y[1] += (*a)[1], y[2] += (*a)[2]; }
 

@@ -80,10 +80,7 @@ static inline bool takes_part(const struct fluid *f, int first, int last, int bl
 
 /* Gradient and value of a pair, in double. */
 INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
-    const float *from = f->pair + 4 * (size_t)pair;
-    double wide[4]; /* as a loop, four lanes are converted by one instruction */
-    for (int a = 0; a < 4; a++) wide[a] = (double)from[a];
-    memcpy(out, wide, sizeof wide);
+    v4_widen(out, f->pair + 4 * (size_t)pair);
 }
 
 /* Local step at x (particles x 3): computes pairs, C_i and grad C_i; returns the energy, J. */

@@ -180,10 +180,9 @@ bool skyline_factor(struct skyline *s) {
 
 /* ---- solves ---------------------------------------------------------------------------------- */
 
-INLINE void load_four(v4 *out, const float *from) {
-    double wide[4]; /* as a loop, four lanes are converted by one instruction */
-    for (int a = 0; a < 4; a++) wide[a] = (double)from[a];
-    memcpy(out, wide, sizeof wide);
+/* The three rows of block row i of the copy of L, from its first column. */
+INLINE void rows_of_copy(const struct skyline *s, int i, const float *row[3]) {
+    for (int p = 0; p < 3; p++) row[p] = s->factor + (skyline_row(s, i, p) - s->value);
 }
 
 /* x = L^-1 x in block row i */
@@ -193,7 +192,7 @@ INLINE void substitute_forward(const float *const row[3], const double *x, int n
     int k = 0;
     for (; k + 4 <= n; k += 4) {
         memcpy(&b, x + k, sizeof b);
-        for (int p = 0; p < 3; p++) load_four(&a, row[p] + k), sum[p] += a * b;
+        for (int p = 0; p < 3; p++) v4_widen(&a, row[p] + k), sum[p] += a * b;
     }
     for (; k < n; k++)
         for (int p = 0; p < 3; p++) rest[p] += (double)row[p][k] * x[k];
@@ -215,7 +214,7 @@ INLINE void substitute_backward(const float *const row[3], double *x, int n, dou
     double known[3] = {own[0], own[1], own[2]};
     for (; k + 4 <= n; k += 4) {
         memcpy(&b, x + k, sizeof b);
-        for (int p = 0; p < 3; p++) load_four(&a, row[p] + k), b -= known[p] * a;
+        for (int p = 0; p < 3; p++) v4_widen(&a, row[p] + k), b -= known[p] * a;
         memcpy(x + k, &b, sizeof b);
     }
     for (; k < n; k++)
@@ -225,11 +224,11 @@ INLINE void substitute_backward(const float *const row[3], double *x, int n, dou
 WIDE static void substitute(const struct skyline *s, double *x) {
     const float *row[3];
     for (int i = 0; i < s->nodes; i++) {
-        for (int p = 0; p < 3; p++) row[p] = s->factor + (skyline_row(s, i, p) - s->value);
+        rows_of_copy(s, i, row);
         substitute_forward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
     }
     for (int i = s->nodes - 1; i >= 0; i--) {
-        for (int p = 0; p < 3; p++) row[p] = s->factor + (skyline_row(s, i, p) - s->value);
+        rows_of_copy(s, i, row);
         substitute_backward(row, x + 3 * s->first[i], 3 * (i - s->first[i]), x + 3 * i);
     }
 }

@@ -104,15 +104,19 @@ static bool has_share(const struct worker *w, unsigned long long job, unsigned l
     return job != seen && w->number < count_of(job);
 }
 
+static void send_signal(struct pool *pool, pthread_cond_t *to) {
+    pthread_mutex_lock(&pool->lock);
+    pthread_cond_signal(to);
+    pthread_mutex_unlock(&pool->lock);
+}
+
 /* Wakes up to two workers that sleep and have a share of the job. These do the same: the caller is
  * not held up, and all are awake after few rounds. */
 static void wake_two(struct pool *pool, unsigned long long job) {
     for (int k = 1, woken = 0; k < count_of(job) && woken < 2; k++) {
         struct worker *w = &pool->worker[k - 1];
         if (!atomic_load(&w->asleep) || !atomic_exchange(&w->asleep, false)) continue;
-        pthread_mutex_lock(&pool->lock);
-        pthread_cond_signal(&w->wake);
-        pthread_mutex_unlock(&pool->lock);
+        send_signal(pool, &w->wake);
         woken++;
     }
 }
@@ -146,11 +150,7 @@ static void *worker_main(void *arg) {
     for (unsigned long long job = 0;;) {
         job = wait_job(worker, job);
         if (pool->stop) return NULL;
-        if (run_blocks(pool, worker->number, job)) {
-            pthread_mutex_lock(&pool->lock);
-            pthread_cond_signal(&pool->done);
-            pthread_mutex_unlock(&pool->lock);
-        }
+        if (run_blocks(pool, worker->number, job)) send_signal(pool, &pool->done);
     }
 }
 
@@ -247,9 +247,7 @@ static void end_workers(struct pool *pool) {
     pool->blocks = 0;
     start_job(pool, pool->threads);
     for (struct worker *w = pool->worker; w < pool->worker + pool->threads - 1; w++) {
-        pthread_mutex_lock(&pool->lock);
-        pthread_cond_signal(&w->wake);
-        pthread_mutex_unlock(&pool->lock);
+        send_signal(pool, &w->wake);
         pthread_join(w->thread, NULL);
         pthread_cond_destroy(&w->wake);
     }
