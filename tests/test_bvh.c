@@ -49,7 +49,7 @@ static void check_set(int count, double size, uint64_t seed) {
     assert_int_equal(bvh_create(context, count + 3, &tree), PDYN_OK);
     tree.owner = owner;
     for (int again = 0; again < 2; again++) {
-        bvh_build(&tree, box, count);
+        bvh_build(&tree, box, count, NULL);
         for (int q = 0; q < 100; q++) {
             struct box query = random_box(&seed, size);
             struct found found = {0};
@@ -80,6 +80,34 @@ static void test_queries(void **state) {
     }
 }
 
+/* A hierarchy of every third box finds those and no other. */
+static void test_chosen(void **state) {
+    (void)state;
+    enum { COUNT = 500 };
+    pdyn_context *context = test_context(1);
+    struct box box[COUNT];
+    bool chosen[COUNT];
+    uint64_t seed = 7;
+    struct bvh tree;
+    for (int i = 0; i < COUNT; i++) box[i] = random_box(&seed, 0.1), chosen[i] = i % 3 == 1;
+    assert_int_equal(bvh_create(context, COUNT, &tree), PDYN_OK);
+    bvh_build(&tree, box, COUNT, chosen);
+    for (int q = 0; q < 50; q++) {
+        struct box query = random_box(&seed, 0.2);
+        struct found found = {0};
+        int expected = 0;
+        bvh_visit(&tree, &query, 100, note, &found);
+        for (int i = 100; i < COUNT; i++) {
+            bool overlaps = chosen[i] && box_overlaps(&box[i], &query);
+            assert_int_equal(found.has[i], overlaps);
+            expected += overlaps;
+        }
+        assert_int_equal(found.count, expected);
+    }
+    bvh_free(context, &tree);
+    pdyn_destroy(context);
+}
+
 /* All boxes at one place. */
 static void test_heap(void **state) {
     (void)state;
@@ -89,7 +117,7 @@ static void test_heap(void **state) {
     struct found found = {0};
     for (int i = 0; i < 100; i++) box[i] = (struct box){{1, 1, 1}, {1, 1, 1}};
     assert_int_equal(bvh_create(context, 100, &tree), PDYN_OK);
-    bvh_build(&tree, box, 100);
+    bvh_build(&tree, box, 100, NULL);
     bvh_visit(&tree, &box[0], 10, note, &found);
     assert_int_equal(found.count, 90);
     bvh_free(context, &tree);
@@ -99,6 +127,7 @@ static void test_heap(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_queries),
+        cmocka_unit_test(test_chosen),
         cmocka_unit_test(test_heap),
     };
     return cmocka_run_group_tests_name("boxes", tests, NULL, NULL);

@@ -133,12 +133,14 @@ pdyn_status contact_take_back(struct contact *c, const double *x) {
     return contact_local(c, x);
 }
 
-/* Whether the regions contain their points and are as large as their reaches say, up to rounding. A
- * wrong size would make the list of pairs incomplete, or much too long. */
+/* Whether the regions contain their points, or are empty for a particle, and are as large as their
+ * reaches say, up to rounding. A wrong size would make the list of pairs incomplete, or much too
+ * long. */
 static bool regions_are_valid(const struct contact *c) {
     bool valid = true;
     for (int i = 0; i < c->points; i++) {
         double far = 0.0, size = 0.0;
+        if (i >= c->vertices && i < c->free && box_is_empty(&c->region[i])) continue;
         for (int a = 0; a < 3; a++) {
             double low = c->built[3 * i + a] - c->region[i].min[a];
             double high = c->region[i].max[a] - c->built[3 * i + a];
@@ -152,8 +154,8 @@ static bool regions_are_valid(const struct contact *c) {
     return valid;
 }
 
-/* After reading, the pairs are listed at the positions where they were listed before: their order
- * decides how sums are rounded. */
+/* After reading, the list of pairs is made again from the regions; its order decides how sums are
+ * rounded. */
 void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
     snapshot_file_bytes(a, c->region, n * sizeof *c->region);

@@ -23,7 +23,7 @@ struct pair {         /* two primitives that may come into contact */
                          first edge; the lower ones: number of the face or of the second edge */
     int point[4];     /* of the first primitive, then of the second */
     double thickness; /* m: of the scene, or less where the two are closer in the rest shape */
-    double distance;  /* m, when the pair was listed */
+    double distance;  /* m: at `seen`, or less */
     double share;     /* of the stiffness, see pdyn_contact; of when the pair was listed */
 };
 
@@ -91,16 +91,22 @@ struct contact {
     bool behind;          /* some solid has not reached its goal */
 
     /* pairs (contact_pairs.c) */
-    struct box *region;    /* points: while all points are inside, the list of pairs is complete */
-    double *built;         /* points x 3, m: positions when the pairs were listed */
-    double *moved, *reach; /* points, m: distance from there, and the maximum of it in the region */
-    struct box *face_box, *edge_box;       /* faces, edges_room */
-    struct bvh face_tree[2], edge_tree[2]; /* of surfaces; of solids */
+    struct box *region; /* points: while all points are inside, the list of pairs is complete */
+    double *built;      /* points x 3, m: positions when the pairs were listed */
+    double *reach;      /* points, m: the largest distance from there in the region */
+    double *seen;       /* points x 3, m: positions of the distances of pairs */
+    double *moved;      /* points, m: distance from there */
+    struct box *face_box, *edge_box;               /* faces, edges_room */
+    struct bvh face_tree[2], edge_tree[2];         /* of surfaces; of solids */
+    struct bvh changed_faces[2], changed_edges[2]; /* of those with points that have changed */
+    bool *changed;                                 /* points: whose pairs are searched anew */
+    bool *face_changed, *edge_changed;             /* faces, edges_room: with such points */
+    bool all_changed;
     int *face_body, *edge_body; /* free_faces, free_edges: the group, if it does not touch itself;
                                    -1: it does */
     int pairs, room;            /* room: of `pair` and of arrays that say so */
-    struct pair *pair;
-    int blocks; /* of the parallel search */
+    struct pair *pair;          /* sorted by keys */
+    int blocks;                 /* of the parallel search */
     size_t found_room;
     struct pair *found;  /* found_room: those of block b from found_start[b] on */
     size_t *found_start; /* blocks + 1 */
@@ -111,6 +117,8 @@ struct contact {
     double *length;          /* points, m: its length */
     double *taken;           /* points: the part of the displacement that is free */
     double *cut;             /* points: factor by which the current round shortens it */
+    int *candidate;          /* room: pairs that may be blocked */
+    int *candidates;         /* room / CONTACT_GRAIN */
     struct blocked *blocked; /* room */
     int *blocked_count;      /* room / CONTACT_GRAIN */
 
@@ -191,6 +199,15 @@ pdyn_status contact_check(struct contact *contact);
 
 static inline const struct pair_kind *pair_kind_of(uint64_t key) {
     return key >> 63 ? &pair_edge_edge : &pair_vertex_face;
+}
+
+/* The sum of the largest numbers of the points of both primitives: an upper bound of how far they
+ * approach each other where the numbers are how far the points move. */
+static inline double pair_largest(const struct pair *p, const double *of) {
+    const int *i = p->point;
+    double a = of[i[0]], b = of[i[1]], c = of[i[2]], d = of[i[3]], other = c > d ? c : d;
+    if (pair_kind_of(p->key)->first == 2) return (a > b ? a : b) + other;
+    return a + (b > other ? b : other);
 }
 
 /* 3-vectors of the points of a pair. */

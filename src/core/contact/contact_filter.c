@@ -23,16 +23,6 @@ static double kept(const struct pair *p, double distance, int round) {
     return fmax(some, fmin(distance, CONTACT_LEAST * p->thickness));
 }
 
-/* An upper bound of how far the two primitives approach each other, m: the sum of the largest
- * displacements of their points. */
-static double most_approach(const struct pair *p, const double *length) {
-    const int *i = p->point;
-    double one = length[i[0]], other = fmax(length[i[2]], length[i[3]]);
-    if (pair_kind_of(p->key)->first == 2) one = fmax(one, length[i[1]]);
-    else other = fmax(other, length[i[1]]);
-    return one + other;
-}
-
 static bool was_cut(const struct contact *c, const struct pair *p) {
     return c->cut[p->point[0]] < 1.0 || c->cut[p->point[1]] < 1.0 || c->cut[p->point[2]] < 1.0 ||
            c->cut[p->point[3]] < 1.0;
@@ -42,9 +32,7 @@ static bool was_cut(const struct contact *c, const struct pair *p) {
 static double free_part(const struct contact *c, const struct pair *p, int round) {
     const struct pair_kind *kind = pair_kind_of(p->key);
     const double *x[4], *d[4];
-    double unused[4], way = most_approach(p, c->length);
-    double least = p->distance - most_approach(p, c->moved);
-    if (least - way >= 0.5 * p->thickness) return 1.0;
+    double unused[4], way = pair_largest(p, c->length);
     pair_load(p->point, c->x, x);
     double distance = sqrt(kind->closest(x, unused)), keep = kept(p, distance, round);
     if (distance - way >= keep) return 1.0;
@@ -54,11 +42,24 @@ static double free_part(const struct contact *c, const struct pair *p, int round
     return pair_free_path(kind, x, d, keep);
 }
 
+/* Lists the pairs of a block whose displacements are not too short to block them. */
+static void find_candidates(struct contact *c, int first, int last, int block) {
+    int count = 0;
+    for (int k = first; k < last; k++) {
+        const struct pair *p = &c->pair[k];
+        double least = p->distance - pair_largest(p, c->moved) - pair_largest(p, c->length);
+        if (least < 0.5 * p->thickness) c->candidate[first + count++] = k;
+    }
+    c->candidates[block] = count;
+}
+
 static void find_blocked(void *arg, int first, int last, int block) {
     const struct round *r = arg;
     struct contact *c = r->contact;
     int count = 0;
-    for (int k = first; k < last; k++) {
+    if (!r->number) find_candidates(c, first, last, block);
+    for (int j = first; j < first + c->candidates[block]; j++) {
+        int k = c->candidate[j];
         if (r->number && !was_cut(c, &c->pair[k])) continue;
         double part = free_part(c, &c->pair[k], r->number);
         if (part < 1.0) c->blocked[first + count++] = (struct blocked){k, part};

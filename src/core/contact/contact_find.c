@@ -26,30 +26,24 @@ void contact_list_free(pdyn_context *context, struct contact_list *list) {
 
 /* ---- of a local step ------------------------------------------------------------------------- */
 
-/* An upper bound of how far the two primitives of a pair have come closer since it was listed, m:
- * the largest ways of their points. first: points of the first primitive. */
-static double most_moved(const struct contact *c, const int point[4], int first) {
-    double one = c->moved[point[0]], other = fmax(c->moved[point[2]], c->moved[point[3]]);
-    if (first == 2) one = fmax(one, c->moved[point[1]]);
-    else other = fmax(other, c->moved[point[1]]);
-    return one + other;
-}
+/* A pair is skipped where its distance is larger than its thickness by more than this part of it,
+ * so that the rounding of lower bounds, which a resumed run sums in another way, does not count. */
+static const double rounding = 1e-6;
 
-/* Writes the pairs of a block that are closer than their thickness to c->hit + first. */
+/* Writes the pairs of a block that are closer than their thickness to c->hit + first. A pair that
+ * is farther away keeps a lower bound of its distance. */
 static void find_hits(void *arg, int first, int last, int block) {
     struct contact *c = arg;
     int count = 0;
     for (int k = first; k < last; k++) {
-        const struct pair *p = &c->pair[k];
-        const struct pair_kind *kind = pair_kind_of(p->key);
-        if (p->distance - most_moved(c, p->point, kind->first) >= p->thickness) continue;
+        struct pair *p = &c->pair[k];
+        p->distance -= pair_largest(p, c->moved);
+        if (p->distance > (1.0 + rounding) * p->thickness) continue;
         const double *x[4];
         struct hit hit = {.pair = k};
         pair_load(p->point, c->at, x);
-        double squared = kind->closest(x, hit.c);
-        if (squared >= p->thickness * p->thickness) continue;
-        hit.distance = sqrt(squared);
-        c->hit[first + count++] = hit;
+        p->distance = hit.distance = sqrt(pair_kind_of(p->key)->closest(x, hit.c));
+        if (hit.distance < p->thickness) c->hit[first + count++] = hit;
     }
     c->hit_count[block] = count;
 }
@@ -90,6 +84,7 @@ static void set_contacts(void *arg, int first, int last, int block) {
 pdyn_status contact_find(struct contact *c) {
     int blocks = pool_blocks(c->pairs, CONTACT_GRAIN), count = 0;
     pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, find_hits, c);
+    memcpy(c->seen, c->at, 3 * (size_t)c->points * sizeof *c->seen);
     for (int b = 0; b < blocks; b++) c->hit_start[b] = count, count += c->hit_count[b];
     pdyn_status status = reserve(c->context, &c->current, count);
     if (status != PDYN_OK) return status;

@@ -1,6 +1,10 @@
 /* Broad phase: the list of pairs that may come into contact. Each point has a region, a box around
  * it and its displacement. Pairs whose boxes around these regions overlap (bvh.h) and that can come
  * closer than their thickness are listed; the list is complete while every point is in its region.
+ *
+ * A point that leaves its region gets a new one, and only its pairs are searched anew: most
+ * searches of an impact are for a few of thousands of points. The list is sorted, so that it
+ * depends on the regions and not on earlier lists: a resumed run makes it again from the regions.
  */
 #include "contact.h"
 
@@ -8,51 +12,70 @@
 
 #include <string.h>
 
-enum { QUERIES = 64 }; /* of a parallel block */
+enum {
+    QUERIES = 64, /* of a parallel block */
+    MANY = 4 /* all pairs are searched anew where more than one of so many points has changed */
+};
 
-/* Margin of a region around a point and its displacement: `still` thicknesses plus `ahead` of the
- * length of the displacement, the latter at most `most_ahead` thicknesses. */
-static const double still = 0.5, ahead = 0.25, most_ahead = 1.0;
+/* Margin of a region around a point and its displacement, in thicknesses. */
+static const double margin_size = 0.5;
 
 /* ---- regions --------------------------------------------------------------------------------- */
 
-static bool holds(const struct box *box, const double *x, const double *step) {
-    for (int a = 0; a < 3; a++) {
+/* Whether the point is a particle that does not exist: not yet emitted, or removed. */
+static bool is_absent(const struct contact *c, int point) {
+    return c->live && point >= c->vertices && point < c->free && !c->live[c->column[point]];
+}
+
+/* Whether the region of point i contains it and its displacement; that of an absent one is empty.
+ */
+static bool holds(const struct contact *c, int i, const double *x, const double *step) {
+    const struct box *box = &c->region[i];
+    if (is_absent(c, i)) return box_is_empty(box);
+    for (int a = 3 * i; a < 3 * i + 3; a++) {
         double y = x[a] + (step ? step[a] : 0.0);
-        if (x[a] < box->min[a] || x[a] > box->max[a]) return false;
-        if (y < box->min[a] || y > box->max[a]) return false;
+        if (x[a] < box->min[a - 3 * i] || x[a] > box->max[a - 3 * i]) return false;
+        if (y < box->min[a - 3 * i] || y > box->max[a - 3 * i]) return false;
     }
     return true;
 }
 
-static bool all_hold(const struct contact *c, const double *x, const double *step) {
-    for (int i = 0; i < c->points; i++)
-        if (!holds(&c->region[i], x + 3 * i, step ? step + 3 * i : NULL)) return false;
-    return true;
+static void set_region(struct contact *c, int i, const double *x, const double *step) {
+    double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
+    if (step) vec3_add(end, 1.0, step + 3 * i);
+    double way = vec3_distance(end, x + 3 * i);
+    double margin = i < c->free || way > 0.0 ? margin_size * c->set->thickness : 0.0;
+    c->region[i] = box_empty;
+    memcpy(c->built + 3 * i, x + 3 * i, 3 * sizeof *x);
+    c->reach[i] = 0.0;
+    if (is_absent(c, i)) return;
+    box_add(&c->region[i], x + 3 * i);
+    box_add(&c->region[i], end);
+    for (int a = 0; a < 3; a++) {
+        c->region[i].min[a] -= margin, c->region[i].max[a] += margin;
+        double side = margin + fabs(end[a] - x[3 * i + a]);
+        far += side * side;
+    }
+    c->reach[i] = sqrt(far);
 }
 
-static void set_regions(struct contact *c, const double *x, const double *step) {
-    const double T = c->set->thickness;
-    for (int i = 0; i < c->points; i++) {
-        double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
-        if (step) vec3_add(end, 1.0, step + 3 * i);
-        double way = vec3_distance(end, x + 3 * i);
-        double margin =
-            i < c->free || way > 0.0 ? still * T + fmin(ahead * way, most_ahead * T) : 0.0;
-        c->region[i] = box_empty;
-        box_add(&c->region[i], x + 3 * i);
-        box_add(&c->region[i], end);
-        for (int a = 0; a < 3; a++) {
-            c->region[i].min[a] -= margin, c->region[i].max[a] += margin;
-            double side = margin + fabs(end[a] - x[3 * i + a]);
-            far += side * side;
-        }
-        c->reach[i] = sqrt(far);
-    }
-    memcpy(c->built, x, 3 * (size_t)c->points * sizeof *x);
+/* Marks the points that are not in their regions as changed, and all points if these are many.
+ * Returns whether there are any. */
+static bool mark_changed(struct contact *c, const double *x, const double *step) {
+    int count = 0;
+    for (int i = 0; i < c->points; i++) count += c->changed[i] = !holds(c, i, x, step);
+    c->all_changed = count > c->points / MANY;
+    for (int i = 0; c->all_changed && i < c->points; i++) c->changed[i] = true;
+    return count > 0;
 }
 
 /* ---- trees ----------------------------------------------------------------------------------- */
+
+static bool has_changed(const struct contact *c, const int *corner, int corners) {
+    bool changed = false;
+    for (int k = 0; k < corners; k++) changed |= c->changed[corner[k]];
+    return changed;
+}
 
 /* The box around the regions of the corners, larger by half a thickness. */
 static void wrap(const struct contact *c, const int *corner, int corners, struct box *box) {
@@ -67,13 +90,28 @@ static void wrap(const struct contact *c, const int *corner, int corners, struct
     }
 }
 
+/* Of surfaces (0) or solids (1), the trees of all faces and edges and of those that have changed;
+ * the latter serve searches around what has not. */
+static void plant_trees(struct contact *c, int kind) {
+    int f = kind ? c->free_faces : 0, faces = kind ? c->faces - f : c->free_faces;
+    int e = kind ? c->free_edges : 0, edges = kind ? c->edges - e : c->free_edges;
+    bvh_build(&c->face_tree[kind], c->face_box + f, faces, NULL);
+    bvh_build(&c->edge_tree[kind], c->edge_box + e, edges, NULL);
+    if (c->all_changed) return;
+    bvh_build(&c->changed_faces[kind], c->face_box + f, faces, c->face_changed + f);
+    bvh_build(&c->changed_edges[kind], c->edge_box + e, edges, c->edge_changed + e);
+}
+
 static void plant(struct contact *c) {
-    for (int f = 0; f < c->faces; f++) wrap(c, c->face + 3 * f, 3, &c->face_box[f]);
-    for (int e = 0; e < c->edges; e++) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
-    bvh_build(&c->face_tree[0], c->face_box, c->free_faces);
-    bvh_build(&c->face_tree[1], c->face_box + c->free_faces, c->faces - c->free_faces);
-    bvh_build(&c->edge_tree[0], c->edge_box, c->free_edges);
-    bvh_build(&c->edge_tree[1], c->edge_box + c->free_edges, c->edges - c->free_edges);
+    for (int f = 0; f < c->faces; f++) {
+        c->face_changed[f] = has_changed(c, c->face + 3 * f, 3);
+        if (c->face_changed[f]) wrap(c, c->face + 3 * f, 3, &c->face_box[f]);
+    }
+    for (int e = 0; e < c->edges; e++) {
+        c->edge_changed[e] = has_changed(c, c->edge + 2 * e, 2);
+        if (c->edge_changed[e]) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
+    }
+    for (int kind = 0; kind < 2; kind++) plant_trees(c, kind);
 }
 
 /* ---- the search ------------------------------------------------------------------------------ */
@@ -83,14 +121,6 @@ struct search { /* for the pairs of one point or edge, number a */
     bool edges;
     int a, base, block; /* base: number of the first box of the tree */
 };
-
-static double farthest(const double *of, const int point[4], int first) {
-    double one = of[point[0]], other = of[point[3]];
-    for (int k = 1; k < 3; k++)
-        if (k < first) one = fmax(one, of[point[k]]);
-        else other = fmax(other, of[point[k]]);
-    return one + other;
-}
 
 static bool share_point(const int point[4], int first) {
     for (int k = 0; k < first; k++)
@@ -126,16 +156,18 @@ static double share_of(const struct contact *c, const struct pair *p) {
 }
 
 /* Whether the pair can come closer than its thickness while its points are in their regions; sets
- * its distance and thickness. Within a body the thickness is less than the distance in the rest
- * shape, so that the rest shape has no contact forces. */
+ * its distance, thickness and share. moved: how far the points were from there in `seen`. Within a
+ * body the thickness is less than the distance in the rest shape, so that the rest shape has no
+ * contact forces. */
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
     if (share_point(p->point, first)) return false;
-    p->distance = distance_in(p, c->built);
+    double distance = distance_in(p, c->built);
     p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
-    double nearest = p->distance - farthest(c->reach, p->point, first);
+    double nearest = distance - pair_largest(p, c->reach);
     if (nearest > p->thickness) return false;
+    p->distance = distance - pair_largest(p, c->moved);
     p->share = share_of(c, p);
     if (same) p->thickness = fmin(p->thickness, 0.9 * distance_in(p, c->rest));
     return nearest <= p->thickness;
@@ -160,18 +192,28 @@ static void visit(void *user, int id) {
 
 static void search_around(struct search *s, const struct box *box) {
     struct contact *c = s->contact;
+    bool changed = s->edges ? c->edge_changed[s->a] : c->changed[s->a];
+    const struct bvh *tree = s->edges  ? changed ? c->edge_tree : c->changed_edges
+                             : changed ? c->face_tree
+                                       : c->changed_faces;
     int group = c->group[s->edges ? c->edge[2 * s->a] : s->a];
     s->base = 0;
-    bvh_visit_others(s->edges ? &c->edge_tree[0] : &c->face_tree[0], box, s->edges ? s->a + 1 : 0,
-                     group, visit, s);
+    bvh_visit_others(&tree[0], box, s->edges ? s->a + 1 : 0, group, visit, s);
     if (!s->edges && s->a >= c->vertices) return; /* solids act on fluids by their samples */
     s->base = s->edges ? c->free_edges : c->free_faces;
-    bvh_visit(s->edges ? &c->edge_tree[1] : &c->face_tree[1], box, 0, visit, s);
+    bvh_visit(&tree[1], box, 0, visit, s);
 }
 
-/* Whether the point is a particle that does not exist: not yet emitted, or removed. */
-static bool is_absent(const struct contact *c, int point) {
-    return c->live && point >= c->vertices && point < c->free && !c->live[c->column[point]];
+/* Sorts the pairs of one query, those of a block from number `first` on, by their keys. */
+static void sort_found(struct contact *c, int block, int first) {
+    struct pair *pair = c->found + c->found_start[block];
+    size_t room = c->found_start[block + 1] - c->found_start[block];
+    for (int k = first + 1; k < c->found_count[block] && (size_t)k < room; k++) {
+        struct pair p = pair[k];
+        int to = k;
+        for (; to > first && pair[to - 1].key > p.key; to--) pair[to] = pair[to - 1];
+        pair[to] = p;
+    }
 }
 
 /* A range of queries: each point is a query, then each edge of a surface. */
@@ -180,12 +222,14 @@ static void search_block(void *arg, int first, int last, int block) {
     c->found_count[block] = 0;
     for (int q = first; q < last; q++) {
         bool edges = q >= c->points;
+        int begin = c->found_count[block];
         struct search s = {.contact = c, .edges = edges, .a = edges ? q - c->points : q};
         struct box point;
         s.block = block;
-        if (!edges && (c->group[q] < 0 || is_absent(c, q))) continue;
+        if (!edges && (c->group[q] < 0 || box_is_empty(&c->region[q]))) continue;
         if (!edges) wrap(c, &q, 1, &point);
         search_around(&s, edges ? &c->edge_box[s.a] : &point);
+        sort_found(c, block, begin);
     }
 }
 
@@ -229,58 +273,87 @@ static pdyn_status search(struct contact *c) {
 
 /* ---- the list -------------------------------------------------------------------------------- */
 
-static pdyn_status make_room(struct contact *c, int room) {
-    contact_free_pairs(c);
-    c->room = room;
-    c->pair = NEW_ARRAY(c->context, room, struct pair);
-    c->hit = NEW_ARRAY(c->context, room, struct hit);
-    c->hit_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    c->hit_start = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    c->blocked = NEW_ARRAY(c->context, room, struct blocked);
-    c->blocked_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    bool good = c->pair && c->hit && c->hit_count && c->hit_start && c->blocked && c->blocked_count;
-    return good ? PDYN_OK : PDYN_NO_MEMORY;
-}
-
 void contact_free_pairs(struct contact *c) {
     FREE_ARRAY(c->context, c->pair, c->room);
     FREE_ARRAY(c->context, c->hit, c->room);
     FREE_ARRAY(c->context, c->hit_count, pool_blocks(c->room, CONTACT_GRAIN));
     FREE_ARRAY(c->context, c->hit_start, pool_blocks(c->room, CONTACT_GRAIN));
+    FREE_ARRAY(c->context, c->candidate, c->room);
+    FREE_ARRAY(c->context, c->candidates, pool_blocks(c->room, CONTACT_GRAIN));
     FREE_ARRAY(c->context, c->blocked, c->room);
     FREE_ARRAY(c->context, c->blocked_count, pool_blocks(c->room, CONTACT_GRAIN));
 }
 
-static pdyn_status collect(struct contact *c) {
+/* Makes room for `count` pairs; those in the list stay. */
+static pdyn_status reserve(struct contact *c, int count) {
+    if (count <= c->room) return PDYN_OK;
+    int room = count + count / 4;
+    struct pair *pair = NEW_ARRAY(c->context, room, struct pair);
+    if (!pair) return PDYN_NO_MEMORY;
+    if (c->pairs) memcpy(pair, c->pair, (size_t)c->pairs * sizeof *pair);
+    contact_free_pairs(c);
+    c->pair = pair, c->room = room;
+    c->hit = NEW_ARRAY(c->context, room, struct hit);
+    c->hit_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    c->hit_start = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    c->candidate = NEW_ARRAY(c->context, room, int);
+    c->candidates = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    c->blocked = NEW_ARRAY(c->context, room, struct blocked);
+    c->blocked_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
+    bool good = c->hit && c->hit_count && c->hit_start && c->blocked && c->blocked_count;
+    return good && c->candidate && c->candidates ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+static void drop_changed(struct contact *c) {
+    int kept = 0;
+    for (int k = 0; !c->all_changed && k < c->pairs; k++)
+        if (!has_changed(c, c->pair[k].point, 4)) c->pair[kept++] = c->pair[k];
+    c->pairs = kept;
+}
+
+/* Merges what the blocks found with the list, from the end; both are sorted by keys. */
+static void merge(struct contact *c, int count) {
+    int kept = c->pairs, to = c->pairs = kept + count;
+    for (int b = c->blocks - 1; b >= 0; b--) {
+        const struct pair *found = c->found + c->found_start[b];
+        for (int k = c->found_count[b] - 1; k >= 0; k--) {
+            while (kept && c->pair[kept - 1].key > found[k].key) c->pair[--to] = c->pair[--kept];
+            c->pair[--to] = found[k];
+        }
+    }
+}
+
+/* Finds the pairs of all points that have changed anew; the others stay. */
+static pdyn_status update_list(struct contact *c) {
     long count = 0;
+    if (c->all_changed) memcpy(c->seen, c->built, 3 * (size_t)c->points * sizeof *c->seen);
+    for (int i = 0; i < c->points; i++)
+        c->moved[i] = vec3_distance(c->built + 3 * i, c->seen + 3 * i);
+    plant(c);
+    drop_changed(c);
+    pdyn_status status = search(c);
+    if (status != PDYN_OK) return status;
     for (int b = 0; b < c->blocks; b++) count += c->found_count[b];
-    if (count > INT32_MAX / 4)
+    if (count + c->pairs > INT32_MAX / 4)
         return context_fail(c->context, PDYN_DIVERGED, "contact: %ld pairs are close", count);
-    c->pairs = 0;
-    if (count > c->room) {
-        pdyn_status status = make_room(c, (int)(count + count / 4));
-        if (status != PDYN_OK) return status;
-    }
-    for (int b = 0; count && b < c->blocks; b++) {
-        memcpy(c->pair + c->pairs, c->found + c->found_start[b],
-               (size_t)c->found_count[b] * sizeof *c->pair);
-        c->pairs += c->found_count[b];
-    }
-    return PDYN_OK;
+    status = reserve(c, c->pairs + (int)count);
+    if (status == PDYN_OK) merge(c, (int)count);
+    return status;
 }
 
 pdyn_status contact_list(struct contact *c) {
-    plant(c);
-    pdyn_status status = search(c);
-    return status == PDYN_OK ? collect(c) : status;
+    c->all_changed = true;
+    for (int i = 0; i < c->points; i++) c->changed[i] = true;
+    return update_list(c);
 }
 
 pdyn_status contact_cover(struct contact *c, const double *x, const double *step) {
-    if (!all_hold(c, x, step)) {
-        set_regions(c, x, step);
-        pdyn_status status = contact_list(c);
+    if (mark_changed(c, x, step)) {
+        for (int i = 0; i < c->points; i++)
+            if (c->changed[i]) set_region(c, i, x, step);
+        pdyn_status status = update_list(c);
         if (status != PDYN_OK) return status;
     }
-    for (int i = 0; i < c->points; i++) c->moved[i] = vec3_distance(x + 3 * i, c->built + 3 * i);
+    for (int i = 0; i < c->points; i++) c->moved[i] = vec3_distance(x + 3 * i, c->seen + 3 * i);
     return PDYN_OK;
 }

@@ -51,15 +51,19 @@ static uint32_t spread(uint32_t v) {
     return (v | v << 2) & 0x09249249u;
 }
 
-/* Computes the Morton codes of the centres of the boxes. */
-static void compute_keys(struct bvh *tree, const struct box *box, int count) {
+/* Computes the Morton codes of the centres of the boxes in `order`. */
+static void compute_keys(struct bvh *tree, const struct box *box) {
     struct box bounds = box_empty;
     double middle[3], scale = 0.0;
-    for (int i = 0; i < count; i++) box_add(&bounds, box[i].min), box_add(&bounds, box[i].max);
+    for (int k = 0; k < tree->count; k++) {
+        box_add(&bounds, box[tree->order[k]].min);
+        box_add(&bounds, box[tree->order[k]].max);
+    }
     for (int a = 0; a < 3; a++) scale = fmax(scale, bounds.max[a] - bounds.min[a]);
     scale = scale > 0.0 ? 1023.0 / scale : 0.0;
-    for (int i = 0; i < count; i++) {
-        tree->order[i] = i, tree->key[i] = 0;
+    for (int k = 0; k < tree->count; k++) {
+        int i = tree->order[k];
+        tree->key[i] = 0;
         for (int a = 0; a < 3; a++) {
             middle[a] = 0.5 * (box[i].min[a] + box[i].max[a]) - bounds.min[a];
             tree->key[i] |= spread((uint32_t)(scale * middle[a])) << a;
@@ -72,7 +76,8 @@ static void sort_keys(struct bvh *tree, int count) {
     enum { BITS = 10, BINS = 1 << BITS };
     for (int shift = 0; shift < 30; shift += BITS) {
         int end[BINS + 1] = {0};
-        for (int i = 0; i < count; i++) end[1 + (tree->key[i] >> shift & (BINS - 1))]++;
+        for (int i = 0; i < count; i++)
+            end[1 + (tree->key[tree->order[i]] >> shift & (BINS - 1))]++;
         for (int b = 0; b < BINS; b++) end[b + 1] += end[b];
         for (int i = 0; i < count; i++)
             tree->swapped[end[tree->key[tree->order[i]] >> shift & (BINS - 1)]++] = tree->order[i];
@@ -104,11 +109,14 @@ static struct box bounds_of(const struct box_group *group) {
     return box;
 }
 
-void bvh_build(struct bvh *tree, const struct box *box, int count) {
-    tree->count = count;
+void bvh_build(struct bvh *tree, const struct box *box, int count, const bool *chosen) {
+    tree->count = 0;
+    for (int i = 0; i < count; i++)
+        if (!chosen || chosen[i]) tree->order[tree->count++] = i;
+    count = tree->count;
     count_groups(count, &tree->levels, tree->first);
     if (!count) return;
-    compute_keys(tree, box, count);
+    compute_keys(tree, box);
     sort_keys(tree, count);
     for (int level = 0, below = count; level < tree->levels; level++) {
         struct box_group *group = tree->group + tree->first[level];

@@ -17,12 +17,12 @@ struct box_group { /* four boxes side by side; unused lanes hold the empty box *
 };
 
 struct bvh {
-    int count, capacity;
-    int *order; /* capacity: indices of the boxes in Morton order */
+    int count, capacity; /* of boxes in the hierarchy */
+    int *order;          /* capacity: indices of the boxes in Morton order */
     int levels;
     int first[BVH_LEVELS + 1]; /* first group of each level; level 0 holds the boxes themselves */
     struct box_group *group;
-    uint32_t *key;    /* capacity: Morton codes, 30 bits */
+    uint32_t *key;    /* capacity: Morton codes of the boxes, 30 bits */
     int *swapped;     /* capacity: scratch of the sort */
     const int *owner; /* of each box, set before bvh_build: 0 or more, -1: none. NULL: all -1 */
 };
@@ -31,8 +31,8 @@ struct bvh {
 pdyn_status bvh_create(pdyn_context *context, int capacity, struct bvh *tree);
 void bvh_free(pdyn_context *context, struct bvh *tree);
 
-/* Builds the hierarchy of `count` <= capacity boxes. */
-void bvh_build(struct bvh *tree, const struct box *box, int count);
+/* Builds the hierarchy of those of `count` <= capacity boxes that `chosen` says; NULL: of all. */
+void bvh_build(struct bvh *tree, const struct box *box, int count, const bool *chosen);
 
 /* Calls visit(user, id) for each box with an index of at least `from` that overlaps or touches
  * `box`. `visit` may shrink `box`; the rest of the search then uses the smaller one. */
@@ -43,6 +43,8 @@ void bvh_visit(const struct bvh *tree, const struct box *box, int from,
  */
 void bvh_visit_others(const struct bvh *tree, const struct box *box, int from, int owner,
                       void (*visit)(void *user, int id), void *user);
+
+static inline bool box_is_empty(const struct box *box) { return box->min[0] > box->max[0]; }
 
 static inline bool box_overlaps(const struct box *a, const struct box *b) {
     return (a->min[0] <= b->max[0]) & (b->min[0] <= a->max[0]) & (a->min[1] <= b->max[1]) &

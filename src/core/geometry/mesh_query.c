@@ -28,7 +28,7 @@ pdyn_status mesh_query_create(pdyn_context *context, const struct mesh *mesh,
             box_add(&out->bounds, corner[c]);
         }
     }
-    bvh_build(&out->tree, out->box, mesh->triangles);
+    bvh_build(&out->tree, out->box, mesh->triangles, NULL);
     return PDYN_OK;
 }
 

@@ -69,7 +69,7 @@ void occlusion_update(struct occlusion *s, const double *x, const struct box *ar
         for (int k = 0; k < 3; k++) box_add(box, x + 3 * (size_t)s->corner[3 * t + k]);
         if (box_overlaps(box, &near)) s->near_triangle[s->near_count++] = t;
     }
-    bvh_build(&s->tree, s->box, s->near_count);
+    bvh_build(&s->tree, s->box, s->near_count, NULL);
 }
 
 struct query {

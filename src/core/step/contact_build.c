@@ -65,11 +65,11 @@ static bool allocate(struct contact *c) {
     c->face = NEW_ARRAY(x, 3 * (size_t)c->faces, int);
     c->edge = NEW_ARRAY(x, 2 * (size_t)c->edges_room, int);
     c->solid = NEW_ARRAY(x, c->groups - c->bodies, struct contact_solid);
-    double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->step};
+    double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->seen, &c->step};
     double **numbers[] = {&c->moved, &c->reach, &c->length, &c->taken, &c->cut};
     bool good = c->owner && c->near && c->is_rigid && (c->rigid || !c->rigids) && c->group &&
                 c->column && c->face && c->edge;
-    for (int k = 0; k < 5; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
+    for (int k = 0; k < 6; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
     for (int k = 0; k < 5; k++) good &= (*numbers[k] = NEW_ARRAY(x, n, double)) != NULL;
     if (solids) good &= c->solid && (c->begin = NEW_ARRAY(x, 3 * solids, double));
     if (solids) good &= (c->goal = NEW_ARRAY(x, 3 * solids, double)) != NULL;
@@ -78,6 +78,10 @@ static bool allocate(struct contact *c) {
     c->edge_box = NEW_ARRAY(x, c->edges_room, struct box);
     c->face_body = NEW_ARRAY(x, c->free_faces, int);
     c->edge_body = NEW_ARRAY(x, c->free_edges, int);
+    c->changed = NEW_ARRAY(x, n, bool);
+    c->face_changed = NEW_ARRAY(x, c->faces, bool);
+    c->edge_changed = NEW_ARRAY(x, c->edges_room, bool);
+    good &= c->changed && c->face_changed && c->edge_changed;
     return good && c->region && c->face_box && c->edge_box && c->face_body && c->edge_body;
 }
 
@@ -145,14 +149,25 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
     }
 }
 
+/* of: surfaces; solids */
+static pdyn_status create_trees(struct contact *c, struct bvh tree[2], int surfaces, int solids,
+                                const int *owner) {
+    pdyn_status status = bvh_create(c->context, surfaces, &tree[0]);
+    if (status == PDYN_OK) status = bvh_create(c->context, solids, &tree[1]);
+    tree[0].owner = owner;
+    return status;
+}
+
 static pdyn_status plant_trees(struct contact *c) {
-    pdyn_status status = bvh_create(c->context, c->free_faces, &c->face_tree[0]);
-    if (status == PDYN_OK)
-        status = bvh_create(c->context, c->faces - c->free_faces, &c->face_tree[1]);
-    if (status == PDYN_OK) status = bvh_create(c->context, c->free_edges, &c->edge_tree[0]);
-    if (status == PDYN_OK)
-        status = bvh_create(c->context, c->edges - c->free_edges, &c->edge_tree[1]);
-    c->face_tree[0].owner = c->face_body, c->edge_tree[0].owner = c->edge_body;
+    struct bvh *faces[] = {c->face_tree, c->changed_faces},
+               *edges[] = {c->edge_tree, c->changed_edges};
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < 2 && status == PDYN_OK; k++) {
+        status = create_trees(c, faces[k], c->free_faces, c->faces - c->free_faces, c->face_body);
+        if (status == PDYN_OK)
+            status =
+                create_trees(c, edges[k], c->free_edges, c->edges - c->free_edges, c->edge_body);
+    }
     return status;
 }
 
@@ -242,10 +257,15 @@ void contact_free(struct contact *c) {
     for (int k = 0; k < 2; k++) {
         bvh_free(x, &c->face_tree[k]);
         bvh_free(x, &c->edge_tree[k]);
+        bvh_free(x, &c->changed_faces[k]);
+        bvh_free(x, &c->changed_edges[k]);
     }
-    double *vectors[] = {c->rest, c->at, c->x, c->built, c->step};
+    FREE_ARRAY(x, c->changed, n);
+    FREE_ARRAY(x, c->face_changed, c->faces);
+    FREE_ARRAY(x, c->edge_changed, c->edges_room);
+    double *vectors[] = {c->rest, c->at, c->x, c->built, c->seen, c->step};
     double *numbers[] = {c->moved, c->reach, c->length, c->taken, c->cut};
-    for (int k = 0; k < 5; k++) FREE_ARRAY(x, vectors[k], 3 * n);
+    for (int k = 0; k < 6; k++) FREE_ARRAY(x, vectors[k], 3 * n);
     for (int k = 0; k < 5; k++) FREE_ARRAY(x, numbers[k], n);
     FREE_ARRAY(x, c->begin, 3 * solids);
     FREE_ARRAY(x, c->goal, 3 * solids);

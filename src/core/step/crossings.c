@@ -124,7 +124,7 @@ static void build_tree(const struct crossings *c, struct triangle_set *set) {
             box_add(&set->box[k], s->end + 3 * (size_t)corner[i]);
         }
     }
-    bvh_build(&set->tree, set->box, set->count);
+    bvh_build(&set->tree, set->box, set->count, NULL);
 }
 
 /* A vertex may lie on a solid, as those of a sheet that is held at a wall, and move a little there.

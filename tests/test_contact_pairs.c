@@ -1,0 +1,148 @@
+/* The list of close pairs: after any motion of few or many points it is what a search from the
+ * regions alone finds, and no pair in contact is missing. */
+#include "contact/contact.h"
+#include "scene_support.h"
+
+#include <string.h>
+
+/* Two sheets above a ball, a bar that moves, and drops that do not exist yet. */
+static const char scene[] =
+    "{'duration': 10, 'frame_interval': 0.01, 'contact': {'thickness': 0.01}, 'bodies': [\n"
+    "{'surface': {'grid': {'size': [0.5, 0.5], 'vertices': [8, 8]}, 'translate': [0.01, 0.16, "
+    "0.02], 'area_density': 0.2}, 'constraints': [{'type': 'spring', 'stretching_stiffness': "
+    "500}]},\n"
+    "{'surface': {'grid': {'size': [0.5, 0.5], 'vertices': [9, 9]}, 'translate': [0.01, 0.165, "
+    "0.02], 'area_density': 0.2}, 'constraints': [{'type': 'spring', 'stretching_stiffness': "
+    "500}]},\n"
+    "{'name': 'water', 'constraints': [{'type': 'fluid'}], 'particles': {'radius': 0.02, "
+    "'budget': 38, 'fill': [{'box': {'minimum': [0, 0.2, 0], 'maximum': [0.08, 0.28, 0.08]"
+    "}}],\n'inlets': [{'disc': {'center': [0, 0.5, 0], 'radius': 0.05}, 'direction': [0, -1, 0], "
+    "'speed': 1}]}}],\n"
+    "'solids': [{'name': 'ball', 'sphere': {'center': [0, 0, 0], 'radius': 0.15}},\n"
+    "{'name': 'bar', 'capsule': {'from': [-0.2, 0.3, 0], 'to': [0.2, 0.3, 0], 'radius': 0.03}, "
+    "'motion': [{'time': 0}, {'time': 1, 'translate': [0, -0.1, 0]}]}]}";
+
+struct trial {
+    pdyn_context *context;
+    pdyn_sim *sim;
+    struct contact *contact;
+};
+
+static struct trial start(void) {
+    struct trial t = {.context = test_context(1)};
+    t.sim = test_load(t.context, quoted(scene));
+    t.contact = t.sim->objective.contact;
+    return t;
+}
+
+static void finish(struct trial *t) {
+    pdyn_free(t->sim);
+    assert_int_equal(pdyn_bytes_in_use(t->context), 0);
+    pdyn_destroy(t->context);
+}
+
+static struct pair *copy_of_pairs(const struct contact *c) {
+    struct pair *pair = malloc((size_t)c->pairs * sizeof *pair + 1);
+    assert_non_null(pair);
+    memcpy(pair, c->pair, (size_t)c->pairs * sizeof *pair);
+    return pair;
+}
+
+/* The list is that of a search for the pairs of all points. */
+static void check_list(struct contact *c) {
+    struct pair *pair = copy_of_pairs(c);
+    int pairs = c->pairs;
+    assert_int_equal(contact_list(c), PDYN_OK);
+    assert_int_equal(c->pairs, pairs);
+    for (int k = 0; k < pairs; k++) {
+        assert_true(pair[k].key == c->pair[k].key);
+        assert_true(pair[k].thickness == c->pair[k].thickness);
+        assert_true(pair[k].share == c->pair[k].share);
+    }
+    free(pair);
+}
+
+static bool share_a_point(const int *a, int points, const int *b, int others) {
+    for (int k = 0; k < points; k++)
+        for (int m = 0; m < others; m++)
+            if (a[k] == b[m]) return true;
+    return false;
+}
+
+/* Whether the primitives are in contact: 1 or 0. a, b: their points. */
+static int touch(const struct contact *c, const struct pair_kind *kind, const int *a,
+                 const int *b) {
+    int points = kind->first, one = c->group[a[0]], other = c->group[b[0]], all[4];
+    const double *x[4], *rest[4];
+    double unused[4], T = fmin(c->near[one], c->near[other]);
+    if (share_a_point(a, points, b, 4 - points)) return 0;
+    memcpy(all, a, (size_t)points * sizeof *a);
+    memcpy(all + points, b, (size_t)(4 - points) * sizeof *b);
+    pair_load(all, c->at, x);
+    pair_load(all, c->rest, rest);
+    if (one == other) T = fmin(T, 0.9 * sqrt(kind->closest(rest, unused)));
+    return sqrt(kind->closest(x, unused)) < T;
+}
+
+static bool exists(const struct contact *c, int point) {
+    if (c->group[point] < 0) return false;
+    return point < c->vertices || point >= c->free || c->live[c->column[point]];
+}
+
+/* The number of contacts, from all points and faces and all edges. */
+static int count_contacts(const struct contact *c) {
+    int count = 0;
+    for (int i = 0; i < c->points; i++)
+        for (int f = 0; exists(c, i) && f < (i < c->vertices ? c->faces : c->free_faces); f++)
+            count += touch(c, &pair_vertex_face, &i, c->face + 3 * f);
+    for (int a = 0; a < c->free_edges; a++)
+        for (int b = a + 1; b < c->edges; b++)
+            count += touch(c, &pair_edge_edge, c->edge + 2 * a, c->edge + 2 * b);
+    return count;
+}
+
+/* Moves every point k with k % every == 0 by up to `size`, m, in each direction. */
+static void move_points(struct contact *c, int every, double size, uint64_t *seed) {
+    for (int i = 0; i < c->points; i++)
+        for (int a = 0; i % every == 0 && a < 3; a++) c->at[3 * i + a] += size * test_random(seed);
+}
+
+static void test_motion(void **state) {
+    (void)state;
+    struct trial t = start();
+    struct contact *c = t.contact;
+    uint64_t seed = 5;
+    int few = 0, most = 0;
+    for (int k = 0; k < 60; k++) {
+        move_points(c, k % 10 ? 40 : 1, k % 3 ? 0.012 : 0.002, &seed);
+        assert_int_equal(contact_cover(c, c->at, NULL), PDYN_OK);
+        few += !c->all_changed;
+        assert_int_equal(contact_find(c), PDYN_OK);
+        int count = count_contacts(c);
+        assert_int_equal(c->current.view.count, count);
+        if (count > most) most = count;
+        if (k % 2) check_list(c);
+    }
+    assert_true(few > 40 && most > 100);
+    finish(&t);
+}
+
+/* In steps, with particles that come into being. */
+static void test_steps(void **state) {
+    (void)state;
+    struct trial t = start();
+    int live = 0;
+    for (int k = 0; k < 40; k++) {
+        test_step(t.context, t.sim);
+        assert_int_equal(t.contact->current.view.count, count_contacts(t.contact));
+        check_list(t.contact);
+    }
+    for (int i = t.contact->vertices; i < t.contact->free; i++) live += exists(t.contact, i);
+    assert_in_range(live, 9, 37);
+    finish(&t);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_motion), cmocka_unit_test(test_steps)};
+    return cmocka_run_group_tests_name("contact pairs", tests, NULL, NULL);
+}
