@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs the contact scenes for ten seconds and the falling sheet at two sizes; writes
-# bench/contact.csv and the table of docs/results/contact.md. Takes some twenty minutes.
+# bench/contact.csv and the table of docs/results/contact.md. Takes some minutes.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh

@@ -1,7 +1,8 @@
 /* The shipped scenes: each runs for a while, some with coarser particles. Checks that steps are
- * solved, energies and heights within bounds, the exact momentum of free fall, fluid within its
- * walls, and that there are no other warnings. PROJDYN_SHIPPED=1 prints the values. Arguments K N:
- * every N-th scene from number K on, on one thread, so that N processes share the work. */
+ * solved, energies, heights and density errors within bounds, the exact momentum of free fall,
+ * fluid within its walls, and that there are no other warnings. PROJDYN_SHIPPED=1 prints the
+ * values. Arguments K N: every N-th scene from number K on, on one thread, so that N processes
+ * share the work. */
 #include "support.h"
 
 #include <string.h>
@@ -13,6 +14,7 @@ struct shipped {
     double seconds;         /* simulated time, s */
     double kinetic[2];      /* bounds of the final energy, J */
     double lowest[2];       /* bounds of the lowest point of all bodies, m */
+    double compression;     /* bound of the mean density error of fluids over all steps */
     double fall;            /* duration of free fall of all bodies, s; 0: none */
     double low[3], high[3]; /* bounds of the fluid, m; all 0: not checked */
     const char *set[SETS];  /* overrides of the scene */
@@ -25,12 +27,14 @@ static const struct shipped shipped[] = {
      .seconds = 0.24,
      .kinetic = {0.2, 0.5},
      .lowest = {-0.0082, 0.0318},
+     .compression = 9.2e-4,
      .low = {0, 0, 0},
      .high = {0.6, TOP, 0.6}},
     {.name = "balloon",
      .seconds = 0.1,
      .kinetic = {1.16, 2.91},
      .lowest = {-0.0191, 0.0209},
+     .compression = 6.3e-4,
      .fall = 0.005},
     {.name = "cloth_on_mesh",
      .seconds = 0.27,
@@ -46,18 +50,21 @@ static const struct shipped shipped[] = {
      .seconds = 0.1,
      .kinetic = {0.247, 0.617},
      .lowest = {-0.0108, 0.0292},
+     .compression = 1.3e-4,
      .low = {0, 0, 0},
      .high = {0.2, TOP, 0.2}},
     {.name = "curtain",
      .seconds = 0.4,
      .kinetic = {2.14, 5.35},
      .lowest = {-0.0179, 0.0221},
+     .compression = 6.8e-4,
      .low = {0, 0, 0},
      .high = {0.7, TOP, 0.18}},
     {.name = "dam_break",
      .seconds = 0.25,
      .kinetic = {65.8, 164},
      .lowest = {-0.0123, 0.0277},
+     .compression = 1.0e-4,
      .low = {0, 0, 0},
      .high = {1.6, TOP, 0.5}},
     {.name = "dominoes", .seconds = 1.0, .kinetic = {0.0045, 0.012}, .lowest = {-0.001, 0.002}},
@@ -65,15 +72,21 @@ static const struct shipped shipped[] = {
      .seconds = 0.188,
      .kinetic = {98.7, 247},
      .lowest = {-0.0135, 0.0265},
+     .compression = 5.1e-5,
      .low = {0, 0, 0},
      .high = {1.2, TOP, 0.8}},
     {.name = "dragged_cloth",
      .seconds = 0.1,
      .kinetic = {0.0289, 0.0723},
      .lowest = {-0.0129, 0.0271},
+     .compression = 8.5e-4,
      .low = {0, 0, 0},
      .high = {0.6, TOP, 0.24}},
-    {.name = "drops", .seconds = 0.05, .kinetic = {1e-6, 5e-6}, .lowest = {-0.0095, -0.006}},
+    {.name = "drops",
+     .seconds = 0.05,
+     .kinetic = {1e-6, 5e-6},
+     .lowest = {-0.0095, -0.006},
+     .compression = 6.0e-3},
     {.name = "flag", .seconds = 0.4, .kinetic = {0.27, 0.674}, .lowest = {0.957, 1.17}},
     {.name = "flag",
      .seconds = 0.3,
@@ -84,45 +97,60 @@ static const struct shipped shipped[] = {
      .seconds = 0.25,
      .kinetic = {2.78, 6.96},
      .lowest = {-0.0165, 0.0235},
+     .compression = 4.8e-4,
      .low = {0, 0, 0},
      .high = {0.5, TOP, 0.15}},
     {.name = "floating_block",
      .seconds = 0.15,
      .kinetic = {0.247, 0.618},
      .lowest = {-0.0104, 0.0296},
+     .compression = 9.6e-4,
      .low = {-0.3, 0, -0.15},
      .high = {0.3, TOP, 0.15}},
-    {.name = "hammock", .seconds = 0.4, .kinetic = {1.51, 3.79}, .lowest = {-0.344, -0.282}},
+    {.name = "hammock",
+     .seconds = 0.4,
+     .kinetic = {1.51, 3.79},
+     .lowest = {-0.344, -0.282},
+     .compression = 1.6e-3},
     {.name = "hanging_cloth", .seconds = 1, .kinetic = {0.0284, 0.071}, .lowest = {1.21, 1.48}},
     {.name = "inlet",
      .seconds = 0.5,
      .kinetic = {3.46, 8.66},
      .lowest = {-0.0193, 0.0207},
+     .compression = 4.8e-6,
      .low = {0, 0, 0},
      .high = {0.8, 0.5, 0.4}},
     {.name = "oil_on_water",
      .seconds = 0.3,
      .kinetic = {0.588, 1.47},
      .lowest = {-0.012, 0.028},
+     .compression = 8.2e-4,
      .low = {0, 0, 0},
      .high = {0.56, TOP, 0.32}},
     {.name = "paddle",
      .seconds = 0.5,
      .kinetic = {1.21, 3.01},
      .lowest = {-0.0134, 0.0266},
+     .compression = 2.8e-4,
      .low = {-0.3, 0, -0.3},
      .high = {0.3, TOP, 0.3}},
-    {.name = "pool_in_cloth", .seconds = 0.2, .kinetic = {13.7, 34.1}, .lowest = {-0.207, -0.168}},
+    {.name = "pool_in_cloth",
+     .seconds = 0.2,
+     .kinetic = {13.7, 34.1},
+     .lowest = {-0.207, -0.168},
+     .compression = 1.9e-3},
     {.name = "rafts",
      .seconds = 0.16,
      .kinetic = {1.4, 3.4},
      .lowest = {-0.01, 0.03},
+     .compression = 1.9e-5,
      .low = {-0.4, 0, -0.25},
      .high = {0.4, TOP, 0.25}},
     {.name = "sinking_cloth",
      .seconds = 0.19,
      .kinetic = {0.0102, 0.0254},
      .lowest = {-0.0154, 0.0246},
+     .compression = 7.8e-4,
      .low = {-0.1, 0, -0.1},
      .high = {0.1, TOP, 0.1}},
     {.name = "slung_load", .seconds = 0.5, .kinetic = {3.16, 7.9}, .lowest = {-0.996, -0.823}},
@@ -130,6 +158,7 @@ static const struct shipped shipped[] = {
      .seconds = 0.152,
      .kinetic = {41.2, 103},
      .lowest = {-0.0042, 0.0358},
+     .compression = 4.4e-5,
      .low = {0, 0, 0},
      .high = {1.4, TOP, 0.6}},
     {.name = "stacked_sheets",
@@ -137,11 +166,16 @@ static const struct shipped shipped[] = {
      .kinetic = {0.205, 0.513},
      .lowest = {-0.0169, 0.0231},
      .fall = 0.05},
-    {.name = "taut_bag", .seconds = 0.3, .kinetic = {0.00601, 0.015}, .lowest = {0.172, 0.21}},
+    {.name = "taut_bag",
+     .seconds = 0.3,
+     .kinetic = {0.00601, 0.015},
+     .lowest = {0.172, 0.21},
+     .compression = 1.1e-3},
     {.name = "three_dragons",
      .seconds = 0.3,
      .kinetic = {3.93e+03, 9.81e+03},
      .lowest = {0.0184, 0.0584},
+     .compression = 6.6e-4,
      .low = {0, 0, 0},
      .high = {4, TOP, 2},
      .set = {"bodies.water.particles.radius=0.05"}},
@@ -150,12 +184,14 @@ static const struct shipped shipped[] = {
      .seconds = 0.2,
      .kinetic = {0.086, 0.215},
      .lowest = {-0.0132, 0.0268},
+     .compression = 7.7e-4,
      .low = {0, 0, 0},
      .high = {0.4, TOP, 0.195}},
     {.name = "water_on_cloth",
      .seconds = 0.15,
      .kinetic = {5, 12.5},
      .lowest = {0.104, 0.144},
+     .compression = 3.3e-4,
      .low = {-0.55, 0, -0.55},
      .high = {0.55, TOP, 0.55},
      .set = {"bodies.water.particles.radius=0.01"}},
@@ -163,7 +199,7 @@ static const struct shipped shipped[] = {
 
 struct found {
     int steps, unsolved;
-    double kinetic, lowest;
+    double kinetic, lowest, compression;
 };
 
 static pdyn_sim *load(pdyn_context *context, const struct shipped *s, double *tolerance) {
@@ -232,8 +268,10 @@ static void run(const struct shipped *s, struct found *found) {
     while (pdyn_time(sim) < s->seconds - 1e-9) {
         if (pdyn_step(sim, &info) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
         found->steps++, found->unsolved += info.step_residual > tolerance;
+        found->compression += info.density_error_mean;
         check_fall(s, &state, &start, &info);
     }
+    found->compression /= found->steps;
     check_walls(s, sim, &state);
     check_warnings(s, sim);
     found->kinetic = info.kinetic_energy, found->lowest = lowest_of(&state);
@@ -245,8 +283,8 @@ static void check(const struct shipped *s) {
     struct found f;
     run(s, &f);
     if (getenv("PROJDYN_SHIPPED"))
-        printf("%-18s %4d steps, %d unsolved, kinetic %.4g J, lowest %.4f m\n", s->name, f.steps,
-               f.unsolved, f.kinetic, f.lowest);
+        printf("%-18s %4d steps, %d unsolved, kinetic %.4g J, lowest %.4f m, compression %.2g\n",
+               s->name, f.steps, f.unsolved, f.kinetic, f.lowest, f.compression);
     else if (f.unsolved > 1 && 100 * f.unsolved > f.steps)
         fail_msg("%s: %d of %d steps are unsolved", s->name, f.unsolved, f.steps);
     else if (!(f.kinetic >= s->kinetic[0] && f.kinetic <= s->kinetic[1]))
@@ -255,6 +293,9 @@ static void check(const struct shipped *s) {
     else if (!(f.lowest >= s->lowest[0] && f.lowest <= s->lowest[1]))
         fail_msg("%s: lowest point at %g m, expected %g to %g", s->name, f.lowest, s->lowest[0],
                  s->lowest[1]);
+    else if (!(f.compression <= s->compression))
+        fail_msg("%s: mean density error %g, expected at most %g", s->name, f.compression,
+                 s->compression);
 }
 
 static size_t first = 0, stride = 1;

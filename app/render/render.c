@@ -113,7 +113,7 @@ static int draw_frames(const struct run *run, const struct options *options, con
     char *url;
     bool still = film_find_format(options->output, &film.format) && film.format == FILM_PNG &&
                  !film_is_numbered(options->output);
-    if (asprintf(&url, "file://%s/page.html#%s", folder, options->view) < 0)
+    if (asprintf(&url, "file://%s/page.html?pictures#%s", folder, options->view) < 0)
         return report_no_memory();
     int code =
         film_open(&film, options->output, isnan(options->fps) ? simulated_rate(run) : options->fps);

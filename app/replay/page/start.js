@@ -123,12 +123,16 @@ async function start() {
   controlPlayer();
   buildHelp();
   buildOptions();
-  const animation = new Animation(renderer);
   addEventListener("hashchange", () => applyView(location.hash.slice(1)));
   applyView(location.hash.slice(1));
-  new ResizeObserver(() => animation.draw(0)).observe($("view"));
   $("message").hidden = true;
   document.body.classList.add("ready");
+  if (location.search !== "?pictures") animate(); /* `projdyn render` asks for the pictures that it wants */
+}
+
+function animate() {
+  const animation = new Animation(renderer);
+  new ResizeObserver(() => animation.draw(0)).observe($("view"));
   animation.tick(performance.now());
   player.start();
 }
