@@ -113,17 +113,17 @@ static void test_motion(void **state) {
     struct contact *c = t.contact;
     uint64_t seed = 5;
     int few = 0, most = 0;
-    for (int k = 0; k < 60; k++) {
-        move_points(c, k % 10 ? 40 : 1, k % 3 ? 0.012 : 0.002, &seed);
+    for (int k = 0; k < 40; k++) {
+        move_points(c, k % 10 ? 40 : 1, k % 2 ? 0.012 : 0.002, &seed);
         assert_int_equal(contact_cover(c, c->at, NULL), PDYN_OK);
         few += !c->all_changed;
         assert_int_equal(contact_find(c), PDYN_OK);
-        int count = count_contacts(c);
-        assert_int_equal(c->current.view.count, count);
+        int count = c->current.view.count;
+        if (k % 3 == 0) assert_int_equal(count, count_contacts(c));
+        else if (k % 3 == 1) check_list(c);
         if (count > most) most = count;
-        if (k % 2) check_list(c);
     }
-    assert_true(few > 40 && most > 100);
+    assert_true(few > 25 && most > 100);
     finish(&t);
 }
 
@@ -134,7 +134,7 @@ static void test_steps(void **state) {
     int live = 0;
     for (int k = 0; k < 40; k++) {
         test_step(t.context, t.sim);
-        assert_int_equal(t.contact->current.view.count, count_contacts(t.contact));
+        if (k % 8 == 0) assert_int_equal(t.contact->current.view.count, count_contacts(t.contact));
         check_list(t.contact);
     }
     for (int i = t.contact->vertices; i < t.contact->free; i++) live += exists(t.contact, i);
