@@ -92,8 +92,8 @@ struct contact {
 
     /* pairs (contact_pairs.c) */
     struct box *region; /* points: while all points are inside, the list of pairs is complete */
-    double *built;      /* points x 3, m: positions when the pairs were listed */
-    double *reach;      /* points, m: the largest distance from there in the region */
+    double *built;      /* points x 3, m: positions when the regions were set */
+    double *reach;      /* points, m: the largest distance from there within the region */
     double *seen;       /* points x 3, m: positions of the distances of pairs */
     double *moved;      /* points, m: distance from there */
     struct box *face_box, *edge_box;               /* faces, edges_room */
