@@ -90,9 +90,10 @@ static void wrap(const struct contact *c, const int *corner, int corners, struct
     }
 }
 
-/* Of surfaces (0) or solids (1), the trees of all faces and edges and of those that have changed;
- * the latter serve searches around what has not. */
-static void plant_trees(struct contact *c, int kind) {
+/* Builds the trees of surfaces (kind 0) or solids (kind 1): of all faces, of all edges, and of
+ * those that have changed. Points and edges that have not changed look for partners in the latter.
+ */
+static void build_trees(struct contact *c, int kind) {
     int f = kind ? c->free_faces : 0, faces = kind ? c->faces - f : c->free_faces;
     int e = kind ? c->free_edges : 0, edges = kind ? c->edges - e : c->free_edges;
     bvh_build(&c->face_tree[kind], c->face_box + f, faces, NULL);
@@ -111,7 +112,7 @@ static void plant(struct contact *c) {
         c->edge_changed[e] = has_changed(c, c->edge + 2 * e, 2);
         if (c->edge_changed[e]) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
     }
-    for (int kind = 0; kind < 2; kind++) plant_trees(c, kind);
+    for (int kind = 0; kind < 2; kind++) build_trees(c, kind);
 }
 
 /* ---- the search ------------------------------------------------------------------------------ */
@@ -273,15 +274,20 @@ static pdyn_status search(struct contact *c) {
 
 /* ---- the list -------------------------------------------------------------------------------- */
 
+/* The pairs have an array of their own: they stay where the others grow. */
+static bool resize_arrays(struct contact *c, enum array_action action) {
+    int blocks = pool_blocks(c->room, CONTACT_GRAIN);
+    const struct array_entry table[] = {
+        ARRAY(c->hit, c->room),          ARRAY(c->hit_count, blocks),  ARRAY(c->hit_start, blocks),
+        ARRAY(c->candidate, c->room),    ARRAY(c->candidates, blocks), ARRAY(c->blocked, c->room),
+        ARRAY(c->blocked_count, blocks),
+    };
+    return context_arrays(c->context, table, ARRAY_ROWS(table), action);
+}
+
 void contact_free_pairs(struct contact *c) {
+    resize_arrays(c, ARRAYS_FREE);
     FREE_ARRAY(c->context, c->pair, c->room);
-    FREE_ARRAY(c->context, c->hit, c->room);
-    FREE_ARRAY(c->context, c->hit_count, pool_blocks(c->room, CONTACT_GRAIN));
-    FREE_ARRAY(c->context, c->hit_start, pool_blocks(c->room, CONTACT_GRAIN));
-    FREE_ARRAY(c->context, c->candidate, c->room);
-    FREE_ARRAY(c->context, c->candidates, pool_blocks(c->room, CONTACT_GRAIN));
-    FREE_ARRAY(c->context, c->blocked, c->room);
-    FREE_ARRAY(c->context, c->blocked_count, pool_blocks(c->room, CONTACT_GRAIN));
 }
 
 /* Makes room for `count` pairs; those in the list stay. */
@@ -293,15 +299,7 @@ static pdyn_status reserve(struct contact *c, int count) {
     if (c->pairs) memcpy(pair, c->pair, (size_t)c->pairs * sizeof *pair);
     contact_free_pairs(c);
     c->pair = pair, c->room = room;
-    c->hit = NEW_ARRAY(c->context, room, struct hit);
-    c->hit_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    c->hit_start = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    c->candidate = NEW_ARRAY(c->context, room, int);
-    c->candidates = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    c->blocked = NEW_ARRAY(c->context, room, struct blocked);
-    c->blocked_count = NEW_ARRAY(c->context, pool_blocks(room, CONTACT_GRAIN), int);
-    bool good = c->hit && c->hit_count && c->hit_start && c->blocked && c->blocked_count;
-    return good && c->candidate && c->candidates ? PDYN_OK : PDYN_NO_MEMORY;
+    return resize_arrays(c, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 static void drop_changed(struct contact *c) {

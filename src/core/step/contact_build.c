@@ -149,7 +149,7 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
     }
 }
 
-/* of: surfaces; solids */
+/* The trees of faces or edges of surfaces and of solids; owner: of the former. */
 static pdyn_status create_trees(struct contact *c, struct bvh tree[2], int surfaces, int solids,
                                 const int *owner) {
     pdyn_status status = bvh_create(c->context, surfaces, &tree[0]);
