@@ -53,36 +53,41 @@ static void count_parts(struct contact *c, const struct pdyn_sim *sim) {
     c->body = (pdyn_body){.name = "all surfaces", .first = low, .count = high - low};
 }
 
-static bool allocate(struct contact *c) {
-    pdyn_context *x = c->context;
-    size_t n = (size_t)c->points, solids = n - (size_t)c->free;
-    c->owner = NEW_ARRAY(x, c->groups, const char *);
-    c->near = NEW_ARRAY(x, c->groups, double);
-    c->is_rigid = NEW_ARRAY(x, c->groups, bool);
-    c->rigid = NEW_ARRAY(x, c->rigids, struct contact_rigid);
-    c->group = NEW_ARRAY(x, n, int);
-    c->column = NEW_ARRAY(x, c->free, int);
-    c->face = NEW_ARRAY(x, 3 * (size_t)c->faces, int);
-    c->edge = NEW_ARRAY(x, 2 * (size_t)c->edges_room, int);
-    c->solid = NEW_ARRAY(x, c->groups - c->bodies, struct contact_solid);
-    double **vectors[] = {&c->rest, &c->at, &c->x, &c->built, &c->seen, &c->step};
-    double **numbers[] = {&c->moved, &c->reach, &c->length, &c->taken, &c->cut};
-    bool good = c->owner && c->near && c->is_rigid && (c->rigid || !c->rigids) && c->group &&
-                c->column && c->face && c->edge;
-    for (int k = 0; k < 6; k++) good &= (*vectors[k] = NEW_ARRAY(x, 3 * n, double)) != NULL;
-    for (int k = 0; k < 5; k++) good &= (*numbers[k] = NEW_ARRAY(x, n, double)) != NULL;
-    if (solids) good &= c->solid && (c->begin = NEW_ARRAY(x, 3 * solids, double));
-    if (solids) good &= (c->goal = NEW_ARRAY(x, 3 * solids, double)) != NULL;
-    c->region = NEW_ARRAY(x, n, struct box);
-    c->face_box = NEW_ARRAY(x, c->faces, struct box);
-    c->edge_box = NEW_ARRAY(x, c->edges_room, struct box);
-    c->face_body = NEW_ARRAY(x, c->free_faces, int);
-    c->edge_body = NEW_ARRAY(x, c->free_edges, int);
-    c->changed = NEW_ARRAY(x, n, bool);
-    c->face_changed = NEW_ARRAY(x, c->faces, bool);
-    c->edge_changed = NEW_ARRAY(x, c->edges_room, bool);
-    good &= c->changed && c->face_changed && c->edge_changed;
-    return good && c->region && c->face_box && c->edge_box && c->face_body && c->edge_body;
+static bool resize_arrays(struct contact *c, enum array_action action) {
+    size_t n = (size_t)c->points, solids = n - (size_t)c->free, edges = (size_t)c->edges_room;
+    const struct array_entry table[] = {
+        ARRAY(c->owner, c->groups),
+        ARRAY(c->near, c->groups),
+        ARRAY(c->is_rigid, c->groups),
+        ARRAY(c->rigid, c->rigids),
+        ARRAY(c->solid, c->groups - c->bodies),
+        ARRAY(c->group, n),
+        ARRAY(c->column, c->free),
+        ARRAY(c->face, 3 * (size_t)c->faces),
+        ARRAY(c->edge, 2 * edges),
+        ARRAY(c->rest, 3 * n),
+        ARRAY(c->at, 3 * n),
+        ARRAY(c->x, 3 * n),
+        ARRAY(c->built, 3 * n),
+        ARRAY(c->seen, 3 * n),
+        ARRAY(c->step, 3 * n),
+        ARRAY(c->moved, n),
+        ARRAY(c->reach, n),
+        ARRAY(c->length, n),
+        ARRAY(c->taken, n),
+        ARRAY(c->cut, n),
+        ARRAY(c->begin, 3 * solids),
+        ARRAY(c->goal, 3 * solids),
+        ARRAY(c->region, n),
+        ARRAY(c->face_box, c->faces),
+        ARRAY(c->edge_box, edges),
+        ARRAY(c->face_body, c->free_faces),
+        ARRAY(c->edge_body, c->free_edges),
+        ARRAY(c->changed, n),
+        ARRAY(c->face_changed, c->faces),
+        ARRAY(c->edge_changed, edges),
+    };
+    return context_arrays(c->context, table, ARRAY_ROWS(table), action);
 }
 
 /* ---- parts ----------------------------------------------------------------------------------- */
@@ -235,7 +240,7 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
     c->context = sim->context, c->set = &sim->scene.contact;
     c->live = sim->live ? sim->live->live : NULL;
     count_parts(c, sim);
-    if (!allocate(c)) return context_no_memory(sim->context);
+    if (!resize_arrays(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     add_bodies(c, sim);
     add_solids(c, sim);
     pdyn_status status = plant_trees(c);
@@ -246,7 +251,6 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
 void contact_free(struct contact *c) {
     if (!c) return;
     pdyn_context *x = c->context;
-    size_t n = (size_t)c->points, solids = n - (size_t)c->free;
     contact_free_pairs(c);
     FREE_ARRAY(x, c->found, c->found_room);
     FREE_ARRAY(x, c->found_start, c->blocks + 1);
@@ -260,29 +264,7 @@ void contact_free(struct contact *c) {
         bvh_free(x, &c->changed_faces[k]);
         bvh_free(x, &c->changed_edges[k]);
     }
-    FREE_ARRAY(x, c->changed, n);
-    FREE_ARRAY(x, c->face_changed, c->faces);
-    FREE_ARRAY(x, c->edge_changed, c->edges_room);
-    double *vectors[] = {c->rest, c->at, c->x, c->built, c->seen, c->step};
-    double *numbers[] = {c->moved, c->reach, c->length, c->taken, c->cut};
-    for (int k = 0; k < 6; k++) FREE_ARRAY(x, vectors[k], 3 * n);
-    for (int k = 0; k < 5; k++) FREE_ARRAY(x, numbers[k], n);
-    FREE_ARRAY(x, c->begin, 3 * solids);
-    FREE_ARRAY(x, c->goal, 3 * solids);
-    FREE_ARRAY(x, c->region, n);
-    FREE_ARRAY(x, c->face_box, c->faces);
-    FREE_ARRAY(x, c->edge_box, c->edges_room);
-    FREE_ARRAY(x, c->face_body, c->free_faces);
-    FREE_ARRAY(x, c->edge_body, c->free_edges);
-    FREE_ARRAY(x, c->owner, c->groups);
-    FREE_ARRAY(x, c->near, c->groups);
-    FREE_ARRAY(x, c->is_rigid, c->groups);
-    FREE_ARRAY(x, c->rigid, c->rigids);
-    FREE_ARRAY(x, c->group, n);
-    FREE_ARRAY(x, c->column, c->free);
-    FREE_ARRAY(x, c->face, 3 * (size_t)c->faces);
-    FREE_ARRAY(x, c->edge, 2 * (size_t)c->edges_room);
-    FREE_ARRAY(x, c->solid, c->groups - c->bodies);
+    resize_arrays(c, ARRAYS_FREE);
     FREE_ARRAY(x, c, 1);
 }
 
