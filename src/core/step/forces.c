@@ -29,8 +29,7 @@ static void row_distance(const struct pdyn_sim *sim, const struct batch *b, int 
         vec3_add(d, v->coefficient[k], sim->x_next + 3 * (size_t)v->column[k]);
 }
 
-/* Minus the force of row r of element e. */
-static void row_gradient(const struct pdyn_sim *sim, const struct batch *b, int e, int r,
+void forces_row_gradient(const struct pdyn_sim *sim, const struct batch *b, int e, int r,
                          double g[3]) {
     row_distance(sim, b, r, g);
     for (int a = 0; a < 3; a++) g[a] *= b->view.weight[e];
@@ -42,7 +41,7 @@ static void add_rows(const struct pdyn_sim *sim, const struct batch *b, double *
     for (int e = 0; e < v->elements; e++)
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
             double g[3];
-            row_gradient(sim, b, e, r, g);
+            forces_row_gradient(sim, b, e, r, g);
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
                 vec3_add(gradient + 3 * (size_t)v->column[k], v->coefficient[k], g);
         }
@@ -87,7 +86,7 @@ static void add_row_load(const struct pdyn_sim *sim, const struct batch *b,
     for (int e = 0; e < v->elements; e++)
         for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++) {
             double g[3];
-            row_gradient(sim, b, e, r, g);
+            forces_row_gradient(sim, b, e, r, g);
             for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++) {
                 double force[3] = {0};
                 vec3_add(force, -v->coefficient[k], g);

@@ -3,10 +3,17 @@
 #ifndef PDYN_FORCES_H
 #define PDYN_FORCES_H
 
+#include "rows/batch.h"
 #include "solid_load.h"
 
 /* Forces are unknown until the next step has ended. */
 void forces_forget(struct pdyn_sim *sim);
+
+/* The gradient g = w (u - p), N, of the energy of row r of element e of a batch, less the part of
+ * an impact that the integrator left out: on the points that the row selects acts -coefficient x g.
+ */
+void forces_row_gradient(const struct pdyn_sim *sim, const struct batch *batch, int e, int r,
+                         double g[3]);
 
 /* Adds to a load the force of constraint k of the scene, at the positions of the end of the step.
  * Nothing while forces are unknown. May overwrite sim->trial. */

@@ -2,6 +2,7 @@
 #include "solid_load.h"
 
 #include "contact/bearings.h"
+#include "forces.h"
 #include "sim.h"
 
 #include "projdyn/vec3.h"
@@ -45,20 +46,18 @@ static void add_fluid(const struct pdyn_sim *sim) {
 
 /* ---- contact --------------------------------------------------------------------------------- */
 
-/* Adds the force of a contact. Its energy is a function of u = sum c_k x_k over the points of the
- * contact, with gradient w (u - p), less what the integrator left out of an impact (forces.c). */
+/* Adds the force of element e, one row, on the solids of its contact. */
 static void add_element(const struct pdyn_sim *sim, const struct contact_list *list,
                         const struct batch *batch, int e) {
     const struct contact *c = sim->objective.contact;
     const struct stencil *stencil = &list->stencil[e];
-    const pdyn_batch *v = &batch->view;
+    double g[3];
+    forces_row_gradient(sim, batch, e, e, g);
     for (int k = 0; k < 4; k++) {
-        double force[3];
+        double force[3] = {0};
         int point = stencil->point[k];
         if (point < c->free) continue;
-        for (int a = 0; a < 3; a++)
-            force[a] = -stencil->c[k] * (v->weight[e] * (v->u[3 * e + a] - v->p[3 * e + a]) -
-                                         batch->left_out * batch->flux[4 * e + a]);
+        vec3_add(force, -stencil->c[k], g);
         solid_load_add(&sim->loads->solid[c->group[point] - c->bodies], c->at + 3 * (size_t)point,
                        force);
     }
