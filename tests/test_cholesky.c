@@ -61,7 +61,7 @@ static double *factor_twice(int threads, int n, bool lasting, bool compare) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = hang(context, n);
     struct objective *sys = &sim->objective;
-    pdyn_services services = sim_services(context);
+    pdyn_services services = context_services(context);
     pdyn_model *model = &sim->model.model;
     pdyn_matrix matrix;
     struct factor factor = {0};

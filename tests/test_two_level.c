@@ -23,7 +23,7 @@ static void test_skyline(void **state) {
     (void)state;
     uint64_t seed = 7;
     pdyn_context *context = test_context(2);
-    pdyn_services services = sim_services(context);
+    pdyn_services services = context_services(context);
     static double A[N][N];
     double x[N], b[N] = {0};
     int first[NODES];
@@ -77,7 +77,7 @@ static void test_sparse(void **state) {
     (void)state;
     uint64_t seed = 5;
     pdyn_context *context = test_context(1);
-    pdyn_services services = sim_services(context);
+    pdyn_services services = context_services(context);
     float a[WIDTH][WIDTH], b[WIDTH][WIDTH];
     struct sparse A, B, back, product;
     make_sparse(&services, a, &seed, &A), make_sparse(&services, b, &seed, &B);

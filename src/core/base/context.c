@@ -1,4 +1,5 @@
-/* The context: creation, memory through the user's allocator, error text and log messages. */
+/* The context: creation, memory through the user's allocator, error text, log messages, and the
+ * services that modules get of all this. */
 #include "context.h"
 
 #include "registry.h"
@@ -157,4 +158,22 @@ void context_log(pdyn_context *context, pdyn_log_level level, const char *format
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
     context->options.log(context->options.log_user, level, message);
+}
+
+/* ---- services of modules ----------------------------------------------------------------------
+ */
+
+static void service_for(pdyn_core *core, int count, int grain, pdyn_range_fn *fn, void *arg) {
+    pool_for(((pdyn_context *)core)->pool, count, grain, fn, arg);
+}
+static void *service_allocate(pdyn_core *core, void *block, size_t old_size, size_t new_size) {
+    void *moved = context_resize((pdyn_context *)core, block, old_size, new_size);
+    if (!moved && new_size) context_no_memory((pdyn_context *)core);
+    return moved;
+}
+static pdyn_status service_fail(pdyn_core *core, pdyn_status status, const char *message) {
+    return context_fail((pdyn_context *)core, status, "%s", message);
+}
+pdyn_services context_services(pdyn_context *context) {
+    return (pdyn_services){(pdyn_core *)context, service_for, service_allocate, service_fail};
 }

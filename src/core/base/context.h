@@ -43,9 +43,10 @@ void *context_grow(pdyn_context *context, void *array, size_t *capacity, size_t 
 
 /* A vector of 3 doubles per particle, plus one double: code that loads four doubles at once
  * (simd.h) may then read past the last particle. */
-#define NEW_VECTOR(context, particles) NEW_ARRAY(context, 3 * (size_t)(particles) + 1, double)
+#define VECTOR_LENGTH(particles)       (3 * (size_t)(particles) + 1)
+#define NEW_VECTOR(context, particles) NEW_ARRAY(context, VECTOR_LENGTH(particles), double)
 #define FREE_VECTOR(context, pointer, particles)                                                   \
-    FREE_ARRAY(context, pointer, 3 * (size_t)(particles) + 1)
+    FREE_ARRAY(context, pointer, VECTOR_LENGTH(particles))
 
 /* Array tables. A struct with several arrays lists them once, and one function allocates or frees
  * them all:
@@ -77,5 +78,8 @@ pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *
 pdyn_status context_no_memory(pdyn_context *context);
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...)
     PDYN_PRINTF(3, 4);
+
+/* The functions that operators and solvers may call. */
+pdyn_services context_services(pdyn_context *context);
 
 #endif

@@ -169,3 +169,62 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
     if (a->status == PDYN_OK) a->status = contact_list(c);
     if (a->status == PDYN_OK) a->status = contact_local(c, x);
 }
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+bool contact_resize(struct contact *c, enum array_action action) {
+    size_t n = (size_t)c->points, solids = n - (size_t)c->free, edges = (size_t)c->edges_room;
+    const struct array_entry table[] = {
+        ARRAY(c->owner, c->groups),
+        ARRAY(c->near, c->groups),
+        ARRAY(c->is_rigid, c->groups),
+        ARRAY(c->rigid, c->rigids),
+        ARRAY(c->solid, c->groups - c->bodies),
+        ARRAY(c->group, n),
+        ARRAY(c->column, c->free),
+        ARRAY(c->face, 3 * (size_t)c->faces),
+        ARRAY(c->edge, 2 * edges),
+        ARRAY(c->rest, 3 * n),
+        ARRAY(c->at, 3 * n),
+        ARRAY(c->x, 3 * n),
+        ARRAY(c->built, 3 * n),
+        ARRAY(c->seen, 3 * n),
+        ARRAY(c->step, 3 * n),
+        ARRAY(c->moved, n),
+        ARRAY(c->reach, n),
+        ARRAY(c->length, n),
+        ARRAY(c->taken, n),
+        ARRAY(c->cut, n),
+        ARRAY(c->begin, 3 * solids),
+        ARRAY(c->goal, 3 * solids),
+        ARRAY(c->region, n),
+        ARRAY(c->face_box, c->faces),
+        ARRAY(c->edge_box, edges),
+        ARRAY(c->face_body, c->free_faces),
+        ARRAY(c->edge_body, c->free_edges),
+        ARRAY(c->changed, n),
+        ARRAY(c->face_changed, c->faces),
+        ARRAY(c->edge_changed, edges),
+    };
+    return context_arrays(c->context, table, ARRAY_ROWS(table), action);
+}
+
+void contact_free(struct contact *c) {
+    if (!c) return;
+    pdyn_context *x = c->context;
+    contact_free_pairs(c);
+    FREE_ARRAY(x, c->found, c->found_room);
+    FREE_ARRAY(x, c->found_start, c->blocks + 1);
+    FREE_ARRAY(x, c->found_count, c->blocks);
+    contact_list_free(x, &c->current);
+    contact_list_free(x, &c->start);
+    bearings_free(c);
+    for (int k = 0; k < 2; k++) {
+        bvh_free(x, &c->face_tree[k]);
+        bvh_free(x, &c->edge_tree[k]);
+        bvh_free(x, &c->changed_faces[k]);
+        bvh_free(x, &c->changed_edges[k]);
+    }
+    contact_resize(c, ARRAYS_FREE);
+    FREE_ARRAY(x, c, 1);
+}

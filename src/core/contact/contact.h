@@ -16,8 +16,6 @@
 #include "rows/batch.h"
 #include "scene/scene.h"
 
-struct pdyn_sim;
-
 struct pair {         /* two primitives that may come into contact */
     uint64_t key;     /* highest bit: two edges; the bits from 32: number of the vertex or of the
                          first edge; the lower ones: number of the face or of the second edge */
@@ -134,10 +132,15 @@ struct contact {
     struct batch *barrier, *damping, *friction;
 };
 
-/* Makes points and batches and checks that nothing intersects. sim->objective.contact stays NULL in
- * a scene without contact. */
-pdyn_status contact_create(struct pdyn_sim *sim);
+/* Allocates or frees the arrays whose sizes are known from the scene: they have the counts of
+ * points, faces and so on in their comments. step/build_contact.c fills them. */
+bool contact_resize(struct contact *contact, enum array_action action);
+/* Frees the contact with all that it has found. NULL: does nothing. */
 void contact_free(struct contact *contact);
+
+/* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. After
+ * contact_local. */
+pdyn_status contact_check(struct contact *contact);
 
 /* Begins a step at the positions x of the last local step: the contacts there become those of the
  * beginning of the step, and solids get their poses at `time`, s, as goals. */
@@ -193,9 +196,6 @@ pdyn_status contact_set_start(struct contact *contact);
 void contact_follow_solids(struct contact *contact);
 
 void contact_list_free(pdyn_context *context, struct contact_list *list);
-
-/* Fails where two triangles intersect, or a pair is closer than CONTACT_LEAST permits. */
-pdyn_status contact_check(struct contact *contact);
 
 static inline const struct pair_kind *pair_kind_of(uint64_t key) {
     return key >> 63 ? &pair_edge_edge : &pair_vertex_face;

@@ -27,17 +27,8 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count) {
 
 /* ---- batches and solvers after a change ------------------------------------------------------ */
 
-/* Solvers keep what they found out about the constraints, so they are made anew. */
-static void free_solvers(struct pdyn_sim *sim) {
-    solver_choice_free(sim);
-    solver_view_free(&sim->model);
-    sim->choice = (struct solver_choice){0}, sim->model = (struct solver_view){0};
-}
-
 static pdyn_status make_solvers(struct pdyn_sim *sim) {
-    pdyn_status status = solver_view_create(&sim->model, &sim->objective,
-                                            sim->scene.settings.newton, &sim->services);
-    if (status == PDYN_OK) status = solver_choice_create(sim);
+    pdyn_status status = solver_choice_create(sim);
     sim->objective.weights++;
     acceleration_start(&sim->acceleration);
     return status;
@@ -45,7 +36,7 @@ static pdyn_status make_solvers(struct pdyn_sim *sim) {
 
 pdyn_status control_settle(struct pdyn_sim *sim) {
     if (!sim->control.stale) return PDYN_OK;
-    free_solvers(sim); /* they refer to batches */
+    solver_choice_free(sim); /* solvers keep what they found out about the constraints */
     pdyn_status status = holds_make_batches(sim);
     sim->anchored = sim->control.anchored || sim->control.holds;
     if (status == PDYN_OK) status = make_solvers(sim);

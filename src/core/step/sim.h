@@ -115,7 +115,4 @@ static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint
     return sim && constraint >= 0 && constraint < sim->constraints;
 }
 
-/* The functions that core offers to operators. */
-pdyn_services sim_services(pdyn_context *context);
-
 #endif

@@ -103,7 +103,9 @@ pdyn_status solver_choice_create(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     const char *name = sim->scene.settings.solver_type, *unused = "";
     const pdyn_global_solver *first = NULL, *second = NULL;
-    pdyn_status status = PDYN_OK;
+    pdyn_status status = solver_view_create(&sim->model, &sim->objective,
+                                            sim->scene.settings.newton, &sim->services);
+    if (status != PDYN_OK) return status;
     c->reason = "as the scene asks";
     if (strcmp(name, "auto")) status = find_solver(sim, name, &first);
     else {
@@ -126,6 +128,8 @@ void solver_choice_free(struct pdyn_sim *sim) {
         slot->solver->free(slot->state);
         context_resize(sim->context, slot->state, slot->solver->state_size, 0);
     }
+    solver_view_free(&sim->model);
+    *c = (struct solver_choice){0}, sim->model = (struct solver_view){0};
 }
 
 /* ---- from step to step ----------------------------------------------------------------------- */

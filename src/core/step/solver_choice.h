@@ -33,9 +33,11 @@ struct solver_choice {
     long dual_steps;            /* accepted steps with the second one */
 };
 
-/* Creates the solver that the scene names, or those that suit it. PDYN_BAD_INPUT: it does not
- * exist, or cannot solve the scene. After a failure the choice is to be freed, too. */
+/* Creates the model that solvers get (sim->model), and the solver that the scene names or those
+ * that suit it. PDYN_BAD_INPUT: it does not exist, or cannot solve the scene. After a failure the
+ * choice is to be freed, too. */
 pdyn_status solver_choice_create(struct pdyn_sim *sim);
+/* Frees the solvers and the model, which refer to batches; they can be created again. */
 void solver_choice_free(struct pdyn_sim *sim);
 
 /* Warns where a direct solver factors a matrix that changes. */

@@ -1,9 +1,8 @@
-/* Sets up contact from a scene: points, faces and edges of all surfaces and solids, the batches of
- * contact and friction, and the check that nothing intersects at the start. */
-#include "contact/bearings.h"
-#include "contact/contact.h"
-
+/* Contact of a simulation: points, faces and edges of all surfaces and solids, and the batches of
+ * contact, its damping and friction. */
 #include "base/registry.h"
+#include "build.h"
+#include "contact/bearings.h"
 #include "live_particles.h"
 #include "scene/poses.h"
 #include "sim.h"
@@ -51,43 +50,6 @@ static void count_parts(struct contact *c, const struct pdyn_sim *sim) {
     }
     c->bodies = sim->bodies, c->groups = sim->bodies + sim->scene.solids;
     c->body = (pdyn_body){.name = "all surfaces", .first = low, .count = high - low};
-}
-
-static bool resize_arrays(struct contact *c, enum array_action action) {
-    size_t n = (size_t)c->points, solids = n - (size_t)c->free, edges = (size_t)c->edges_room;
-    const struct array_entry table[] = {
-        ARRAY(c->owner, c->groups),
-        ARRAY(c->near, c->groups),
-        ARRAY(c->is_rigid, c->groups),
-        ARRAY(c->rigid, c->rigids),
-        ARRAY(c->solid, c->groups - c->bodies),
-        ARRAY(c->group, n),
-        ARRAY(c->column, c->free),
-        ARRAY(c->face, 3 * (size_t)c->faces),
-        ARRAY(c->edge, 2 * edges),
-        ARRAY(c->rest, 3 * n),
-        ARRAY(c->at, 3 * n),
-        ARRAY(c->x, 3 * n),
-        ARRAY(c->built, 3 * n),
-        ARRAY(c->seen, 3 * n),
-        ARRAY(c->step, 3 * n),
-        ARRAY(c->moved, n),
-        ARRAY(c->reach, n),
-        ARRAY(c->length, n),
-        ARRAY(c->taken, n),
-        ARRAY(c->cut, n),
-        ARRAY(c->begin, 3 * solids),
-        ARRAY(c->goal, 3 * solids),
-        ARRAY(c->region, n),
-        ARRAY(c->face_box, c->faces),
-        ARRAY(c->edge_box, edges),
-        ARRAY(c->face_body, c->free_faces),
-        ARRAY(c->edge_body, c->free_edges),
-        ARRAY(c->changed, n),
-        ARRAY(c->face_changed, c->faces),
-        ARRAY(c->edge_changed, edges),
-    };
-    return context_arrays(c->context, table, ARRAY_ROWS(table), action);
 }
 
 /* ---- parts ----------------------------------------------------------------------------------- */
@@ -240,114 +202,10 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
     c->context = sim->context, c->set = &sim->scene.contact;
     c->live = sim->live ? sim->live->live : NULL;
     count_parts(c, sim);
-    if (!resize_arrays(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
+    if (!contact_resize(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     add_bodies(c, sim);
     add_solids(c, sim);
     pdyn_status status = plant_trees(c);
     if (status == PDYN_OK) status = add_batches(sim);
     return status == PDYN_OK ? place(sim) : status;
-}
-
-void contact_free(struct contact *c) {
-    if (!c) return;
-    pdyn_context *x = c->context;
-    contact_free_pairs(c);
-    FREE_ARRAY(x, c->found, c->found_room);
-    FREE_ARRAY(x, c->found_start, c->blocks + 1);
-    FREE_ARRAY(x, c->found_count, c->blocks);
-    contact_list_free(x, &c->current);
-    contact_list_free(x, &c->start);
-    bearings_free(c);
-    for (int k = 0; k < 2; k++) {
-        bvh_free(x, &c->face_tree[k]);
-        bvh_free(x, &c->edge_tree[k]);
-        bvh_free(x, &c->changed_faces[k]);
-        bvh_free(x, &c->changed_edges[k]);
-    }
-    resize_arrays(c, ARRAYS_FREE);
-    FREE_ARRAY(x, c, 1);
-}
-
-/* ---- the check at the start ------------------------------------------------------------------ */
-
-/* The side of the plane through a, b, c on which d is: -1 or 1, or 0 within rounding errors. */
-static int side(const double *a, const double *b, const double *c, const double *d) {
-    double ab[3], ac[3], ad[3], normal[3];
-    for (int k = 0; k < 3; k++) ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ad[k] = d[k] - a[k];
-    vec3_cross(normal, ab, ac);
-    double volume = vec3_dot(normal, ad);
-    double rounding = 1e-12 * vec3_length(ab) * vec3_length(ac) * vec3_length(ad);
-    return volume > rounding ? 1 : volume < -rounding ? -1 : 0;
-}
-
-/* Whether the edge p q passes through the face a b c: its ends are on both sides of the plane, and
- * the line through them passes all sides of the face in the same sense. */
-static bool passes(const double *p, const double *q, const double *a, const double *b,
-                   const double *c) {
-    if (side(a, b, c, p) * side(a, b, c, q) >= 0) return false;
-    int one = side(p, q, a, b), two = side(p, q, b, c), three = side(p, q, c, a);
-    return one != 0 && one == two && one == three;
-}
-
-struct crossing { /* an edge and the face that it passes through */
-    const struct contact *contact;
-    int edge, base, face; /* face: -1 for none */
-};
-
-static void try_face(void *user, int id) {
-    struct crossing *s = user;
-    const struct contact *c = s->contact;
-    const int *e = c->edge + 2 * s->edge, *f = c->face + 3 * (s->base + id);
-    for (int k = 0; k < 6; k++)
-        if (e[k / 3] == f[k % 3]) return;
-    if (s->face >= 0) return;
-    const double *x = c->at;
-    if (passes(x + 3 * e[0], x + 3 * e[1], x + 3 * f[0], x + 3 * f[1], x + 3 * f[2]))
-        s->face = s->base + id;
-}
-
-/* The number of a triangle that has these corners, counted from the first one of its group. */
-static int triangle_number(const struct contact *c, const int *corner, int corners) {
-    int number = 0;
-    for (int f = 0; f < c->faces; f++) {
-        const int *face = c->face + 3 * f;
-        int common = 0;
-        if (c->group[face[0]] != c->group[corner[0]]) continue;
-        for (int k = 0; k < 3; k++)
-            for (int m = 0; m < corners; m++) common += face[k] == corner[m];
-        if (common == corners) return number;
-        number++;
-    }
-    return -1;
-}
-
-pdyn_status contact_check(struct contact *c) {
-    for (int e = 0; e < c->edges; e++) {
-        struct crossing s = {.contact = c, .edge = e, .face = -1};
-        bvh_visit_others(&c->face_tree[0], &c->edge_box[e], 0, c->group[c->edge[2 * e]], try_face,
-                         &s);
-        s.base = c->free_faces;
-        if (e < c->free_edges) bvh_visit(&c->face_tree[1], &c->edge_box[e], 0, try_face, &s);
-        if (s.face < 0) continue;
-        const int *edge = c->edge + 2 * e, *face = c->face + 3 * s.face;
-        return context_fail(
-            c->context, PDYN_BAD_INPUT,
-            "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect",
-            triangle_number(c, edge, 2), c->owner[c->group[edge[0]]], triangle_number(c, face, 3),
-            c->owner[c->group[face[0]]]);
-    }
-    for (int e = 0; e < c->current.view.count; e++) {
-        const struct stencil *t = &c->current.stencil[e];
-        const pdyn_contact *contact = &c->current.contact[e];
-        double distance = vec3_length(contact->separation);
-        double least = CONTACT_LEAST * contact->thickness;
-        if (distance >= least) continue;
-        return context_fail(
-            c->context, PDYN_BAD_INPUT,
-            "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
-            "expected at least a sixteenth of the thickness, %.3g m",
-            c->owner[c->group[t->point[0]]], c->owner[c->group[t->point[3]]], distance,
-            c->at[3 * t->point[0]], c->at[3 * t->point[0] + 1], c->at[3 * t->point[0] + 2], least);
-    }
-    return PDYN_OK;
 }

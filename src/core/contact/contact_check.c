@@ -1,0 +1,100 @@
+/* The check that nothing intersects where contact begins: at the start of a scene, and where a
+ * program places a body. Paths without collision need a state without intersections. */
+#include "contact.h"
+
+#include "projdyn/vec3.h"
+
+/* The side of the plane through a, b, c on which d is: -1 or 1, or 0 within rounding errors. */
+static int side(const double *a, const double *b, const double *c, const double *d) {
+    double ab[3], ac[3], ad[3], normal[3];
+    for (int k = 0; k < 3; k++) ab[k] = b[k] - a[k], ac[k] = c[k] - a[k], ad[k] = d[k] - a[k];
+    vec3_cross(normal, ab, ac);
+    double volume = vec3_dot(normal, ad);
+    double rounding = 1e-12 * vec3_length(ab) * vec3_length(ac) * vec3_length(ad);
+    return volume > rounding ? 1 : volume < -rounding ? -1 : 0;
+}
+
+/* Whether the edge p q passes through the face a b c: its ends are on both sides of the plane, and
+ * the line through them passes all sides of the face in the same sense. */
+static bool passes(const double *p, const double *q, const double *a, const double *b,
+                   const double *c) {
+    if (side(a, b, c, p) * side(a, b, c, q) >= 0) return false;
+    int one = side(p, q, a, b), two = side(p, q, b, c), three = side(p, q, c, a);
+    return one != 0 && one == two && one == three;
+}
+
+struct crossing { /* an edge and the face that it passes through */
+    const struct contact *contact;
+    int edge, base, face; /* face: -1 for none */
+};
+
+static void try_face(void *user, int id) {
+    struct crossing *s = user;
+    const struct contact *c = s->contact;
+    const int *e = c->edge + 2 * s->edge, *f = c->face + 3 * (s->base + id);
+    for (int k = 0; k < 6; k++)
+        if (e[k / 3] == f[k % 3]) return;
+    if (s->face >= 0) return;
+    const double *x = c->at;
+    if (passes(x + 3 * e[0], x + 3 * e[1], x + 3 * f[0], x + 3 * f[1], x + 3 * f[2]))
+        s->face = s->base + id;
+}
+
+/* The number of a triangle that has these corners, counted from the first one of its group. */
+static int triangle_number(const struct contact *c, const int *corner, int corners) {
+    int number = 0;
+    for (int f = 0; f < c->faces; f++) {
+        const int *face = c->face + 3 * f;
+        int common = 0;
+        if (c->group[face[0]] != c->group[corner[0]]) continue;
+        for (int k = 0; k < 3; k++)
+            for (int m = 0; m < corners; m++) common += face[k] == corner[m];
+        if (common == corners) return number;
+        number++;
+    }
+    return -1;
+}
+
+static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
+    const int *edge = c->edge + 2 * e, *face = c->face + 3 * f;
+    return context_fail(
+        c->context, PDYN_BAD_INPUT,
+        "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect",
+        triangle_number(c, edge, 2), c->owner[c->group[edge[0]]], triangle_number(c, face, 3),
+        c->owner[c->group[face[0]]]);
+}
+
+static pdyn_status check_intersections(const struct contact *c) {
+    for (int e = 0; e < c->edges; e++) {
+        struct crossing s = {.contact = c, .edge = e, .face = -1};
+        bvh_visit_others(&c->face_tree[0], &c->edge_box[e], 0, c->group[c->edge[2 * e]], try_face,
+                         &s);
+        s.base = c->free_faces;
+        if (e < c->free_edges) bvh_visit(&c->face_tree[1], &c->edge_box[e], 0, try_face, &s);
+        if (s.face >= 0) return fail_intersecting(c, e, s.face);
+    }
+    return PDYN_OK;
+}
+
+static pdyn_status check_distances(const struct contact *c) {
+    for (int e = 0; e < c->current.view.count; e++) {
+        const int *point = c->current.stencil[e].point;
+        const pdyn_contact *contact = &c->current.contact[e];
+        const double *at = c->at + 3 * (size_t)point[0];
+        double distance = vec3_length(contact->separation);
+        double least = CONTACT_LEAST * contact->thickness;
+        if (distance >= least) continue;
+        return context_fail(
+            c->context, PDYN_BAD_INPUT,
+            "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
+            "expected at least a sixteenth of the thickness, %.3g m",
+            c->owner[c->group[point[0]]], c->owner[c->group[point[3]]], distance, at[0], at[1],
+            at[2], least);
+    }
+    return PDYN_OK;
+}
+
+pdyn_status contact_check(struct contact *c) {
+    pdyn_status status = check_intersections(c);
+    return status == PDYN_OK ? check_distances(c) : status;
+}

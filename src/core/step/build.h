@@ -1,0 +1,31 @@
+/* The parts of a simulation that build.c makes from a scene, in this order. A part may refer to
+ * those before it. After a failure all are to be freed, too. */
+#ifndef PDYN_BUILD_H
+#define PDYN_BUILD_H
+
+#include "projdyn/projdyn.h"
+
+struct pdyn_sim;
+
+/* build_bodies.c: bodies, their particles and topology, and the state at the start. */
+pdyn_status bodies_create(struct pdyn_sim *sim);
+void bodies_free(struct pdyn_sim *sim);
+
+/* Frees the particles of the scene, which the state has a copy of. */
+void bodies_forget_start(struct pdyn_sim *sim);
+
+/* build_lists.c: boundary points, samples on surfaces and neighbour lists. Does nothing in a scene
+ * where no constraint needs them. */
+pdyn_status lists_create(struct pdyn_sim *sim);
+void lists_free(struct pdyn_sim *sim);
+
+/* build_batches.c: batches of the constraints of the scene, of their damping, and of the friction
+ * of surfaces with the fluid; room for the batches of contact. batches_free frees these, too. */
+pdyn_status batches_create(struct pdyn_sim *sim);
+void batches_free(struct pdyn_sim *sim);
+
+/* build_contact.c: points and batches of contact. Fails where surfaces intersect at the start.
+ * sim->objective.contact stays NULL in a scene without contact; contact_free frees it. */
+pdyn_status contact_create(struct pdyn_sim *sim);
+
+#endif

@@ -1,0 +1,124 @@
+/* Neighbour lists of a simulation, in a scene with a constraint that works on them: the points of
+ * SPH sums are particles, samples on surfaces and boundary points on solids. */
+#include "build.h"
+#include "live_particles.h"
+#include "sim.h"
+#include "solid_points.h"
+#include "sph/boundary.h"
+
+#include "projdyn/vec3.h"
+
+/* Skin of the lists, in supports: lists have 1.7 times the pairs and are rebuilt less often. */
+static const double skin_size = 0.2;
+
+/* The number of particles and samples. */
+static int extended_count(const struct pdyn_sim *sim) {
+    return sim->objective.particles + (sim->samples ? sim->samples->count : 0);
+}
+
+/* Of fluid particles, samples and boundary points; a surface acts by its samples alone. */
+static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int particles, double *volume,
+                                bool *centre, bool *is_wall) {
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (!has_neighbour_lists(sim, b)) continue;
+        for (int i = body->first; i < body->first + body->count; i++)
+            volume[i] = spacing * spacing * spacing, centre[i] = true;
+    }
+    for (int k = 0; sim->samples && k < sim->samples->count; k++)
+        volume[sim->objective.particles + k] = sim->samples->rest_volume[k];
+    return solid_points_compute_volumes(sim, spacing, volume + particles, is_wall);
+}
+
+static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
+    int n = extended_count(sim);
+    double support = 2.0 * spacing, skin = skin_size * support;
+    const struct boundary_model *model = sim->scene.settings.boundary;
+    double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
+    bool *centre = NEW_ARRAY(sim->context, n, bool);
+    bool *is_wall = NEW_ARRAY(sim->context, sim->boundary.at.count + 1, bool);
+    pdyn_status status = volume && centre && is_wall
+                             ? fill_volumes(sim, spacing, n, volume, centre, is_wall)
+                             : PDYN_NO_MEMORY;
+    if (status == PDYN_OK)
+        status = occlusion_create(sim->context, sim->bodies, sim->body, n + sim->boundary.at.count,
+                                  support + skin, &sim->occlusion);
+    kinematic_move(sim, 0.0);
+    struct neighbours_points points = {.particles = n,
+                                       .centre = centre,
+                                       .boundary = sim->boundary.at.count,
+                                       .boundary_x = sim->boundary.at.x,
+                                       .moving = sim->motion.points,
+                                       .volume = volume,
+                                       .support = support,
+                                       .is_wall = is_wall,
+                                       .surface_support = model->support * spacing,
+                                       .has_volumes = model->volumes,
+                                       .skin = skin,
+                                       .occlusion = sim->occlusion};
+    if (status == PDYN_OK)
+        status = neighbours_create(sim->context, &points, sim->samples, &sim->neighbours);
+    FREE_ARRAY(sim->context, volume, n + sim->boundary.at.count);
+    FREE_ARRAY(sim->context, centre, n);
+    FREE_ARRAY(sim->context, is_wall, sim->boundary.at.count + 1);
+    return status;
+}
+
+/* Does some surface need the limit on displacements? Walls of a box and boundary "points" do not.
+ */
+static pdyn_status make_limits(struct pdyn_sim *sim) {
+    bool surfaces = sim->samples;
+    for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.point[k].of_box;
+    if (!surfaces || sim->scene.settings.boundary->volumes) return PDYN_OK;
+    sim->way = NEW_ARRAY(sim->context, extended_count(sim), double);
+    return sim->way ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+/* Warns where particles coincide: constraints have no direction to separate them. */
+static void warn_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
+    const pdyn_neighbours *view = neighbours_view(sim->neighbours);
+    int count = 0;
+    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
+        for (int k = view->start[i]; k < view->boundary_start[i]; k++) {
+            int j = view->index[k];
+            if (j == i || j >= sim->objective.particles) continue;
+            if (vec3_distance(sim->x + 3 * i, sim->x + 3 * j) > 0.0) continue;
+            count++;
+            break;
+        }
+    if (!count) return;
+    warnings_say(sim->context,
+                 warnings_count(&sim->warnings, WARNING_COINCIDENT, fluid->name, 0.0, count, 0.0),
+                 "%d particles lie at the place of another one; nothing parts them: do volumes of "
+                 "its fill overlap?",
+                 count);
+}
+
+pdyn_status lists_create(struct pdyn_sim *sim) {
+    double spacing = sim_spacing(sim);
+    if (spacing == 0.0) return PDYN_OK;
+    pdyn_status status = solid_points_sample(sim, spacing);
+    if (status == PDYN_OK)
+        status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
+                                sim->rest, sim->scene.settings.boundary,
+                                sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
+                                spacing, &sim->samples);
+    if (status == PDYN_OK) status = create_neighbours(sim, spacing);
+    if (status == PDYN_OK) status = make_limits(sim);
+    if (status != PDYN_OK) return status;
+    live_particles_update_lists(sim);
+    sim->objective.neighbours = sim->neighbours, sim->objective.samples = sim->samples;
+    status = objective_build_lists(&sim->objective, sim->x);
+    for (int b = 0; status == PDYN_OK && b < sim->bodies; b++)
+        if (has_neighbour_lists(sim, b)) warn_coincident(sim, &sim->body[b]);
+    return status;
+}
+
+void lists_free(struct pdyn_sim *sim) {
+    FREE_ARRAY(sim->context, sim->way, extended_count(sim));
+    neighbours_free(sim->neighbours);
+    samples_free(sim->samples);
+    occlusion_free(sim->occlusion);
+    boundary_points_free(sim->context, &sim->boundary);
+    kinematic_free(sim->context, &sim->motion);
+}
