@@ -239,9 +239,10 @@ pdyn_status bearings_create(struct contact *c, const struct rigid_map *map) {
     t->map = map;
     t->body = NEW_ARRAY(c->context, c->groups, int);
     t->first = NEW_ARRAY(c->context, c->groups, int);
-    for (int k = 0, number = 0; t->body && k < c->groups; k++)
-        t->body[k] = c->is_rigid[k] ? number++ : -1;
-    return t->body && t->first ? PDYN_OK : PDYN_NO_MEMORY;
+    if (!t->body || !t->first) return PDYN_NO_MEMORY;
+    for (int g = 0; g < c->groups; g++) t->body[g] = -1;
+    for (int k = 0; k < c->rigids; k++) t->body[c->rigid[k].group] = k;
+    return PDYN_OK;
 }
 
 void bearings_free(struct contact *c) {

@@ -1,3 +1,4 @@
+/* The steps of contact within a time step (contact.h), memory and saved states. */
 #include "contact.h"
 #include "bearings.h"
 
@@ -8,12 +9,49 @@
 
 #include <string.h>
 
+/* ---- solids ---------------------------------------------------------------------------------- */
+
+/* The coordinates of solids: the last ones of an array points x 3. */
+static double *solids_in(const struct contact *c, double *points) {
+    return points + 3 * (size_t)c->free;
+}
+static size_t solid_numbers(const struct contact *c) { return 3 * (size_t)(c->points - c->free); }
+
+static void copy_solids(const struct contact *c, const double *from, double *to) {
+    if (solid_numbers(c)) memcpy(to, from, solid_numbers(c) * sizeof *to);
+}
+
+/* The displacement of solids from c->x to their goals; 0 where none moves. */
+static void step_solids(struct contact *c) {
+    double *step = solids_in(c, c->step);
+    const double *x = solids_in(c, c->x);
+    for (size_t k = 0; k < solid_numbers(c); k++) step[k] = c->moving ? c->goal[k] - x[k] : 0.0;
+}
+
+/* Moves solids by the part of their displacement that is free. */
+static void move_solids(struct contact *c) {
+    double *at = solids_in(c, c->at);
+    const double *x = solids_in(c, c->x), *step = solids_in(c, c->step);
+    c->behind = false;
+    for (size_t k = 0; c->moving && k < solid_numbers(c); k++) at[k] = x[k] + step[k];
+    for (int i = c->free; c->moving && i < c->points; i++) c->behind |= c->taken[i] < 1.0;
+}
+
+static void set_goals(struct contact *c, double time) {
+    for (int s = 0; s < c->groups - c->bodies; s++) {
+        const struct contact_solid *solid = &c->solid[s];
+        if (solid->solid->keys)
+            pose_place(solid->solid, c->rest + 3 * (size_t)solid->first, solid->count, time,
+                       c->goal + 3 * (size_t)(solid->first - c->free));
+    }
+}
+
+/* ---- positions ------------------------------------------------------------------------------- */
+
 /* Collects the positions of all points, with free particles at x and solids where they are. */
 static void gather(const struct contact *c, const double *x, double *at) {
     for (int i = 0; i < c->free; i++) memcpy(at + 3 * i, x + 3 * c->column[i], 3 * sizeof *at);
-    if (at == c->at) return;
-    size_t solids = 3 * (size_t)(c->points - c->free);
-    memcpy(at + 3 * (size_t)c->free, c->at + 3 * (size_t)c->free, solids * sizeof *at);
+    if (at != c->at) copy_solids(c, solids_in(c, c->at), solids_in(c, at));
 }
 
 pdyn_status contact_local(struct contact *c, const double *x) {
@@ -39,25 +77,9 @@ static void shorten_carriers(const struct contact *c, const double *x, double *t
     }
 }
 
-/* Moves solids by the part of their displacement that is free. */
-static void move_solids(struct contact *c) {
-    size_t first = (size_t)c->free, count = 3 * (size_t)(c->points - c->free);
-    c->behind = false;
-    for (size_t k = 0; c->moving && k < count; k++)
-        c->at[3 * first + k] = c->x[3 * first + k] + c->step[3 * first + k];
-    for (size_t i = first; c->moving && i < (size_t)c->points; i++) c->behind |= c->taken[i] < 1.0;
-}
-
-static void step_solids(struct contact *c) {
-    size_t first = 3 * (size_t)c->free, count = 3 * (size_t)(c->points - c->free);
-    for (size_t k = 0; k < count; k++)
-        c->step[first + k] = c->moving ? c->goal[k] - c->x[first + k] : 0.0;
-}
-
 pdyn_status contact_start(struct contact *c, const double *x, double *target) {
     double start = clock_ms();
-    size_t solids = 3 * (size_t)(c->points - c->free) * sizeof *c->at;
-    if (solids) memcpy(c->at + 3 * (size_t)c->free, c->begin, solids);
+    copy_solids(c, c->begin, solids_in(c, c->at));
     gather(c, x, c->x);
     for (int i = 0; i < c->free; i++)
         for (int a = 0; a < 3; a++)
@@ -76,10 +98,9 @@ pdyn_status contact_start(struct contact *c, const double *x, double *target) {
 
 pdyn_status contact_filter(struct contact *c, const double *x, double *direction) {
     double start = clock_ms();
-    size_t first = 3 * (size_t)c->free, count = 3 * (size_t)(c->points - c->free);
     gather(c, x, c->x);
     gather(c, direction, c->step);
-    if (count) memset(c->step + first, 0, count * sizeof *c->step);
+    for (size_t k = 0; k < solid_numbers(c); k++) solids_in(c, c->step)[k] = 0.0;
     pdyn_status status = contact_free_paths(c);
     for (int i = 0; i < c->free; i++)
         if (c->taken[i] < 1.0)
@@ -106,21 +127,11 @@ pdyn_status contact_advance(struct contact *c, const double *x) {
     return status;
 }
 
-static void set_goal(struct contact *c, double time) {
-    for (int s = 0; s < c->groups - c->bodies; s++) {
-        const struct contact_solid *solid = &c->solid[s];
-        if (solid->solid->keys)
-            pose_place(solid->solid, c->rest + 3 * (size_t)solid->first, solid->count, time,
-                       c->goal + 3 * (size_t)(solid->first - c->free));
-    }
-}
-
 pdyn_status contact_begin(struct contact *c, const double *x, double time) {
     double start = clock_ms();
-    size_t solids = 3 * (size_t)(c->points - c->free) * sizeof *c->at;
     c->ms = 0.0;
-    if (solids) memcpy(c->begin, c->at + 3 * (size_t)c->free, solids);
-    if (c->moving) set_goal(c, time);
+    copy_solids(c, solids_in(c, c->at), c->begin);
+    if (c->moving) set_goals(c, time);
     pdyn_status status = contact_set_start(c);
     if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
     c->ms += clock_ms() - start;
@@ -128,8 +139,7 @@ pdyn_status contact_begin(struct contact *c, const double *x, double time) {
 }
 
 pdyn_status contact_take_back(struct contact *c, const double *x) {
-    size_t solids = 3 * (size_t)(c->points - c->free) * sizeof *c->at;
-    if (solids) memcpy(c->at + 3 * (size_t)c->free, c->begin, solids);
+    copy_solids(c, c->begin, solids_in(c, c->at));
     return contact_local(c, x);
 }
 
@@ -177,7 +187,6 @@ bool contact_resize(struct contact *c, enum array_action action) {
     const struct array_entry table[] = {
         ARRAY(c->owner, c->groups),
         ARRAY(c->near, c->groups),
-        ARRAY(c->is_rigid, c->groups),
         ARRAY(c->rigid, c->rigids),
         ARRAY(c->solid, c->groups - c->bodies),
         ARRAY(c->group, n),

@@ -54,8 +54,9 @@ struct contact_solid {
 };
 
 struct contact_rigid { /* a rigid body */
-    int first, count;  /* its points */
-    int carrier;       /* the first of the four particles of the system that carry it */
+    int group;
+    int first, count; /* its points */
+    int carrier;      /* the first of the four particles of the system that carry it */
 };
 
 struct contact {
@@ -81,8 +82,7 @@ struct contact {
     int groups, bodies;
     struct contact_solid *solid; /* groups - bodies */
     int rigids;
-    struct contact_rigid *rigid; /* rigids */
-    bool *is_rigid;              /* groups: no pair within them comes into contact */
+    struct contact_rigid *rigid; /* rigids: no pair within one comes into contact */
     pdyn_body body;              /* all free particles, for the batches */
     double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
     bool moving;          /* some solid moves in this scene */

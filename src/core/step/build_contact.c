@@ -62,7 +62,6 @@ static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int p
     const pdyn_body *body = &sim->body[b];
     c->owner[b] = body->name;
     c->near[b] = c->set->thickness;
-    c->is_rigid[b] = sim->scene.body[b].is_rigid;
     if (!body->triangles) c->near[b] = fmin(c->near[b], particle_thickness * body->radius);
     for (int i = 0; i < body->count; i++) {
         c->column[points + i] = body->first + i;
@@ -76,11 +75,12 @@ static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         int *first = body->triangles ? &points : &particles;
+        bool is_rigid = sim->scene.body[b].is_rigid;
         add_body(c, sim, b, *first);
-        if (c->is_rigid[b])
+        if (is_rigid)
             c->rigid[rigids++] =
-                (struct contact_rigid){points, body->count, body->first + body->count};
-        int alone = c->set->self && !c->is_rigid[b] ? -1 : b;
+                (struct contact_rigid){b, points, body->count, body->first + body->count};
+        int alone = c->set->self && !is_rigid ? -1 : b;
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
