@@ -63,12 +63,30 @@ void rows_weigh(struct batch *b, int first, int last) {
 
 /* ---- arrays ---------------------------------------------------------------------------------- */
 
-static size_t data_bytes(const struct batch *b) {
-    return 1 + (size_t)b->room.elements * b->type->data_size;
-}
-
-static size_t memory_bytes(const struct batch *b) {
-    return (size_t)b->room.elements * b->type->memory_size;
+/* The arrays for which there is room, but for element_row, from which the others follow, and for
+ * `block`. */
+static bool resize_arrays(struct batch *b, enum array_action action) {
+    pdyn_batch *v = &b->view;
+    size_t elements = (size_t)b->room.elements, rows = (size_t)b->room.rows;
+    size_t entries = (size_t)b->room.entries, keys = b->type->memory_size ? elements : 0;
+    const struct array_entry table[] = {
+        ARRAY(v->row_entry, rows + 1),
+        ARRAY(v->column, entries),
+        ARRAY(v->coefficient, entries),
+        ARRAY(v->weight, elements),
+        {&v->data, 1, 1 + elements * b->type->data_size},
+        ARRAY(v->key, keys),
+        {&v->memory, keys, b->type->memory_size},
+        ARRAY(v->u, VECTOR_LENGTH(rows)),
+        ARRAY(v->p, VECTOR_LENGTH(rows)),
+        ARRAY(b->flux, 4 * rows),
+        ARRAY(b->partial, pool_blocks(b->room.elements, b->grain)),
+        ARRAY(b->block_start, elements + 1),
+        ARRAY(b->entry_element, entries),
+        ARRAY(b->entry_row, entries),
+        ARRAY(b->touch, entries),
+    };
+    return context_arrays(b->context, table, ARRAY_ROWS(table), action);
 }
 
 /* Where an element's block begins, and what each entry belongs to. */
@@ -88,57 +106,19 @@ void rows_set_grain(struct batch *b, double rows, double entries) {
 }
 
 bool rows_allocate(struct batch *b, const int *row_width) {
-    pdyn_context *c = b->context;
-    pdyn_batch *v = &b->view;
-    int elements = b->room.elements, rows = b->room.rows, entries = b->room.entries;
-    int keys = b->type->memory_size ? elements : 0;
-    int *row_entry = NEW_ARRAY(c, rows + 1, int);
-    v->row_entry = row_entry;
-    for (int r = 0; row_entry && r < rows; r++)
+    if (!resize_arrays(b, ARRAYS_ALLOCATE)) return false;
+    int *row_entry = (int *)b->view.row_entry;
+    for (int r = 0; r < b->room.rows; r++)
         row_entry[r + 1] = row_entry[r] + (row_width ? row_width[r] : b->width);
-    v->column = NEW_ARRAY(c, entries, int);
-    v->coefficient = NEW_ARRAY(c, entries, double);
-    v->weight = NEW_ARRAY(c, elements, double);
-    v->data = context_array(c, 1, data_bytes(b));
-    v->key = NEW_ARRAY(c, keys, uint64_t);
-    v->memory = context_array(c, (size_t)keys, b->type->memory_size);
-    v->u = NEW_VECTOR(c, rows);
-    v->p = NEW_VECTOR(c, rows);
-    b->flux = NEW_ARRAY(c, 4 * (size_t)rows, double);
-    b->partial = NEW_ARRAY(c, pool_blocks(elements, b->grain), double);
-    b->block_start = NEW_ARRAY(c, elements + 1, size_t);
-    b->entry_element = NEW_ARRAY(c, entries, int);
-    b->entry_row = NEW_ARRAY(c, entries, int);
-    b->touch = NEW_ARRAY(c, entries, struct touch);
-    bool good =
-        row_entry && v->data && b->block_start && (!elements || (v->weight && b->partial)) &&
-        (!keys || (v->key && v->memory)) && (!rows || (v->u && v->p && b->flux)) &&
-        (!entries || (v->column && v->coefficient && b->entry_element && b->entry_row && b->touch));
-    if (good) number_rows(b);
-    return good;
+    number_rows(b);
+    return true;
 }
 
 void rows_free(struct batch *b) {
     pdyn_context *c = b->context;
-    pdyn_batch *v = &b->view;
-    int elements = b->room.elements, rows = b->room.rows, entries = b->room.entries;
     if (b->block_start) FREE_ARRAY(c, b->block, batch_block_numbers(b));
-    if (v->data) v->data = context_resize(c, v->data, data_bytes(b), 0);
-    if (v->memory) v->memory = context_resize(c, v->memory, memory_bytes(b), 0);
-    FREE_ARRAY(c, v->key, elements);
-    FREE_ARRAY(c, v->element_row, elements + 1);
-    FREE_ARRAY(c, v->row_entry, rows + 1);
-    FREE_ARRAY(c, v->column, entries);
-    FREE_ARRAY(c, v->coefficient, entries);
-    FREE_ARRAY(c, v->weight, elements);
-    FREE_VECTOR(c, v->u, rows);
-    FREE_VECTOR(c, v->p, rows);
-    FREE_ARRAY(c, b->flux, 4 * (size_t)rows);
-    FREE_ARRAY(c, b->partial, pool_blocks(elements, b->grain));
-    FREE_ARRAY(c, b->block_start, elements + 1);
-    FREE_ARRAY(c, b->entry_element, entries);
-    FREE_ARRAY(c, b->entry_row, entries);
-    FREE_ARRAY(c, b->touch, entries);
+    resize_arrays(b, ARRAYS_FREE);
+    FREE_ARRAY(c, b->view.element_row, b->room.elements + 1);
 }
 
 /* ---- index ----------------------------------------------------------------------------------- */
