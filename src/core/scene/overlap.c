@@ -108,12 +108,6 @@ static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *
                      o->name);
 }
 
-static struct box box_around(const double *x, int count) {
-    struct box box = box_empty;
-    for (int i = 0; i < count; i++) box_add(&box, x + 3 * (size_t)i);
-    return box;
-}
-
 /* Whether some particle may be inside the obstacle or so close to it that it is left out. */
 static bool is_near(const struct scene_body *body, const struct obstacle *o) {
     struct box water = box_around(body->start.x, body->start.count);

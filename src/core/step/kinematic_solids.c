@@ -22,18 +22,15 @@ static pdyn_status allocate_solids(struct pdyn_sim *sim) {
 
 pdyn_status kinematic_add(struct pdyn_sim *sim, const struct scene_solid *solid, int first) {
     struct kinematic_solids *motion = &sim->motion;
-    struct moving_solid m = {solid, first, sim->boundary.at.count - first, {0}, {0}};
+    struct moving_solid m = {solid, first, sim->boundary.at.count - first, {{0}, {0}}};
     pdyn_status status = allocate_solids(sim);
     for (int i = first; i < sim->boundary.at.count && status == PDYN_OK; i++) {
-        double *x = sim->boundary.at.x + 3 * (size_t)i, from_pivot[3];
-        for (int a = 0; a < 3; a++) {
-            from_pivot[a] = x[a] - solid->pivot[a];
-            m.min[a] = i == first ? from_pivot[a] : fmin(m.min[a], from_pivot[a]);
-            m.max[a] = i == first ? from_pivot[a] : fmax(m.max[a], from_pivot[a]);
-        }
+        double from_pivot[3];
+        vec3_subtract(from_pivot, sim->boundary.at.x + 3 * (size_t)i, solid->pivot);
         status = point_list_add(sim->context, &motion->placed, from_pivot);
     }
     if (status != PDYN_OK) return status;
+    if (m.count) m.box = box_around(motion->placed.x + 3 * (size_t)motion->points, m.count);
     motion->solid[motion->solids++] = m;
     motion->points = motion->placed.count;
     return PDYN_OK;
@@ -67,7 +64,7 @@ static double max_corner_speed(const struct moving_solid *m, const struct pose *
     pose_turning_axis(pose, axis);
     for (int corner = 0; corner < 8; corner++) {
         double r[3], v[3];
-        for (int a = 0; a < 3; a++) r[a] = corner >> a & 1 ? m->max[a] : m->min[a];
+        for (int a = 0; a < 3; a++) r[a] = corner >> a & 1 ? m->box.max[a] : m->box.min[a];
         transform_directions(&pose->at, r, 1);
         for (int a = 0; a < 3; a++) {
             int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -101,12 +98,9 @@ double kinematic_speed(const struct kinematic_solids *motion, double from, doubl
 
 /* The solid with the box of its mesh. */
 static struct moving_solid whole_solid(const struct scene_solid *solid) {
-    struct moving_solid m = {.solid = solid};
-    for (int i = 0; i < 3 * solid->mesh.vertices; i++) {
-        double r = solid->mesh.vertex[i] - solid->pivot[i % 3];
-        m.min[i % 3] = i < 3 ? r : fmin(m.min[i % 3], r);
-        m.max[i % 3] = i < 3 ? r : fmax(m.max[i % 3], r);
-    }
+    struct moving_solid m = {.solid = solid,
+                             .box = box_around(solid->mesh.vertex, solid->mesh.vertices)};
+    vec3_add(m.box.min, -1.0, solid->pivot), vec3_add(m.box.max, -1.0, solid->pivot);
     return m;
 }
 

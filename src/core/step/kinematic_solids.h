@@ -11,8 +11,8 @@ struct pdyn_sim;
 
 struct moving_solid { /* one solid with prescribed motion */
     const struct scene_solid *solid;
-    int first, count;      /* its boundary points */
-    double min[3], max[3]; /* m, bounding box of the points relative to the pivot */
+    int first, count; /* its boundary points */
+    struct box box;   /* m, of the points relative to the pivot */
 };
 
 struct kinematic_solids { /* empty if no solid moves */

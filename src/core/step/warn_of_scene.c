@@ -100,10 +100,7 @@ static void check_density(struct pdyn_sim *sim, int b) {
 }
 
 static struct box box_of(const struct pdyn_sim *sim, const pdyn_body *body) {
-    struct box box = box_empty;
-    for (int i = body->first; i < body->first + body->count; i++)
-        box_add(&box, sim->x + 3 * (size_t)i);
-    return box;
+    return box_around(sim->x + 3 * (size_t)body->first, body->count);
 }
 
 static bool contains(const struct box *box, const double x[3]) {

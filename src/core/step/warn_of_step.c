@@ -47,8 +47,7 @@ static void warn_compressed(struct pdyn_sim *sim, double error) {
 
 /* Longest side of the box around the rest shape, m. */
 static double size_of(const pdyn_body *body) {
-    struct box box = box_empty;
-    for (int i = 0; i < body->count; i++) box_add(&box, body->rest + 3 * (size_t)i);
+    struct box box = box_around(body->rest, body->count);
     return box_extent(&box);
 }
 
