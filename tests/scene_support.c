@@ -57,3 +57,10 @@ void assert_failure(pdyn_status status, const struct scene *scene, const char *e
     assert_memory_equal(scene, &empty, sizeof empty);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
 }
+
+void assert_bad_scenes(const struct bad_scene *bad, int count) {
+    for (int k = 0; k < count; k++) {
+        struct scene scene;
+        assert_failure(read_text(bad[k].text, NULL, 0, &scene), &scene, bad[k].error);
+    }
+}

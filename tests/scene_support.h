@@ -43,4 +43,10 @@ void free_good(struct scene *scene);
 /* Asserts bad input with this message, an empty scene and no allocated memory. */
 void assert_failure(pdyn_status status, const struct scene *scene, const char *expected);
 
+struct bad_scene {
+    const char *text, *error;
+};
+/* The same for each text. */
+void assert_bad_scenes(const struct bad_scene *bad, int count);
+
 #endif
