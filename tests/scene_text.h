@@ -31,4 +31,16 @@
 #define BENDING(rigidity)  "{'type': 'bending', 'bending_rigidity': " rigidity "}"
 #define PINS(vertices)     "{'type': 'pin', 'vertices': {" vertices "}}"
 
+/* A whole scene: a drop in front of a free sheet whose triangles are three spacings wide. */
+#define DROP_AND_SHEET                                                                             \
+    SCENE("'duration': 1, 'gravity': [0, 0, 0], 'time_step': {'fixed': 0.004}, 'solver': "         \
+          "{'tolerance': 1e-3, 'outer_iterations': 4}",                                            \
+          PAIR("{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "     \
+               "[-0.05, 0.025, -0.05], 'maximum': [0.05, 0.105, 0.05]}, 'velocity': [0.1, -1, "    \
+               "0.05]}]}, 'constraints': [{'type': 'fluid', 'stiffness': 1e5}]}",                  \
+               GRID_SHEET("'name': 'sheet', ", "0.3, 0.3", "6, 6",                                 \
+                          "'rotate': [0, 20, 10], 'area_density': 0.5",                            \
+                          PAIR(SPRINGS("1000"), BENDING("0.001")))),                               \
+          "")
+
 #endif

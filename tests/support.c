@@ -174,3 +174,9 @@ double test_distance(const double *a, const double *b, int n) {
     for (int k = 0; k < n; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
     return sqrt(sum);
 }
+
+double *test_vector(int n) {
+    double *a = calloc((size_t)n + 1, sizeof *a);
+    assert_non_null(a);
+    return a;
+}

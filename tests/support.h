@@ -64,5 +64,7 @@ void test_remove_file(const char *name);
 
 double test_random(uint64_t *state); /* in [-1, 1) */
 double test_distance(const double *a, const double *b, int n);
+/* n zeros, and one more, as vectors of particles have it; to be freed. */
+double *test_vector(int n);
 
 #endif

@@ -74,12 +74,6 @@ struct trial { /* sheets in contact at a random state */
     double *x, *gradient, *u, *y, *z;
 };
 
-static double *array(int n) {
-    double *a = calloc((size_t)n + 1, sizeof *a);
-    assert_non_null(a);
-    return a;
-}
-
 static struct trial start(const char *solver) {
     static const char bodies[] = CLOTH_AT(6, 0.152) ", " CLOTH_AT(7, 0.154) ", " CLOTH_AT(4, 0.156);
     struct trial t = {.context = test_context(1)};
@@ -89,7 +83,8 @@ static struct trial start(const char *solver) {
         pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
     assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, 1.0), PDYN_OK);
     t.n = 3 * t.sim->objective.particles;
-    t.x = array(t.n), t.gradient = array(t.n), t.u = array(t.n), t.y = array(t.n), t.z = array(t.n);
+    t.x = test_vector(t.n), t.gradient = test_vector(t.n), t.u = test_vector(t.n),
+    t.y = test_vector(t.n), t.z = test_vector(t.n);
     for (int k = 0; k < t.n; k++) {
         t.x[k] = t.sim->x[k] + 2e-5 * test_random(&seed);
         t.u[k] = test_random(&seed);
@@ -149,7 +144,7 @@ static void test_hessian(void **state) {
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     struct trial t = start("solver.type=cg");
     struct objective *sys = &t.sim->objective;
-    double *hz = array(t.n), *blocks = array(2 * t.n), last = 0.0;
+    double *hz = test_vector(t.n), *blocks = test_vector(2 * t.n), last = 0.0;
     uint64_t seed = 5;
     for (int k = 0; k < t.n; k++) t.z[k] = test_random(&seed);
     for (int k = 0; k <= 2; k++) {

@@ -1,0 +1,157 @@
+/* Samples on surfaces, through which these act on a fluid. */
+#include "support.h"
+
+#include "sph/surface_samples.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+static const char drop[] = DROP_AND_SHEET;
+
+/* Samples lie at their weights' points, keep their distance, and cover the sheet. */
+static void test_places(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    const struct surface_samples *s = sim->samples;
+    const pdyn_body *sheet = &sim->body[1];
+    int n = sim->objective.particles;
+    double spacing = 0.43 * 0.02, *x = test_vector(3 * (n + s->count)), area = 0.0;
+    samples_interpolate(s, sim->x, x);
+    for (int k = 0; k < s->count; k++) {
+        const double *w = s->weight + 3 * k, *at = x + 3 * (n + k);
+        assert_true(fabs(w[0] + w[1] + w[2] - 1.0) < 1e-12);
+        for (int a = 0; a < 3; a++) {
+            double sum = 0.0;
+            for (int m = 0; m < 3; m++) sum += w[m] * sim->x[3 * s->vertex[3 * k + m] + a];
+            assert_true(w[a] >= -1e-12 && fabs(sum - at[a]) < 1e-15);
+        }
+        for (int m = 0; m < k; m++)
+            assert_true(vec3_distance(at, x + 3 * (n + m)) > 0.74 * spacing);
+    }
+    for (int t = 0; t < sheet->triangles; t++)
+        for (int k = 0; k < 66; k++) { /* a lattice of 11 points per side */
+            double b = (k % 11) / 10.0, c = (k / 11) / 10.0, at[3], nearest = 1.0;
+            const int *v = sheet->triangle + 3 * t;
+            if (b + c > 1.0) continue;
+            for (int a = 0; a < 3; a++)
+                at[a] = (1.0 - b - c) * sheet->rest[3 * v[0] + a] + b * sheet->rest[3 * v[1] + a] +
+                        c * sheet->rest[3 * v[2] + a];
+            for (int m = 0; m < s->count; m++)
+                nearest = fmin(nearest, vec3_distance(at, x + 3 * (n + m)));
+            assert_true(nearest < 1.1 * spacing);
+        }
+    for (int t = 0; t < sheet->count; t++) area += sheet->vertex_area[t];
+    assert_true(fabs(area - 0.09) < 1e-12);
+    assert_true(s->count > area / (spacing * spacing) && s->count < 3 * area / (spacing * spacing));
+    free(x);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Puts every `many`-th sample into a neighbour list. */
+static void reach_every(struct surface_samples *s, int many) {
+    int points = s->particles + s->count;
+    int *start = calloc((size_t)points, sizeof *start), *end = calloc((size_t)points, sizeof *end);
+    assert_true(start && end);
+    for (int k = 0; k < s->count; k++) end[s->particles + k] = k % many == 0;
+    samples_update_active(s, &(pdyn_neighbours){.start = start, .end = end});
+    assert_int_equal(s->active_count, (s->count + many - 1) / many);
+    free(start), free(end);
+}
+
+/* S' is the transpose of S: (y, S' z) = (S y, z), also with samples in no list; lumped blocks are
+ * at least S' D S. */
+static void check_gather(pdyn_sim *sim, int many) {
+    struct surface_samples *s = sim->samples;
+    int n = 3 * sim->objective.particles, all = n + 3 * s->count;
+    double *x = test_vector(n), *y = test_vector(n), *up = test_vector(all), *z = test_vector(all);
+    double *D = test_vector(2 * all), *blocks = test_vector(2 * n), left = 0.0, right = 0.0,
+           held = 0.0;
+    uint64_t seed = 5;
+    for (int k = 0; k < n; k++) x[k] = test_random(&seed);
+    reach_every(s, many);
+    for (int k = 0; k < n; k++) z[k] = test_random(&seed);
+    for (int k = 0; k < s->active_count; k++)
+        for (int a = 0; a < 3; a++) z[n + 3 * s->active[k] + a] = test_random(&seed);
+    samples_interpolate(s, x, up), samples_interpolate_active(s, x);
+    for (int k = 0; k < all; k++) assert_true(z[k] == 0.0 || s->input[k] == up[k]);
+    samples_scatter(s, z, y);
+    for (int k = 0; k < n; k++) left += y[k] * x[k];
+    for (int k = 0; k < all; k++) right += z[k] * up[k];
+    assert_true(fabs(left - right) < 1e-12 * fabs(left));
+    for (int k = 0; k < all / 3; k++) D[6 * k] = D[6 * k + 3] = D[6 * k + 5] = 1.0 + z[3 * k];
+    samples_scatter_blocks(s, D, blocks);
+    for (int k = 0; k < n / 3; k++) held += blocks[6 * k] * vec3_dot(x + 3 * k, x + 3 * k);
+    right = 0.0;
+    for (int k = 0; k < all / 3; k++)
+        if (k < n / 3 || D[6 * k] != 1.0) right += D[6 * k] * vec3_dot(up + 3 * k, up + 3 * k);
+    assert_true(held >= right);
+    samples_scatter(s, z, z);
+    for (int k = 0; k < n; k++) assert_true(z[k] == y[k]);
+    free(x), free(y), free(up), free(z), free(D), free(blocks);
+}
+
+static void test_gather(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(3);
+    pdyn_sim *sim = test_load(context, drop);
+    check_gather(sim, 1), check_gather(sim, 3), check_gather(sim, 50);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Along the gradient's direction some constraints change sides: the model's slope at the end of the
+ * way is 0. */
+static void test_line(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    struct objective *sys = &sim->objective;
+    int n = 3 * sys->particles, changed = 0;
+    double *u = test_vector(n), *g = test_vector(n), *y = test_vector(n), energy;
+    for (int k = 0; k < 8; k++) test_step(context, sim);
+    for (double eps = 0.0; eps < 0.5; eps += 0.4) {
+        memcpy(u, sim->x, objective_bytes(sys));
+        for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* compresses the fluid */
+        assert_int_equal(objective_local(sys, u, &energy, g), PDYN_OK);
+        assert_int_equal(objective_linearise(sys, eps), PDYN_OK);
+        for (int k = 0; k < n; k++) u[k] = -g[k];
+        objective_apply(sys, u, y), objective_set_direction(sys, u);
+        double descent = -objective_dot(sys, g, u);
+        double t = objective_line_minimum(sys, descent, objective_dot(sys, u, y));
+        int turns = objective_step_along(sys, t, y);
+        assert_true(t > 0.0 && fabs(objective_dot(sys, y, u) - descent) <= 0.02 * descent);
+        changed += turns;
+    }
+    assert_true(changed > 0);
+    free(u), free(g), free(y);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+/* Sample volumes follow the area of the sheet. */
+static void test_stretch(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    const pdyn_body *sheet = &sim->body[1];
+    for (int i = sheet->first; i < sheet->first + sheet->count; i++)
+        for (int a = 0; a < 3; a++) sim->x[3 * i + a] *= 1.1;
+    samples_update_volumes(sim->samples, sim->x);
+    for (int k = 0; k < sim->samples->count; k++)
+        assert_true(fabs(sim->samples->volume[k] / sim->samples->rest_volume[k] - 1.21) < 1e-12);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_gather),
+        cmocka_unit_test(test_line),
+        cmocka_unit_test(test_stretch),
+    };
+    return cmocka_run_group_tests_name("samples", tests, NULL, NULL);
+}
