@@ -64,3 +64,35 @@ void assert_bad_scenes(const struct bad_scene *bad, int count) {
         assert_failure(read_text(bad[k].text, NULL, 0, &scene), &scene, bad[k].error);
     }
 }
+
+/* ---- a body that is filled with particles ---------------------------------------------------- */
+
+pdyn_status read_fill(double radius, const char *fill, struct scene *scene) {
+    char text[4096];
+    snprintf(text, sizeof text,
+             "{'duration': 1, 'bodies': [{'velocity': [1, 2, 3],\n"
+             "'particles': {'radius': %.17g, 'fill': [%s]}}]}",
+             radius, fill);
+    return read_text(text, NULL, 0, scene);
+}
+
+const struct scene_body *read_good_fill(double radius, const char *fill, struct scene *scene) {
+    if (read_fill(radius, fill, scene) != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    assert_int_equal(scene->body[0].start.count, scene->body[0].start_v.count);
+    return &scene->body[0];
+}
+
+void expect_bad_fill(double radius, const char *fill, const char *message) {
+    struct scene scene;
+    assert_int_not_equal(read_fill(radius, fill, &scene), PDYN_OK);
+    assert_string_equal(pdyn_last_error(context), message);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+}
+
+void assert_velocity(const struct scene_body *body, int first, int count, double x, double y,
+                     double z) {
+    const double v[3] = {x, y, z};
+    for (int i = first; i < first + count; i++)
+        if (!(test_distance(body->start_v.x + 3 * i, v, 3) < 1e-12))
+            fail_msg("particle %d has an unexpected velocity", i);
+}

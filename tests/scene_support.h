@@ -49,4 +49,13 @@ struct bad_scene {
 /* The same for each text. */
 void assert_bad_scenes(const struct bad_scene *bad, int count);
 
+/* Reads a scene with one body of particles of this radius, m, at the velocity (1, 2, 3) m/s, filled
+ * as the entries of "fill" say. */
+pdyn_status read_fill(double radius, const char *fill, struct scene *scene);
+const struct scene_body *read_good_fill(double radius, const char *fill, struct scene *scene);
+void expect_bad_fill(double radius, const char *fill, const char *message);
+/* Asserts the velocity (x, y, z), m/s, of `count` particles. */
+void assert_velocity(const struct scene_body *body, int first, int count, double x, double y,
+                     double z);
+
 #endif
