@@ -35,10 +35,11 @@ static const struct boundary_model boundary_models[] = {
 const struct choices boundary_choices = {boundary_models, sizeof *boundary_models,
                                          sizeof boundary_models / sizeof *boundary_models};
 
-pdyn_status boundary_volumes(pdyn_context *context, const struct boundary_model *model, int count,
-                             const double *x, const double *area, double thickness, double spacing,
-                             double *volume) {
-    double factor = surface_kernel_farther(fmin(0.5 * thickness / spacing, 0.3));
+pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
+                             const double *x, const double *area, double *volume) {
+    const struct boundary_model *model = sampling->model;
+    double spacing = sampling->spacing;
+    double factor = surface_kernel_farther(fmin(0.5 * sampling->thickness / spacing, 0.3));
     if (model->volumes)
         return neighbours_surface_volumes(context, count, x, model->support * spacing, volume);
     for (int k = 0; k < count; k++) volume[k] = factor * area[k] * spacing;

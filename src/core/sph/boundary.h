@@ -15,11 +15,16 @@ struct boundary_model {
                    * particles; false: they have areas and the surface kernel (kernel.h) */
 };
 
+struct sampling { /* of a surface */
+    const struct boundary_model *model;
+    double spacing;   /* m, of the fluid's particles */
+    double thickness; /* m, of a sheet: its sides are half of it away from the points, at most 0.3
+                         spacings; 0 for the surface of a volume */
+};
+
 /* Computes the volumes, m^3, with which the points of a surface enter SPH sums, from their areas,
- * m^2: area times spacing, or 1 / sum W. x: count x 3, m. thickness: m, of a sheet; its sides are
- * half of it away from the points, at most 0.3 spacings are used. spacing: m, of the particles. */
-pdyn_status boundary_volumes(pdyn_context *context, const struct boundary_model *model, int count,
-                             const double *x, const double *area, double thickness, double spacing,
-                             double *volume);
+ * m^2: area times spacing, or 1 / sum W. x: count x 3, m. */
+pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
+                             const double *x, const double *area, double *volume);
 
 #endif

@@ -229,21 +229,16 @@ static void place(struct surface_samples *s, const pdyn_body *body,
     }
 }
 
-struct sampling { /* how surfaces are sampled */
-    const struct boundary_model *model;
-    double thickness, spacing; /* m, see samples_create */
-};
-
 static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *body,
                         const struct surface_points *points, const struct sampling *sampling,
                         const double *rest) {
     pdyn_status status = resize_arrays(s, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
     for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += points[b++].count) {
+        struct sampling of_body = *sampling;
+        if (body[b].tets) of_body.thickness = 0.0;
         place(s, &body[b], &points[b], first, rest);
-        status =
-            boundary_volumes(s->context, sampling->model, points[b].count, s->x + 3 * (size_t)first,
-                             s->volume + first, body[b].tets ? 0.0 : sampling->thickness,
-                             sampling->spacing, s->rest_volume + first);
+        status = boundary_volumes(s->context, &of_body, points[b].count, s->x + 3 * (size_t)first,
+                                  s->volume + first, s->rest_volume + first);
     }
     if (status != PDYN_OK) return status;
     for (int k = 0; k < s->count; k++) s->active[s->active_count++] = k;
@@ -252,23 +247,23 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
 }
 
 pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
-                           const double *rest, const struct boundary_model *model, double thickness,
-                           double spacing, struct surface_samples **out) {
-    const struct sampling sampling = {model, thickness, spacing};
+                           const double *rest, const struct sampling *sampling,
+                           struct surface_samples **out) {
+    double distance = sampling->model->mesh_spacing * sampling->spacing;
     struct surface_points *points = NEW_ARRAY(context, bodies, struct surface_points);
     pdyn_status status = points ? PDYN_OK : PDYN_NO_MEMORY;
     int count = 0;
     *out = NULL;
     for (int b = 0; b < bodies && status == PDYN_OK; count += points[b++].count)
         status = sample_triangles(context, body[b].name, body[b].rest, body[b].triangles,
-                                  body[b].triangle, model->mesh_spacing * spacing, &points[b]);
+                                  body[b].triangle, distance, &points[b]);
     if (status == PDYN_OK && count) {
         *out = NEW_ARRAY(context, 1, struct surface_samples);
         if (!*out) status = PDYN_NO_MEMORY;
         else {
             **out = (struct surface_samples){
                 .context = context, .particles = particles, .count = count};
-            status = fill(*out, bodies, body, points, &sampling, rest);
+            status = fill(*out, bodies, body, points, sampling, rest);
         }
     }
     if (status != PDYN_OK) samples_free(*out), *out = NULL;

@@ -32,11 +32,11 @@ struct surface_samples {
     double *blocks;         /* (particles + count) x 6 */
 };
 
-/* Samples all surfaces. rest: particles x 3, m. thickness: m, of sheets; spacing: m, of the fluid's
- * particles. *out is NULL if no body has a surface. */
+/* Samples all surfaces; the thickness is that of sheets. rest: particles x 3, m. *out is NULL if no
+ * body has a surface. */
 pdyn_status samples_create(pdyn_context *context, int bodies, const pdyn_body *body, int particles,
-                           const double *rest, const struct boundary_model *model, double thickness,
-                           double spacing, struct surface_samples **out);
+                           const double *rest, const struct sampling *sampling,
+                           struct surface_samples **out);
 void samples_free(struct surface_samples *samples);
 
 /* out = (x, S x), for all samples. x: particles x 3; out: (particles + count) x 3. */

@@ -97,12 +97,14 @@ static void warn_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
 pdyn_status lists_create(struct pdyn_sim *sim) {
     double spacing = sim_spacing(sim);
     if (spacing == 0.0) return PDYN_OK;
+    const struct sampling sampling = {
+        .model = sim->scene.settings.boundary,
+        .spacing = spacing,
+        .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0};
     pdyn_status status = solid_points_sample(sim, spacing);
     if (status == PDYN_OK)
         status = samples_create(sim->context, sim->bodies, sim->body, sim->objective.particles,
-                                sim->rest, sim->scene.settings.boundary,
-                                sim->scene.has_contact ? sim->scene.contact.thickness : 0.0,
-                                spacing, &sim->samples);
+                                sim->rest, &sampling, &sim->samples);
     if (status == PDYN_OK) status = create_neighbours(sim, spacing);
     if (status == PDYN_OK) status = make_limits(sim);
     if (status != PDYN_OK) return status;
