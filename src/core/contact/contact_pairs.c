@@ -29,7 +29,7 @@ static bool is_absent(const struct contact *c, int point) {
 
 /* Whether the region of point i contains it and its displacement; that of an absent one is empty.
  */
-static bool holds(const struct contact *c, int i, const double *x, const double *step) {
+static bool region_contains(const struct contact *c, int i, const double *x, const double *step) {
     const struct box *box = &c->region[i];
     if (is_absent(c, i)) return box_is_empty(box);
     for (int a = 3 * i; a < 3 * i + 3; a++) {
@@ -63,7 +63,7 @@ static void set_region(struct contact *c, int i, const double *x, const double *
  * Returns whether there are any. */
 static bool mark_changed(struct contact *c, const double *x, const double *step) {
     int count = 0;
-    for (int i = 0; i < c->points; i++) count += c->changed[i] = !holds(c, i, x, step);
+    for (int i = 0; i < c->points; i++) count += c->changed[i] = !region_contains(c, i, x, step);
     c->all_changed = count > c->points / MANY;
     for (int i = 0; c->all_changed && i < c->points; i++) c->changed[i] = true;
     return count > 0;
@@ -78,7 +78,7 @@ static bool has_changed(const struct contact *c, const int *corner, int corners)
 }
 
 /* The box around the regions of the corners, larger by half a thickness. */
-static void wrap(const struct contact *c, const int *corner, int corners, struct box *box) {
+static void wrap_regions(const struct contact *c, const int *corner, int corners, struct box *box) {
     *box = box_empty;
     for (int k = 0; k < corners; k++) {
         box_add(box, c->region[corner[k]].min);
@@ -103,14 +103,14 @@ static void build_trees(struct contact *c, int kind) {
     bvh_build(&c->changed_edges[kind], c->edge_box + e, edges, c->edge_changed + e);
 }
 
-static void plant(struct contact *c) {
+static void update_trees(struct contact *c) {
     for (int f = 0; f < c->faces; f++) {
         c->face_changed[f] = has_changed(c, c->face + 3 * f, 3);
-        if (c->face_changed[f]) wrap(c, c->face + 3 * f, 3, &c->face_box[f]);
+        if (c->face_changed[f]) wrap_regions(c, c->face + 3 * f, 3, &c->face_box[f]);
     }
     for (int e = 0; e < c->edges; e++) {
         c->edge_changed[e] = has_changed(c, c->edge + 2 * e, 2);
-        if (c->edge_changed[e]) wrap(c, c->edge + 2 * e, 2, &c->edge_box[e]);
+        if (c->edge_changed[e]) wrap_regions(c, c->edge + 2 * e, 2, &c->edge_box[e]);
     }
     for (int kind = 0; kind < 2; kind++) build_trees(c, kind);
 }
@@ -228,7 +228,7 @@ static void search_block(void *arg, int first, int last, int block) {
         struct box point;
         s.block = block;
         if (!edges && (c->group[q] < 0 || box_is_empty(&c->region[q]))) continue;
-        if (!edges) wrap(c, &q, 1, &point);
+        if (!edges) wrap_regions(c, &q, 1, &point);
         search_around(&s, edges ? &c->edge_box[s.a] : &point);
         sort_found(c, block, begin);
     }
@@ -327,7 +327,7 @@ static pdyn_status update_list(struct contact *c) {
     if (c->all_changed) memcpy(c->seen, c->built, 3 * (size_t)c->points * sizeof *c->seen);
     for (int i = 0; i < c->points; i++)
         c->moved[i] = vec3_distance(c->built + 3 * i, c->seen + 3 * i);
-    plant(c);
+    update_trees(c);
     drop_changed(c);
     pdyn_status status = search(c);
     if (status != PDYN_OK) return status;

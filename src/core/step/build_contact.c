@@ -117,23 +117,24 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
 }
 
 /* The trees of faces or edges of surfaces and of solids; owner: of the former. */
-static pdyn_status create_trees(struct contact *c, struct bvh tree[2], int surfaces, int solids,
-                                const int *owner) {
+static pdyn_status create_pair_of_trees(struct contact *c, struct bvh tree[2], int surfaces,
+                                        int solids, const int *owner) {
     pdyn_status status = bvh_create(c->context, surfaces, &tree[0]);
     if (status == PDYN_OK) status = bvh_create(c->context, solids, &tree[1]);
     tree[0].owner = owner;
     return status;
 }
 
-static pdyn_status plant_trees(struct contact *c) {
+static pdyn_status create_trees(struct contact *c) {
     struct bvh *faces[] = {c->face_tree, c->changed_faces},
                *edges[] = {c->edge_tree, c->changed_edges};
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 2 && status == PDYN_OK; k++) {
-        status = create_trees(c, faces[k], c->free_faces, c->faces - c->free_faces, c->face_body);
+        status = create_pair_of_trees(c, faces[k], c->free_faces, c->faces - c->free_faces,
+                                      c->face_body);
         if (status == PDYN_OK)
-            status =
-                create_trees(c, edges[k], c->free_edges, c->edges - c->free_edges, c->edge_body);
+            status = create_pair_of_trees(c, edges[k], c->free_edges, c->edges - c->free_edges,
+                                          c->edge_body);
     }
     return status;
 }
@@ -205,7 +206,7 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
     if (!contact_resize(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     add_bodies(c, sim);
     add_solids(c, sim);
-    pdyn_status status = plant_trees(c);
+    pdyn_status status = create_trees(c);
     if (status == PDYN_OK) status = add_batches(sim);
     return status == PDYN_OK ? place(sim) : status;
 }
