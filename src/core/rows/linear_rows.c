@@ -108,14 +108,16 @@ static int sum_row(const struct batch *b, int i, int *place, int *column, double
     return count;
 }
 
-static bool allocate(struct linear_rows *k) {
-    k->column = NEW_ARRAY(k->context, k->entries, int);
-    k->value = NEW_ARRAY(k->context, k->entries, double);
-    k->own = NEW_ARRAY(k->context, k->count, double);
-    k->diagonal = NEW_ARRAY(k->context, k->count, double);
-    k->partial = NEW_ARRAY(k->context, pool_blocks(k->count, GRAIN), double);
-    return (!k->entries || (k->column && k->value)) &&
-           (!k->count || (k->own && k->diagonal && k->partial));
+/* The arrays but `start`, from which the number of entries follows. */
+static bool resize_arrays(struct linear_rows *k, enum array_action action) {
+    const struct array_entry table[] = {
+        ARRAY(k->column, k->entries),
+        ARRAY(k->value, k->entries),
+        ARRAY(k->own, k->count),
+        ARRAY(k->diagonal, k->count),
+        ARRAY(k->partial, pool_blocks(k->count, GRAIN)),
+    };
+    return context_arrays(k->context, table, ARRAY_ROWS(table), action);
 }
 
 static void fill(struct linear_rows *k, const struct batch *b, int *place) {
@@ -139,7 +141,7 @@ pdyn_status linear_rows_create(pdyn_context *context, const struct batch *b,
     double unused = 0.0;
     for (int i = 0; good && i < k->count; i++)
         k->start[i + 1] = k->entries += sum_row(b, i, place, NULL, NULL, &unused);
-    good = good && allocate(k);
+    good = good && resize_arrays(k, ARRAYS_ALLOCATE);
     if (good) fill(k, b, place);
     FREE_ARRAY(context, place, 2 * (size_t)k->count);
     return good ? PDYN_OK : PDYN_NO_MEMORY;
@@ -147,12 +149,7 @@ pdyn_status linear_rows_create(pdyn_context *context, const struct batch *b,
 
 void linear_rows_free(struct linear_rows *k) {
     if (!k) return;
-    pdyn_context *c = k->context;
-    FREE_ARRAY(c, k->start, k->count + 1);
-    FREE_ARRAY(c, k->column, k->entries);
-    FREE_ARRAY(c, k->value, k->entries);
-    FREE_ARRAY(c, k->own, k->count);
-    FREE_ARRAY(c, k->diagonal, k->count);
-    FREE_ARRAY(c, k->partial, pool_blocks(k->count, GRAIN));
-    FREE_ARRAY(c, k, 1);
+    resize_arrays(k, ARRAYS_FREE);
+    FREE_ARRAY(k->context, k->start, k->count + 1);
+    FREE_ARRAY(k->context, k, 1);
 }

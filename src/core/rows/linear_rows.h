@@ -23,7 +23,7 @@ struct linear_rows {
 /* The matrix of a batch whose rows are filled. */
 pdyn_status linear_rows_create(pdyn_context *context, const struct batch *batch,
                                struct linear_rows **out);
-void linear_rows_free(struct linear_rows *stiffness); /* NULL is fine */
+void linear_rows_free(struct linear_rows *rows); /* NULL: does nothing */
 
 /* y += K x */
 void linear_rows_apply(struct linear_rows *stiffness, const double *x, double *y);

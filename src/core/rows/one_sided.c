@@ -13,13 +13,20 @@ struct call {
     double eps, t;
 };
 
+static bool resize_arrays(struct one_sided *s, enum array_action action) {
+    const struct array_entry table[] = {
+        ARRAY(s->reached, s->capacity),
+        ARRAY(s->rate, s->capacity),
+        ARRAY(s->multiplier, s->capacity),
+        ARRAY(s->acts, s->capacity),
+        ARRAY(s->possible, s->capacity),
+        ARRAY(s->partial, 2 * (size_t)pool_blocks(s->capacity, GRAIN)),
+    };
+    return context_arrays(s->context, table, ARRAY_ROWS(table), action);
+}
+
 void one_sided_free(struct one_sided *s) {
-    FREE_ARRAY(s->context, s->reached, s->capacity);
-    FREE_ARRAY(s->context, s->rate, s->capacity);
-    FREE_ARRAY(s->context, s->multiplier, s->capacity);
-    FREE_ARRAY(s->context, s->acts, s->capacity);
-    FREE_ARRAY(s->context, s->possible, s->capacity);
-    FREE_ARRAY(s->context, s->partial, 2 * (size_t)pool_blocks(s->capacity, GRAIN));
+    resize_arrays(s, ARRAYS_FREE);
     s->capacity = 0;
 }
 
@@ -27,14 +34,7 @@ static pdyn_status reserve(struct one_sided *s, int count) {
     if (count <= s->capacity) return PDYN_OK;
     one_sided_free(s);
     s->capacity = count;
-    s->reached = NEW_ARRAY(s->context, count, double);
-    s->rate = NEW_ARRAY(s->context, count, double);
-    s->multiplier = NEW_ARRAY(s->context, count, double);
-    s->acts = NEW_ARRAY(s->context, count, bool);
-    s->possible = NEW_ARRAY(s->context, count, bool);
-    s->partial = NEW_ARRAY(s->context, 2 * (size_t)pool_blocks(count, GRAIN), double);
-    bool good = s->reached && s->rate && s->multiplier && s->acts && s->possible && s->partial;
-    return good ? PDYN_OK : PDYN_NO_MEMORY;
+    return resize_arrays(s, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 static void for_all(struct one_sided *s, int count, pdyn_range_fn *fn, const double *u, double *out,

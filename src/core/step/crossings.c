@@ -44,6 +44,17 @@ struct crossings {
 
 /* ---- creation -------------------------------------------------------------------------------- */
 
+static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
+    struct crossings *c = sim->crossings;
+    const struct array_entry table[] = {
+        ARRAY(c->surface, sim->bodies + sim->scene.solids),
+        ARRAY(c->passed, sim->objective.particles),
+        ARRAY(c->beyond, sim->objective.particles),
+        ARRAY(c->slack, sim->bodies),
+    };
+    return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
+}
+
 static bool resize_set(pdyn_context *context, struct triangle_set *set, enum array_action action) {
     const struct array_entry table[] = {
         ARRAY(set->surface, set->capacity),
@@ -80,8 +91,6 @@ static pdyn_status add_solid(struct pdyn_sim *sim, struct surface *s,
 /* Surfaces of bodies, if there is fluid, then solids. */
 static pdyn_status list_surfaces(struct pdyn_sim *sim) {
     struct crossings *c = sim->crossings;
-    c->surface = NEW_ARRAY(sim->context, sim->bodies + sim->scene.solids, struct surface);
-    if (!c->surface) return PDYN_NO_MEMORY;
     for (int b = 0; b < sim->bodies && c->fluid; b++) {
         const pdyn_body *body = &sim->body[b];
         if (!body->triangles) continue;
@@ -146,10 +155,7 @@ pdyn_status crossings_create(struct pdyn_sim *sim) {
     struct crossings *c = sim->crossings = NEW_ARRAY(sim->context, 1, struct crossings);
     if (!c) return PDYN_NO_MEMORY;
     c->fluid = fluid, c->bodies = bodies;
-    c->passed = NEW_ARRAY(sim->context, sim->objective.particles, int);
-    c->beyond = NEW_ARRAY(sim->context, sim->objective.particles, int);
-    c->slack = NEW_ARRAY(sim->context, sim->bodies, double);
-    if (!c->passed || !c->beyond || !c->slack) return PDYN_NO_MEMORY;
+    if (!resize_arrays(sim, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     for (int b = 0; b < sim->bodies; b++) c->slack[b] = slack_of(&sim->body[b]);
     pdyn_status status = list_surfaces(sim);
     if (status == PDYN_OK) status = fill_set(sim, &c->resting, true);
@@ -168,11 +174,8 @@ void crossings_free(struct pdyn_sim *sim) {
         resize_set(context, sets[k], ARRAYS_FREE);
         bvh_free(context, &sets[k]->tree);
     }
-    FREE_ARRAY(context, c->surface, sim->bodies + sim->scene.solids);
-    FREE_ARRAY(context, c->passed, sim->objective.particles);
-    FREE_ARRAY(context, c->beyond, sim->objective.particles);
-    FREE_ARRAY(context, c->slack, sim->bodies);
-    FREE_ARRAY(context, c, 1);
+    resize_arrays(sim, ARRAYS_FREE);
+    FREE_ARRAY(context, sim->crossings, 1);
 }
 
 /* ---- one particle and one triangle ----------------------------------------------------------- */
