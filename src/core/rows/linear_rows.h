@@ -26,11 +26,11 @@ pdyn_status linear_rows_create(pdyn_context *context, const struct batch *batch,
 void linear_rows_free(struct linear_rows *rows); /* NULL: does nothing */
 
 /* y += K x */
-void linear_rows_apply(struct linear_rows *stiffness, const double *x, double *y);
+void linear_rows_apply(struct linear_rows *rows, const double *x, double *y);
 /* Returns x . K x / 2, summed from differences between neighbours against cancellation; y += K x.
  */
-double linear_rows_energy(struct linear_rows *stiffness, const double *x, double *y);
+double linear_rows_energy(struct linear_rows *rows, const double *x, double *y);
 /* Adds K_ii to the blocks, packed xx xy xz yy yz zz, particles x 6. */
-void linear_rows_diagonal(const struct linear_rows *stiffness, double *blocks);
+void linear_rows_diagonal(const struct linear_rows *rows, double *blocks);
 
 #endif
