@@ -1,4 +1,5 @@
 /* projdyn run: simulates a scene and writes frames, metrics.csv, report.json and saved states. */
+#include "run_progress.h"
 #include "run_record.h"
 #include "scene_options.h"
 
@@ -8,9 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <time.h>
-#include <unistd.h>
 
 static const char usage[] =
     "Usage: projdyn run SCENE [OPTIONS]\n"
@@ -44,14 +42,6 @@ struct run_options {
     char duration[64];    /* the override "duration=S" made from --time */
     int save_interval;    /* frames between two saved states; 0: only at the end */
     bool ply, no_frames, quiet, strict;
-};
-
-struct run_totals {
-    double start_s, progress_s; /* wall-clock times of the start and of the last progress line */
-    long steps, frames;
-    /* Mean density error of each step: sum over the steps, and maximum. */
-    double density_error_sum, density_error_max;
-    bool has_fluid; /* there was a particle */
 };
 
 /* Number of signals SIGINT and SIGTERM received during the run. */
@@ -177,76 +167,6 @@ static int parse(struct run_options *o, int argc, char **argv) {
     return o->output ? -1 : EXIT_FAILED;
 }
 
-/* ---- progress -------------------------------------------------------------------------------- */
-
-/* What tells most about the last step: the density error of a fluid, called `density`, or the step
- * residual. */
-static const char *accuracy(const pdyn_step_info *info, const struct run_totals *t,
-                            const char *density, char text[64]) {
-    if (t->has_fluid) snprintf(text, 64, "%s %.4f%%", density, 100.0 * info->density_error_mean);
-    else snprintf(text, 64, "residual %.2g", info->step_residual);
-    return text;
-}
-
-static int terminal_columns(void) {
-    struct winsize size;
-    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
-}
-
-/* Redraws the progress line of a terminal, at most ten times per second. The line is cut to the
- * width of the terminal, because a wrapped line cannot be erased. */
-static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
-    double time = wall_seconds(), part = fmin(1.0, info->time / pdyn_duration(sim));
-    if (time - t->progress_s < 0.1) return;
-    t->progress_s = time;
-    int filled = (int)(10.0 * part);
-    char line[256], text[64];
-    snprintf(line, sizeof line,
-             "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, %s, %d outer, %.3g ms/step", filled,
-             "##########", 10 - filled, "..........", 100.0 * part, info->time, pdyn_duration(sim),
-             (time - t->start_s) * (1.0 / part - 1.0), accuracy(info, t, "density", text),
-             info->outer_iterations, 1e3 * (time - t->start_s) / (double)t->steps);
-    clear_progress();
-    fprintf(stderr, "%.*s", terminal_columns() - 1, line);
-}
-
-/* A progress bar after each step on a terminal, otherwise one line per frame. */
-static void show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
-    char text[64];
-    if (isatty(STDERR_FILENO)) show_bar(sim, info, t);
-    else if (info->frame)
-        fprintf(stderr,
-                "%.4f s of %g s, %.1f s of wall time, %s, %d outer iterations, "
-                "%d linear iterations\n",
-                info->time, pdyn_duration(sim), wall_seconds() - t->start_s,
-                accuracy(info, t, "density error", text), info->outer_iterations,
-                info->linear_iterations);
-}
-
-/* Prints the warnings that have grown since they were printed first, in their last form. */
-static void print_warnings(const pdyn_sim *sim) {
-    pdyn_warning w;
-    int k = 0;
-    for (; (w = pdyn_get_warning(sim, k)).code; k++)
-        if (w.last > w.first)
-            printf("warning: %s%s%s, from %.4g to %.4g s [%s]\n", w.subject, *w.subject ? ": " : "",
-                   w.text, w.first, w.last, w.code);
-    if (k) puts("docs/guide/troubleshooting.md explains warnings by their codes");
-}
-
-static void print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *t) {
-    double wall = wall_seconds() - t->start_s;
-    printf("%ld steps to %g s in %.1f s, %.1f ms per step, integrator %s, solver %s, %s step\n",
-           t->steps, pdyn_time(sim), wall, t->steps ? 1e3 * wall / (double)t->steps : 0.0,
-           pdyn_integrator(sim), pdyn_solver_type(sim), pdyn_step_type(sim));
-    if (t->has_fluid)
-        printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
-               t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
-               100.0 * t->density_error_max);
-    print_warnings(sim);
-    printf("written to %s; next: projdyn replay %s\n", output, output);
-}
-
 /* ---- the run --------------------------------------------------------------------------------- */
 
 /* Whether an interrupt ends the run before the next step. The first interrupt waits for the end
@@ -282,13 +202,10 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
         status = pdyn_step(sim, &info);
         if (status == PDYN_OK) status = pdyn_writer_step(writer, &info);
         if (status != PDYN_OK) break;
-        t->steps++;
-        t->density_error_sum += info.density_error_mean;
-        t->has_fluid |= info.particles > 0;
-        t->density_error_max = fmax(t->density_error_max, info.density_error_mean);
+        run_totals_add(t, &info);
         frame = info.frame;
         if (frame) status = end_frame(writer, o, t);
-        if (!o->quiet) show_progress(sim, &info, t);
+        if (!o->quiet) run_show_progress(sim, &info, t);
     }
     if (!o->quiet) clear_progress();
     return status;
@@ -341,7 +258,7 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
                 "--resume %s%s\n",
                 pdyn_time(sim), o->output, o->output,
                 o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "");
-    if (!o->quiet) print_summary(sim, o->output, &totals);
+    if (!o->quiet) run_print_summary(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : warnings_exit_code(sim, o->strict);
 }
 
