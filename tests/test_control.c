@@ -510,6 +510,7 @@ static void test_failing_allocations_of_changes(void **state) {
         status = change_all(sim);
         test_allow(&counter, -1);
         assert_true(status == PDYN_OK || status == PDYN_NO_MEMORY);
+        assert_non_null(pdyn_solver_reason(sim));
         good(pdyn_save(sim, "state"));
         pdyn_sim *other = test_load(counting, sheet);
         assert_int_equal(pdyn_restore(other, "state"), PDYN_OK);

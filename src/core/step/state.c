@@ -12,7 +12,9 @@ double pdyn_frame_interval(const pdyn_sim *sim) {
 const char *pdyn_solver_type(const pdyn_sim *sim) {
     return sim && sim->choice.count ? sim->choice.slot[0].solver->name : "";
 }
-const char *pdyn_solver_reason(const pdyn_sim *sim) { return sim ? sim->choice.reason : ""; }
+const char *pdyn_solver_reason(const pdyn_sim *sim) {
+    return sim && sim->choice.reason ? sim->choice.reason : "";
+}
 const char *pdyn_integrator(const pdyn_sim *sim) {
     return sim ? sim->scene.settings.integrator->name : "";
 }
