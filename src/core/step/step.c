@@ -158,6 +158,31 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
  * particle. */
 static const double history_residual = 0.5;
 
+/* The step in x_next becomes the state; then time advances, and inlets and outlets act. */
+static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
+                        const struct progress *progress) {
+    double tolerance = sim->scene.settings.tolerance;
+    measure_update_fluid(sim);
+    sim->unfinished = progress->residual > fmax(tolerance, history_residual);
+    crossings_step(sim, end->h);
+    accept(sim, end->h);
+    if (sim->neighbours) neighbours_end_step(sim->neighbours);
+    timestep_check(sim, end->h, progress->residual);
+    solver_choice_step(sim, progress->linear, progress->residual <= tolerance);
+    timestep_advance(sim, end);
+    live_particles_step(sim);
+    sim->forces_known = true;
+    probes_step(sim, end->h);
+}
+
+static void measure_times(const struct pdyn_sim *sim, double ms, double ms_cpu,
+                          pdyn_step_info *info) {
+    info->ms_neighbours = sim->objective.ms_neighbours, info->ms_local = sim->objective.ms_local;
+    info->ms_contact = sim->objective.contact ? sim->objective.contact->ms : 0.0;
+    info->ms_global = ms - info->ms_neighbours - info->ms_local - info->ms_contact;
+    info->ms_cpu = ms_cpu;
+}
+
 static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_info *info) {
     struct progress progress;
     int retries = 0;
@@ -166,18 +191,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
     sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
     pdyn_status status = attempt_with_retries(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
-    measure_update_fluid(sim);
-    sim->unfinished = progress.residual > fmax(sim->scene.settings.tolerance, history_residual);
-    crossings_step(sim, end.h);
-    accept(sim, end.h);
-    if (sim->neighbours) neighbours_end_step(sim->neighbours);
-    timestep_check(sim, end.h, progress.residual);
-    solver_choice_step(sim, progress.linear, progress.residual <= sim->scene.settings.tolerance);
-
-    timestep_advance(sim, &end);
-    live_particles_step(sim);
-    sim->forces_known = true;
-    probes_step(sim, end.h);
+    finish_step(sim, &end, &progress);
     *info = (pdyn_step_info){.time = sim->time,
                              .h = end.h,
                              .frame = end.frame,
@@ -189,10 +203,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
                              .step_residual = progress.residual};
     measure_step(sim, info);
     warn_of_step(sim, info);
-    info->ms_neighbours = sim->objective.ms_neighbours, info->ms_local = sim->objective.ms_local;
-    info->ms_contact = sim->objective.contact ? sim->objective.contact->ms : 0.0;
-    info->ms_global = clock_ms() - start - info->ms_neighbours - info->ms_local - info->ms_contact;
-    info->ms_cpu = clock_cpu_ms() - cpu;
+    measure_times(sim, clock_ms() - start, clock_cpu_ms() - cpu, info);
     return PDYN_OK;
 }
 
