@@ -19,7 +19,7 @@
  *     interface bag DIRECTORY SECONDS MM FILL RADIUS...
  *         water in a taut bag of a RADIUS in d; FILL: volume of the water over that of the bag at
  *         rest
- *     interface dropped DIRECTORY SECONDS MM WIDTH CONTACT_MM KG...
+ *     interface dropped DIRECTORY SECONDS MM WIDTH CONTACT_MM KG PERMEABILITY...
  *         a cloth of KG per m^2 falls flat on water: height over the surface, in time
  *     interface plate DIRECTORY SECONDS MM...
  *         deflection of a clamped plate under two metres of water
@@ -44,7 +44,7 @@ static const struct command commands[] = {
     {"stream", "MM CONTACT_MM SPEED...", stream, 3},
     {"added_mass", "CONTACT_MM SHAPE:MM...", added_mass, 2},
     {"bag", "SECONDS MM FILL RADIUS...", bag, 4},
-    {"dropped", "SECONDS MM WIDTH CONTACT_MM KG...", dropped, 5},
+    {"dropped", "SECONDS MM WIDTH CONTACT_MM KG PERMEABILITY...", dropped, 6},
     {"plate", "SECONDS MM...", plate, 2},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };

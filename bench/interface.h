@@ -48,6 +48,7 @@ void scene_water(struct scene *s, double d, double depth, double viscosity, cons
     PDYN_PRINTF(5, 6);
 /* Writes a surface after the water, up to its constraints. */
 void scene_sheet(struct scene *s, const char *mesh, double area_density);
+void scene_permeable(struct scene *s, const char *mesh, double area_density, double permeability);
 /* Writes an open tank with a corner at the origin, and an outlet for what leaves it; ends the
  * scene. */
 void scene_tank(struct scene *s, double x, double y, double z);

@@ -1,5 +1,6 @@
 /* A cloth is dropped flat on water: its height over the surface in time, and the fraction of it
- * under water. Wet fibre of 1300 kg/m^3 sinks slowly: 0.3 kg/m^2 weigh 0.7 Pa in water. */
+ * under water. One that water does not pass floats, if it is light; one of the permeability k sinks
+ * with k times its weight per area. */
 #include "interface.h"
 
 #include "projdyn/vec3.h"
@@ -9,9 +10,10 @@
 enum { BESIDE = 6, DEPTH = 12, FALL = 5, ROWS = 8 }; /* spacings; rows of the table */
 
 struct drop {
-    double d, width, area_density; /* m, m, kg/m^2 */
-    double middle[3];              /* m, of the cloth at the start */
-    int cells[3];                  /* of the water */
+    double d, width;                   /* m */
+    double area_density, permeability; /* kg/m^2, m/(Pa s) */
+    double middle[3];                  /* m, of the cloth at the start */
+    int cells[3];                      /* of the water */
 };
 
 static void place(const void *user, double s, double t, double x[3]) {
@@ -33,7 +35,7 @@ static pdyn_sim *load_drop(const struct job *job, struct drop *p, double contact
     scene_water(&s, p->d, DEPTH * p->d, plain,
                 "{'box': {'minimum': [0, 0, 0], 'maximum': [%.17g, %.17g, %.17g]}}",
                 cells[0] * p->d, cells[1] * p->d, cells[2] * p->d);
-    scene_sheet(&s, sheet, p->area_density);
+    scene_permeable(&s, sheet, p->area_density, p->permeability);
     scene_put(&s, "'constraints': [{'type': 'triangle', 'stretching_stiffness': 1e4}, {'type': "
                   "'bending', 'bending_rigidity': 1e-4}]}");
     scene_tank(&s, cells[0] * p->d, (DEPTH + 10) * p->d, cells[2] * p->d);
@@ -74,11 +76,12 @@ static void run(const struct job *job, FILE *csv, struct drop *p, double seconds
         pdyn_step_info info = take_step(job->context, sim);
         body_middle(sim, 1, x);
         double above = (x[1] - surface_height(sim, &frame)) / p->d;
-        fprintf(csv, "%g,%.6g,%.6g,%.4g\n", p->area_density, info.time, above, info.step_residual);
+        fprintf(csv, "%g,%g,%.6g,%.6g,%.4g\n", p->area_density, p->permeability, info.time, above,
+                info.step_residual);
         steps++, unsolved += info.step_residual > job->tolerance, ms += info.ms_cpu;
         if (info.time < row * seconds / ROWS - 1e-9) continue;
-        printf("| %g | %g | %g | %.2f | %+.2f | %.0f %% | %.0f %% | %.1f |\n", p->area_density,
-               1e3 * p->d, 1e3 * contact, info.time, above, 100.0 * wet(sim),
+        printf("| %g | %g | %g | %g | %.2f | %+.2f | %.0f %% | %.0f %% | %.1f |\n", p->area_density,
+               p->permeability, 1e3 * p->d, 1e3 * contact, info.time, above, 100.0 * wet(sim),
                100.0 * unsolved / steps, ms / steps);
         fflush(stdout);
         row++;
@@ -86,16 +89,20 @@ static void run(const struct job *job, FILE *csv, struct drop *p, double seconds
     pdyn_free(sim);
 }
 
-/* SECONDS MM WIDTH CONTACT_MM KG... */
+/* SECONDS MM WIDTH CONTACT_MM, then KG PERMEABILITY of each cloth */
 void dropped(const struct job *job) {
     double seconds = job_number(job, 0, 2.0), d = 1e-3 * job_number(job, 1, 20.0);
     double width = job_number(job, 2, 12.0), contact = 1e-3 * job_number(job, 3, 3.0);
     FILE *csv = open_csv(job->directory, "dropped");
-    fprintf(csv, "kg_m2,time_s,above_surface_d,residual\n");
-    printf("| kg/m^2 | d, mm | contact, mm | time, s | above the surface, d | water above | "
-           "unsolved | ms a step |\n|---|---|---|---|---|---|---|---|\n");
-    for (int k = 4; k < job->count; k++) {
-        struct drop p = {.d = d, .width = width * d, .area_density = job_number(job, k, 0.3)};
+    fprintf(csv, "kg_m2,permeability,time_s,above_surface_d,residual\n");
+    printf("| kg/m^2 | permeability, m/(Pa s) | d, mm | contact, mm | time, s | above the surface, "
+           "d | water above | "
+           "unsolved | ms a step |\n|---|---|---|---|---|---|---|---|---|\n");
+    for (int k = 4; k < job->count; k += 2) {
+        struct drop p = {.d = d,
+                         .width = width * d,
+                         .area_density = job_number(job, k, 0.3),
+                         .permeability = job_number(job, k + 1, 0.0)};
         run(job, csv, &p, seconds, contact);
     }
     fclose(csv);

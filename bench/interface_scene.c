@@ -45,8 +45,14 @@ void scene_water(struct scene *s, double d, double depth, double viscosity, cons
 }
 
 void scene_sheet(struct scene *s, const char *mesh, double area_density) {
-    scene_put(s, ", {'name': 'sheet', 'surface': {'mesh': '%s', 'area_density': %.17g}, ", mesh,
-              area_density);
+    scene_permeable(s, mesh, area_density, 0.0);
+}
+
+void scene_permeable(struct scene *s, const char *mesh, double area_density, double permeability) {
+    scene_put(s,
+              ", {'name': 'sheet', 'surface': {'mesh': '%s', 'area_density': %.17g, "
+              "'permeability': %.17g}, ",
+              mesh, area_density, permeability);
 }
 
 void scene_tank(struct scene *s, double x, double y, double z) {

@@ -15,7 +15,7 @@ quick)
     displaced="1.2 12 0 level:20:1 tilted:20:1" thick="1 12 3 level:20:1" tank="1 16x40"
     floating="1 25 8 slab:500 cube:900 cube:2000" free="0.2 8 0 between:20:0.2 between:20:12"
     neutral="0.5 8 3 settled:20:3" stream="30 0 2" added_mass="0 strip:25" bag="0.5 12.5 1.1 8"
-    dropped="1 20 8 3 0.3" plate="2 50" ;;
+    dropped="1 20 8 3 0.3 0 0.3 0.03" plate="2 50" ;;
 "" | --*)
     full=yes
     displaced="1.2 16 0 level:30:1 level:20:1 level:12.5:1 tilted:30:1 tilted:20:1 tilted:12.5:1 curved:30:1 curved:20:1"
@@ -24,7 +24,7 @@ quick)
     floating="3 25 12 slab:250 slab:500 cube:900 ball:500 ball:900 cube:2000"
     free="1 12 0 between:20:0.05 between:20:0.2 between:20:1 between:20:12 cavity:20:0.2 cavity:20:1 cavity:20:12"
     neutral="2 12 3 settled:20:3 between:20:3" stream="20 0 0.5 1 2" added_mass="0 strip:25 strip:12.5 disc:30 disc:15"
-    bag="1 12.5 1.1 6 8" dropped="2 20 12 3 0.3" plate="2 50" ;;
+    bag="1 12.5 1.1 6 8" dropped="2 20 12 3 0.3 0 0.3 0.03" plate="2 50" ;;
 *) echo "usage: scripts/interface.sh [quick] [--set PATH=VALUE]... [--threads N]" >&2; exit 2 ;;
 esac
 measure() { # NAME COMMAND ARGUMENTS

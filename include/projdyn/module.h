@@ -109,6 +109,8 @@ typedef struct pdyn_body {
     int tets;
     const int *tet;           /* tets x 4: vertices, (b - a) x (c - a) . (d - a) > 0 */
     const double *tet_volume; /* tets, m^3 */
+    double permeability;      /* m/(Pa s): velocity of a fluid through the surface for a pressure
+                                 difference; 0: none passes */
 } pdyn_body;
 
 /* ---- contacts and wet sides: core finds them, constraints act on them ------------------------ */
@@ -163,7 +165,7 @@ typedef struct pdyn_wet_side {
                                fluid's; an arbitrary one where coefficient is 0 */
     double coefficient[19]; /* sum 0 */
     double normal[3];       /* of the surface, length 1 */
-    double rate;            /* N s/m: force per velocity along the surface */
+    double along, across;   /* N s/m: force per velocity along the surface, and through it */
 } pdyn_wet_side;
 
 typedef struct pdyn_wet_sides {
@@ -189,7 +191,7 @@ typedef struct pdyn_batch { /* one constraint type on one body; core owns all ar
     double *p;                                /* rows x 3: the projection of u */
     const struct pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
     const pdyn_contacts *contacts;            /* NULL in a scene without contact */
-    const pdyn_wet_sides *wet_sides;          /* NULL where no surface has friction with a fluid */
+    const pdyn_wet_sides *wet_sides;          /* NULL where no fluid rubs or passes a surface */
     uint64_t *key;                            /* elements: see `end`; NULL without memory_size */
     void *memory;                             /* elements x memory_size: see `end` */
     /* The integrator: h above is the effective length of a step of this length, s, and `begin` gets
@@ -533,7 +535,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 14u
+#define PDYN_ABI 15u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -86,7 +86,7 @@ class Scene:
                   name: Optional[str] = None, velocity: Any = None, grid: Any = None,
                   mesh: Optional[Path] = None, scale: Any = None, rotate: Any = None,
                   translate: Any = None, fluid_friction: Optional[float] = None,
-                  **constraints: Constraints) -> str:
+                  permeability: Optional[float] = None, **constraints: Constraints) -> str:
         """Adds a sheet and returns its name.
 
         vertices: n x 3, m, and triangles: m x 3, indices from 0; or grid={"size": ..,
@@ -98,7 +98,8 @@ class Scene:
         if vertices is not None:
             mesh = self._mesh(name, vertices, triangles)
         surface = _given(grid=grid, mesh=mesh, scale=scale, rotate=rotate, translate=translate,
-                         area_density=area_density, fluid_friction=fluid_friction)
+                         area_density=area_density, fluid_friction=fluid_friction,
+                         permeability=permeability)
         return self._add_body(name, "surface", surface, velocity, constraints)
 
     def add_soft(self, vertices: Any = None, tets: Any = None, *, density: float,

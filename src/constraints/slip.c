@@ -2,57 +2,23 @@
  * stress beta v pulls a surface along, v the velocity of the fluid there, along the surface and
  * relative to it, beta the surface's `fluid_friction`, Pa s/m.
  *
- * A spring of stiffness beta A / h along the surface ties u = fluid less sample (pdyn_wet_side, of
- * the area A) to where it is when the step begins: after a step of length h, its force is the force
- * beta A v of implicit Euler. The fluid loses the momentum that the surface gets. */
-#include "projdyn/module.h"
-#include "projdyn/vec3.h"
-
-#include <string.h>
-
-enum { WIDTH = sizeof((pdyn_wet_side){0}.particle) / sizeof(int) };
-
-struct anchor {
-    double u[3]; /* m: at the beginning of the step */
-};
-
-/* An element for every wet side, in the same order. */
-static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
-                  int room) {
-    (void)par, (void)x, (void)v, (void)room;
-    return b->wet_sides->count;
-}
-
-static void select(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++) {
-        const pdyn_wet_side *side = &b->wet_sides->side[e];
-        memcpy(b->column + WIDTH * e, side->particle, sizeof side->particle);
-        memcpy(b->coefficient + WIDTH * e, side->coefficient, sizeof side->coefficient);
-    }
-}
-
-static void begin(const void *par, const pdyn_batch *b, int first, int last) {
-    (void)par;
-    for (int e = first; e < last; e++)
-        memcpy((struct anchor *)b->data + e, b->u + 3 * e, sizeof(struct anchor));
-}
+ * A spring of stiffness beta A / h along the surface ties u (wet_side.h), of the area A, to where
+ * it is when the step begins: after a step of length h, its force is the force beta A v of implicit
+ * Euler. The fluid loses the momentum that the surface gets. */
+#include "wet_side.h"
 
 static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int e = first; e < last; e++) b->weight[e] = b->wet_sides->side[e].rate / b->h;
+    for (int e = first; e < last; e++) b->weight[e] = b->wet_sides->side[e].along / b->h;
 }
 
 /* p: the anchor, moved with u across the surface */
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
+    double along[3], across[3];
     for (int e = first; e < last; e++) {
-        const double *anchor = ((const struct anchor *)b->data)[e].u;
-        const double *normal = b->wet_sides->side[e].normal;
-        double moved[3], *p = b->p + 3 * e;
-        for (int a = 0; a < 3; a++) moved[a] = b->u[3 * e + a] - anchor[a];
-        memcpy(p, anchor, sizeof moved);
-        vec3_add(p, vec3_dot(moved, normal), normal);
+        wet_side_move(b, e, along, across);
+        for (int a = 0; a < 3; a++) b->p[3 * e + a] = b->u[3 * e + a] - along[a];
     }
 }
 
@@ -70,13 +36,13 @@ const pdyn_constraint_type pdyn_constraint_slip = {
     .summary = "friction between a fluid and surfaces in it",
     .flags = PDYN_LOSSY,
     .params = (const pdyn_param[]){{0}},
-    .data_size = sizeof(struct anchor),
-    .update = update,
+    .data_size = sizeof(struct wet_side_anchor),
+    .update = wet_side_update,
     .rows = 1,
-    .width = WIDTH,
-    .select = select,
+    .width = WET_SIDE_WIDTH,
+    .select = wet_side_select,
     .weight = weight,
     .project = project,
     .tangent = tangent,
-    .begin = begin,
+    .begin = wet_side_begin,
 };

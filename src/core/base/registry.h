@@ -14,7 +14,7 @@ extern const pdyn_plugin registry_builtin;
 /* Types without a name in scenes: core makes them for "contact" and for "fluid_friction" of a body.
  */
 extern const pdyn_constraint_type pdyn_constraint_contact, pdyn_constraint_contact_damping,
-    pdyn_constraint_friction, pdyn_constraint_slip;
+    pdyn_constraint_friction, pdyn_constraint_slip, pdyn_constraint_seepage;
 
 /* The k-th constraint type or solver, in the order of registration; NULL beyond the last. */
 const pdyn_constraint_type *registry_constraint_at(const pdyn_context *context, int k);

@@ -187,6 +187,7 @@ bool contact_resize(struct contact *c, enum array_action action) {
     const struct array_entry table[] = {
         ARRAY(c->owner, c->groups),
         ARRAY(c->near, c->groups),
+        ARRAY(c->open, c->groups),
         ARRAY(c->rigid, c->rigids),
         ARRAY(c->solid, c->groups - c->bodies),
         ARRAY(c->group, n),

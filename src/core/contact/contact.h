@@ -83,6 +83,7 @@ struct contact {
     struct contact_solid *solid; /* groups - bodies */
     int rigids;
     struct contact_rigid *rigid; /* rigids: no pair within one comes into contact */
+    bool *open;                  /* groups: particles of fluids pass their faces */
     pdyn_body body;              /* all free particles, for the batches */
     double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
     bool moving;          /* some solid moves in this scene */

@@ -156,6 +156,12 @@ static double share_of(const struct contact *c, const struct pair *p) {
     return t < 1.0 ? t * (2.0 - t) : 1.0;
 }
 
+/* Whether the pair is a particle of a fluid and a face that it passes. */
+static bool is_passed(const struct contact *c, const struct pair *p) {
+    int a = p->point[0];
+    return a >= c->vertices && a < c->free && c->open[c->group[p->point[3]]];
+}
+
 /* Whether the pair can come closer than its thickness while its points are in their regions; sets
  * its distance, thickness and share. moved: how far the points were from there in `seen`. Within a
  * body the thickness is less than the distance in the rest shape, so that the rest shape has no
@@ -163,7 +169,7 @@ static double share_of(const struct contact *c, const struct pair *p) {
 static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
-    if (share_point(p->point, first)) return false;
+    if (share_point(p->point, first) || is_passed(c, p)) return false;
     double distance = distance_in(p, c->built);
     p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
     double nearest = distance - pair_largest(p, c->reach);

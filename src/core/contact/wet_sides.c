@@ -56,7 +56,7 @@ static void count_sides(void *arg, int first, int last, int block) {
         struct side side[2];
         double n[3];
         d->first[2 * k] = d->first[2 * k + 1] = 0;
-        if (d->rate[k] == 0.0) continue;
+        if (d->along[k] == 0.0 && d->across[k] == 0.0) continue;
         find_fluid(d, k, n, side);
         for (int m = 0; m < 2; m++) d->first[2 * k + m] = side[m].count > 0;
     }
@@ -64,7 +64,7 @@ static void count_sides(void *arg, int first, int last, int block) {
 
 /* Entries that are not needed select the sample's first corner with 0. */
 static void set_side(const struct wet_sides *d, int e, int sample, const double n[3],
-                     const struct side *side) {
+                     const struct side *side, double both) {
     const struct surface_samples *s = d->samples;
     pdyn_wet_side *to = &d->side[e];
     double area = s->volume[sample];
@@ -79,7 +79,8 @@ static void set_side(const struct wet_sides *d, int e, int sample, const double 
     }
     memcpy(to->normal, n, sizeof to->normal);
     area /= s->rest_volume[sample];
-    to->rate = d->rate[sample] * area * fmin(1.0, side->sum / wet_share);
+    to->along = d->along[sample] * area * fmin(1.0, side->sum / wet_share);
+    to->across = d->across[sample] * area * fmin(1.0, both / wet_share) * side->sum / both;
 }
 
 static void fill_sides(void *arg, int first, int last, int block) {
@@ -91,7 +92,8 @@ static void fill_sides(void *arg, int first, int last, int block) {
         if (d->first[2 * k + 2] == d->first[2 * k]) continue;
         find_fluid(d, k, n, side);
         for (int m = 0; m < 2; m++)
-            if (side[m].count) set_side(d, d->first[2 * k + m], k, n, &side[m]);
+            if (side[m].count)
+                set_side(d, d->first[2 * k + m], k, n, &side[m], side[0].sum + side[1].sum);
     }
 }
 
@@ -121,8 +123,9 @@ pdyn_status wet_sides_find(struct wet_sides *d, const double *x) {
 
 /* ---- setting up ------------------------------------------------------------------------------ */
 
-/* The rates of a body's samples, which all have the same part of its area. */
+/* The rates of a body's samples, which all have the same part of its area; friction: Pa s/m. */
 static void set_rates(struct wet_sides *d, const pdyn_body *body, double friction) {
+    double resistance = body->permeability > 0.0 ? 1.0 / body->permeability : 0.0;
     const struct surface_samples *s = d->samples;
     double area = 0.0;
     int count = 0;
@@ -131,40 +134,35 @@ static void set_rates(struct wet_sides *d, const pdyn_body *body, double frictio
         for (int k = 0; k < s->count; k++) {
             int i = s->vertex[3 * k] - body->first;
             if (i < 0 || i >= body->count) continue;
-            if (turn) d->rate[k] = friction * area / count;
+            if (turn)
+                d->along[k] = friction * area / count, d->across[k] = resistance * area / count;
             else count++;
         }
-}
-
-static bool has_friction(const struct scene *scene) {
-    for (int b = 0; b < scene->bodies; b++)
-        if (scene->body[b].fluid_friction > 0.0) return true;
-    return false;
 }
 
 pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
                              const pdyn_body *body, int particles,
                              const struct surface_samples *samples, const pdyn_neighbours *lists,
                              struct wet_sides **out) {
-    if (!has_friction(scene)) return PDYN_OK;
     struct wet_sides *d = *out = NEW_ARRAY(context, 1, struct wet_sides);
     if (!d) return PDYN_NO_MEMORY;
     d->context = context, d->samples = samples, d->lists = lists;
     d->all = (pdyn_body){.name = "surfaces in fluid", .count = particles};
     d->view.particles = particles;
-    d->rate = NEW_ARRAY(context, samples->count, double);
+    d->along = NEW_ARRAY(context, samples->count, double);
+    d->across = NEW_ARRAY(context, samples->count, double);
     d->first = NEW_ARRAY(context, 2 * (size_t)samples->count + 1, int);
-    if (!d->rate || !d->first) return PDYN_NO_MEMORY;
+    if (!d->along || !d->across || !d->first) return PDYN_NO_MEMORY;
     for (int b = 0; b < scene->bodies; b++)
-        if (scene->body[b].fluid_friction > 0.0)
-            set_rates(d, &body[b], scene->body[b].fluid_friction);
+        if (body[b].triangles) set_rates(d, &body[b], scene->body[b].fluid_friction);
     return PDYN_OK;
 }
 
 void wet_sides_free(struct wet_sides *d) {
     if (!d) return;
     FREE_ARRAY(d->context, d->side, d->room);
-    FREE_ARRAY(d->context, d->rate, d->samples->count);
+    FREE_ARRAY(d->context, d->along, d->samples->count);
+    FREE_ARRAY(d->context, d->across, d->samples->count);
     FREE_ARRAY(d->context, d->first, 2 * (size_t)d->samples->count + 1);
     FREE_ARRAY(d->context, d, 1);
 }

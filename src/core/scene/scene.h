@@ -60,6 +60,7 @@ struct scene_body {
     double rest_density;              /* kg/m^3 */
     double area_density;              /* kg/m^2, of a surface */
     double fluid_friction;            /* Pa s/m, friction of a surface or a volume with the fluid */
+    double permeability;              /* m/(Pa s), of a surface; 0: no fluid passes */
     double density;                   /* kg/m^3, of a volume or a rigid body */
     bool is_rigid;                    /* a rigid body, whose surface is `mesh`: */
     double mass;                      /* kg */

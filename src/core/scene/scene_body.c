@@ -107,6 +107,8 @@ static const pdyn_param surface_params[] = {
      "kg/m^2", ""},
     {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
      "Pa s/m", ""},
+    {"permeability", PDYN_REAL, offsetof(struct scene_body, permeability), false, 0, 0, 1e6,
+     "m/(Pa s)", ""},
     {0}};
 
 static pdyn_status read_surface(struct reader *r, const struct json_at *at) {

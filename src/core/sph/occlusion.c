@@ -19,11 +19,14 @@ static bool resize_arrays(struct occlusion *s, enum array_action action) {
     return context_arrays(s->context, table, ARRAY_ROWS(table), action);
 }
 
+/* The number of triangles that hide what is behind them. */
+static int hiding(const pdyn_body *body) { return body->permeability > 0.0 ? 0 : body->triangles; }
+
 static pdyn_status fill(struct occlusion *s, int bodies, const pdyn_body *body) {
     if (!resize_arrays(s, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     int *corner = s->corner;
     for (int b = 0; b < bodies; b++)
-        for (int k = 0; k < 3 * body[b].triangles; k++)
+        for (int k = 0; k < 3 * hiding(&body[b]); k++)
             *corner++ = body[b].first + body[b].triangle[k];
     return bvh_create(s->context, s->triangles, &s->tree);
 }
@@ -32,7 +35,7 @@ pdyn_status occlusion_create(pdyn_context *context, int bodies, const pdyn_body 
                              double reach, struct occlusion **out) {
     int triangles = 0;
     *out = NULL;
-    for (int b = 0; b < bodies; b++) triangles += body[b].triangles;
+    for (int b = 0; b < bodies; b++) triangles += hiding(&body[b]);
     if (!triangles) return PDYN_OK;
     struct occlusion *s = NEW_ARRAY(context, 1, struct occlusion);
     if (!s) return PDYN_NO_MEMORY;

@@ -229,6 +229,10 @@ static void place(struct surface_samples *s, const pdyn_body *body,
     }
 }
 
+/* A surface that a fluid passes adds nothing to its density: so small a volume is listed as a
+ * neighbour and pushes nothing. */
+static const double open_share = 1e-9;
+
 static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *body,
                         const struct surface_points *points, const struct sampling *sampling,
                         const double *rest) {
@@ -239,6 +243,8 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
         place(s, &body[b], &points[b], first, rest);
         status = boundary_volumes(s->context, &of_body, points[b].count, s->x + 3 * (size_t)first,
                                   s->volume + first, s->rest_volume + first);
+        for (int k = first; body[b].permeability > 0.0 && k < first + points[b].count; k++)
+            s->rest_volume[k] *= open_share;
     }
     if (status != PDYN_OK) return status;
     for (int k = 0; k < s->count; k++) s->active[s->active_count++] = k;

@@ -1,5 +1,5 @@
 /* Batches of a simulation, but for those of contact: the constraints of the scene, their dampers,
- * and the friction of surfaces with a fluid. */
+ * and what surfaces and a fluid do to each other beside pressure. */
 #include "base/registry.h"
 #include "build.h"
 #include "sim.h"
@@ -47,21 +47,34 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
     return status;
 }
 
-/* The friction of surfaces with a fluid. */
-static pdyn_status add_slip(struct pdyn_sim *sim) {
+static pdyn_status add_wet(struct pdyn_sim *sim, const pdyn_constraint_type *type, bool present) {
     struct objective *sys = &sim->objective;
-    if (!sim->samples) return PDYN_OK;
-    pdyn_status status =
-        wet_sides_create(sim->context, &sim->scene, sim->body, sys->particles, sim->samples,
-                         neighbours_view(sim->neighbours), &sys->wet_sides);
-    if (status != PDYN_OK || !sys->wet_sides) return status;
-    status = batch_create(sim->context, &pdyn_constraint_slip, NULL, &sys->wet_sides->all, NULL,
-                          NULL, false, &sys->batch[sys->batches]);
+    if (!present) return PDYN_OK;
+    pdyn_status status = batch_create(sim->context, type, NULL, &sys->wet_sides->all, NULL, NULL,
+                                      false, &sys->batch[sys->batches]);
     if (status != PDYN_OK) return status;
     sys->dynamic_rows = true;
     sys->batches++;
-    for (int b = 0; b < sys->batches; b++) sys->batch[b]->view.wet_sides = &sys->wet_sides->view;
     return PDYN_OK;
+}
+
+/* Friction of a fluid along surfaces, and the resistance of those that it passes. */
+static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
+    struct objective *sys = &sim->objective;
+    bool slip = false, seepage = false;
+    for (int b = 0; b < sim->bodies; b++) {
+        slip |= sim->scene.body[b].fluid_friction > 0.0;
+        seepage |= sim->body[b].permeability > 0.0;
+    }
+    if (!sim->samples || !(slip || seepage)) return PDYN_OK;
+    pdyn_status status =
+        wet_sides_create(sim->context, &sim->scene, sim->body, sys->particles, sim->samples,
+                         neighbours_view(sim->neighbours), &sys->wet_sides);
+    if (status == PDYN_OK) status = add_wet(sim, &pdyn_constraint_slip, slip);
+    if (status == PDYN_OK) status = add_wet(sim, &pdyn_constraint_seepage, seepage);
+    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
+        sys->batch[b]->view.wet_sides = &sys->wet_sides->view;
+    return status;
 }
 
 pdyn_status batches_create(struct pdyn_sim *sim) {
@@ -69,13 +82,13 @@ pdyn_status batches_create(struct pdyn_sim *sim) {
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     if (sim->scene.has_contact) count += 3; /* contact, its damping, friction */
-    if (sim->samples) count++;              /* slip */
+    if (sim->samples) count += 2;           /* slip, seepage */
     sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
     if (count && !sys->batch) return PDYN_NO_MEMORY;
     sys->capacity = count;
     pdyn_status status = add_each(sim, add_constraint);
     if (status == PDYN_OK) status = add_each(sim, add_damper);
-    return status == PDYN_OK ? add_slip(sim) : status;
+    return status == PDYN_OK ? add_slip_and_seepage(sim) : status;
 }
 
 void batches_free(struct pdyn_sim *sim) {

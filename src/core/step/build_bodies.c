@@ -19,7 +19,8 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct point_list *all) {
                             .first = all->count,
                             .radius = from->radius,
                             .rest_density = from->rest_density,
-                            .area_density = from->area_density};
+                            .area_density = from->area_density,
+                            .permeability = from->permeability};
         pdyn_status status = PDYN_OK;
         if (from->is_surface)
             status = point_list_append(c, all, from->mesh.vertex, from->mesh.vertices);

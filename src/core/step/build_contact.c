@@ -62,6 +62,7 @@ static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int p
     const pdyn_body *body = &sim->body[b];
     c->owner[b] = body->name;
     c->near[b] = c->set->thickness;
+    c->open[b] = body->permeability > 0.0;
     if (!body->triangles) c->near[b] = fmin(c->near[b], particle_thickness * body->radius);
     for (int i = 0; i < body->count; i++) {
         c->column[points + i] = body->first + i;

@@ -93,7 +93,7 @@ static pdyn_status list_surfaces(struct pdyn_sim *sim) {
     struct crossings *c = sim->crossings;
     for (int b = 0; b < sim->bodies && c->fluid; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (!body->triangles) continue;
+        if (!body->triangles || body->permeability > 0.0) continue;
         c->surface[c->surfaces++] = (struct surface){.name = body->name,
                                                      .triangle = body->triangle,
                                                      .across = body->across,

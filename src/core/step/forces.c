@@ -61,7 +61,8 @@ static bool is_of_contact(const struct batch *batch, const struct batch *none) {
     (void)none;
     const pdyn_constraint_type *type = batch->type;
     return type == &pdyn_constraint_contact || type == &pdyn_constraint_contact_damping ||
-           type == &pdyn_constraint_friction || type == &pdyn_constraint_slip;
+           type == &pdyn_constraint_friction || type == &pdyn_constraint_slip ||
+           type == &pdyn_constraint_seepage;
 }
 
 /* force = the sum over the chosen batches; 0 while forces are unknown. */

@@ -165,10 +165,11 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     double displaced =
         sim->scene.has_contact ? fluid->rest_density * sim->scene.contact.thickness : 0.0;
     if (!sim->body[b].triangles || is_closed(&sim->body[b]) || is_held(body)) return;
+    if (sim->body[b].permeability > 0.0) return;
     if (body->area_density < light_share * layer)
         WARN(sim, LIGHT_SHEET, body->name,
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
-             "water, and its steps need many iterations",
+             "water, and its steps need many iterations; with `permeability` it sinks",
              body->area_density, body->area_density / layer, spacing);
     else if (body->area_density < displaced)
         WARN(
