@@ -311,6 +311,34 @@ static void test_fast(void **state) {
     }
 }
 
+/* A press comes down by 0.05 m above a rigid cube, which stops it, and 1 m beside the cube. */
+static void test_press(void **state) {
+    (void)state;
+    static const char scene[] =
+        "{'duration': 1, 'time_step': {'fixed': 0.005}, 'contact': {'thickness': 0.004}, "
+        "'bodies': [{'name': 'cube', 'rigid': {'box': {'minimum': [0, 0.004, 0], 'maximum': [0.1, "
+        "0.1, 0.1]}, 'density': 500}}], 'solids': [{'plane': {'center': [0, 0, 0], 'normal': [0, "
+        "1, 0], 'size': 4}}, {'name': 'press', 'plane': {'center': [%d, 0.11, 0], 'normal': [0, "
+        "-1, 0], 'size': 0.5}, 'motion': [{'time': 0}, {'time': 0.1, 'translate': [0, -0.05, "
+        "0]}]}]}";
+    for (int beside = 0; beside < 2; beside++) {
+        char text[1024];
+        double x[12];
+        pdyn_context *context = test_context(1);
+        snprintf(text, sizeof text, scene, beside);
+        pdyn_sim *sim = test_load(context, text);
+        for (int n = 0; n < 25; n++) test_step(context, sim);
+        pdyn_warning w = find_warning(sim, "solid-waits", "press");
+        assert_int_equal(pdyn_solid_vertices(sim, 1, x), 4);
+        if (beside) assert_null(w.code);
+        else assert_in_range(w.count, 5, 25);
+        if (beside) assert_true(fabs(x[1] - 0.06) < 1e-12);
+        else assert_true(x[1] > sim->x[3 * sim->body[0].first + 7 * 3 + 1]); /* top of the cube */
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
@@ -320,6 +348,7 @@ int main(void) {
         cmocka_unit_test(test_bat),       cmocka_unit_test(test_fast),
         cmocka_unit_test(test_rounding),  cmocka_unit_test(test_saved),
         cmocka_unit_test(test_fallen),    cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_press),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

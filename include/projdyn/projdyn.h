@@ -296,9 +296,10 @@ static inline pdyn_warning pdyn_get_warning(const pdyn_sim *sim, int warning) {
 
 /* Name of a solid, in the order of the scene. NULL: no such solid. */
 PDYN_API const char *pdyn_solid_name(const pdyn_sim *sim, int solid);
-/* The vertices of the mesh of a solid, where they are at the current time, m, vertices x 3; the
- * triangles are those of the file in DIR/solids (pdyn_writer_open). x NULL: not wanted. Returns the
- * number of vertices; 0: no such solid. */
+/* The vertices of the mesh of a solid, where they are at the current time, m, vertices x 3; with
+ * contact, a surface may hold the solid up before the place that its motion gives. The triangles
+ * are those of the file in DIR/solids (pdyn_writer_open). x NULL: not wanted. Returns the number of
+ * vertices; 0: no such solid. */
 PDYN_API int pdyn_solid_vertices(const pdyn_sim *sim, int solid, double *x);
 
 /* The load on a solid at the end of the last step: force, N, and moment, N m, about the origin of

@@ -27,6 +27,7 @@
     X(RETRIES, "retries")                                                                          \
     X(LEAK, "leak")                                                                                \
     X(FAST, "fast")                                                                                \
+    X(SOLID_WAITS, "solid-waits")                                                                  \
     X(FELL_OUT, "fell-out")                                                                        \
     X(ENERGY, "energy")                                                                            \
     X(COMPRESSED, "compressed")                                                                    \

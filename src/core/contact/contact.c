@@ -127,6 +127,19 @@ pdyn_status contact_advance(struct contact *c, const double *x) {
     return status;
 }
 
+const double *contact_solid_at(const struct contact *c, int solid) {
+    return c->at + 3 * (size_t)c->solid[solid].first;
+}
+
+double contact_lag(const struct contact *c, int solid) {
+    const double *at = contact_solid_at(c, solid);
+    const double *goal = c->goal + 3 * (size_t)(c->solid[solid].first - c->free);
+    double lag = 0.0;
+    for (int i = 0; i < c->solid[solid].count; i++)
+        lag = fmax(lag, vec3_distance(at + 3 * (size_t)i, goal + 3 * (size_t)i));
+    return lag;
+}
+
 pdyn_status contact_begin(struct contact *c, const double *x, double time) {
     double start = clock_ms();
     c->ms = 0.0;

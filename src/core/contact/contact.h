@@ -166,6 +166,12 @@ pdyn_status contact_filter(struct contact *contact, const double *x, double *dir
 /* Moves solids that have not reached their goals on as far as they can, with surfaces at x. */
 pdyn_status contact_advance(struct contact *contact, const double *x);
 
+/* The positions of the vertices of a solid, 3 per vertex, m: where it has come to. */
+const double *contact_solid_at(const struct contact *contact, int solid);
+
+/* The largest distance, m, between a vertex of a solid and its goal. */
+double contact_lag(const struct contact *contact, int solid);
+
 /* Finds the contacts at x, for the local steps of constraints. */
 pdyn_status contact_local(struct contact *contact, const double *x);
 

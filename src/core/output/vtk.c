@@ -1,7 +1,6 @@
 /* Legacy VTK files, version 4.2, binary (big endian): unstructured grids of points and cells. */
 #include "base/file_out.h"
 #include "output.h"
-#include "scene/poses.h"
 #include "step/live_particles.h"
 
 enum { VERTEX_CELL = 1, TRIANGLE_CELL = 5 };
@@ -108,7 +107,7 @@ pdyn_status vtk_write_solid(const pdyn_sim *sim, int k, const char *path) {
     if (!solid->keys) return write_solid(sim, solid, solid->mesh.vertex, path);
     double *x = NEW_ARRAY(sim->context, n, double);
     if (!x) return PDYN_NO_MEMORY;
-    pose_place_mesh(solid, pdyn_time(sim), x);
+    pdyn_solid_vertices(sim, k, x);
     pdyn_status status = write_solid(sim, solid, x, path);
     FREE_ARRAY(sim->context, x, n);
     return status;

@@ -1,4 +1,5 @@
 /* Warnings about steps: unsolved, repeated, compressed, particles that passed a surface or fell. */
+#include "contact/contact.h"
 #include "crossings.h"
 #include "energy_budget.h"
 #include "geometry/bvh.h"
@@ -69,6 +70,24 @@ static void warn_fast(struct pdyn_sim *sim, double h) {
             "moves by up to %.3g m in a step, more than half of its size of %.3g m: it may "
             "get around other bodies despite contact",
             w->worst, size);
+    }
+}
+
+/* ---- solids that wait ------------------------------------------------------------------------ */
+
+/* Contact holds up a solid that would pass through a surface. Less than the thickness is what a
+ * press leaves for the cloth in it. */
+static void warn_waiting(struct pdyn_sim *sim) {
+    const struct contact *contact = sim->objective.contact;
+    for (int s = 0; contact && contact->behind && s < sim->scene.solids; s++) {
+        double lag = contact_lag(contact, s);
+        if (lag <= contact->set->thickness) continue;
+        struct warning *w = warnings_count(&sim->warnings, WARNING_SOLID_WAITS,
+                                           sim->scene.solid[s].name, sim->time, 1, lag);
+        warnings_say(sim->context, w,
+                     "in %ld of %ld steps a surface in its way holds this solid up, at up to "
+                     "%.3g m from where its motion puts it",
+                     w->count, sim->steps, w->worst);
     }
 }
 
@@ -147,6 +166,7 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_compressed(sim, info->density_error_mean);
     crossings_warn(sim);
     warn_fast(sim, info->h);
+    warn_waiting(sim);
     energy_budget_step(sim, info);
     if (info->frame) warn_fallen(sim);
 }
