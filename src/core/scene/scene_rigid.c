@@ -79,13 +79,19 @@ static void place_points(struct scene_body *body, const double second[9]) {
 /* Smallest extent of a body over its largest: its inertia tensor is known to six digits then. */
 static const double flattest = 1e-5;
 
+/* Turns all triangles of a mesh that face inwards: there its volume is negative. */
+static void face_outwards(struct mesh *mesh, double volume) {
+    for (int t = 0; volume < 0.0 && t < mesh->triangles; t++) {
+        int *corner = mesh->triangle + 3 * (size_t)t, second = corner[1];
+        corner[1] = corner[2], corner[2] = second;
+    }
+}
+
 static pdyn_status weigh(const struct json_at *at, struct scene_body *body) {
     double second[9], volume = mesh_moments(&body->mesh, body->centre, second);
-    if (!(volume > 0.0))
-        return json_fail(at,
-                         "the mesh has a volume of %g m^3, expected more than 0: the corners of "
-                         "triangles are counter-clockwise as seen from outside",
-                         volume);
+    face_outwards(&body->mesh, volume);
+    volume = fabs(volume);
+    if (!(volume > 0.0)) return json_fail(at, "the mesh encloses no volume");
     const svd3 axes = svd3_of(second);
     if (!(axes.s[2] > flattest * flattest * axes.s[0]))
         return json_fail(at,
