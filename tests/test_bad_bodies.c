@@ -9,7 +9,8 @@
 
 static const struct bad_scene bad_bodies[] = {
     /* bodies of particles */
-    {BODY("7"), "scene.json:2:3: bodies[0]: expected an object, found 7"},
+    {BODY("7"), "scene.json:2:3: bodies[0]: expected an object {name, particles, surface, volume, "
+                "rigid, constraints, velocity}, found 7"},
     {BODY("{'name': 'a'}"),
      "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\", "
      "\"volume\" and \"rigid\", found none"},
@@ -48,7 +49,8 @@ static const struct bad_scene bad_bodies[] = {
      "scene.json:2:42: bodies[0].particles.fill[0]: expected exactly one of \"box\", "
      "\"sphere\", \"mesh\" and \"file\", found more"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'sphere': 1}]}}"),
-     "scene.json:2:53: bodies[0].particles.fill[0].sphere: expected an object, found 1"},
+     "scene.json:2:53: bodies[0].particles.fill[0].sphere: expected an object {center, radius}, "
+     "found 1"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': "
           "0.09}}]}}"),
      "scene.json:2:53: bodies[0].particles.fill[0].sphere: no particle of radius 0.1 m fits "
@@ -257,7 +259,7 @@ static const struct bad_scene bad_solids[] = {
     {TOP("'outlets': {}"),
      "scene.json:2:13: outlets: expected an array of outlets, found an object"},
     {TOP("'outlets': [{'outside': true}]"),
-     "scene.json:2:14: outlets[0].box: missing, expected an object"},
+     "scene.json:2:14: outlets[0].box: missing, expected an object {minimum, maximum}"},
     {TOP("'outlets': [{'box': " BOX ", 'outside': 1}]"),
      "scene.json:2:79: outlets[0].outside: expected true or false, found 1"},
     {TOP("'solids': [{'box': " BOX ", 'pivot': [0, 0, 0]}]"),

@@ -14,7 +14,8 @@
 
 static const struct bad_scene bad_constraints[] = {
     /* constraints */
-    {CLOTH("7"), "scene.json:3:18: bodies[0].constraints[0]: expected an object, found 7"},
+    {CLOTH("7"),
+     "scene.json:3:18: bodies[0].constraints[0]: expected an object with a \"type\", found 7"},
     {CLOTH("{}"), "scene.json:3:18: bodies[0].constraints[0].type: missing, expected the name of a "
                   "constraint"},
     {CLOTH("{'type': 'sprnig'}"),

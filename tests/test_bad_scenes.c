@@ -54,7 +54,8 @@ static const struct bad_scene bad_scenes[] = {
     {TOP("'frame_interval': -0.1"),
      "scene.json:2:20: frame_interval: expected a number from 1e-06 to 1000 s, found -0.1"},
     /* steps and solvers */
-    {TOP("'time_step': 0.1"), "scene.json:2:15: time_step: expected an object, found 0.1"},
+    {TOP("'time_step': 0.1"), "scene.json:2:15: time_step: expected an object {integrator, "
+                              "maximum, minimum, cfl, fixed}, found 0.1"},
     {TOP("'time_step': {'maximum': 0}"),
      "scene.json:2:27: time_step.maximum: expected a number from 1e-09 to 1000 s, found 0"},
     {TOP("'time_step': {'maximum': 1e-6}"),
@@ -69,7 +70,9 @@ static const struct bad_scene bad_scenes[] = {
     {TOP("'solver': {'type': 'hybird'}"),
      "scene.json:2:21: solver.type: unknown solver \"hybird\"; did you mean "
      "\"hybrid\"?; known: auto, *"},
-    {TOP("'solver': null"), "scene.json:2:12: solver: expected an object, found null"},
+    {TOP("'solver': null"),
+     "scene.json:2:12: solver: expected an object {type, step, acceleration, tolerance, "
+     "outer_iterations, linear_tolerance, linear_iterations, retries}, found null"},
     {TOP("'solver': {'type': 1}"),
      "scene.json:2:21: solver.type: expected the name of a solver, found 1"},
     {TOP("'solver': {'acceleration': 'anderson'}"),
@@ -176,7 +179,8 @@ static const struct {
      "--set bodies.water.particles.fill.0.box.maximum.1=-1: "
      "bodies[0].particles.fill[0].box.maximum[1]: expected a number above the minimum, 0 "
      "m, found -1 m"},
-    {"bodies.0=null", "--set bodies.0=null: bodies[0]: expected an object, found null"},
+    {"bodies.0=null", "--set bodies.0=null: bodies[0]: expected an object {name, particles, "
+                      "surface, volume, rigid, constraints, velocity}, found null"},
     {"bodies=[]", "--set bodies=[]: bodies: expected at least one body, found an array of 0"},
     {"bodies.sheet.constraints=[]", ""},
     {"bodies.sheet.surface.grid.vertices=[3, 3.5]",

@@ -20,23 +20,39 @@ static bool is_known(const pdyn_param *table, const char *const *others, const c
     return false;
 }
 
+/* Collects the keys that an object may have. Returns their number. */
+static int list_keys(const pdyn_param *table, const char *const *others, const char *names[KEYS]) {
+    int count = 0;
+    for (; *others && count < KEYS; others++) names[count++] = *others;
+    for (; table && table->name && count < KEYS; table++) names[count++] = table->name;
+    return count;
+}
+
 static pdyn_status fail_unknown(const struct json_at *at, const pdyn_param *table,
                                 const char *const *others) {
     const char *names[KEYS];
     char hint[768] = "", key[64];
-    int count = 0;
-    for (; *others && count < KEYS; others++) names[count++] = *others;
-    for (; table && table->name && count < KEYS; table++) names[count++] = table->name;
+    int count = list_keys(table, others, names);
     text_hint(hint, sizeof hint, at->key, names, count);
     text_clip(key, sizeof key, at->key);
     return json_fail_at_key(at, "unknown key \"%s\"%s", key, hint);
+}
+
+static pdyn_status fail_no_object(const struct json_at *at, const pdyn_param *table,
+                                  const char *const *others) {
+    const char *names[KEYS];
+    char what[768] = "an object {";
+    int count = list_keys(table, others, names);
+    for (int k = 0; k < count; k++)
+        text_append(what, sizeof what, "%s%s", names[k], k + 1 < count ? ", " : "}");
+    return json_expected(at, what);
 }
 
 pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *table,
                               const char *const *others) {
     const char *key;
     json_t *value;
-    if (!json_is_object(object->value)) return json_expected(object, "an object");
+    if (!json_is_object(object->value)) return fail_no_object(object, table, others);
     json_object_foreach(object->value, key, value) {
         struct json_at at = json_member(object, key);
         if (!is_known(table, others, key)) return fail_unknown(&at, table, others);

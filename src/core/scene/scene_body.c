@@ -233,7 +233,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     struct scene_constraint *constraint = &body->constraint[index];
     struct json_at name = json_member(at, "type");
     const pdyn_constraint_type *type = NULL;
-    if (!json_is_object(at->value)) return json_expected(at, "an object");
+    if (!json_is_object(at->value)) return json_expected(at, "an object with a \"type\"");
     pdyn_status status = find_type(&name, &type);
     if (status != PDYN_OK) return status;
     constraint->type = type;
