@@ -12,6 +12,7 @@ from ._arrays import address, doubles, number, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
+from ._names import Names
 from ._paths import Path
 from ._structs import State, StepInfo, WarningInfo
 from .body import Body
@@ -53,7 +54,7 @@ class Simulation(Fixed):
         self.v: np.ndarray = arrays["v"]
         self.mass: np.ndarray = arrays["mass"]
         bodies = (Body(handle, k, arrays) for k in range(state.bodies))
-        self.bodies: dict[str, Body] = {body.name: body for body in bodies}
+        self.bodies: dict[str, Body] = Names({body.name: body for body in bodies})
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)
         self.fix()
@@ -181,7 +182,7 @@ def _arrays(state: State, handle: Handle) -> dict[str, np.ndarray]:
 
 
 def _constraints(handle: Handle, state: State) -> dict[tuple[Any, ...], Constraint]:
-    found: dict[tuple[Any, ...], Constraint] = {}
+    found: dict[tuple[Any, ...], Constraint] = Names()
     for index in range(state.constraints):
         constraint = Constraint(handle, index, state.particles)
         key: tuple[Any, ...] = (constraint.body, constraint.type)
@@ -194,7 +195,7 @@ def _constraints(handle: Handle, state: State) -> dict[tuple[Any, ...], Constrai
 
 
 def _solids(handle: Handle) -> dict[str, Solid]:
-    found: dict[str, Solid] = {}
+    found: dict[str, Solid] = Names()
     while True:
         name = lib.pdyn_solid_name(handle.pointer, len(found))
         if name is None:

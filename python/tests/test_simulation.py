@@ -48,6 +48,16 @@ class Steps(unittest.TestCase):
 
 
 class Views(unittest.TestCase):
+    def test_unknown_names(self):
+        sim = hanging_sheet().load()
+        with self.assertRaisesRegex(KeyError, "'shet': the simulation has 'sheet'"):
+            sim.bodies["shet"]
+        with self.assertRaisesRegex(KeyError, r"has \('sheet', 'spring'\)"):
+            sim.constraints["sheet", "sprng"]
+        with self.assertRaisesRegex(KeyError, "'tank': the simulation has none"):
+            sim.solids["tank"]
+        self.assertIsNone(sim.bodies.get("shet"))
+
     def test_views_follow_the_steps(self):
         sim = hanging_sheet().load()
         sheet = sim.bodies["sheet"]
