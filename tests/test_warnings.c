@@ -339,6 +339,30 @@ static void test_press(void **state) {
     }
 }
 
+/* A cube of 2000 kg falls on a sheet: with the stiffness of light contact and with one for its
+ * weight. */
+static void test_pressed(void **state) {
+    (void)state;
+    static const char scene[] =
+        "{'duration': 1, 'time_step': {'fixed': 0.005}, 'contact': {'thickness': 0.005, "
+        "'stiffness': %s}, 'bodies': [{'name': 'sheet', 'surface': {'grid': {'size': [0.4, 0.4], "
+        "'vertices': [9, 9]}, 'area_density': 0.5}, 'constraints': [{'type': 'spring', "
+        "'stretching_stiffness': 5000}, {'type': 'pin', 'vertices': {'border': true}}]}, {'name': "
+        "'cube', 'velocity': [0, -3, 0], 'rigid': {'box': {'minimum': [-0.05, 0.01, -0.05], "
+        "'maximum': [0.05, 0.11, 0.05]}, 'mass': 2000}}]}";
+    static const char *const stiffness[] = {"1000", "1e6"};
+    for (int k = 0; k < 2; k++) {
+        char text[1024];
+        pdyn_context *context = test_context(1);
+        snprintf(text, sizeof text, scene, stiffness[k]);
+        pdyn_sim *sim = test_load(context, text);
+        for (int n = 0; n < 60; n++) test_step(context, sim);
+        assert_int_equal(find_warning(sim, "contact-stiffness", "").count > 0, !k);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
@@ -348,7 +372,7 @@ int main(void) {
         cmocka_unit_test(test_bat),       cmocka_unit_test(test_fast),
         cmocka_unit_test(test_rounding),  cmocka_unit_test(test_saved),
         cmocka_unit_test(test_fallen),    cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_press),     cmocka_unit_test(test_pressed),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -27,6 +27,7 @@
     X(RETRIES, "retries")                                                                          \
     X(LEAK, "leak")                                                                                \
     X(FAST, "fast")                                                                                \
+    X(CONTACT_STIFFNESS, "contact-stiffness")                                                      \
     X(SOLID_WAITS, "solid-waits")                                                                  \
     X(FELL_OUT, "fell-out")                                                                        \
     X(ENERGY, "energy")                                                                            \

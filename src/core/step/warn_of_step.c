@@ -73,6 +73,34 @@ static void warn_fast(struct pdyn_sim *sim, double h) {
     }
 }
 
+/* ---- contact pressed to its end -------------------------------------------------------------- */
+
+/* Part of the thickness at which a contact has 31 times the force of stiffness times thickness: the
+ * barrier has become a wall, on which a step makes little progress. */
+static const double pressed_flat = 0.125;
+
+/* Smallest distance of a contact over its thickness; 1: nothing touches. */
+static double least_distance(const pdyn_contacts *contacts) {
+    double least = 1.0;
+    for (int k = 0; k < contacts->count; k++)
+        least = fmin(least, contacts->contact[k].distance / contacts->contact[k].thickness);
+    return least;
+}
+
+/* A solid that waits presses with a force that no stiffness carries. */
+static void warn_pressed(struct pdyn_sim *sim, double residual) {
+    const struct contact *contact = sim->objective.contact;
+    if (!contact || contact->behind || residual <= sim->scene.settings.tolerance) return;
+    double least = least_distance(&contact->current.view);
+    if (least >= pressed_flat) return;
+    struct warning *w =
+        warnings_count(&sim->warnings, WARNING_CONTACT_STIFFNESS, "", sim->time, 1, 1.0 / least);
+    warnings_say(sim->context, w,
+                 "%ld of %ld steps are unsolved with surfaces as close as %.2g of the contact "
+                 "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them",
+                 w->count, sim->steps, 1.0 / w->worst, contact->set->stiffness);
+}
+
 /* ---- solids that wait ------------------------------------------------------------------------ */
 
 /* Contact holds up a solid that would pass through a surface. Less than the thickness is what a
@@ -166,6 +194,7 @@ void warn_of_step(struct pdyn_sim *sim, const pdyn_step_info *info) {
     warn_compressed(sim, info->density_error_mean);
     crossings_warn(sim);
     warn_fast(sim, info->h);
+    warn_pressed(sim, info->step_residual);
     warn_waiting(sim);
     energy_budget_step(sim, info);
     if (info->frame) warn_fallen(sim);
