@@ -27,14 +27,14 @@
     X(RETRIES, "retries")                                                                          \
     X(LEAK, "leak")                                                                                \
     X(FAST, "fast")                                                                                \
-    X(CONTACT_STIFFNESS, "contact-stiffness")                                                      \
-    X(SOLID_WAITS, "solid-waits")                                                                  \
     X(FELL_OUT, "fell-out")                                                                        \
     X(ENERGY, "energy")                                                                            \
     X(COMPRESSED, "compressed")                                                                    \
     X(SHORT_STEP, "short-step")                                                                    \
     X(LONG_STEP, "long-step")                                                                      \
-    X(BUDGET, "budget")
+    X(BUDGET, "budget")                                                                            \
+    X(SOLID_WAITS, "solid-waits")                                                                  \
+    X(CONTACT_STIFFNESS, "contact-stiffness")
 
 enum warning_code {
 #define WARNING_ENUM(constant, code) WARNING_##constant,
