@@ -202,6 +202,8 @@ class Scene:
             surface["rotate"] = [r.uniform(-10, 10), r.uniform(0, 90), r.uniform(-10, 10)]
         if r.random() < 0.1:
             surface["fluid_friction"] = log_uniform(r, 0.1, 100)
+        if not spans and r.random() < 0.2:
+            surface["permeability"] = log_uniform(r, 1e-5, 10)
         last = vertices[0] * vertices[1] - 1
         choice = {"border": True} if spans else r.choice(
             [None, None, {"border": True}, {"all": True}, {"vertices": [0, vertices[0] - 1]}, {"vertices": [last]}])
