@@ -19,8 +19,8 @@ void bodies_forget_start(struct pdyn_sim *sim);
 pdyn_status lists_create(struct pdyn_sim *sim);
 void lists_free(struct pdyn_sim *sim);
 
-/* build_batches.c: batches of the constraints of the scene, of their damping, and of the friction
- * of surfaces with the fluid; room for the batches of contact. batches_free frees these, too. */
+/* build_batches.c: batches of the constraints of the scene, of their damping, and of friction and
+ * seepage between surfaces and fluids; room for those of contact, which batches_free frees, too. */
 pdyn_status batches_create(struct pdyn_sim *sim);
 void batches_free(struct pdyn_sim *sim);
 
