@@ -15,11 +15,7 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
 /* p: the anchor, moved with u along the surface */
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    double along[3], across[3];
-    for (int e = first; e < last; e++) {
-        wet_side_move(b, e, along, across);
-        for (int a = 0; a < 3; a++) b->p[3 * e + a] = b->u[3 * e + a] - across[a];
-    }
+    for (int e = first; e < last; e++) wet_side_project(b, e, b->u + 3 * (size_t)e, -1.0);
 }
 
 /* J = I - n n' */

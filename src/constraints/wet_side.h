@@ -4,6 +4,7 @@
 #define PDYN_WET_SIDE_H
 
 #include "projdyn/module.h"
+#include "projdyn/vec3.h"
 
 #include <string.h>
 
@@ -35,16 +36,17 @@ static inline void wet_side_begin(const void *par, const pdyn_batch *b, int firs
            (size_t)(last - first) * sizeof(struct wet_side_anchor));
 }
 
-/* Sets `along` and `across` to the parts of u less its anchor along and across the surface. */
-static inline void wet_side_move(const pdyn_batch *b, int e, double along[3], double across[3]) {
-    const double *anchor = ((const struct wet_side_anchor *)b->data)[e].u;
+static inline const double *wet_side_anchor(const pdyn_batch *b, int e) {
+    return ((const struct wet_side_anchor *)b->data)[e].u;
+}
+
+/* p = from + part times the way of u across the surface, from its anchor */
+static inline void wet_side_project(const pdyn_batch *b, int e, const double *from, double part) {
     const double *n = b->wet_sides->side[e].normal;
-    double part = 0.0;
-    for (int a = 0; a < 3; a++) part += (b->u[3 * e + a] - anchor[a]) * n[a];
-    for (int a = 0; a < 3; a++) {
-        across[a] = part * n[a];
-        along[a] = b->u[3 * e + a] - anchor[a] - across[a];
-    }
+    double moved[3], *p = b->p + 3 * (size_t)e;
+    vec3_subtract(moved, b->u + 3 * (size_t)e, wet_side_anchor(b, e));
+    memcpy(p, from, sizeof moved);
+    vec3_add(p, part * vec3_dot(moved, n), n);
 }
 
 #endif

@@ -90,9 +90,9 @@ static void wrap_regions(const struct contact *c, const int *corner, int corners
     }
 }
 
-/* Builds the trees of surfaces (kind 0) or solids (kind 1): of all faces, of all edges, and of
- * those that have changed. Points and edges that have not changed look for partners in the latter.
- */
+/* Builds the trees of surfaces (kind 0) or solids (kind 1): of all faces, of all edges, and of the
+ * faces and edges that have changed. A point or edge that has not changed has new pairs only with
+ * something that has: its search takes the trees of changed ones. */
 static void build_trees(struct contact *c, int kind) {
     int f = kind ? c->free_faces : 0, faces = kind ? c->faces - f : c->free_faces;
     int e = kind ? c->free_edges : 0, edges = kind ? c->edges - e : c->free_edges;

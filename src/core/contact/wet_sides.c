@@ -154,7 +154,8 @@ pdyn_status wet_sides_create(pdyn_context *context, const struct scene *scene,
     d->first = NEW_ARRAY(context, 2 * (size_t)samples->count + 1, int);
     if (!d->along || !d->across || !d->first) return PDYN_NO_MEMORY;
     for (int b = 0; b < scene->bodies; b++)
-        if (body[b].triangles) set_rates(d, &body[b], scene->body[b].fluid_friction);
+        if (scene->body[b].fluid_friction > 0.0 || body[b].permeability > 0.0)
+            set_rates(d, &body[b], scene->body[b].fluid_friction);
     return PDYN_OK;
 }
 

@@ -19,7 +19,7 @@ static bool resize_arrays(struct occlusion *s, enum array_action action) {
     return context_arrays(s->context, table, ARRAY_ROWS(table), action);
 }
 
-/* The number of triangles that hide what is behind them. */
+/* The number of triangles of a body that hide particles on one side from those on the other. */
 static int hiding(const pdyn_body *body) { return body->permeability > 0.0 ? 0 : body->triangles; }
 
 static pdyn_status fill(struct occlusion *s, int bodies, const pdyn_body *body) {
