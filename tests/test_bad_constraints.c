@@ -26,13 +26,22 @@ static const struct bad_scene bad_constraints[] = {
      "number from 0 to 1e+12 N/m"},
     {CLOTH("{'type': 'spring', 'stiffness': 1}"),
      "scene.json:3:37: bodies[0].constraints[0]: unknown key \"stiffness\"; did you mean "
-     "\"stretching_stiffness\"?; known: type, stretching_stiffness, damping"},
+     "\"stretching_stiffness\"?; known: type, from, until, stretching_stiffness, damping"},
     {CLOTH("{'type': 'spring', 'stretching_stiffness': -1}"),
      "scene.json:3:61: bodies[0].constraints[0].stretching_stiffness: expected a number "
      "from 0 to 1e+12 N/m, found -1"},
     {CLOTH("{'type': 'spring', 'stretching_stiffness': 1},\n  {'type': 'spring'}"),
      "scene.json:4:12: bodies[0].constraints[1].type: a second \"spring\" constraint on "
      "body \"body0\""},
+    {CLOTH("{'type': 'pin', 'vertices': {'all': true},\n 'from': 0.5, 'until': 0.5}"),
+     "scene.json:4:24: bodies[0].constraints[0].until: expected a time after 0.5 s, found 0.5 s"},
+    {CLOTH("{'type': 'pin', 'vertices': {'all': true},\n 'until': 0}"),
+     "scene.json:4:11: bodies[0].constraints[0].until: expected a time after 0 s, found 0 s"},
+    {CLOTH("{'type': 'pin', 'vertices': {'all': true},\n 'from': -1}"),
+     "scene.json:4:10: bodies[0].constraints[0].from: expected a number from 0 to 1000000000 s, "
+     "found -1"},
+    {FLUID("{'type': 'fluid',\n 'until': 1}"),
+     "scene.json:4:2: bodies[0].constraints[0]: \"fluid\" is matrix-free and acts all the time"},
     {CLOTH("{'type': 'fluid'}"),
      "scene.json:3:27: bodies[0].constraints[0].type: \"fluid\" works on a body of "
      "particles, found a surface"},

@@ -183,8 +183,13 @@ static void test_schema(void **state) {
     for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++) {
         char name[64];
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
-        check_table(definition(name), (*t)->params, 1);
+        check_table(definition(name), (*t)->params, (*t)->matrix_free ? 1 : 3);
         check_alternatives(definition(name), (*t)->alternatives);
+    }
+    for (const pdyn_param *p = scene_constraint_times; p->name; p++) {
+        assert_number(definition(p->name), "default", p->name, p->def, isfinite(p->def));
+        assert_number(definition(p->name), "minimum", p->name, p->min, true);
+        assert_number(definition(p->name), "maximum", p->name, p->max, true);
     }
     const json_t *others = json_object_get(definition("constraint_of_plugin"), "properties");
     others = json_object_get(json_object_get(json_object_get(others, "type"), "not"), "enum");

@@ -31,9 +31,14 @@ static const size_t kind_size[] = {[PDYN_REAL] = sizeof(double),
                                    [PDYN_PATH] = sizeof(pdyn_path),
                                    [PDYN_OTHER] = sizeof(pdyn_other)};
 
+/* Keys that every constraint has. */
+static bool is_taken(const char *name) {
+    return !strcmp(name, "type") || !strcmp(name, "from") || !strcmp(name, "until");
+}
+
 /* Describes the first error in a parameter, compared with the parameters before it; NULL: none. */
 static const char *param_fault(const pdyn_constraint_type *type, const pdyn_param *p) {
-    if (!is_name(p->name) || !strcmp(p->name, "type")) return "its name cannot be a key of a scene";
+    if (!is_name(p->name) || is_taken(p->name)) return "its name cannot be a key of a scene";
     if ((unsigned)p->kind >= sizeof kind_size / sizeof *kind_size) return "its kind is unknown";
     if (!p->unit || !p->doc) return "it has no unit or no doc";
     if (p->offset > type->params_size || kind_size[p->kind] > type->params_size - p->offset)

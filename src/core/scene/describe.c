@@ -83,6 +83,8 @@ static void describe_constraint(const struct sink *to, const pdyn_constraint_typ
     heading(to, "constraint", type->name, type->summary);
     table(to, type->params);
     alternatives(to, type->alternatives);
+    if (!type->matrix_free)
+        line(to, "\n\"from\" and \"until\" (s) limit the time in which it acts\n");
     if (type->flags & PDYN_ON_SURFACE) line(to, "\nworks on a body with a surface\n");
     if (type->flags & PDYN_ON_CLOSED) line(to, "\nneeds a surface that encloses a volume\n");
     if (type->flags & PDYN_ON_VOLUME) line(to, "\nworks on a volume of tetrahedra\n");

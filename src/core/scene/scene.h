@@ -38,8 +38,11 @@ struct scene_outlet { /* an outlet: a region in which particles are removed */
 
 struct scene_constraint {
     const pdyn_constraint_type *type;
-    void *params; /* type->params_size bytes, filled by the table type->params */
+    void *params;       /* type->params_size bytes, filled by the table type->params */
+    double from, until; /* s: it acts in the steps that begin in this time; 0, INFINITY: always */
 };
+
+extern const pdyn_param scene_constraint_times[]; /* ends with a NULL name */
 
 static inline bool needs_neighbour_lists(const pdyn_constraint_type *type) {
     return type->matrix_free || type->flags & PDYN_NEIGHBOURS;

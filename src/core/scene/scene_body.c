@@ -227,8 +227,27 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
     return PDYN_OK;
 }
 
+const pdyn_param scene_constraint_times[] = {
+    {"from", PDYN_REAL, offsetof(struct scene_constraint, from), false, 0, 0, 1e9, "s", ""},
+    {"until", PDYN_REAL, offsetof(struct scene_constraint, until), false, HUGE_VAL, 0, 1e9, "s",
+     ""},
+    {0}};
+
+static pdyn_status read_times(const struct json_at *at, struct scene_constraint *constraint) {
+    struct json_at from = json_member(at, "from"), until = json_member(at, "until");
+    const pdyn_constraint_type *type = constraint->type;
+    if (type->matrix_free && (from.value || until.value))
+        return json_fail_at_key(from.value ? &from : &until,
+                                "\"%s\" is matrix-free and acts all the time", type->name);
+    pdyn_status status = params_read(at, scene_constraint_times, NULL, constraint);
+    if (status == PDYN_OK && !(constraint->until > constraint->from))
+        return json_fail(&until, "expected a time after %.10g s, found %.10g s", constraint->from,
+                         constraint->until);
+    return status;
+}
+
 static pdyn_status read_constraint(struct reader *r, const struct json_at *at, int index) {
-    static const char *const others[] = {"type", NULL};
+    static const char *const others[] = {"type", "from", "until", NULL};
     struct scene_body *body = r->body;
     struct scene_constraint *constraint = &body->constraint[index];
     struct json_at name = json_member(at, "type");
@@ -240,6 +259,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     status = check_type(r, &name, body, index);
     if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
     if (status == PDYN_OK) status = params_check_alternatives(at, type->alternatives);
+    if (status == PDYN_OK) status = read_times(at, constraint);
     if (status != PDYN_OK) return status;
     if (needs_neighbour_lists(type) && !r->listed) r->listed = body;
     constraint->params = context_array(r->context, type->params_size, 1);

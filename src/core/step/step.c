@@ -10,6 +10,7 @@
 #include "minimise.h"
 #include "probes.h"
 #include "rigid_bodies.h"
+#include "schedule.h"
 #include "sim.h"
 #include "timestep.h"
 #include "velocities.h"
@@ -215,7 +216,8 @@ static pdyn_status step_by(struct pdyn_sim *sim, double h, pdyn_step_info *info,
         return context_fail(sim->context, PDYN_BAD_CALL,
                             "the simulation has failed before: no further step");
     pool_check_process(sim->context->pool);
-    pdyn_status status = control_settle(sim);
+    pdyn_status status = schedule_switch(sim);
+    if (status == PDYN_OK) status = control_settle(sim);
     if (status == PDYN_OK)
         status =
             step(sim, h > 0.0 ? timestep_given(sim, h) : timestep_choose(sim, INFINITY), &result);
