@@ -8,16 +8,27 @@ uniform float shrink; /* 0: all balls have the particle radius; else a factor on
 uniform vec3 vesselLow, vesselHigh;
 out vec3 centre;
 out float r, shade, inside; /* inside: the centre is in the vessel */
+/* Instances 1 and 2 of a ball are its images in the nearest wall of the vessel along x and z, so that the water meets
+ * the walls without gaps between balls. *away: distance of the ball from that wall */
+vec3 image(vec3 p, out float away) {
+  int k = gl_InstanceID == 1 ? 0 : 2;
+  float low = p[k] - vesselLow[k], high = vesselHigh[k] - p[k];
+  away = gl_InstanceID == 0 ? 0.0 : min(low, high);
+  if (gl_InstanceID > 0) p[k] += low < high ? -2.0 * low : 2.0 * high;
+  return p;
+}
 void main() {
+  float away;
   vec3 p = place(x);
-  vec4 at = view * vec4(p, 1);
-  centre = at.xyz;
   bool drop = filled * filled < 0.3;
   r = radius * (shrink == 0.0 ? 1.0 : shrink * (drop ? 0.6 : mix(0.9, 1.5, smoothstep(0.3, 0.62, filled * filled))));
   inside = all(greaterThan(p, vesselLow)) && all(lessThan(p, vesselHigh)) ? 1.0 : 0.0;
+  vec4 at = view * vec4(image(p, away), 1);
+  centre = at.xyz;
   shade = min(1.0, value * value * scale);
   gl_Position = projection * at;
-  if (dot(cut.xyz, p) > cut.w || leftOut(gl_Position, centre.z, drop)) gl_Position = vec4(2, 2, 2, 1);
+  bool outside = gl_InstanceID > 0 && inside == 0.0;
+  if (outside || away > r || dot(cut.xyz, p) > cut.w || leftOut(gl_Position, centre.z, drop)) gl_Position = vec4(2, 2, 2, 1);
   gl_PointSize = max(1.0, 1.04 * r * projection[1][1] * height / gl_Position.w);
 }`;
 const ballHead = `
@@ -104,10 +115,10 @@ class Points {
     const [low, high] = this.box, { scale, part: { radius } } = this;
     return { origin: low, size: high.map((v, k) => v - low[k]), radius, scale };
   }
-  draw(program, values, sparse) {
+  draw(program, values, sparse, images = 0) {
     use(this.gl, program, { ...values, ...this.values() });
     this.gl.bindVertexArray(sparse ? this.sparse : this.array);
-    this.gl.drawArrays(this.gl.POINTS, 0, sparse ? Math.floor(this.count / 4) : this.count);
+    this.gl.drawArraysInstanced(this.gl.POINTS, 0, sparse ? Math.floor(this.count / 4) : this.count, 1 + images);
   }
 }
 

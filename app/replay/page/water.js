@@ -1,6 +1,7 @@
 /* Fluids as a smooth surface, in screen space:
  *   depth     nearest point of the balls around the particles at each pixel (eye-space z)
- *   smooth    bilateral filter across and down, twice, then along both diagonals
+ *   smooth    bilateral filter across and down, twice, then along both diagonals: the line that fits the depths on
+ *             both sides best, so that a slope stays what it is at rims, too
  *   thickness volumes of the particles, spread over wider discs; near the surface the channel's value, or the
  *             number of the fluid's colour
  *   normals   from differences of the smooth depth
@@ -44,7 +45,9 @@ void main() {
   result = z;
   if (z == 0.0) return;
   float reach = clamp(0.5 * spread * radius * projection[1][1] * height / -z, 1.0, 3.0 * float(taps));
-  float step = max(1.0, reach / float(taps)), sum = z, weights = 1.0;
+  float step = max(1.0, reach / float(taps));
+  vec3 weights = vec3(1, 0, 0); /* sums of weights, times the place, times its square */
+  vec2 sums = vec2(z, 0);       /* of weights times the depth, times the place */
   for (int k = 1; k <= taps; k++) {
     float place = float(k) * step / reach;
     if (place > 1.001) break;
@@ -53,10 +56,11 @@ void main() {
                   texelFetch(depths, clamp(at - away, ivec2(0), last), 0).r);
     float bell = 1.0 - 0.9 * place * place;
     vec2 w = bell * bell * (1.0 - smoothstep(2.0 * radius, 6.0 * radius, abs(v - z)));
-    sum += dot(w, v);
-    weights += w.x + w.y;
+    weights += vec3(w.x + w.y, place * (w.x - w.y), place * place * (w.x + w.y));
+    sums += vec2(dot(w, v), place * (w.x * v.x - w.y * v.y));
   }
-  result = sum / weights;
+  float spread = weights.x * weights.z - weights.y * weights.y;
+  if (spread > 0.0) result = (weights.z * sums.x - weights.y * sums.y) / spread;
 }`,
   thickness: `${ballHead}
 uniform sampler2D depths;
@@ -117,7 +121,7 @@ vec3 around(vec4 s, float z, vec2 scale) {
   }
   slope = sum.rg / sum.b;
   float spread = sum.a / sum.b - dot(slope, slope);
-  return vec3(slope, smoothstep(0.45, 0.95, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.04, 0.18, spread)));
+  return vec3(slope, smoothstep(0.0, 0.5, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.04, 0.25, spread)));
 }
 /* The point on the window where the refracted ray meets the scene; uv if it meets what is in front of the water. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
@@ -185,7 +189,8 @@ class Water {
   }
   drawDepth(bodies, values, width, height) {
     this.depth.begin(width, height);
-    for (const body of bodies) body.draw(this.programs.depth, { ...values, height, window: [width, height] });
+    const images = values.soft ? 2 : 0;
+    for (const body of bodies) body.draw(this.programs.depth, { ...values, height, window: [width, height] }, false, images);
   }
   /* Returns the texture of smooth depths. */
   smooth(values, width, height, count) {
