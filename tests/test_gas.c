@@ -16,6 +16,9 @@
 #define INWARDS                                                                                    \
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n" /* V = 1/6 */
 
+/* A second piece that faces outwards: V = 1/3. */
+#define OPPOSED INWARDS "v 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 1\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n"
+
 #define GAS(keys)    "{'type': 'gas'" keys "}"
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
@@ -78,6 +81,7 @@ static void test_laws(void **state) {
         {OUT, ", 'outside': 1", 1.0, 0.01, 4.1 * 369.077}, /* finite below a hundredth */
         {INWARDS, ", 'overpressure': 500", 1.0 / 6.0, 1.0, 500.0},
         {INWARDS, ", 'gamma': 1", 1.0 / 6.0, 0.9, 101325.0 * 0.371742},
+        {OPPOSED, ", 'gamma': 1", 1.0 / 3.0, 0.9, 101325.0 * 0.371742},
     };
     for (int k = 0; k < COUNT(cases); k++) {
         pdyn_context *context = test_context(1);

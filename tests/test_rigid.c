@@ -68,6 +68,54 @@ static void test_inward(void **state) {
     pdyn_destroy(context);
 }
 
+/* Adds the tetrahedron of `corners` in another size and place; 1 + `vertices` is its first vertex.
+ */
+static int add_tetrahedron(char *text, size_t room, int vertices, double size, double at,
+                           bool inwards) {
+    static const int face[4][3] = {{1, 3, 2}, {1, 2, 4}, {2, 3, 4}, {1, 4, 3}};
+    size_t used = strlen(text);
+    for (int v = 0; v < 4; v++)
+        used += (size_t)snprintf(text + used, room - used, "v %g %g %g\n", at + (v == 1) * size,
+                                 at + (v == 2) * size, at + (v == 3) * size);
+    for (int f = 0; f < 4; f++)
+        used += (size_t)snprintf(text + used, room - used, "f %d %d %d\n", vertices + face[f][0],
+                                 vertices + face[f][inwards ? 2 : 1],
+                                 vertices + face[f][inwards ? 1 : 2]);
+    return vertices + 4;
+}
+
+/* The mass, in that of the tetrahedron, of a rigid body of two: the second of this size and place.
+ * flips: bit k turns tetrahedron k inwards. warnings: expected. */
+static double mass_of_two(double size, double at, int flips, int warnings) {
+    char text[1024] = "";
+    struct warnings counter = {"counts twice", 0};
+    add_tetrahedron(text, sizeof text, add_tetrahedron(text, sizeof text, 0, 1, 0, flips & 1), size,
+                    at, flips & 2);
+    test_write_text("pieces.obj", text);
+    pdyn_context *context = test_warned_context(1, &counter);
+    pdyn_sim *sim = test_load(context, "{'duration': 1, 'bodies': [{'rigid': {'mesh': "
+                                       "'pieces.obj', 'density': 6}}]}");
+    double mass = sim->scene.body[0].mass;
+    assert_int_equal(counter.count, warnings);
+    test_remove_file("pieces.obj");
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    return mass;
+}
+
+/* Pieces of a mesh have the same mass whichever way they face; a piece inside another is a hollow.
+ */
+static void test_pieces(void **state) {
+    (void)state;
+    for (int flips = 0; flips < 4; flips++) {
+        assert_true(fabs(mass_of_two(1, 2, flips, 0) - 2.0) < 1e-12);       /* beside it */
+        assert_true(fabs(mass_of_two(0.5, 2, flips, 0) - 1.125) < 1e-12);   /* smaller */
+        assert_true(fabs(mass_of_two(0.5, 0.1, flips, 0) - 0.875) < 1e-12); /* in it */
+        assert_true(fabs(mass_of_two(-1, 0, flips, 0) - 2.0) < 1e-12);      /* touches a corner */
+        assert_true(fabs(mass_of_two(1, 0.1, flips, 1) - 2.0) < 1e-12);     /* partly in it */
+    }
+}
+
 /* ---- free flight ----------------------------------------------------------------------------- */
 
 /* Sides of the box of BOX: its tensor of inertia is m/12 diag(sum of the squares of two sides). */
@@ -516,21 +564,14 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inward),
-        cmocka_unit_test(test_mass),
-        cmocka_unit_test(test_flight),
-        cmocka_unit_test(test_pendulum),
-        cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_slope),
-        cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_collision),
-        cmocka_unit_test(test_water),
-        cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_matrix),
-        cmocka_unit_test(test_pair),
-        cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_light_under_heavy),
+        cmocka_unit_test(test_inward),    cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_mass),      cmocka_unit_test(test_flight),
+        cmocka_unit_test(test_pendulum),  cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_slope),     cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_collision), cmocka_unit_test(test_water),
+        cmocka_unit_test(test_poses),     cmocka_unit_test(test_bits),
+        cmocka_unit_test(test_matrix),    cmocka_unit_test(test_pair),
+        cmocka_unit_test(test_errors),    cmocka_unit_test(test_light_under_heavy),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }

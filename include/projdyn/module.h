@@ -331,7 +331,8 @@ enum {                             /* pdyn_constraint_type.flags */
                                       an impact and not expected to last */
        PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not once a step */
        PDYN_ON_CLOSED = 512,       /* needs a body with triangles that enclose a volume: no border,
-                                      all triangles face outwards or all inwards */
+                                      all pieces face outwards, hollows inwards, or all the
+                                      other way */
        PDYN_NEIGHBOURS = 1024,     /* works on the neighbour lists of its body of particles; every
                                       matrix-free type does */
 };

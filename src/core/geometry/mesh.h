@@ -79,6 +79,16 @@ pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, 
  * triangles of every edge have the same orientation. */
 pdyn_status mesh_check_oriented(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* Turns the pieces of a closed, oriented mesh (mesh_check_oriented) that face another way than the
+ * rest: afterwards all pieces face outwards, except hollows, which lie inside another piece and
+ * face inwards (mesh_pieces.c); or all the other way round, if no piece was turned. */
+struct mesh_turned {
+    int pieces;   /* turned */
+    int crossing; /* pieces that are partly inside another one */
+};
+pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
+                               struct mesh_turned *turned);
+
 /* Volume, m^3, centre, m, and second moments about the centre over the volume, m^2 (symmetric, row
  * by row), of the inside of a closed mesh whose triangles are oriented; the volume is negative
  * where they are so inwards. Sums over the tetrahedra between the triangles and a vertex. */

@@ -7,6 +7,8 @@ struct search {
     const double *x;
     double square; /* m^2: distance that is close */
     bool found;    /* a triangle is closer; or: the number of crossings is odd */
+    const int *of; /* the group of each triangle; those of group `own` do not count. NULL: all do */
+    int own;
 };
 
 pdyn_status mesh_query_create(pdyn_context *context, const struct mesh *mesh,
@@ -48,7 +50,7 @@ static void visit_close(void *user, int t) {
 }
 
 bool mesh_query_is_close(const struct mesh_query *query, const double x[3], double distance) {
-    struct search s = {query, x, distance * distance, false};
+    struct search s = {.query = query, .x = x, .square = distance * distance};
     struct box box;
     for (int a = 0; a < 3; a++) box.min[a] = x[a] - distance, box.max[a] = x[a] + distance;
     if (box_overlaps(&box, &query->bounds)) bvh_visit(&query->tree, &box, 0, visit_close, &s);
@@ -60,6 +62,7 @@ static void visit_crossing(void *user, int t) {
     const double *corner[3];
     double end[3][2];
     int ends = 0;
+    if (s->of && s->of[t] == s->own) return;
     mesh_corners(s->query->mesh, t, corner);
     for (int c = 0; c < 3; c++) {
         const double *p = corner[c], *q = corner[(c + 1) % 3];
@@ -71,7 +74,12 @@ static void visit_crossing(void *user, int t) {
 }
 
 bool mesh_query_contains(const struct mesh_query *query, const double x[3]) {
-    struct search s = {query, x, 0.0, false};
+    return mesh_query_contains_others(query, x, NULL, 0);
+}
+
+bool mesh_query_contains_others(const struct mesh_query *query, const double x[3], const int *of,
+                                int own) {
+    struct search s = {.query = query, .x = x, .of = of, .own = own};
     struct box ray = {{x[0], x[1], x[2]}, {query->bounds.max[0], x[1], x[2]}};
     if (ray.min[0] <= ray.max[0] && box_overlaps(&ray, &query->bounds))
         bvh_visit(&query->tree, &ray, 0, visit_crossing, &s);

@@ -25,4 +25,8 @@ bool mesh_query_is_close(const struct mesh_query *query, const double x[3], doub
  */
 bool mesh_query_contains(const struct mesh_query *query, const double x[3]);
 
+/* The same for the mesh without the triangles t with of[t] == own. */
+bool mesh_query_contains_others(const struct mesh_query *query, const double x[3], const int *of,
+                                int own);
+
 #endif

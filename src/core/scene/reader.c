@@ -115,3 +115,15 @@ pdyn_status reader_array(struct reader *r, const struct json_at *array, const ch
     *count = length;
     return reader_each(r, array, read);
 }
+
+pdyn_status reader_orient_pieces(struct reader *r) {
+    struct mesh_turned turned;
+    pdyn_status status = mesh_orient_pieces(r->context, &r->body->mesh, &turned);
+    r->body->crossing = turned.crossing;
+    if (status == PDYN_OK && turned.pieces)
+        context_log(r->context, PDYN_LOG_INFO,
+                    "body \"%s\": %d piece%s of its mesh face%s another way than the rest, turned",
+                    r->body->name, turned.pieces, turned.pieces == 1 ? "" : "s",
+                    turned.pieces == 1 ? "s" : "");
+    return status;
+}

@@ -25,6 +25,10 @@ typedef pdyn_status read_fn(struct reader *r, const struct json_at *at, int inde
 pdyn_status settings_read(struct reader *r, const struct json_at *root);
 read_fn scene_read_body, scene_read_solid, scene_read_probe;
 
+/* Turns the pieces of the current body's closed mesh that face another way than the rest
+ * (mesh_orient_pieces), with a message. */
+pdyn_status reader_orient_pieces(struct reader *r);
+
 /* ---- names and arrays ------------------------------------------------------------------------ */
 
 pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out);

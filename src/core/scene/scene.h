@@ -65,13 +65,14 @@ struct scene_body {
     double fluid_friction;            /* Pa s/m, friction of a surface or a volume with the fluid */
     double permeability;              /* m/(Pa s), of a surface; 0: no fluid passes */
     double density;                   /* kg/m^3, of a volume or a rigid body */
-    bool is_rigid;                    /* a rigid body, whose surface is `mesh`: */
-    double mass;                      /* kg */
-    double point[RIGID_POINTS][3];    /* m: four points of a fourth of the mass each that have its
-                                         centre and inertia tensor (rows/rigid_map.h) */
-    double centre[3];                 /* m, of its mass */
-    double angular_velocity[3];       /* rad/s, at the start */
-    int inlets;                       /* inlets of a body of particles */
+    int crossing;                  /* pieces of a closed mesh that are partly inside another one */
+    bool is_rigid;                 /* a rigid body, whose surface is `mesh`: */
+    double mass;                   /* kg */
+    double point[RIGID_POINTS][3]; /* m: four points of a fourth of the mass each that have its
+                                      centre and inertia tensor (rows/rigid_map.h) */
+    double centre[3];              /* m, of its mass */
+    double angular_velocity[3];    /* rad/s, at the start */
+    int inlets;                    /* inlets of a body of particles */
     struct scene_inlet *inlet;
     int budget;         /* number of particles that the inlets may add to the initial ones */
     double velocity[3]; /* m/s, initial velocity; an entry of "fill" may override it */

@@ -198,8 +198,20 @@ static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_typ
     return *out ? PDYN_OK : reader_fail_word(at, "constraint", names, count);
 }
 
+/* Checks a surface that encloses a volume; turns its pieces to face the same way. */
+static pdyn_status check_enclosing(struct reader *r, const struct json_at *at, const char *type) {
+    const struct mesh *mesh = &r->body->mesh;
+    char name[64];
+    snprintf(name, sizeof name, "\"%.40s\"", type);
+    pdyn_status status = mesh_check_closed(r->context, mesh, name);
+    if (status == PDYN_OK) status = mesh_check_oriented(r->context, mesh, name);
+    if (status == PDYN_OK) status = reader_orient_pieces(r);
+    if (status == PDYN_OK) status = mesh_check_encloses(r->context, mesh, name);
+    return status == PDYN_OK ? PDYN_OK : json_wrap(at, status);
+}
+
 /* Checks that a constraint of this type is allowed on the body. */
-static pdyn_status check_type(const struct reader *r, const struct json_at *at,
+static pdyn_status check_type(struct reader *r, const struct json_at *at,
                               const struct scene_body *body, int index) {
     const pdyn_constraint_type *type = body->constraint[index].type;
     for (int k = 0; k < index; k++)
@@ -209,10 +221,8 @@ static pdyn_status check_type(const struct reader *r, const struct json_at *at,
     if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
         return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
     if (type->flags & PDYN_ON_CLOSED) {
-        char name[64];
-        snprintf(name, sizeof name, "\"%.40s\"", type->name);
-        pdyn_status status = mesh_check_encloses(r->context, &body->mesh, name);
-        if (status != PDYN_OK) return json_wrap(at, status);
+        pdyn_status status = check_enclosing(r, at, type->name);
+        if (status != PDYN_OK) return status;
     }
     if (type->flags & PDYN_ON_VOLUME && !body->tets.count)
         return json_fail(at, "\"%s\" works on a volume, found %s", type->name,

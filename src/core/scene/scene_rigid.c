@@ -38,11 +38,13 @@ static pdyn_status (*const shape_readers[SHAPES])(const struct json_at *at,
                                                   struct scene_body *body) = {
     read_mesh, read_box, read_sphere, read_capsule};
 
-static pdyn_status check_mesh(pdyn_context *context, const struct mesh *mesh) {
+static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
+    pdyn_context *context = r->context;
     pdyn_status status = mesh_check(context, mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_cloth(context, mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(context, mesh, "as placed");
-    return status == PDYN_OK ? mesh_check_oriented(context, mesh, "as placed") : status;
+    if (status == PDYN_OK) status = mesh_check_oriented(context, mesh, "as placed");
+    return status == PDYN_OK ? reader_orient_pieces(r) : status;
 }
 
 static pdyn_status read_shape(struct reader *r, const struct json_at *at) {
@@ -58,7 +60,7 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *at) {
         status = fill_count(&shape_at, mesh->vertices + (double)RIGID_POINTS, &r->particles);
     if (status != PDYN_OK) return status;
     transform_points(&transform, mesh->vertex, mesh->vertices);
-    return json_wrap(&shape_at, check_mesh(r->context, mesh));
+    return json_wrap(&shape_at, check_mesh(r, mesh));
 }
 
 /* ---- mass ------------------------------------------------------------------------------------ */

@@ -201,6 +201,11 @@ static void check_contact(struct pdyn_sim *sim, int b) {
 static void check_overlap(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     int count = sim->body[b].count + body->left_out;
+    if (body->crossing)
+        WARN(sim, OVERLAP, body->name,
+             "%d piece%s of its mesh %s partly inside another one: the common part counts twice in "
+             "its volume",
+             body->crossing, body->crossing == 1 ? "" : "s", body->crossing == 1 ? "is" : "are");
     if (body->left_out <= max_left_out * count) return;
     WARN(sim, OVERLAP, body->name, "%d of %d particles overlap solids or surfaces and are left out",
          body->left_out, count);
