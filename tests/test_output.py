@@ -433,6 +433,57 @@ f -2 3 5
             self.assertEqual({path for path in directory.glob("*_*")}, kept | frames)
             self.assertTrue(all(path.read_text() == "mine" for path in kept))
 
+    def test_another_scene_leaves_its_files_alone(self):
+        """After a run the directory holds the files of that run, and those of others."""
+        alone = {"duration": 0.1, "frame_interval": 0.1, "bodies": [{
+            "name": "cloth", "surface": {"grid": {"size": [1, 1], "vertices": [5, 5]},
+                                         "area_density": 0.2},
+            "constraints": [{"type": "spring", "stretching_stiffness": 100}]}]}
+        solids = [{"name": "rest", "sphere": {"center": [0, -3, 0], "radius": 0.1}},
+                  {"name": "moved", "sphere": {"center": [0, -2, 0], "radius": 0.1},
+                   "motion": [{"time": 0}, {"time": 1, "translate": [0.1, 0, 0]}]}]
+        long_name = "b" * 64
+        several = dict(alone, solids=solids, bodies=[
+            dict(alone["bodies"][0], name=long_name),
+            {"name": "water", "particles": {"radius": 0.05, "fill": [
+                {"box": {"minimum": [0, 1, 0], "maximum": [0.5, 1.5, 0.5]}}]},
+             "constraints": [{"type": "fluid", "compression": 0.01}]}])
+
+        def files_of(scene, directory, *options):
+            path = directory.parent / "scene.json"
+            path.write_text(json.dumps(scene))
+            subprocess.run([PROJDYN, "run", path, "-o", directory, "--quiet", *options], check=True,
+                           capture_output=True, timeout=600)
+            return {str(p.relative_to(directory)) for p in directory.rglob("*") if p.is_file()}
+
+        with tempfile.TemporaryDirectory() as name:
+            expected = files_of(alone, pathlib.Path(name) / "alone")
+            directory = pathlib.Path(name) / "both"
+            old = files_of(several, directory, "--ply")
+            self.assertLessEqual({f"{long_name}.obj", "water_000001.ply", "solids/rest.vtk",
+                                  "solids/moved_000001.vtk", "boundary.vtk.series"}, old)
+            subprocess.run([PROJDYN, "mesh", directory], check=True, capture_output=True,
+                           timeout=600)
+            kept = {"notes.txt", "water.obj", "water_999999.vtk", "solids/mine.vtk",
+                    "mesh/water_000000.obj"}
+            for file in kept:
+                (directory / file).write_text("mine")
+            self.assertEqual(files_of(alone, directory), expected | kept)
+            self.assertTrue(all((directory / file).read_text() == "mine" for file in kept))
+
+    def test_a_list_of_files_of_others_is_ignored(self):
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name) / "run"
+            (directory / "solids").mkdir(parents=True)
+            kept = [pathlib.Path(name) / "mine.obj", directory / "mine.txt", directory / "mine.csv"]
+            for path in kept:
+                path.write_text("mine")
+            (directory / "files.json").write_text(json.dumps({"files": [
+                "../mine.obj", "solids/../mine.txt", "mine.txt", "mine.csv", 7, None, ".vtk",
+                str(kept[0])], "series": ["../mine", "", 3]}))
+            self.assertEqual(run(directory, "--time", str(self.interval)).returncode, 0)
+            self.assertTrue(all(path.read_text() == "mine" for path in kept))
+
     def test_metrics_through_a_link_are_refused(self):
         with tempfile.TemporaryDirectory() as name:
             (pathlib.Path(name) / "metrics.csv").symlink_to("/dev/full")

@@ -335,8 +335,9 @@ PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
  * Boundary points of solids at rest are in DIR/boundary.vtk; those of moving solids have a file per
  * frame like a body "boundary". DIR/solids has the mesh of every solid: NAME.vtk, or for a solid
  * that moves a file per frame and NAME.vtk.series. Triangles face outwards, of a box from its
- * inside; its open sides have none. Files appear complete or not at all. Functions return
- * PDYN_IO_FAILED if a file cannot be written. */
+ * inside; its open sides have none. DIR/files.json lists the files of bodies and solids:
+ * pdyn_writer_open removes those of the previous run in the directory, and no other files. Files
+ * appear complete or not at all. Functions return PDYN_IO_FAILED if a file cannot be written. */
 typedef struct pdyn_writer pdyn_writer;
 PDYN_API pdyn_status pdyn_writer_open(pdyn_sim *sim, const char *directory, bool ply,
                                       pdyn_writer **out);

@@ -5,7 +5,6 @@
 #include "writer.h"
 
 #include <errno.h>
-#include <jansson.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -129,13 +128,20 @@ static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const c
     return status;
 }
 
-pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name) {
-    const char *path = writer_path(writer, "%s%s.vtk.series", folder, name);
+pdyn_status frames_load_json(pdyn_writer *writer, const char *path, json_t **out) {
     struct stat info;
+    *out = NULL;
     if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
     errno = 0;
-    json_t *series = json_load_file(path, 0, NULL), *files = json_object_get(series, "files");
-    pdyn_status status = errno == ENOMEM ? context_no_memory(writer->context) : PDYN_OK;
+    *out = json_load_file(path, 0, NULL);
+    return errno == ENOMEM ? context_no_memory(writer->context) : PDYN_OK;
+}
+
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name) {
+    json_t *series, *files;
+    pdyn_status status =
+        frames_load_json(writer, writer_path(writer, "%s%s.vtk.series", folder, name), &series);
+    files = json_object_get(series, "files");
     for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
         const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
         if (file && is_frame(file, name)) status = remove_frame(writer, folder, file);

@@ -21,17 +21,10 @@ const char *writer_path(pdyn_writer *writer, const char *format, ...) {
     return writer->path;
 }
 
-static size_t max_size(size_t a, size_t b) { return a > b ? a : b; }
-
 static pdyn_status store_directory(pdyn_writer *writer, const char *directory) {
-    size_t longest = strlen("boundary.vtk");
-    for (int b = 0; b < writer->sim->bodies; b++)
-        longest = max_size(longest, strlen(pdyn_get_body(writer->sim, b).name));
-    for (int s = 0; s < writer->sim->scene.solids; s++)
-        longest =
-            max_size(longest, strlen(SOLIDS_FOLDER) + strlen(writer->sim->scene.solid[s].name));
     writer->directory = strlen(directory) + 1;
-    writer->path_size = writer->directory + longest + sizeof "_0123456789.vtk.series";
+    writer->path_size =
+        writer->directory + sizeof SOLIDS_FOLDER + WRITER_NAME + sizeof "_0123456789.vtk.series";
     writer->path = NEW_ARRAY(writer->context, writer->path_size, char);
     if (!writer->path) return PDYN_NO_MEMORY;
     snprintf(writer->path, writer->path_size, "%s/", directory);
@@ -185,6 +178,8 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = make_directory(writer);
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, "state.pdyn"));
+    if (status == PDYN_OK) status = previous_run_remove(writer);
+    if (status == PDYN_OK) status = previous_run_list(writer);
     if (status == PDYN_OK) status = begin_boundary(writer);
     if (status == PDYN_OK) status = begin_solids(writer);
     for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)

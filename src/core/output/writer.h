@@ -1,11 +1,15 @@
 /* The output directory of a run, private: writer.c opens, saves and resumes it, frames.c writes
  * frames and their series, metrics.c writes metrics.csv and probes.csv, run_lock.c keeps other runs
- * out. */
+ * out, previous_run.c removes the files of the previous run. */
 #ifndef PDYN_WRITER_H
 #define PDYN_WRITER_H
 
 #include "csv_file.h"
 #include "output.h"
+
+#include <jansson.h>
+
+enum { WRITER_NAME = 64 }; /* largest length of the name of a body or a solid */
 
 struct pdyn_writer {
     pdyn_sim *sim;
@@ -41,6 +45,13 @@ pdyn_status frames_reserve_times(pdyn_writer *writer, int frames);
 pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name);
 /* Removes a file, if it exists. */
 pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
+/* Reads a JSON file; *out, which the caller frees, is NULL if it is missing or damaged. */
+pdyn_status frames_load_json(pdyn_writer *writer, const char *path, json_t **out);
+
+/* Removes the files of the previous run in the directory that its list names. */
+pdyn_status previous_run_remove(pdyn_writer *writer);
+/* Lists the files of this run, for the next one. */
+pdyn_status previous_run_list(pdyn_writer *writer);
 
 /* Bytes of a row: for the numbers of a step, and for each body. */
 enum { METRICS_ROW = 1024, METRICS_ROW_BODY = 80 };

@@ -1,0 +1,120 @@
+/* DIR/files.json names the files and series that a run writes to its directory, so that the next
+ * run in the directory removes them, whatever its scene contains, and no file of somebody else:
+ *
+ *     {"files": ["report.json", "sheet.obj", "solids/tank.vtk"], "series": ["sheet", "water",
+ * "solids/paddle"]}
+ *
+ * The state, metrics, probes and boundary points have fixed names and are replaced without it. */
+#include "base/file_out.h"
+#include "writer.h"
+
+#include <jansson.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define LIST   "files.json"
+#define REPORT "report.json"
+
+/* ---- the list of this run -------------------------------------------------------------------- */
+
+/* The next element of the array that `count` counts. */
+static void print_element(struct file_out *file, int *count, const char *folder, const char *name,
+                          const char *ending) {
+    file_out_print(file, "%s\"%s%s%s\"", (*count)++ ? ", " : "", folder, name, ending);
+}
+
+static void print_list(struct file_out *file, const pdyn_sim *sim) {
+    const struct scene *scene = &sim->scene;
+    int files = 0, series = 0;
+    file_out_print(file, "{\"files\": [");
+    print_element(file, &files, "", REPORT, "");
+    for (int b = 0; b < sim->bodies; b++)
+        if (sim->body[b].triangles) print_element(file, &files, "", sim->body[b].name, ".obj");
+    for (int s = 0; s < scene->solids; s++)
+        if (!scene->solid[s].keys)
+            print_element(file, &files, SOLIDS_FOLDER, scene->solid[s].name, ".vtk");
+    file_out_print(file, "],\n \"series\": [");
+    for (int b = 0; b < sim->bodies; b++) print_element(file, &series, "", sim->body[b].name, "");
+    for (int s = 0; s < scene->solids; s++)
+        if (scene->solid[s].keys)
+            print_element(file, &series, SOLIDS_FOLDER, scene->solid[s].name, "");
+    file_out_print(file, "]}\n");
+}
+
+pdyn_status previous_run_list(pdyn_writer *writer) {
+    struct file_out file;
+    pdyn_status status = file_out_open(writer->context, writer_path(writer, "%s", LIST), &file);
+    if (status != PDYN_OK) return status;
+    print_list(&file, writer->sim);
+    return file_out_close(&file);
+}
+
+/* ---- files of the previous run --------------------------------------------------------------- */
+
+/* A name of a body or a solid, then `ending`, in the directory or its folder for solids; *folder:
+ * which one. NULL: another path, which no run writes. */
+static const char *own_name(const char *path, const char *ending, const char **folder) {
+    size_t length = strlen(SOLIDS_FOLDER), name;
+    *folder = path && !strncmp(path, SOLIDS_FOLDER, length) ? SOLIDS_FOLDER : "";
+    if (!path) return NULL;
+    path += strlen(*folder);
+    name = strspn(path, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
+    return name && name <= WRITER_NAME && !strcmp(path + name, ending) ? path : NULL;
+}
+
+/* Whether the scene reads this file for the texture coordinates of a body. */
+static bool is_source(const pdyn_writer *writer, const char *path) {
+    struct stat info, source;
+    if (stat(path, &info)) return false;
+    for (int b = 0; b < writer->sim->scene.bodies; b++) {
+        const char *obj = writer->sim->scene.body[b].obj;
+        if (obj && !stat(obj, &source) && source.st_dev == info.st_dev &&
+            source.st_ino == info.st_ino)
+            return true;
+    }
+    return false;
+}
+
+static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
+    const char *folder;
+    bool own = path && (!strcmp(path, REPORT) || own_name(path, ".obj", &folder) ||
+                        own_name(path, ".vtk", &folder));
+    if (!own) return PDYN_OK;
+    path = writer_path(writer, "%s", path);
+    return is_source(writer, path) ? PDYN_OK : frames_remove_file(writer, path);
+}
+
+static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
+    const char *folder, *name = own_name(path, "", &folder);
+    pdyn_status status = name ? frames_remove_listed(writer, folder, name) : PDYN_OK;
+    if (!name || status != PDYN_OK) return status;
+    status = frames_remove_file(writer, writer_path(writer, "%s%s.vtk.series", folder, name));
+    if (status != PDYN_OK || *folder) return status;
+    struct stat info; /* surfaces of fluids by `projdyn mesh`; a link is not followed */
+    if (lstat(writer_path(writer, "mesh"), &info) || !S_ISDIR(info.st_mode)) return PDYN_OK;
+    status = frames_remove_listed(writer, MESH_FOLDER, name);
+    if (status != PDYN_OK) return status;
+    return frames_remove_file(writer, writer_path(writer, MESH_FOLDER "%s.vtk.series", name));
+}
+
+static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,
+                               pdyn_status (*remove)(pdyn_writer *writer, const char *path)) {
+    pdyn_status status = PDYN_OK;
+    for (size_t k = 0; k < json_array_size(paths) && status == PDYN_OK; k++)
+        status = remove(writer, json_string_value(json_array_get(paths, k)));
+    return status;
+}
+
+pdyn_status previous_run_remove(pdyn_writer *writer) {
+    static const char *const folders[] = {"solids", "mesh"};
+    json_t *list;
+    pdyn_status status = frames_load_json(writer, writer_path(writer, "%s", LIST), &list);
+    if (status == PDYN_OK)
+        status = remove_each(writer, json_object_get(list, "files"), remove_file);
+    if (status == PDYN_OK)
+        status = remove_each(writer, json_object_get(list, "series"), remove_series);
+    for (int k = 0; k < 2; k++) rmdir(writer_path(writer, "%s", folders[k])); /* if empty */
+    json_decref(list);
+    return status;
+}
