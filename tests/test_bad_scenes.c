@@ -179,8 +179,16 @@ static const struct {
      "--set bodies.water.particles.fill.0.box.maximum.1=-1: "
      "bodies[0].particles.fill[0].box.maximum[1]: expected a number above the minimum, 0 "
      "m, found -1 m"},
-    {"bodies.0=null", "--set bodies.0=null: bodies[0]: expected an object {name, particles, "
-                      "surface, volume, rigid, constraints, velocity}, found null"},
+    {"bodies.0=null", ""},
+    {"bodies.0={\"name\": null}",
+     "--set bodies.0={\"name\": null}: bodies[0].name: expected a name of 1 to 64 letters, "
+     "digits, '_' and '-', found null"},
+    {"bodies=null", "scene.json:1:*"},
+    {"bodies.shet=null", "--set bodies.shet=null: no element \"shet\"; did you mean \"sheet\"?; "
+                         "known: 0 (water), 1 (sheet)"},
+    {"bodies.sheet.velocty=null",
+     "--set bodies.sheet.velocty=null: no key \"velocty\" to remove; known: *"},
+    {"duration.seconds=null", "--set duration.seconds=null: no key \"seconds\" to remove"},
     {"bodies=[]", "--set bodies=[]: bodies: expected at least one body, found an array of 0"},
     {"bodies.sheet.constraints=[]", ""},
     {"bodies.sheet.surface.grid.vertices=[3, 3.5]",
@@ -219,12 +227,50 @@ static void test_place_beside_overrides(void **state) {
         status, &scene,
         "scene.json:4:40: bodies[0].constraints[1].vertices.all: expected true, found 3");
 }
+
+/* Elements behind one that was removed keep their line, and the label of a later change. */
+static void test_place_after_removals(void **state) {
+    (void)state;
+    struct scene scene;
+    static const char *const set[] = {
+        "bodies.sheet.constraints.3.stiffness=-1",   "bodies.sheet.constraints.0=null",
+        "bodies.sheet.constraints.bending=null",     "bodies.sheet.constraints.1.stiffness=-2",
+        "bodies.sheet.constraints.1.stiffness=null", "bodies.sheet.constraints.1.stiffness=7"};
+    const char *text =
+        "{'duration': 1, 'bodies': [\n {'name': 'sheet', 'surface': {'grid': {'size': [1, 1], "
+        "'vertices': [3, 3]}, 'area_density': 1},\n"
+        "  'constraints': [{'type': 'spring', 'stretching_stiffness': 1},\n"
+        "   {'type': 'bending', 'bending_rigidity': 1},\n"
+        "   {'type': 'pin', 'vertices': {'all': %s}},\n"
+        "   {'type': 'pin', 'vertices': {'all': %s}}]}]}";
+    char given[1024];
+    snprintf(given, sizeof given, text, "3", "true");
+    assert_failure(
+        read_text(given, set, 6, &scene), &scene,
+        "scene.json:5:40: bodies[0].constraints[0].vertices.all: expected true, found 3");
+    snprintf(given, sizeof given, text, "true", "4");
+    assert_failure(
+        read_text(given, set, 6, &scene), &scene,
+        "scene.json:6:40: bodies[0].constraints[1].vertices.all: expected true, found 4");
+    snprintf(given, sizeof given, text, "true", "true");
+    assert_failure(read_text(given, set, 4, &scene), &scene,
+                   "--set bodies.sheet.constraints.1.stiffness=-2: "
+                   "bodies[0].constraints[1].stiffness: expected a number from 0 to 1e+15 N/m, "
+                   "found -2");
+    assert_failure(read_text(given, set, 3, &scene), &scene,
+                   "--set bodies.sheet.constraints.3.stiffness=-1: "
+                   "bodies[0].constraints[1].stiffness: expected a number from 0 to 1e+15 N/m, "
+                   "found -1");
+    assert_int_equal(read_text(given, set, 6, &scene), PDYN_OK);
+    assert_int_equal(scene.body[0].constraints, 2);
+    free_good(&scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bad_scenes),
-        cmocka_unit_test(test_deep_nesting),
-        cmocka_unit_test(test_bad_overrides),
-        cmocka_unit_test(test_place_beside_overrides),
+        cmocka_unit_test(test_bad_scenes),           cmocka_unit_test(test_deep_nesting),
+        cmocka_unit_test(test_bad_overrides),        cmocka_unit_test(test_place_beside_overrides),
+        cmocka_unit_test(test_place_after_removals),
     };
     return cmocka_run_group_tests_name("bad_scenes", tests, scene_set_up, scene_tear_down);
 }

@@ -209,6 +209,8 @@ static void test_good_overrides(void **state) {
         "duration=5",
         "duration=6",
         "gravity.1=-1",
+        "contact={\"thickness\": 0.1}",
+        "contact=null",
     };
     const char *text = BOTH;
     char with_gravity[4096];
@@ -223,6 +225,7 @@ static void test_good_overrides(void **state) {
     assert_string_equal(scene.name, "a=b");
     assert_true(scene.settings.duration == 6.0);
     assert_true(scene.settings.gravity[1] == -1.0);
+    assert_false(scene.has_contact);
     free_good(&scene);
 }
 

@@ -315,6 +315,9 @@ static void test_bad_paths(void **state) {
         assert_message(bad_paths[k].error);
         assert_values(scene, base);
     }
+    assert_int_equal(pdyn_scene_set(scene, "bodies.sheet.nam", "null"), PDYN_BAD_INPUT);
+    assert_message("memory: bodies.sheet.nam: no key \"nam\" to remove; did you mean \"name\"?*");
+    assert_values(scene, base);
     assert_int_equal(pdyn_scene_set(scene, "name", "\xff"), PDYN_BAD_INPUT);
     assert_message("memory: name: expected a value in UTF-8");
     assert_values(scene, base);

@@ -4,7 +4,7 @@ from __future__ import annotations
 import json
 import os
 from ctypes import c_char_p
-from typing import Any, Callable, Optional, Sequence, Union
+from typing import Any, Callable, Iterator, Optional, Sequence, Union
 
 import numpy as np
 
@@ -40,7 +40,8 @@ class Scene:
         allow_plugins: load plug-ins, which are code, that the scene names.
         """
         self._handle = _new(lib.pdyn_scene_create, name, threads, allow_plugins)
-        for key, value in {"name": name, "duration": duration, "bodies": [], **keys}.items():
+        values = {"name": name, "duration": duration, "bodies": [], **keys}
+        for key, value in _given(**values).items():
             self[key] = value
 
     @classmethod
@@ -52,8 +53,31 @@ class Scene:
 
     # ---- values ---------------------------------------------------------------------------------
 
+    def __repr__(self) -> str:
+        values = self.to_dict()
+        return f"<scene {values.get('name', '')}: {_names(values, 'bodies', 'body')}" \
+            f"{_names(values, 'solids', 'solid', '; solids ')}>"
+
+    def __iter__(self) -> Iterator[str]:
+        """The keys of the scene."""
+        return iter(self.to_dict())
+
+    def __contains__(self, path: object) -> bool:
+        """Whether a value was given."""
+        try:
+            self[str(path)]
+        except KeyError:
+            return False
+        return True
+
+    def __delitem__(self, path: str) -> None:
+        """Removes a value, an element of an array too. KeyError: it was not given."""
+        self[path]
+        self[path] = None
+
     def __setitem__(self, path: str, value: Any) -> None:
-        """Sets a value; what is missing on the way is made. Checks are made by load."""
+        """Sets a value; None removes it. What is missing on the way is made. Checks are made by
+        load."""
         self._handle.call(lib.pdyn_scene_set, path.encode(), b"%s", _json(path, value).encode())
 
     def __getitem__(self, path: str) -> Any:
@@ -254,6 +278,12 @@ def _json(path: str, value: Any) -> str:
 def _plain(value: Any) -> Any:
     """Paths and numpy's arrays and numbers as JSON has them."""
     return os.fspath(value) if isinstance(value, os.PathLike) else np.asarray(value).tolist()
+
+
+def _names(values: dict[str, Any], key: str, word: str, before: str = "") -> str:
+    """The names of the bodies or the solids of a scene."""
+    names = [entry.get("name", f"{word}{k}") for k, entry in enumerate(values.get(key, []))]
+    return before + ", ".join(names) if names else ""
 
 
 def _given(**keys: Any) -> dict[str, Any]:

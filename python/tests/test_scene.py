@@ -26,6 +26,29 @@ class Scenes(unittest.TestCase):
         self.assertEqual(list(sim.gravity), [0, -1, 0])
         self.assertLessEqual(sim.step().h, 0.002)
 
+    def test_values_are_removed(self):
+        scene = hanging_sheet(gravity=[0, -1, 0], contact=None)
+        self.assertIn("bodies.sheet.constraints.pin", scene)
+        self.assertNotIn("contact", scene)
+        self.assertNotIn("bodies.0.constraints.wind", scene)
+        self.assertEqual(list(scene)[:2], ["name", "duration"])
+        del scene["bodies.sheet.constraints.pin"]
+        self.assertNotIn("bodies.sheet.constraints.pin", scene)
+        scene["gravity"] = None
+        self.assertNotIn("gravity", scene)
+        with self.assertRaises(KeyError):
+            del scene["gravity"]
+        with self.assertRaisesRegex(projdyn.InputError, 'no key "gravity" to remove'):
+            scene["gravity"] = None
+        scene.add_solid(name="ground", plane={"center": [0, 0, 0], "normal": [0, 1, 0], "size": 1})
+        self.assertRegex(repr(scene), "^<scene .*: sheet; solids ground>$")
+        del scene["solids.ground"], scene["bodies.sheet"]
+        self.assertRegex(repr(scene), "^<scene .*: >$")
+        with self.assertRaisesRegex(projdyn.InputError, "at least one body"):
+            scene.load()
+        sim = projdyn.load(SCENES / "hanging_cloth.json", {"bodies.sheet.constraints.pin": None})
+        self.assertNotIn(("sheet", "pin"), sim.constraints)
+
     def test_all_kinds_of_bodies(self):
         vertices, triangles = square()
         scene = projdyn.Scene(threads=1)

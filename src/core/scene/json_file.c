@@ -64,14 +64,29 @@ static bool key_equals(const char *p, const char *key) {
     return same;
 }
 
+static size_t removed_up_to(const struct json_file *file, const json_t *array, size_t index) {
+    size_t count = 0;
+    for (const struct json_change *c = file->change; c; c = c->next)
+        count += c->removed && c->container == array && c->index <= index;
+    return count;
+}
+
+size_t json_text_index(const struct json_file *file, const json_t *array, size_t index) {
+    for (size_t skipped = 0, removed;; skipped = removed) {
+        removed = removed_up_to(file, array, index + skipped);
+        if (removed == skipped) return index + skipped;
+    }
+}
+
 /* Position of the value or of its key; of the parent if the value is missing. */
 static const char *find_position(const struct json_at *at, bool at_key) {
     if (!at->parent) return skip_space(at->file->text);
     const char *around = find_position(at->parent, false), *p = skip_space(around + 1);
     if (*around != (at->key ? '{' : '[')) return around;
+    size_t index = at->key ? 0 : json_text_index(at->file, at->parent->value, at->index);
     for (size_t i = 0; *p != '}' && *p != ']'; i++) {
         const char *start = p;
-        bool here = at->key ? key_equals(p, at->key) : i == at->index;
+        bool here = at->key ? key_equals(p, at->key) : i == index;
         if (at->key) p = skip_space(skip_space(skip_string(p)) + 1);
         if (here) return at_key ? start : p;
         p = skip_space(skip_value(p));
@@ -86,7 +101,7 @@ static const char *find_position(const struct json_at *at, bool at_key) {
 static const struct json_change *change_of(const struct json_at *at) {
     for (; at->parent; at = at->parent)
         for (const struct json_change *c = at->file->change; c; c = c->next) {
-            if (c->container != at->parent->value || !c->key != !at->key) continue;
+            if (c->removed || c->container != at->parent->value || !c->key != !at->key) continue;
             if (at->key ? !strcmp(c->key, at->key) : c->index == at->index) return c;
         }
     return NULL;

@@ -7,11 +7,12 @@
 
 #include <jansson.h>
 
-struct json_change {          /* a place of the root that was set after parsing */
+struct json_change {          /* a place of the root that was set or removed after parsing */
     struct json_change *next; /* older ones */
     json_t *container;        /* object or array, */
     const char *key;          /* key of an object; NULL: */
-    size_t index;             /* index of an array */
+    size_t index;             /* index of an array; if removed: in the text */
+    bool removed;             /* an element of an array */
     char *label;              /* label_size bytes, for messages; NULL: the name of the file */
     size_t label_size;
 };
@@ -50,9 +51,13 @@ pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk
                            struct json_file *file);
 void json_file_close(struct json_file *file);
 
-/* Changes a value; a failed call changes nothing. json_override: "PATH=VALUE", for which an element
- * of an array must exist, and messages begin with --set PATH=VALUE. json_set: elements are made as
- * pdyn_scene_set says, and messages begin with the name of the file. */
+/* The index in the text of an element of an array, before the removals. */
+size_t json_text_index(const struct json_file *file, const json_t *array, size_t index);
+
+/* Changes a value, or removes it: value null; a failed call changes nothing. json_override:
+ * "PATH=VALUE", for which an element of an array must exist, and messages begin with --set
+ * PATH=VALUE. json_set: elements are made as pdyn_scene_set says, and messages begin with the name
+ * of the file. */
 pdyn_status json_override(struct json_file *file, const char *text);
 pdyn_status json_set(struct json_file *file, const char *path, const char *value);
 void json_changes_free(struct json_file *file); /* part of json_file_close */

@@ -1,6 +1,7 @@
 /* Changing values of a JSON text by their path: keys with dots between them. The keys of a
  * path that exist are followed; the values of the others are built on their own and attached last,
- * with one call, so that a failure changes nothing. */
+ * with one call, so that a failure changes nothing. The value null removes what the path leads to,
+ * as in a JSON merge patch (RFC 7386), but a path that leads to nothing is an error. */
 #include "base/text.h"
 #include "json_file.h"
 
@@ -200,7 +201,60 @@ static pdyn_status put(const struct edit *e, json_t *value) {
     return value ? attach(e, at, e->key[k], index, value) : context_no_memory(e->file->context);
 }
 
-/* Splits the path and sets the value, a JSON text or else a string. */
+/* ---- removals -------------------------------------------------------------------------------- */
+
+static pdyn_status fail_missing(const struct edit *e, json_t *container, const char *key) {
+    const char *names[KEYS], *name;
+    char clipped[VALUE], hint[512] = "";
+    json_t *value;
+    int count = 0;
+    if (json_is_array(container)) return fail_element(e, container, key);
+    text_clip(clipped, sizeof clipped, key);
+    json_object_foreach(container, name, value) if (count < KEYS) names[count++] = name;
+    if (count) text_hint(hint, sizeof hint, clipped, names, count);
+    return fail(e, "no key \"%s\" to remove%s", clipped, hint);
+}
+
+/* Drops the changes of a value that is removed, and moves those of later elements. */
+static void drop_changes(const struct edit *e, const json_t *container, const char *key,
+                         size_t index) {
+    for (struct json_change **at = &e->file->change, *c; (c = *at);) {
+        bool here = c->container == container && !c->removed;
+        if (here && (c->key ? key && !strcmp(c->key, key) : c->index == index)) {
+            *at = c->next;
+            change_free(e->file->context, c);
+            continue;
+        }
+        if (here && !c->key && c->index > index) c->index--;
+        at = &c->next;
+    }
+}
+
+static pdyn_status detach(const struct edit *e, json_t *container, const char *key, size_t index) {
+    bool array = json_is_array(container);
+    struct json_change *change = NULL;
+    if (array) {
+        change = change_new(e, container, json_text_index(e->file, container, index));
+        if (!change) return PDYN_NO_MEMORY;
+        change->removed = true;
+    }
+    drop_changes(e, container, array ? NULL : key, index);
+    if (!array) return json_object_del(container, key), PDYN_OK;
+    change->next = e->file->change, e->file->change = change;
+    json_array_remove(container, index);
+    return PDYN_OK;
+}
+
+/* Removes the value at the path of keys. */
+static pdyn_status take_out(const struct edit *e) {
+    json_t *at = e->file->root, *next;
+    size_t index = 0;
+    int k = 0, last = e->keys - 1;
+    for (; (next = find(at, e->key[k], &index)) && k < last; k++) at = next;
+    return next ? detach(e, at, e->key[k], index) : fail_missing(e, at, e->key[k]);
+}
+
+/* Splits the path and sets the value, a JSON text or else a string; null removes it. */
 static pdyn_status put_text(struct edit *e, char *path, const char *text) {
     for (char *next = path; next;) {
         char *key = next;
@@ -213,6 +267,7 @@ static pdyn_status put_text(struct edit *e, char *path, const char *text) {
     }
     json_t *value = json_parse(text, strlen(text), JSON_DECODE_ANY | JSON_REJECT_DUPLICATES, NULL);
     if (!value && errno != ENOMEM) value = json_string(text);
+    if (json_is_null(value)) return take_out(e); /* a value that is not counted */
     return value ? put(e, value) : context_no_memory(e->file->context);
 }
 
