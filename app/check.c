@@ -88,8 +88,8 @@ static int check_scene(const struct check_options *check) {
     pdyn_sim *sim = NULL;
     int code = scene_load(&check->scene, &context, &sim);
     if (code == EXIT_GOOD) {
-        print_scene_summary(context, sim);
-        code = print_time_estimate(context, sim);
+        code = print_scene_summary(context, sim);
+        if (code == EXIT_GOOD) code = print_time_estimate(context, sim);
     }
     if (code == EXIT_GOOD) code = warnings_exit_code(sim, check->strict);
     pdyn_free(sim);

@@ -1,9 +1,11 @@
 #include "scene_summary.h"
 
+#include "projdyn/control.h"
 #include "projdyn/probe.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- sizes ----------------------------------------------------------------------------------- */
@@ -11,15 +13,22 @@
 struct size {              /* of a body */
     double min[3], max[3]; /* m */
     double mass;           /* kg */
+    double momentum[3];    /* kg m/s */
 };
+
+static void add_mass(struct size *size, const pdyn_state *state, int i) {
+    size->mass += state->mass[i];
+    for (int a = 0; a < 3; a++) size->momentum[a] += state->mass[i] * state->v[3 * i + a];
+}
 
 /* end: the first particle of the next body: the mass of a rigid body is behind its vertices. */
 static struct size size_of(const pdyn_state *state, const pdyn_body_info *body, int end) {
-    struct size size = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, 0.0};
-    for (int i = body->first + body->count; i < end; i++) size.mass += state->mass[i];
+    struct size size = {.min = {INFINITY, INFINITY, INFINITY},
+                        .max = {-INFINITY, -INFINITY, -INFINITY}};
+    for (int i = body->first + body->count; i < end; i++) add_mass(&size, state, i);
     for (int i = body->first; i < body->first + body->count; i++) {
         if (state->live && !state->live[i]) continue;
-        size.mass += state->mass[i];
+        add_mass(&size, state, i);
         for (int a = 0; a < 3; a++) {
             size.min[a] = fmin(size.min[a], state->x[3 * i + a]);
             size.max[a] = fmax(size.max[a], state->x[3 * i + a]);
@@ -67,6 +76,14 @@ static void print_particles(const pdyn_body_info *body) {
     if (body->live < body->count) printf(", capacity for %d more", body->count - body->live);
 }
 
+/* The velocity of the centre of mass of a body that moves. */
+static void print_velocity(const struct size *size) {
+    double v[3];
+    for (int a = 0; a < 3; a++) v[a] = size->momentum[a] / size->mass;
+    if (fabs(v[0]) + fabs(v[1]) + fabs(v[2]) > 1e-9)
+        printf(", velocity (%.4g, %.4g, %.4g) m/s", v[0], v[1], v[2]);
+}
+
 static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
     const pdyn_body_info own = pdyn_get_body(sim, b), *body = &own;
     int end = b + 1 < state->bodies ? pdyn_get_body(sim, b + 1).first : state->particles;
@@ -75,6 +92,7 @@ static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
     else print_particles(body);
     printf(", %.4g kg", size.mass);
     if (body->rest_density > 0.0) printf(", %.4g m^3", size.mass / body->rest_density);
+    if (size.mass > 0.0) print_velocity(&size);
     if (size.mass > 0.0)
         printf(", from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m", size.min[0], size.min[1],
                size.min[2], size.max[0], size.max[1], size.max[2]);
@@ -84,19 +102,33 @@ static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
 static void print_constraint(const pdyn_sim *sim, int k) {
     pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);
     pdyn_parameter_info p;
-    printf("constraint %s on %s: %d elements", constraint.type, constraint.body,
-           constraint.elements);
+    printf("constraint %s on %s: %d element%s", constraint.type, constraint.body,
+           constraint.elements, constraint.elements == 1 ? "" : "s");
     for (int i = 0; (p = pdyn_get_parameter(sim, k, i)).name; i++)
         printf(", %s %.6g%s%s", p.name, p.value, strcmp(p.unit, "1") ? " " : "",
                strcmp(p.unit, "1") ? p.unit : "");
     putchar('\n');
 }
 
-static void print_solids(const pdyn_sim *sim, const pdyn_state *state) {
-    const char *name;
-    for (int k = 0; (name = pdyn_solid_name(sim, k)); k++)
-        printf("%s%s", k ? ", " : "solids: ", name);
-    if (pdyn_solid_name(sim, 0)) putchar('\n');
+/* Name and bounds of a solid. Returns an exit code. */
+static int print_solid(const pdyn_sim *sim, int k) {
+    struct size size = {.min = {INFINITY, INFINITY, INFINITY},
+                        .max = {-INFINITY, -INFINITY, -INFINITY}};
+    int count = pdyn_solid_vertices(sim, k, NULL);
+    double *x = calloc(3 * (size_t)count + 1, sizeof *x);
+    if (!x) return report_no_memory();
+    pdyn_solid_vertices(sim, k, x);
+    for (int i = 0; i < 3 * count; i++) {
+        size.min[i % 3] = fmin(size.min[i % 3], x[i]);
+        size.max[i % 3] = fmax(size.max[i % 3], x[i]);
+    }
+    free(x);
+    printf("solid %s: from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m\n", pdyn_solid_name(sim, k),
+           size.min[0], size.min[1], size.min[2], size.max[0], size.max[1], size.max[2]);
+    return EXIT_GOOD;
+}
+
+static void print_boundary(const pdyn_state *state) {
     printf("boundary: %d points", state->boundary);
     printf(state->moving ? ", %d of them on moving solids\n" : "\n", state->moving);
 }
@@ -115,17 +147,24 @@ static void print_duration(double duration, double interval) {
     printf("\n");
 }
 
-void print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
+int print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     pdyn_state state = pdyn_get_state(sim);
+    double gravity[3];
+    int code = EXIT_GOOD;
     for (int b = 0; b < state.bodies; b++) print_body(sim, &state, b);
     for (int k = 0; k < state.constraints; k++) print_constraint(sim, k);
-    print_solids(sim, &state);
+    for (int k = 0; pdyn_solid_name(sim, k) && code == EXIT_GOOD; k++) code = print_solid(sim, k);
+    if (code != EXIT_GOOD) return code;
+    print_boundary(&state);
     print_probes(sim);
+    pdyn_get_gravity(sim, gravity);
+    printf("gravity (%.4g, %.4g, %.4g) m/s^2\n", gravity[0], gravity[1], gravity[2]);
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("integrator %s\n", pdyn_integrator(sim));
     print_duration(pdyn_duration(sim), pdyn_frame_interval(sim));
     printf("memory %.0f MB\n", 1e-6 * (double)pdyn_peak_bytes(context));
+    return EXIT_GOOD;
 }
 
 /* ---- the time that a run takes --------------------------------------------------------------- */

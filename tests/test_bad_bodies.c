@@ -58,7 +58,7 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'particles': {'radius': 1e-6, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': "
           "1e6}}]}}"),
      "scene.json:2:54: bodies[0].particles.fill[0].sphere: more than 536870911 points: the "
-     "particle radius is too small for the size of the scene"},
+     "particle radius is too small for the size of the scene*"},
     {BODY("{'particles': {'radius': 1, 'fill': [{'sphere': {'center': [-1e6, 0, 0], 'radius': "
           "3}}]}}"),
      "scene.json:2:51: bodies[0].particles.fill[0].sphere: expected particles at most 1e+06 m "

@@ -130,6 +130,9 @@ expect "check" 0 "solver hybrid" "$program" check "$scene"
 expect "check names the bodies" 0 "body sheet: 625 vertices, 1152 triangles" "$program" check "$scene"
 expect "check tells the last frame" 0 "duration 0.1 s, a frame every 0.04 s, the last one at 0.08 s" "$program" check \
     "$scene" --set duration=0.1 --set frame_interval=0.04
+expect "check tells velocities" 0 ", velocity (0.5, 0, -1) m/s" "$program" check "$scene" --set 'bodies.sheet.velocity=[0.5, 0, -1]'
+expect "check tells gravity" 0 "gravity (0, -9.81, 0) m/s^2" "$program" check "$scene"
+expect "check tells the bounds of solids" 0 "solid tank: from (" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"
 expect "check tells the stiffness of a fluid" 0 "elements, stiffness 1e+06 N/m, compression 0.000" "$program" check "$scene"
 expect "check computes it from the speed of sound" 0 "stiffness 1699.36 N/m" "$program" check "$scene" \

@@ -135,7 +135,8 @@ static void test_open_mesh(void **state) {
     expect_bad_fill(
         0x1p-10, "{'mesh': 'torus.obj'}",
         "scene.json:2:57: bodies[0].particles.fill[0].mesh: more than 536870911 points: "
-        "the particle radius is too small for the size of the scene");
+        "the particle radius is too small for the size of the scene; \"scale\" changes the unit of "
+        "a mesh");
     test_remove_file("torus.obj");
 }
 

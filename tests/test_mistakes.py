@@ -53,6 +53,16 @@ v 0 0.3 0.1
 f 1 2 3
 f 4 5 6
 """
+TETRAHEDRON = """v 0 -1100 0
+v 1000 -1100 0
+v 0 -100 0
+v 0 -1100 1000
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 1 4 3
+"""
+HUGE = {"name": "scan", "mesh": "huge.obj"}
 ALL = {"box": {"minimum": [-9, -9, -9], "maximum": [9, 9, 9]}}
 CRATE = {"name": "crate", "rigid": {"box": {"minimum": [-0.1, 0.1, -0.1], "maximum": [0.1, 0.3, 0.1]}, "density": 500}}
 MARBLE = {"name": "marble", "rigid": {"sphere": {"center": [0, 0.2, 0], "radius": 0.05}, "density": 500}}
@@ -80,6 +90,7 @@ MISTAKES = [
     Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
     Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
             "[scale]"),
+    Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),
     Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)), "[contact-thickness]"),
     Mistake("a step that counts as solved too early", change(FREE, ("solver", {"tolerance": 2})), "[tolerance]"),
     Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[light-sheet]"),
@@ -129,6 +140,8 @@ MISTAKES = [
     Mistake("water kept in a wall", change(("bodies.0.particles.overlap", "keep"), ("bodies.0.particles.fill.0.box.minimum",
                                                                                   [-0.3, 0, -0.2])),
             'overlap solid "tank"', codes=(2, 2)),
+    Mistake("water in a mesh in millimetres", change(("bodies.0.particles.fill.0", {"mesh": "huge.obj"})),
+            '"scale" changes the unit of a mesh', codes=(2, 2)),
     Mistake("unknown key", change(("gravitiy", [0, 0, 0])), 'did you mean "gravity"', codes=(2, 2)),
     Mistake("unknown constraint", change(("bodies.0.constraints.0.type", "fluit")), 'did you mean "fluid"', codes=(2, 2)),
     Mistake("unknown solver", change(("solver", {"type": "cgg"})), 'did you mean "cg"', codes=(2, 2)),
@@ -171,6 +184,7 @@ def test(mistake, folder):
     scene = mistake.scene if isinstance(mistake.scene, str) else json.dumps(mistake.scene)
     (folder / "scene.json").write_text(scene)
     (folder / "squares.obj").write_text(SQUARES)
+    (folder / "huge.obj").write_text(TETRAHEDRON)
     good = True
     for command, code, text in zip(("check", "run"), mistake.codes, mistake.said):
         got, output = said_by(command, mistake, folder)

@@ -363,16 +363,66 @@ static void test_pressed(void **state) {
     }
 }
 
+/* ---- constraints without elements ------------------------------------------------------------ */
+
+static int no_elements(const void *par, const pdyn_body *body) {
+    (void)par;
+    return body->count > 9 ? 1 : 0;
+}
+static void fill(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) b->column[e] = b->body->first, b->weight[e] = 1.0;
+}
+
+static void test_without_elements(void **state) {
+    (void)state;
+    static const pdyn_param none[] = {{0}};
+    static const pdyn_constraint_type type = {.name = "large",
+                                              .summary = "acts on large bodies",
+                                              .flags = PDYN_ANCHORED,
+                                              .params = none,
+                                              .elements = no_elements,
+                                              .rows = 1,
+                                              .width = 1,
+                                              .select = fill,
+                                              .weight = fill,
+                                              .project = fill};
+    static const pdyn_constraint_type *const types[] = {&type, NULL};
+    static const pdyn_plugin plugin = {PDYN_ABI, "large", types, NULL};
+    pdyn_context *context = test_context(1);
+    assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
+    pdyn_sim *sim =
+        test_load(context, SCENE(WEIGHTLESS,
+                                 PAIR(GRID_SHEET("'name': 'small', ", "0.4, 0.4", "3, 3",
+                                                 "'area_density': 0.5", "{'type': 'large'}"),
+                                      GRID_SHEET("'name': 'large', ", "0.4, 0.4", "4, 4",
+                                                 "'area_density': 0.5", "{'type': 'large'}")),
+                                 ""));
+    assert_non_null(find_warning(sim, "no-effect", "small").code);
+    assert_null(find_warning(sim, "no-effect", "large").code);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
-        cmocka_unit_test(test_return),    cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_cloth),     cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_stretched), cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),       cmocka_unit_test(test_fast),
-        cmocka_unit_test(test_rounding),  cmocka_unit_test(test_saved),
-        cmocka_unit_test(test_fallen),    cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_press),     cmocka_unit_test(test_pressed),
+        cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),
+        cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_cloth),
+        cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_bat),
+        cmocka_unit_test(test_fast),
+        cmocka_unit_test(test_rounding),
+        cmocka_unit_test(test_saved),
+        cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_pressed),
+        cmocka_unit_test(test_without_elements),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

@@ -80,6 +80,20 @@ static void test_good(void **state) {
     wrong_expect(good, NULL);
 }
 
+/* A body of particles has no vertices to choose from: the flag is missing. */
+static void test_vertices(void **state) {
+    (void)state;
+    static const pdyn_param chosen[] = {
+        {"stiffness", PDYN_REAL, 0, false, 100, 0, 1e6, "N/m", "of each edge"},
+        {"vertices", PDYN_VERTICES, 16, true, 0, 0, 0, "", "the points"},
+        {0}};
+    pdyn_constraint_type t = good;
+    t.params = chosen, t.params_size = 16 + sizeof(pdyn_vertices);
+    wrong_expect(t, NULL);
+    t.flags = 0;
+    wrong_expect(t, "parameter \"vertices\" chooses vertices, which a body of particles lacks");
+}
+
 /* ---- where it writes ------------------------------------------------------------------------- */
 
 static void project_beyond(const void *par, const pdyn_batch *b, int first, int last) {
@@ -428,9 +442,9 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),    cmocka_unit_test(test_writes),
-        cmocka_unit_test(test_values),  cmocka_unit_test(test_mathematics),
-        cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_good),        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),      cmocka_unit_test(test_values),
+        cmocka_unit_test(test_mathematics), cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
 }

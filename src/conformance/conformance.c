@@ -34,6 +34,19 @@ static void check_type_on(struct check *check) {
     if (!check->faults) check_steps(check);
 }
 
+/* A body of particles has no vertices to choose from. */
+static bool has_vertices(struct check *check) {
+    for (const pdyn_param *p = check->type->params; p->name; p++) {
+        if (p->kind != PDYN_VERTICES || !p->required) continue;
+        fault(check,
+              "parameter \"%s\" chooses vertices, which a body of particles lacks: say "
+              "PDYN_ON_SURFACE",
+              p->name);
+        return false;
+    }
+    return true;
+}
+
 static void check_type(struct check *check) {
     static const unsigned excludes[BODY_KINDS] = {[SURFACE] = PDYN_ON_PARTICLES | PDYN_ON_VOLUME |
                                                               PDYN_ON_CLOSED,
@@ -41,7 +54,8 @@ static void check_type(struct check *check) {
                                                   [VOLUME] = PDYN_ON_PARTICLES};
     for (int kind = 0; kind < BODY_KINDS && !check->faults; kind++) {
         check->kind = (enum body_kind)kind;
-        if (!(check->type->flags & excludes[kind])) check_type_on(check);
+        if (check->type->flags & excludes[kind]) continue;
+        if (kind != PARTICLES || has_vertices(check)) check_type_on(check);
     }
 }
 

@@ -6,7 +6,7 @@
 pdyn_status point_list_too_many(pdyn_context *context) {
     return context_fail(context, PDYN_BAD_INPUT,
                         "more than %d points: the particle radius is too small "
-                        "for the size of the scene",
+                        "for the size of the scene; \"scale\" changes the unit of a mesh",
                         POINT_LIST_MAX);
 }
 

@@ -134,7 +134,8 @@ static pdyn_status check_size(pdyn_context *context, const char *name, double sp
     if (count <= SURFACE_CANDIDATES) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT,
                         "the surface of \"%s\" needs %.3g points to find samples %g m apart, more "
-                        "than %d: make it no larger than fluid reaches, or the particles larger",
+                        "than %d: make it no larger than fluid reaches, or the particles larger; "
+                        "\"scale\" changes the unit of a mesh",
                         name, count, spacing, SURFACE_CANDIDATES);
 }
 

@@ -76,6 +76,16 @@ static void check_constraints(struct pdyn_sim *sim, int b) {
             "{\"type\": \"fluid\"}");
 }
 
+/* Constraints whose `elements` returns 0: those of a plug-in that takes some of a body. */
+static void check_elements(struct pdyn_sim *sim) {
+    for (int k = 0; k < sim->objective.batches; k++) {
+        const struct batch *batch = sim->objective.batch[k];
+        if (batch->view.elements || !batch->type->elements || batch->type->matrix_free) continue;
+        WARN(sim, NO_EFFECT, batch->view.body->name,
+             "\"%s\" has no effect: it has no elements on this body", batch->type->name);
+    }
+}
+
 /* Forces within a rigid body add up to nothing. */
 static void check_effect(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
@@ -146,6 +156,18 @@ static void check_scale(struct pdyn_sim *sim, int b) {
     if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
     WARN(sim, SCALE, body->name,
          "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh", extent);
+}
+
+static void check_scale_of_solids(struct pdyn_sim *sim) {
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct scene_solid *solid = &sim->scene.solid[s];
+        struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
+        double extent = box_extent(&box);
+        if (solid->kind != SOLID_MESH || (extent >= min_extent && extent <= max_extent)) continue;
+        WARN(sim, SCALE, solid->name,
+             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
+             extent);
+    }
 }
 
 static void check_thickness(struct pdyn_sim *sim, int b) {
@@ -259,6 +281,8 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_frames(sim);
     check_tolerance(sim);
     check_probes(sim);
+    check_scale_of_solids(sim);
+    check_elements(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
