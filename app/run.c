@@ -18,7 +18,8 @@ static const char usage[] =
     "\n"
     "  -o, --output DIR      output directory (default out/NAME for NAME.json)\n"
     "      --threads N       worker threads (default: one per core)\n"
-    "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky\n"
+    "      --set PATH=VALUE  overrides a value of the scene, e.g. solver.type=cholesky;\n"
+    "                        null removes a key or an element\n"
     "      --plugin FILE     loads the constraint types and solvers of a plug-in before the scene\n"
     "      --allow-plugins   loads the plug-ins that the scene or the resumed run names\n"
     "      --time S          simulates S seconds instead of the duration of the scene\n"
@@ -27,7 +28,8 @@ static const char usage[] =
     "      --no-frames       writes no frames; only metrics.csv, report.json and the last state\n"
     "      --save N          saves the state every N frames (default 10; 0: only at the end)\n"
     "      --resume DIR      continues the run in DIR from its saved state, with bit-identical\n"
-    "                        results; --time S changes the end of the run\n"
+    "                        results; --time S changes the end of the run, --set step lengths,\n"
+    "                        tolerances and iterations\n"
     "      --strict          exit code 1 at the end of the run if there are warnings\n"
     "      --quiet           prints no progress and no summary\n"
     "  -h, --help            prints this text\n"
@@ -39,7 +41,8 @@ struct run_options {
     const char *output, *report, *resume;
     char *default_output; /* owned output path if --output is absent */
     void *record;         /* owns the texts of a resumed run, see run_record.h */
-    char duration[64];    /* the override "duration=S" made from --time */
+    char duration[64];    /* the override "duration=S" made from --time, the last one if resumed */
+    int changes;          /* overrides of a resumed run that its run.json lacks so far */
     int save_interval;    /* frames between two saved states; 0: only at the end */
     bool ply, no_frames, quiet, strict;
 };
@@ -117,15 +120,21 @@ static bool accept_option(void *self, int option) {
 /* Reads scene, overrides and plug-ins of the run to resume from its run.json; `scenes` is the
  * number of scene files on the command line. Returns -1 on success, otherwise the exit code. */
 static int read_resume_options(struct run_options *o, int scenes) {
-    if (scenes || o->output || o->ply || o->scene.plugins ||
-        o->scene.sets > (*o->duration != '\0')) {
-        fprintf(stderr, "projdyn: --resume: expected no scene file, --output, --set, --plugin or "
-                        "--ply: all of them are taken from the resumed run\n");
+    if (scenes || o->output || o->ply || o->scene.plugins) {
+        fprintf(stderr, "projdyn: --resume: expected no scene file, --output, --plugin or --ply: "
+                        "all of them are taken from the resumed run\n");
         return EXIT_BAD_INPUT;
     }
     o->output = o->resume;
-    o->scene.sets = 0;
+    struct scene_options given = o->scene; /* its overrides come after those of run.json */
+    o->scene.set = NULL, o->scene.sets = 0;
     int code = run_record_read(o->resume, &o->scene, &o->record);
+    for (int k = 0; k < given.sets && code == EXIT_GOOD; k++) {
+        if (given.set[k] == o->duration) continue;
+        o->changes++;
+        if (!scene_set(&o->scene, given.set[k])) code = EXIT_FAILED;
+    }
+    free(given.set);
     if (code != EXIT_GOOD) return code;
     if (o->scene.plugins && !scene_plugins_allowed()) {
         fprintf(stderr,
@@ -211,6 +220,14 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
     return status;
 }
 
+/* Writes run.json of a new run, and of a resumed one with further overrides, without --time. */
+static int write_record(const struct run_options *o) {
+    struct scene_options recorded = o->scene;
+    if (o->resume && !o->changes) return EXIT_GOOD;
+    if (o->resume && *o->duration) recorded.sets--;
+    return run_record_write(o->output, &recorded);
+}
+
 /* Opens the output directory for a new run or for the continuation of a run. Returns EXIT_GOOD,
  * or another exit code after a message; *writer is open only on EXIT_GOOD. */
 static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_options *o,
@@ -221,7 +238,7 @@ static int open_output(pdyn_context *context, pdyn_sim *sim, const struct run_op
         int failed = report_status(context, status);
         return o->resume && status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : failed;
     }
-    if (o->resume || run_record_write(o->output, &o->scene) == EXIT_GOOD) return EXIT_GOOD;
+    if (write_record(o) == EXIT_GOOD) return EXIT_GOOD;
     pdyn_writer_close(*writer);
     return EXIT_FAILED;
 }

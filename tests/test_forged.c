@@ -254,6 +254,7 @@ static void clean_up(void) {
                                        "out/sheet.vtk.series",
                                        "out/sheet_000000.vtk",
                                        "out/lock",
+                                       "out/files.json",
                                        "out/sheet.obj",
                                        "out/solids/solid0.vtk.series",
                                        "out/solids/solid0_000000.vtk",

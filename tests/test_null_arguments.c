@@ -226,8 +226,8 @@ static int set_up(void **state) {
 
 static int tear_down(void **state) {
     static const char *const file[] = {
-        "out/metrics.csv",       "out/sheet.vtk.series", "out/lock", "out/sheet.obj",
-        "out/solids/solid0.vtk", "out/solids",           "out"};
+        "out/metrics.csv", "out/sheet.vtk.series",  "out/lock",   "out/files.json",
+        "out/sheet.obj",   "out/solids/solid0.vtk", "out/solids", "out"};
     pdyn_writer_close(writer);
     pdyn_free(sim);
     pdyn_scene_free(scene);

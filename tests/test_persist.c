@@ -90,6 +90,27 @@ static void damage(long at, int by) {
     assert_int_equal(fclose(file), 0);
 }
 
+/* Step lengths, tolerances and iterations may be others than those of the state. */
+static void test_other_settings(void **state) {
+    (void)state;
+    static const char *const sets[] = {"solver.tolerance=0.01", "solver.outer_iterations=7",
+                                       "solver.linear_iterations=9", "time_step.maximum=0.001",
+                                       "duration=7"};
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, sheet), *other = NULL;
+    step_often(context, sim, 3);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    if (pdyn_load_text(context, quoted(sheet), "other", sets, 5, &other) != PDYN_OK)
+        fail_msg("%s", pdyn_last_error(context));
+    if (pdyn_restore(other, "state") != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
+    assert_true(pdyn_time(other) == pdyn_time(sim));
+    assert_true(pdyn_state_hash(other) == pdyn_state_hash(sim));
+    assert_true(test_step(context, other).h < 0.00101);
+    test_remove_file("state");
+    pdyn_free(sim), pdyn_free(other);
+    pdyn_destroy(context);
+}
+
 static void test_refused(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
@@ -98,6 +119,7 @@ static void test_refused(void **state) {
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
     refused("bodies.sheet.constraints.spring.stretching_stiffness=1001", "values in its scene");
     refused("bodies.water.particles.radius=0.019", "values in its scene");
+    refused("solver.step=projective", "values in its scene");
     damage(20, 1);
     refused("duration=1", "checksum");
     damage(20, 1), damage(-1, 4);
@@ -172,9 +194,8 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_failing_module),
+        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_other_settings),
+        cmocka_unit_test(test_refused),           cmocka_unit_test(test_failing_module),
         cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,

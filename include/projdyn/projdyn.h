@@ -321,11 +321,12 @@ PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double forc
                                      double moment[3]);
 
 /* Save the state to a file, or restore it in a simulation loaded from the same scene, whose
- * duration may differ. The restored simulation continues with the same bits as without
- * interruption. The file appears complete or not at all. PDYN_BAD_INPUT: not a saved state, or of
- * another scene or version, or a field is not valid. PDYN_IO_FAILED, PDYN_NO_MEMORY. After a
- * failure the simulation continues from its state before, but loads on solids may be zero until
- * the next step; without memory to bring that state back, later steps fail with PDYN_BAD_CALL. */
+ * duration, step lengths, and tolerances and iterations of the solver may differ. Without a
+ * difference, the restored simulation continues with the same bits as without interruption. The
+ * file appears complete or not at all. PDYN_BAD_INPUT: not a saved state, or of another scene or
+ * version, or a field is not valid. PDYN_IO_FAILED, PDYN_NO_MEMORY. After a failure the simulation
+ * continues from its state before, but loads on solids may be zero until the next step; without
+ * memory to bring that state back, later steps fail with PDYN_BAD_CALL. */
 PDYN_API pdyn_status pdyn_save(pdyn_sim *sim, const char *path);
 PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
 

@@ -172,14 +172,26 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
 
-/* Hash of all values that change the simulation up to a given time (see scene.fingerprint). */
+/* Removes keys from a member of a copy of the scene, and the member if it becomes empty. */
+static void ignore_keys(json_t *values, const char *member, const char *const *keys) {
+    json_t *part = json_copy(json_object_get(values, member));
+    for (; part && *keys; keys++) json_object_del(part, *keys);
+    if (part && json_object_size(part)) json_object_set_new(values, member, part);
+    else json_decref(part), json_object_del(values, member);
+}
+
+/* Hash of the values that a saved state belongs to (see scene.fingerprint). */
 static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
-    static const char *const ignored_keys[] = {"$schema", "name", "duration"};
+    static const char *const whole[] = {"$schema", "name", "duration"};
+    static const char *const step[] = {"fixed", "minimum", "maximum", "cfl", NULL};
+    static const char *const solver[] = {
+        "tolerance", "outer_iterations", "linear_tolerance", "linear_iterations", "retries", NULL};
     errno = 0;
     json_t *values = json_copy((json_t *)root); /* without memory it may lack values */
+    for (size_t k = 0; values && k < sizeof whole / sizeof *whole; k++)
+        json_object_del(values, whole[k]);
+    if (values) ignore_keys(values, "time_step", step), ignore_keys(values, "solver", solver);
     bool no_memory = errno == ENOMEM;
-    for (size_t k = 0; values && k < sizeof ignored_keys / sizeof *ignored_keys; k++)
-        json_object_del(values, ignored_keys[k]);
     char *dump = values && !no_memory ? json_compose(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     json_decref(values);
     if (!dump) return context_no_memory(r->context);
