@@ -78,6 +78,12 @@ picture() { # NAME VIEW
     "$projdyn" render "$run" -o "$folder/$1.png" --size 480x300 --view "$2" >"$folder/out" 2>&1 ||
         fail "render: $(cat "$folder/out")"
 }
+for fault in 'hid=water: unknown name "hid"; known: frame,' 'hide=watr: hide: unknown part "watr"; known: ' \
+    'fluid=velocity: fluid: unknown value "velocity"; known: ' 'camera=1,2: camera: expected six numbers' \
+    'cut=0.5: cut: expected a text as x-0.5'; do
+    expect_error 2 "--view $fault" render "$run" -o "$folder/fault.png" --size 64x48 --view "${fault%%: *}"
+    [ ! -e "$folder/fault.png" ] || fail "a picture of an unknown view"
+done
 python=${PYTHON:-python3}
 "$python" "$here/draw_views.py" "$folder/replay.html" "$folder" hide=water hide=sheet hide=tank hide=ball look=particles \
     surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0
@@ -115,8 +121,8 @@ f 4 8 5 1
 EOF
 "$projdyn" run "$folder/can.json" -o "$folder/can" --quiet
 mkdir "$folder/cans"
-for view in all hide=water; do
-    "$projdyn" render "$folder/can" -o "$folder/cans/$view.png" --size 480x300 --view "$view" >/dev/null
+for name in all hide=water; do
+    "$projdyn" render "$folder/can" -o "$folder/cans/$name.png" --size 480x300 --view "${name#all}" >/dev/null
 done
 "$python" "$here/compare_pictures.py" "$folder/cans"
 

@@ -106,6 +106,17 @@ static int draw_frame(struct browser *browser, struct film *film, const struct o
     return code;
 }
 
+/* EXIT_BAD_INPUT if the page does not know a name or a value of the view. */
+static int check_view(struct browser *browser, const char *view) {
+    json_t *fault;
+    int code = browser_evaluate(browser, "viewFault(location.hash.slice(1))", &fault);
+    if (code != EXIT_GOOD) return code;
+    const char *text = json_string_value(fault);
+    if (*text) code = replay_error("render: --view %s: %s", view, text);
+    json_decref(fault);
+    return code;
+}
+
 /* Draws the frames of the page in `folder`. */
 static int draw_frames(const struct run *run, const struct options *options, const char *folder) {
     struct browser browser = {.to = -1, .from = -1};
@@ -118,6 +129,7 @@ static int draw_frames(const struct run *run, const struct options *options, con
     int code =
         film_open(&film, options->output, isnan(options->fps) ? simulated_rate(run) : options->fps);
     if (code == EXIT_GOOD) code = browser_open(&browser, folder, url);
+    if (code == EXIT_GOOD) code = check_view(&browser, options->view);
     long first = still ? options->frame : 0, last = still ? first : run->frames - 1;
     for (long f = first; f <= last && code == EXIT_GOOD; f++)
         code = draw_frame(&browser, &film, options, f);
