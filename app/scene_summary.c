@@ -99,14 +99,23 @@ static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
     putchar('\n');
 }
 
+static void print_vector(const pdyn_vector_info *v) {
+    if (v->count == 3)
+        printf(", %s (%.4g, %.4g, %.4g) %s", v->name, v->value[0], v->value[1], v->value[2],
+               v->unit);
+    else if (v->count) printf(", %s of %d key%s", v->name, v->count / 4, v->count == 4 ? "" : "s");
+}
+
 static void print_constraint(const pdyn_sim *sim, int k) {
     pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);
     pdyn_parameter_info p;
+    pdyn_vector_info v;
     printf("constraint %s on %s: %d element%s", constraint.type, constraint.body,
            constraint.elements, constraint.elements == 1 ? "" : "s");
     for (int i = 0; (p = pdyn_get_parameter(sim, k, i)).name; i++)
         printf(", %s %.6g%s%s", p.name, p.value, strcmp(p.unit, "1") ? " " : "",
                strcmp(p.unit, "1") ? p.unit : "");
+    for (int i = 0; (v = pdyn_get_vector(sim, k, i)).name; i++) print_vector(&v);
     putchar('\n');
 }
 

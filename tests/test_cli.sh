@@ -131,6 +131,7 @@ expect "check names the bodies" 0 "body sheet: 625 vertices, 1152 triangles" "$p
 expect "check tells the last frame" 0 "duration 0.1 s, a frame every 0.04 s, the last one at 0.08 s" "$program" check \
     "$scene" --set duration=0.1 --set frame_interval=0.04
 expect "check tells velocities" 0 ", velocity (0.5, 0, -1) m/s" "$program" check "$scene" --set 'bodies.sheet.velocity=[0.5, 0, -1]'
+expect "check tells vectors" 0 "velocity (8, 0, 2) m/s" "$program" check "$root/scenes/flag.json" --set bodies.0.constraints.wind.velocity=[8,0,2]
 expect "check tells gravity" 0 "gravity (0, -9.81, 0) m/s^2" "$program" check "$scene"
 expect "check tells the bounds of solids" 0 "solid tank: from (" "$program" check "$scene"
 expect "check says the memory" 0 " MB" "$program" check "$scene"

@@ -193,6 +193,7 @@ static void test_values(void **state) {
     assert_null(pdyn_get_body(NULL, 0).name);
     assert_null(pdyn_get_constraint(NULL, 0).type);
     assert_null(pdyn_get_parameter(NULL, 0, 0).name);
+    assert_null(pdyn_get_vector(NULL, 0, 0).name);
     assert_null(pdyn_solid_name(NULL, 0));
     assert_null(pdyn_get_probe(NULL, 0).name);
     assert_int_equal(pdyn_solid_vertices(NULL, 0, NULL), 0);

@@ -275,6 +275,23 @@ static inline pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int co
     return out;
 }
 
+/* A vector or a path over time. */
+typedef struct pdyn_vector_info {
+    const char *name, *unit;
+    int count;           /* 3 numbers of a vector; 4 for each key of a path, time in s first */
+    const double *value; /* count; valid until the parameter is set */
+    bool changeable;     /* by pdyn_set_parameter (control.h) */
+    const char *doc;
+} pdyn_vector_info;
+/* The vectors and paths of a constraint. vector: index from 0. All members 0: no such vector. */
+PDYN_API void pdyn_get_vector_sized(const pdyn_sim *sim, int constraint, int vector,
+                                    pdyn_vector_info *out, size_t size);
+static inline pdyn_vector_info pdyn_get_vector(const pdyn_sim *sim, int constraint, int vector) {
+    pdyn_vector_info out;
+    pdyn_get_vector_sized(sim, constraint, vector, &out, sizeof out);
+    return out;
+}
+
 /* A warning: a value of the scene that is legal but surely not meant, or something that went wrong
  * in steps. docs/guide/troubleshooting.md explains each code. */
 typedef struct pdyn_warning {

@@ -6,7 +6,7 @@ from ctypes import (CDLL, POINTER, c_bool, c_char_p, c_double, c_int, c_size_t, 
 
 from ._installed import installed_file
 from ._structs import (BodyInfo, ConstraintInfo, Doubles, Ints, Options, ParameterInfo, ProbeInfo,
-                      State, StepInfo, WarningInfo, Write)
+                      State, StepInfo, VectorInfo, WarningInfo, Write)
 
 Status = c_int
 Context = Sim = Scene = Writer = User = c_void_p
@@ -35,6 +35,7 @@ FUNCTIONS = {
     "pdyn_get_body_sized": (None, Sim, c_int, POINTER(BodyInfo), c_size_t),
     "pdyn_get_constraint_sized": (None, Sim, c_int, POINTER(ConstraintInfo), c_size_t),
     "pdyn_get_parameter_sized": (None, Sim, c_int, c_int, POINTER(ParameterInfo), c_size_t),
+    "pdyn_get_vector_sized": (None, Sim, c_int, c_int, POINTER(VectorInfo), c_size_t),
     "pdyn_get_warning_sized": (None, Sim, c_int, POINTER(WarningInfo), c_size_t),
     "pdyn_solid_name": (c_char_p, Sim, c_int),
     "pdyn_solid_load": (Status, Sim, c_int, Doubles, Doubles),

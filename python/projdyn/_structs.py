@@ -75,6 +75,11 @@ class ParameterInfo(Structure):  # pdyn_parameter_info
                 ("doc", c_char_p)]
 
 
+class VectorInfo(Structure):  # pdyn_vector_info
+    _fields_ = [("name", c_char_p), ("unit", c_char_p), ("count", c_int), ("value", Doubles),
+                ("changeable", c_bool), ("doc", c_char_p)]
+
+
 class WarningInfo(Structure):  # pdyn_warning
     _fields_ = [("code", c_char_p), ("subject", c_char_p), ("text", c_char_p), ("count", c_long),
                 ("first", c_double), ("last", c_double)]

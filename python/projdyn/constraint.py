@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ._arrays import address, doubles
+from ._arrays import address, doubles, view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
-from ._structs import ConstraintInfo, ParameterInfo
+from ._structs import ConstraintInfo, ParameterInfo, VectorInfo
 from .solid import Load
 
 
@@ -57,11 +57,13 @@ class Constraint(Fixed):
             found[info.name.decode()] = Parameter(info.value, info.unit.decode(), info.minimum,
                                                   info.maximum, info.changeable, info.doc.decode())
 
-    def __getitem__(self, name: str) -> float:
-        parameters = self.parameters
-        if name not in parameters:
-            raise KeyError(f"{name}: {self!r} has {', '.join(parameters)}")
-        return parameters[name].value
+    def __getitem__(self, name: str) -> Any:
+        """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path."""
+        values = {key: parameter.value for key, parameter in self.parameters.items()}
+        values.update(self._vectors())
+        if name not in values:
+            raise KeyError(f"{name}: {self!r} has {', '.join(values)}")
+        return values[name]
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Changes a parameter from the next step on: a number; three numbers for a vector; n x 4
@@ -106,6 +108,19 @@ class Constraint(Fixed):
         """Distance |G x - p| of each element: of a spring the change of its length, m; of a
         triangle or tetrahedron the norm of its strain."""
         return self._values()[1]
+
+    def _vectors(self) -> dict[str, np.ndarray]:
+        """Copies of the vectors and paths, by their names."""
+        found: dict[str, np.ndarray] = {}
+        info = VectorInfo()
+        while True:
+            lib.pdyn_get_vector_sized(self._handle.pointer, self._index, len(found), byref(info),
+                                      sizeof(info))
+            if info.name is None:
+                return found
+            numbers = np.array(view(info.value, (info.count,), self._handle)) if info.count \
+                else np.empty(0)
+            found[info.name.decode()] = numbers if info.count == 3 else numbers.reshape(-1, 4)
 
     # ---- parts ----------------------------------------------------------------------------------
 

@@ -132,6 +132,20 @@ class Control(unittest.TestCase):
             spring["stretching_stiffness"] = -1
         self.assertEqual(spring["stretching_stiffness"], 500)
 
+    def test_vectors_and_paths(self):
+        scene = hanging_sheet()
+        scene["bodies.sheet.constraints.wind.velocity"] = [1, 2, 3]
+        sim = scene.load()
+        wind, pin = sim.constraints["sheet", "wind"], sim.constraints["sheet", "pin"]
+        self.assertEqual(list(wind["velocity"]), [1, 2, 3])
+        wind["velocity"] = [4, 5, 6]
+        self.assertEqual(list(wind["velocity"]), [4, 5, 6])
+        self.assertEqual(pin["path"].shape, (0, 4))
+        pin["path"] = [[0, 0, 0, 0], [1, 0, 0.5, 0]]
+        np.testing.assert_array_equal(pin["path"], [[0, 0, 0, 0], [1, 0, 0.5, 0]])
+        with self.assertRaisesRegex(KeyError, "velocity"):
+            wind["velocty"]
+
     def test_a_pin_is_switched_off(self):
         sim = hanging_sheet().load()
         pin = sim.constraints["sheet", "pin"]

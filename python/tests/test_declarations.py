@@ -14,6 +14,7 @@ STRUCTS = {"pdyn_options": _structs.Options, "pdyn_step_info": _structs.StepInfo
            "pdyn_state": _structs.State, "pdyn_body_info": _structs.BodyInfo,
            "pdyn_constraint_info": _structs.ConstraintInfo,
            "pdyn_parameter_info": _structs.ParameterInfo, "pdyn_warning": _structs.WarningInfo,
+           "pdyn_vector_info": _structs.VectorInfo,
            "pdyn_probe_info": _structs.ProbeInfo}
 PLAIN = {"double": ctypes.c_double, "int": ctypes.c_int, "bool": ctypes.c_bool,
          "long": ctypes.c_long, "size_t": ctypes.c_size_t, "uint64_t": ctypes.c_uint64,

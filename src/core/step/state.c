@@ -91,6 +91,22 @@ static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, in
     return (pdyn_parameter_info){0};
 }
 
+static pdyn_vector_info get_vector(const pdyn_sim *sim, int constraint, int vector) {
+    if (!sim_has_constraint(sim, constraint)) return (pdyn_vector_info){0};
+    const struct batch *b = sim->objective.batch[constraint];
+    const pdyn_param *p = b->type->params;
+    while (p->name && ((p->kind != PDYN_VECTOR && p->kind != PDYN_PATH) || vector-- > 0)) p++;
+    if (!p->name) return (pdyn_vector_info){0};
+    const void *field = (const char *)b->params + p->offset;
+    bool path = p->kind == PDYN_PATH;
+    return (pdyn_vector_info){.name = p->name,
+                              .unit = p->unit,
+                              .count = path ? 4 * ((const pdyn_path *)field)->count : 3,
+                              .value = path ? ((const pdyn_path *)field)->key : field,
+                              .changeable = parameter_is_changeable(b->type, p),
+                              .doc = p->doc};
+}
+
 static pdyn_warning get_warning(const pdyn_sim *sim, int warning) {
     if (!sim || warning < 0 || warning >= sim->warnings.count) return (pdyn_warning){0};
     const struct warning *w = &sim->warnings.item[warning];
@@ -120,6 +136,11 @@ void pdyn_get_constraint_sized(const pdyn_sim *sim, int constraint, pdyn_constra
 void pdyn_get_parameter_sized(const pdyn_sim *sim, int constraint, int parameter,
                               pdyn_parameter_info *out, size_t size) {
     pdyn_parameter_info info = get_parameter(sim, constraint, parameter);
+    sized_copy(out, size, &info, sizeof info);
+}
+void pdyn_get_vector_sized(const pdyn_sim *sim, int constraint, int vector, pdyn_vector_info *out,
+                           size_t size) {
+    pdyn_vector_info info = get_vector(sim, constraint, vector);
     sized_copy(out, size, &info, sizeof info);
 }
 void pdyn_get_warning_sized(const pdyn_sim *sim, int warning, pdyn_warning *out, size_t size) {
