@@ -118,8 +118,7 @@ class Constraint(Fixed):
                                       sizeof(info))
             if info.name is None:
                 return found
-            numbers = np.array(view(info.value, (info.count,), self._handle)) if info.count \
-                else np.empty(0)
+            numbers = np.array(view(info.value, (info.count,), self._handle))
             found[info.name.decode()] = numbers if info.count == 3 else numbers.reshape(-1, 4)
 
     # ---- parts ----------------------------------------------------------------------------------
