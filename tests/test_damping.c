@@ -129,7 +129,7 @@ static void test_balance(void **state) {
         assert_int_equal(pdyn_get_state(sim).constraints, 1);
         struct batch *damper = sim->objective.batch[1];
         for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
-        batch_hold(damper, sim->x, NULL);
+        batch_set_damper_rest(damper, sim->x, NULL);
         batch_begin(damper, sim->x, sim->v, 0.01);
         for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);
         double gradient[76] = {0};

@@ -161,7 +161,7 @@ static pdyn_status disturb(struct trial *t, enum strain strain) {
     sys->h = sys->length = 0.004;
     pdyn_status status = objective_open(sys, t->sim->x, t->sim->v);
     if (status != PDYN_OK) return status;
-    objective_hold(sys, t->sim->x, NULL);
+    objective_set_damper_rest(sys, t->sim->x, NULL);
     objective_begin(sys, t->sim->x, t->sim->v);
     return objective_local(sys, t->x, &energy, t->gradient);
 }

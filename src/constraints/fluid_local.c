@@ -228,7 +228,7 @@ INLINE double project_fluid(struct fluid *f, int i, struct chunk *near, int *fro
     add_neighbours(f, &at, l->patch_start[i], l->end[i], l->surface_support, evaluate_areas, near,
                    NULL, &sum);
     f->pair_end[i] = *front;
-    f->held[i] = f->params.stiffness * sum.members;
+    f->weight_sum[i] = f->params.stiffness * sum.members;
     sum.squares += vec3_dot(sum.gradient, sum.gradient);
     return store_constraint(f, i, &sum);
 }
@@ -259,7 +259,7 @@ INLINE void project_other(struct fluid *f, int i, struct chunk *near, int *front
             add_points(f, &at, own, count, l->surface_support, evaluate_surface, near, front, &sum);
         else add_points(f, &at, own, count, l->support, evaluate_particles, near, front, &sum);
     f->pair_end[i] = *front;
-    f->held[i] = f->params.stiffness * sum.members;
+    f->weight_sum[i] = f->params.stiffness * sum.members;
 }
 
 WIDE static void project_block(void *arg, int first, int last, int block) {

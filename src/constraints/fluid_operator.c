@@ -21,7 +21,7 @@ static bool resize_particles(struct fluid *f, bool allocate) {
         {(void **)&f->squares, particles, sizeof(double)},
         {(void **)&f->stiffness, particles, sizeof(double)},
         {(void **)&f->flux, particles, sizeof(double)},
-        {(void **)&f->held, particles, sizeof(double)},
+        {(void **)&f->weight_sum, particles, sizeof(double)},
         {(void **)&f->multiplier, particles, sizeof(double)},
         {(void **)&f->partial, particles / FLUID_GRAIN + 1, sizeof(double)},
     };
@@ -128,7 +128,7 @@ static pdyn_one_sided one_sided(void *self) {
                             .value = f->value + f->first,
                             .stiffness = f->stiffness + f->first,
                             .squares = f->squares + f->first,
-                            .held = f->held};
+                            .held = f->weight_sum};
 }
 
 static void density(void *self, double *out) {

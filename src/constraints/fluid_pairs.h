@@ -40,7 +40,7 @@ struct fluid {
     double *squares;    /* particles: |grad C_i|^2, 1/m^2 */
     double *stiffness;  /* particles: k_i of the energy, N m; 0: not computed yet */
     double *flux;       /* particles: k_i max(0, C_i), N m */
-    double *held;       /* particles: sum of the weights of its constraints, N/m */
+    double *weight_sum; /* particles: sum of the weights of its constraints, N/m */
     double *multiplier; /* particles: multipliers of `force`; 0 for other particles than fluid */
     double *partial;    /* blocks: energy, J */
 };

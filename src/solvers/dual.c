@@ -8,8 +8,9 @@
  *
  * which is S lambda = rhs with S = K^-1 + G A^-1 G' and bounds: the pressure equation of
  * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K. Of a
- * fluid alone, A = M/h^2 + eps held is diagonal. Beside rows (cloth, contact), A^-1 is an iteration
- * of its own (rest_solve.h), to 0.3 of its residual within the iteration and to 0.1 at its ends.
+ * fluid alone, A = M/h^2 + eps D is diagonal (D: pdyn_one_sided.held). Beside rows (cloth,
+ * contact), A^-1 is an iteration of its own (rest_solve.h), to 0.3 of its residual within the
+ * iteration and to 0.1 at its ends.
  *
  * Multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
  * satisfy the equation of motion exactly, however early the iteration ends; what remains is an
@@ -193,9 +194,9 @@ static void compute_mobility(void *arg, int first, int last, int block) {
     struct dual *s = ((const struct call *)arg)->s;
     const pdyn_model *model = s->model;
     for (int i = first; i < last; i++) {
-        double held = 0.0;
-        for (int k = 0; k < s->parts; k++) held += s->part[k].at.held[i];
-        s->mobility[i] = 1.0 / (model->mass[i] / (model->h * model->h) + model->eps * held);
+        double weights = 0.0;
+        for (int k = 0; k < s->parts; k++) weights += s->part[k].at.held[i];
+        s->mobility[i] = 1.0 / (model->mass[i] / (model->h * model->h) + model->eps * weights);
     }
 }
 

@@ -74,13 +74,13 @@ pdyn_status objective_build_lists(struct objective *sys, const double *x) {
     return build_lists(sys, extend(sys, x));
 }
 
-static bool lists_hold(const struct objective *sys, const double *x) {
+static bool lists_are_complete(const struct objective *sys, const double *x) {
     return !sys->neighbours || neighbours_are_valid(sys->neighbours, x);
 }
 
 pdyn_status objective_ensure_lists(struct objective *sys, const double *x, const double **all) {
     *all = extend(sys, x);
-    return lists_hold(sys, *all) ? PDYN_OK : build_lists(sys, *all);
+    return lists_are_complete(sys, *all) ? PDYN_OK : build_lists(sys, *all);
 }
 
 pdyn_status objective_local(struct objective *sys, const double *x, double *energy,
@@ -126,8 +126,8 @@ pdyn_status objective_open(struct objective *sys, const double *x, const double 
     return status;
 }
 
-void objective_hold(struct objective *sys, const double *x, const double *before) {
-    for (int b = 0; b < sys->batches; b++) batch_hold(sys->batch[b], x, before);
+void objective_set_damper_rest(struct objective *sys, const double *x, const double *before) {
+    for (int b = 0; b < sys->batches; b++) batch_set_damper_rest(sys->batch[b], x, before);
 }
 
 void objective_begin(struct objective *sys, const double *x, const double *v) {

@@ -58,7 +58,7 @@ pdyn_status objective_open(struct objective *objective, const double *x, const d
 
 /* Sets the rest shapes of dampers for a step from x; before: x of the step before, NULL: none.
  * After objective_open. */
-void objective_hold(struct objective *objective, const double *x, const double *before);
+void objective_set_damper_rest(struct objective *objective, const double *x, const double *before);
 
 /* Begins the step from x and v (the base of step/integrator.h). */
 void objective_begin(struct objective *objective, const double *x, const double *v);

@@ -142,7 +142,7 @@ static void update_rest(struct solver_view *rest, const struct solver_view *whol
     rest->model.bodies_alone = o->rigid && o->rigid->closed && !whole->model.elements_count;
     memcpy(rest->in_rows, whole->in_rows, (size_t)o->particles * sizeof *rest->in_rows);
     for (int b = 0; b < o->batches; b++)
-        if (batch_comes_and_goes(o->batch[b])) batch_mark_held(o->batch[b], rest->in_rows);
+        if (batch_comes_and_goes(o->batch[b])) batch_mark_selected(o->batch[b], rest->in_rows);
     rest->first = 0, rest->last = o->particles;
     while (rest->last > 0 && !rest->in_rows[rest->last - 1]) rest->last--;
     while (rest->first < rest->last && !rest->in_rows[rest->first]) rest->first++;
@@ -174,7 +174,7 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
     *view = (struct solver_view){.objective = o, .last = o->particles};
     view->in_rows = NEW_ARRAY(o->context, o->particles, bool);
     if (o->particles && !view->in_rows) return PDYN_NO_MEMORY;
-    for (int b = 0; b < o->batches; b++) batch_mark_held(o->batch[b], view->in_rows);
+    for (int b = 0; b < o->batches; b++) batch_mark_selected(o->batch[b], view->in_rows);
     for (int k = 0; o->rigid && k < o->rigid->bodies; k++) {
         const struct rigid_body *body = &o->rigid->body[k];
         memset(view->in_rows + body->first, true, (size_t)(body->vertices + RIGID_POINTS));

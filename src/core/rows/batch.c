@@ -40,8 +40,8 @@ pdyn_status batch_open(struct batch *b, const double *x, const double *v,
     return b->type->update && !updates_always(b) ? batch_update(b, x, v) : PDYN_OK;
 }
 
-void batch_hold(struct batch *b, const double *x, const double *before) {
-    if (b->damper) rows_hold(b, x, before);
+void batch_set_damper_rest(struct batch *b, const double *x, const double *before) {
+    if (b->damper) rows_set_damper_rest(b, x, before);
 }
 
 bool batch_begin(struct batch *b, const double *x, const double *v, double h) {
@@ -97,7 +97,7 @@ void batch_apply_rest(struct batch *b, const double *u, double *y) {
     if (!b->op) {
         batch_apply(b, u, y);
     } else if (b->eps > 0.0) {
-        one_sided_apply_held(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
+        one_sided_apply_projective(&b->one_sided, b->eps, extend(b, u), begin_output(b, y));
         end_output(b, y);
     }
 }
@@ -153,7 +153,7 @@ void batch_diagonal(struct batch *b, double *blocks) {
 }
 
 void batch_rest_diagonal(struct batch *b, double *blocks) {
-    if (b->op) operator_diagonal(b, one_sided_held_diagonal, blocks);
+    if (b->op) operator_diagonal(b, one_sided_projective_diagonal, blocks);
     else batch_diagonal(b, blocks);
 }
 
@@ -213,7 +213,7 @@ void batch_velocity(struct batch *b, double *v) {
     memcpy(v, b->samples->input, 3 * (size_t)b->samples->particles * sizeof *v);
 }
 
-void batch_mark_held(const struct batch *b, bool *held) {
+void batch_mark_selected(const struct batch *b, bool *selected) {
     for (int i = 0; i < b->touch_count; i++)
-        held[b->touch_first + i] |= b->touch_start[i + 1] > b->touch_start[i];
+        selected[b->touch_first + i] |= b->touch_start[i + 1] > b->touch_start[i];
 }

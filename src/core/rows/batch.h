@@ -106,7 +106,7 @@ pdyn_status batch_open(struct batch *batch, const double *x, const double *v,
 
 /* A step begins at x; before: x of the step before, NULL: none. Sets the rest shape of a damper;
  * does nothing for other batches. After batch_open. */
-void batch_hold(struct batch *batch, const double *x, const double *before);
+void batch_set_damper_rest(struct batch *batch, const double *x, const double *before);
 /* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
  * weights change even where h does not. */
 bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
@@ -168,8 +168,8 @@ void batch_diagonal(struct batch *batch, double *blocks);
 void batch_apply_rest(struct batch *batch, const double *u, double *y);
 void batch_rest_diagonal(struct batch *batch, double *blocks);
 
-/* Sets held[i] to true for each particle i that a row selects. */
-void batch_mark_held(const struct batch *batch, bool *held);
+/* Sets selected[i] to true for each particle i that a row selects. */
+void batch_mark_selected(const struct batch *batch, bool *selected);
 
 /* Rows tier: whether B is stored by blocks, because it is not w I. */
 static inline bool batch_has_blocks(const struct batch *b) {

@@ -69,7 +69,7 @@ pdyn_status one_sided_begin(struct one_sided *s) {
 
 /* ---- H --------------------------------------------------------------------------------------- */
 
-static void add_held(void *arg, int first, int last, int block) {
+static void add_projective(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     const double *held = c->s->at.held;
@@ -77,8 +77,8 @@ static void add_held(void *arg, int first, int last, int block) {
         if (held[i] > 0.0) vec3_add(c->out + 3 * i, c->eps * held[i], c->u + 3 * i);
 }
 
-void one_sided_apply_held(struct one_sided *s, double eps, const double *u, double *y) {
-    if (eps > 0.0) for_all(s, s->particles, add_held, u, y, eps, 0.0);
+void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y) {
+    if (eps > 0.0) for_all(s, s->particles, add_projective, u, y, eps, 0.0);
 }
 
 static void multiply_stiffness(void *arg, int first, int last, int block) {
@@ -94,7 +94,7 @@ void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y
         for_all(s, s->at.count, multiply_stiffness, NULL, NULL, eps, 0.0);
         s->op->force(s->self, s->multiplier, y);
     }
-    one_sided_apply_held(s, eps, u, y);
+    one_sided_apply_projective(s, eps, u, y);
 }
 
 static void acting_stiffness(void *arg, int first, int last, int block) {
@@ -105,21 +105,21 @@ static void acting_stiffness(void *arg, int first, int last, int block) {
         s->multiplier[i] = s->acts[i] ? (1.0 - c->eps) * s->at.stiffness[i] : 0.0;
 }
 
-static void add_held_blocks(void *arg, int first, int last, int block) {
+static void add_projective_blocks(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     for (int i = first; i < last; i++)
         for (int a = 0; a < 6; a += a ? 2 : 3) c->out[6 * i + a] += c->eps * c->s->at.held[i];
 }
 
-void one_sided_held_diagonal(struct one_sided *s, double eps, double *blocks) {
-    if (eps > 0.0) for_all(s, s->particles, add_held_blocks, NULL, blocks, eps, 0.0);
+void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks) {
+    if (eps > 0.0) for_all(s, s->particles, add_projective_blocks, NULL, blocks, eps, 0.0);
 }
 
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks) {
     for_all(s, s->at.count, acting_stiffness, NULL, NULL, eps, 0.0);
     s->op->diagonal(s->self, s->multiplier, blocks);
-    one_sided_held_diagonal(s, eps, blocks);
+    one_sided_projective_diagonal(s, eps, blocks);
 }
 
 /* ---- along a direction ----------------------------------------------------------------------- */

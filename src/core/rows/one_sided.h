@@ -1,9 +1,10 @@
 /* The scalar constraints of an operator in the quadratic model of E: constraint i has the energy
  *
- *     (1 - eps) k_i / 2 max(0, C_i + grad C_i . d)^2 + eps / 2 d . held d,
+ *     (1 - eps) k_i / 2 max(0, C_i + grad C_i . d)^2 + eps / 2 d . D d,
  *
  * where d is the displacement from the x of the last local step. A constraint acts where
- * C_i + grad C_i . d > 0; this is its side. held: the diagonal of the projective step. */
+ * C_i + grad C_i . d > 0; this is its side. D: the diagonal of the projective step,
+ * pdyn_one_sided.held. */
 #ifndef PDYN_ONE_SIDED_H
 #define PDYN_ONE_SIDED_H
 
@@ -30,13 +31,13 @@ struct one_sided {
 pdyn_status one_sided_begin(struct one_sided *s);
 void one_sided_free(struct one_sided *s);
 
-/* y += ((1 - eps) sum over acting constraints of k_i grad C_i grad C_i' + eps held) u */
+/* y += ((1 - eps) sum over acting constraints of k_i grad C_i grad C_i' + eps D) u */
 void one_sided_apply(struct one_sided *s, double eps, const double *u, double *y);
 /* Adds the block diagonal of that matrix, packed xx xy xz yy yz zz, particles x 6. */
 void one_sided_diagonal(struct one_sided *s, double eps, double *blocks);
-/* The parts of these two that damping adds, without the constraints. */
-void one_sided_apply_held(struct one_sided *s, double eps, const double *u, double *y);
-void one_sided_held_diagonal(struct one_sided *s, double eps, double *blocks);
+/* The parts eps D of these two alone. */
+void one_sided_apply_projective(struct one_sided *s, double eps, const double *u, double *y);
+void one_sided_projective_diagonal(struct one_sided *s, double eps, double *blocks);
 
 /* Sets the search direction u from d. */
 void one_sided_set_direction(struct one_sided *s, const double *u);

@@ -76,7 +76,7 @@ double rows_project(struct batch *b, const double *x) {
 }
 
 /* u and the rest shape of a damper's elements [first, last) at x. */
-static void hold_at(struct batch *b, int first, int last, const double *x) {
+static void set_rest_at(struct batch *b, int first, int last, const double *x) {
     gather_rows(b, b->view.element_row[first], b->view.element_row[last], x);
     b->type->damping_rest(b->params, &b->view, first, last);
 }
@@ -90,7 +90,7 @@ static double extrapolate(double value, double before, double part) {
 /* in: x; out: x of the step before; number: extrapolation of the integrator. Rest shapes are
  * extrapolated, not positions: the extrapolated positions of a rotating element are too long, and a
  * stiff damper would give them energy in every step. */
-static void hold_rows(void *arg, int first, int last, int block) {
+static void set_damper_rows(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
     struct batch *b = c->batch;
@@ -101,9 +101,9 @@ static void hold_rows(void *arg, int first, int last, int block) {
         end = last - e > step ? e + step : last;
         double *data = (double *)b->view.data + (size_t)e * (size_t)size;
         int numbers = (end - e) * size;
-        if (part > 0.0) hold_at(b, e, end, c->out);
+        if (part > 0.0) set_rest_at(b, e, end, c->out);
         memcpy(before, data, (size_t)numbers * sizeof *before);
-        hold_at(b, e, end, c->in);
+        set_rest_at(b, e, end, c->in);
         for (int k = 0; part > 0.0 && k < numbers; k++)
             data[k] = extrapolate(data[k], before[k], part);
     }
@@ -136,8 +136,9 @@ static void begin_rows(void *arg, int first, int last, int block) {
     rows_weigh(b, first, last);
 }
 
-void rows_hold(struct batch *b, const double *x, const double *before) {
-    rows_for(b, b->view.elements, b->grain, hold_rows, x, (double *)before, b->view.extrapolation);
+void rows_set_damper_rest(struct batch *b, const double *x, const double *before) {
+    rows_for(b, b->view.elements, b->grain, set_damper_rows, x, (double *)before,
+             b->view.extrapolation);
 }
 
 void rows_begin(struct batch *b, const double *x, const double *v) {

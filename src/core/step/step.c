@@ -36,7 +36,7 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
     pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
     if (status != PDYN_OK) return status;
-    objective_hold(&sim->objective, sim->x, sim->x_before);
+    objective_set_damper_rest(&sim->objective, sim->x, sim->x_before);
     objective_begin(&sim->objective, sim->x_base, sim->v_base);
     return PDYN_OK;
 }
