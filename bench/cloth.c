@@ -119,12 +119,13 @@ static void plain_free(struct plain *p) {
 
 /* b = M/h^2 s + sum of w G' p; flat bending has p = 0. */
 static void plain_local(struct plain *p) {
-    const struct objective *sys = &p->sim->objective;
+    const struct objective *objective = &p->sim->objective;
     const pdyn_batch *spring = &p->spring->view, *pin = &p->pin->view;
     const double *length = spring->data;
     int n = p->n;
     for (int i = 0; i < n; i++)
-        for (int a = 0; a < 3; a++) p->b[a * n + i] = objective_inertia(sys, i) * sys->s[3 * i + a];
+        for (int a = 0; a < 3; a++)
+            p->b[a * n + i] = objective_inertia(objective, i) * objective->s[3 * i + a];
     for (int e = 0; e < spring->elements; e++) {
         int i = spring->column[2 * e], j = spring->column[2 * e + 1];
         double d[3], l = 0.0;

@@ -60,18 +60,18 @@ static void solve_dense(double *A, int n, double *x) {
 static double *factor_twice(int threads, int n, bool lasting, bool compare) {
     pdyn_context *context = test_context(threads);
     pdyn_sim *sim = hang(context, n);
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     pdyn_services services = context_services(context);
     pdyn_model *model = &sim->model.model;
     pdyn_matrix matrix;
     struct factor factor = {0};
-    int size = 3 * sys->particles;
+    int size = 3 * objective->particles;
     double *y = calloc(2 * (size_t)size, sizeof *y), *x = calloc((size_t)size, sizeof *x);
     assert_true(y && x);
     factor_start(&factor, &services);
     for (int k = 0; k < 2; k++) {
         uint64_t seed = 3;
-        sys->h = k ? 0.001 : 0.02;
+        objective->h = k ? 0.001 : 0.02;
         assert_int_equal(solver_view_linearise(&sim->model, 1.0), PDYN_OK);
         assert_int_equal(model->matrix(model, &matrix), PDYN_OK);
         if (!k) assert_int_equal(factor_analyse(&factor, &matrix, lasting), PDYN_OK);
@@ -80,7 +80,7 @@ static double *factor_twice(int threads, int n, bool lasting, bool compare) {
         assert_int_equal(factor_solve(&factor, x, y + k * size), PDYN_OK);
         if (!compare) continue;
         double *A = dense(&matrix), norm = 0.0;
-        solve_dense(A, sys->particles, x);
+        solve_dense(A, objective->particles, x);
         for (int i = 0; i < size; i++) norm += x[i] * x[i];
         assert_true(test_distance(x, y + k * size, size) < 1e-11 * sqrt(norm));
         free(A);

@@ -143,25 +143,25 @@ static void test_hessian(void **state) {
     (void)state;
     static const int row[6] = {0, 0, 0, 1, 1, 2}, column[6] = {0, 1, 2, 1, 2, 2};
     struct trial t = start("solver.type=cg");
-    struct objective *sys = &t.sim->objective;
+    struct objective *objective = &t.sim->objective;
     double *hz = test_vector(t.n), *blocks = test_vector(2 * t.n), last = 0.0;
     uint64_t seed = 5;
     for (int k = 0; k < t.n; k++) t.z[k] = test_random(&seed);
     for (int k = 0; k <= 2; k++) {
-        assert_int_equal(objective_linearise(sys, 0.5 * k), PDYN_OK);
-        objective_apply(sys, t.u, t.y), objective_apply(sys, t.z, hz);
+        assert_int_equal(objective_linearise(objective, 0.5 * k), PDYN_OK);
+        objective_apply(objective, t.u, t.y), objective_apply(objective, t.z, hz);
         assert_true(fabs(dot(t.z, t.y, t.n) - dot(t.u, hz, t.n)) <=
                     1e-10 * norm(t.y, t.n) * norm(t.z, t.n));
         double quadratic = dot(t.u, t.y, t.n);
         assert_true(quadratic > last);
         last = quadratic;
     }
-    assert_int_equal(objective_linearise(sys, 0.2), PDYN_OK);
-    objective_diagonal(sys, PDYN_WHOLE, blocks);
+    assert_int_equal(objective_linearise(objective, 0.2), PDYN_OK);
+    objective_diagonal(objective, PDYN_WHOLE, blocks);
     for (int i = 0; i < t.n; i++) {
         memset(t.z, 0, (size_t)t.n * sizeof *t.z);
         t.z[i] = 1.0;
-        objective_apply(sys, t.z, t.y);
+        objective_apply(objective, t.z, t.y);
         for (int b = 0; b < 6; b++)
             if (column[b] == i % 3)
                 assert_true(fabs(t.y[i / 3 * 3 + row[b]] - blocks[i / 3 * 6 + b]) <=

@@ -22,9 +22,9 @@ static void test_forces(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, drop);
-    struct objective *sys = &sim->objective;
-    const struct batch *fluid = sys->batch[0];
-    int n = 3 * sys->particles;
+    struct objective *objective = &sim->objective;
+    const struct batch *fluid = objective->batch[0];
+    int n = 3 * objective->particles;
     double *x = test_vector(n), *u = test_vector(n), *moved = test_vector(n), *g = test_vector(n),
            *other = test_vector(n);
     double h = 1e-7, slope = 0.0, sum[3] = {0}, moment[3] = {0}, size = 0.0;
@@ -33,14 +33,14 @@ static void test_forces(void **state) {
         x[k] = sim->x[k] + 0.001 * test_random(&seed), u[k] = test_random(&seed);
         if (k % 3 == 1 && k / 3 < sim->body[0].count) x[k] -= 0.008;
     }
-    memcpy(sys->s, x, (size_t)n * sizeof *x); /* removes inertia from the gradient */
-    sys->h = 0.01;
+    memcpy(objective->s, x, (size_t)n * sizeof *x); /* removes inertia from the gradient */
+    objective->h = 0.01;
     energy_at(sim, x, g);
     for (int sign = -1; sign <= 1; sign += 2) {
         for (int k = 0; k < n; k++) moved[k] = x[k] + sign * h * u[k];
         slope += sign * energy_at(sim, moved, other) / (2.0 * h);
     }
-    double expected = objective_dot(sys, g, u);
+    double expected = objective_dot(objective, g, u);
     assert_true(fabs(slope / expected - 1.0) < 1e-5);
     energy_at(sim, x, g);
     for (int i = 0; i < n / 3; i++) {
@@ -59,12 +59,13 @@ static void test_forces(void **state) {
     memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
     assert_int_equal(batch_local(rows, x, 0.0, moved), PDYN_OK);
     assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);
-    for (int b = 1; b < sys->batches; b++) batch_local(sys->batch[b], x, 0.0, moved);
-    assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(objective_dot(sys, g, g)));
-    batch_linearise(rows, 0.0), batch_linearise(sys->batch[0], 0.0);
+    for (int b = 1; b < objective->batches; b++) batch_local(objective->batch[b], x, 0.0, moved);
+    assert_true(test_distance(moved, g, n) < 1e-7 * sqrt(objective_dot(objective, g, g)));
+    batch_linearise(rows, 0.0), batch_linearise(objective->batch[0], 0.0);
     memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
-    batch_apply(rows, u, moved), batch_apply(sys->batch[0], u, other);
-    assert_true(test_distance(moved, other, n) < 1e-9 * sqrt(objective_dot(sys, moved, moved)));
+    batch_apply(rows, u, moved), batch_apply(objective->batch[0], u, other);
+    assert_true(test_distance(moved, other, n) <
+                1e-9 * sqrt(objective_dot(objective, moved, moved)));
     batch_free(rows);
     free(x), free(u), free(moved), free(g), free(other);
     pdyn_free(sim);
@@ -344,12 +345,12 @@ struct start {
 
 static void note_start(void *user, const pdyn_iteration *iteration) {
     struct start *start = user;
-    const struct objective *sys = &start->sim->objective;
+    const struct objective *objective = &start->sim->objective;
     if (iteration->iteration > 0) return;
     start->energy = iteration->energy;
-    for (int k = 0; k < 3 * sys->particles; k++)
-        start->standing +=
-            0.5 * objective_inertia(sys, k / 3) * pow(sys->s[k] - start->sim->x[k], 2.0);
+    for (int k = 0; k < 3 * objective->particles; k++)
+        start->standing += 0.5 * objective_inertia(objective, k / 3) *
+                           pow(objective->s[k] - start->sim->x[k], 2.0);
 }
 
 /* Water that a sheet stops is not compressed by the water that follows. */

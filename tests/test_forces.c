@@ -91,12 +91,13 @@ static void add_all_forces(const pdyn_sim *sim, double *force, double *sum) {
 
 /* The largest part of the weight by which M (x - s) / h^2 misses force + residual at a particle. */
 static double miss_of_particles(const pdyn_sim *sim, double weight) {
-    const struct objective *sys = &sim->objective;
-    size_t count = 3 * (size_t)sys->particles;
+    const struct objective *objective = &sim->objective;
+    size_t count = 3 * (size_t)objective->particles;
     double *force = calloc(2 * count, sizeof *force), *sum = force + count, worst = 0.0;
     add_all_forces(sim, force, sum);
-    for (int k = 0; k < 3 * sys->particles; k++) {
-        double due = objective_inertia(sys, k / 3) * (sim->x[k] - sys->s[k]) - sim->gradient[k];
+    for (int k = 0; k < 3 * objective->particles; k++) {
+        double due =
+            objective_inertia(objective, k / 3) * (sim->x[k] - objective->s[k]) - sim->gradient[k];
         worst = fmax(worst, fabs(sum[k] - due) / weight);
     }
     free(force);

@@ -174,15 +174,15 @@ static void test_linear(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load_good(context, "'solver': {'type': 'cg'}", ball_mesh(),
                               GAS(", 'overpressure': 1000"), "");
-    struct objective *sys = &sim->objective;
-    int n = 3 * sys->particles;
+    struct objective *objective = &sim->objective;
+    int n = 3 * objective->particles;
     double *y[3], energy, largest = 0.0, off = 0.0;
     test_step(context, sim);
     for (int k = 0; k < 3; k++) assert_non_null(y[k] = calloc((size_t)n + 1, sizeof **y));
-    assert_int_equal(objective_local(sys, sim->x, &energy, y[0]), PDYN_OK);
+    assert_int_equal(objective_local(objective, sim->x, &energy, y[0]), PDYN_OK);
     for (int k = 0; k < 3; k++) {
-        assert_int_equal(objective_linearise(sys, 0.5 * k), PDYN_OK);
-        objective_apply(sys, sim->x, y[k]); /* x has a part along grad V */
+        assert_int_equal(objective_linearise(objective, 0.5 * k), PDYN_OK);
+        objective_apply(objective, sim->x, y[k]); /* x has a part along grad V */
     }
     for (int i = 0; i < n; i++) {
         largest = fmax(largest, fabs(y[2][i] - y[0][i]));

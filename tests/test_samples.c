@@ -108,21 +108,21 @@ static void test_line(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, drop);
-    struct objective *sys = &sim->objective;
-    int n = 3 * sys->particles, changed = 0;
+    struct objective *objective = &sim->objective;
+    int n = 3 * objective->particles, changed = 0;
     double *u = test_vector(n), *g = test_vector(n), *y = test_vector(n), energy;
     for (int k = 0; k < 8; k++) test_step(context, sim);
     for (double eps = 0.0; eps < 0.5; eps += 0.4) {
-        memcpy(u, sim->x, objective_bytes(sys));
+        memcpy(u, sim->x, objective_bytes(objective));
         for (int i = 0; i < n; i += 3) u[i] *= 0.99; /* compresses the fluid */
-        assert_int_equal(objective_local(sys, u, &energy, g), PDYN_OK);
-        assert_int_equal(objective_linearise(sys, eps), PDYN_OK);
+        assert_int_equal(objective_local(objective, u, &energy, g), PDYN_OK);
+        assert_int_equal(objective_linearise(objective, eps), PDYN_OK);
         for (int k = 0; k < n; k++) u[k] = -g[k];
-        objective_apply(sys, u, y), objective_set_direction(sys, u);
-        double descent = -objective_dot(sys, g, u);
-        double t = objective_line_minimum(sys, descent, objective_dot(sys, u, y));
-        int turns = objective_step_along(sys, t, y);
-        assert_true(t > 0.0 && fabs(objective_dot(sys, y, u) - descent) <= 0.02 * descent);
+        objective_apply(objective, u, y), objective_set_direction(objective, u);
+        double descent = -objective_dot(objective, g, u);
+        double t = objective_line_minimum(objective, descent, objective_dot(objective, u, y));
+        int turns = objective_step_along(objective, t, y);
+        assert_true(t > 0.0 && fabs(objective_dot(objective, y, u) - descent) <= 0.02 * descent);
         changed += turns;
     }
     assert_true(changed > 0);

@@ -57,12 +57,12 @@ static double mass_of(const pdyn_sim *sim) {
 /* The expected loads of a step: with M (x - s) / h^2 + grad V = r, r the residual, the forces on
  * the solids sum to the sum of grad V. */
 static struct total expected(const pdyn_sim *sim) {
-    const struct objective *sys = &sim->objective;
+    const struct objective *objective = &sim->objective;
     struct total sum = {{0}, {0}};
-    for (int i = 0; i < sys->particles; i++) {
-        double force[3], moment[3], w = sys->mass[i] / (sys->h * sys->h);
+    for (int i = 0; i < objective->particles; i++) {
+        double force[3], moment[3], w = objective->mass[i] / (objective->h * objective->h);
         for (int k = 3 * i, a = 0; a < 3; k++, a++)
-            force[a] = sim->gradient[k] - w * (sim->x[k] - sys->s[k]);
+            force[a] = sim->gradient[k] - w * (sim->x[k] - objective->s[k]);
         vec3_cross(moment, sim->x + 3 * i, force);
         vec3_add(sum.force, 1.0, force);
         vec3_add(sum.moment, 1.0, moment);

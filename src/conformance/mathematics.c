@@ -284,14 +284,14 @@ void check_momentum(struct check *check, struct trial *t) {
 
 /* H is symmetric, at least M/h^2, and does not decrease with eps. */
 void check_bounds(struct check *check, struct trial *t) {
-    struct objective *sys = &t->sim->objective;
+    struct objective *objective = &t->sim->objective;
     uint64_t seed = 99;
     double last = 0.0;
-    for (int k = 0; k < t->n; k++) last += objective_inertia(sys, k / 3) * t->u[k] * t->u[k];
+    for (int k = 0; k < t->n; k++) last += objective_inertia(objective, k / 3) * t->u[k] * t->u[k];
     for (int k = 0; k <= 4; k++) {
-        if (objective_linearise(sys, 0.25 * k) != PDYN_OK) return;
+        if (objective_linearise(objective, 0.25 * k) != PDYN_OK) return;
         for (int i = 0; i < t->n; i++) t->z[i] = trial_random(&seed);
-        objective_apply(sys, t->u, t->y), objective_apply(sys, t->z, t->w);
+        objective_apply(objective, t->u, t->y), objective_apply(objective, t->z, t->w);
         double zHu = trial_dot(t->z, t->y, t->n), uHz = trial_dot(t->u, t->w, t->n);
         if (!(fabs(zHu - uHz) <= 1e-10 * trial_norm(t->y, t->n) * trial_norm(t->z, t->n))) {
             fault(check, "H is not symmetric: z.H u = %.10g, u.H z = %.10g", zHu, uHz);

@@ -147,7 +147,7 @@ static const double noise[STRAINS] = {0.002, 0.002, 0.002, [CRUMPLED] = 0.05}; /
 
 /* Deformed and disturbed x, random v, s and direction u; then the local step at x. */
 static pdyn_status disturb(struct trial *t, enum strain strain) {
-    struct objective *sys = &t->sim->objective;
+    struct objective *objective = &t->sim->objective;
     uint64_t seed = 7;
     double energy;
     for (int k = 0; k < t->n; k++) {
@@ -155,15 +155,15 @@ static pdyn_status disturb(struct trial *t, enum strain strain) {
         t->x[k] = row[0] * from[0] + row[1] * from[1] + row[2] * from[2] + shift[strain] +
                   noise[strain] * trial_random(&seed);
         t->u[k] = trial_random(&seed);
-        sys->s[k] = t->sim->x[k] + 0.01 * trial_random(&seed);
+        objective->s[k] = t->sim->x[k] + 0.01 * trial_random(&seed);
     }
     for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
-    sys->h = sys->length = 0.004;
-    pdyn_status status = objective_open(sys, t->sim->x, t->sim->v);
+    objective->h = objective->length = 0.004;
+    pdyn_status status = objective_open(objective, t->sim->x, t->sim->v);
     if (status != PDYN_OK) return status;
-    objective_set_damper_rest(sys, t->sim->x, NULL);
-    objective_begin(sys, t->sim->x, t->sim->v);
-    return objective_local(sys, t->x, &energy, t->gradient);
+    objective_set_damper_rest(objective, t->sim->x, NULL);
+    objective_begin(objective, t->sim->x, t->sim->v);
+    return objective_local(objective, t->x, &energy, t->gradient);
 }
 
 static pdyn_status load(struct trial *t, enum strain strain, const char *scene) {

@@ -18,9 +18,9 @@ static void visit_pairs(struct matrix *matrix, const struct batch *b, visit_fn *
     }
 }
 
-static void visit_batches(struct matrix *matrix, const struct objective *sys,
+static void visit_batches(struct matrix *matrix, const struct objective *objective,
                           struct batch *const *rows, visit_fn *visit) {
-    for (int b = 0; b < sys->batches; b++)
+    for (int b = 0; b < objective->batches; b++)
         if (rows[b]) visit_pairs(matrix, rows[b], visit);
 }
 
@@ -55,13 +55,13 @@ static void merge_blocks(struct matrix *matrix) {
     matrix->block_start[matrix->particles] = kept;
 }
 
-static pdyn_status find_blocks(struct matrix *matrix, const struct objective *sys,
+static pdyn_status find_blocks(struct matrix *matrix, const struct objective *objective,
                                struct batch *const *rows) {
     int n = matrix->particles;
     matrix->block_start = NEW_ARRAY(matrix->context, n + 1, int);
     if (!matrix->block_start) return PDYN_NO_MEMORY;
     for (int i = 0; i < n; i++) matrix->block_start[i + 1] = 1; /* the diagonal */
-    visit_batches(matrix, sys, rows, count_pair);
+    visit_batches(matrix, objective, rows, count_pair);
     size_t blocks = 0;
     for (int i = 0; i < n; i++) {
         blocks += (size_t)matrix->block_start[i + 1];
@@ -75,24 +75,25 @@ static pdyn_status find_blocks(struct matrix *matrix, const struct objective *sy
     matrix->block_row = NEW_ARRAY(matrix->context, blocks, int);
     if (!matrix->block_row) return PDYN_NO_MEMORY;
     for (int i = 0; i < n; i++) matrix->block_row[matrix->block_start[i]++] = i;
-    visit_batches(matrix, sys, rows, store_pair);
+    visit_batches(matrix, objective, rows, store_pair);
     merge_blocks(matrix);
     return PDYN_OK;
 }
 
-pdyn_status matrix_pattern(struct matrix *matrix, const struct objective *sys,
+pdyn_status matrix_pattern(struct matrix *matrix, const struct objective *objective,
                            struct batch *const *rows, int dim) {
     matrix_free(matrix);
-    matrix->context = sys->context, matrix->particles = sys->particles, matrix->dim = dim;
-    pdyn_status status = find_blocks(matrix, sys, rows);
+    matrix->context = objective->context, matrix->particles = objective->particles,
+    matrix->dim = dim;
+    pdyn_status status = find_blocks(matrix, objective, rows);
     if (status != PDYN_OK) return status;
     matrix->entries = (size_t)matrix->block_start[matrix->particles] * (size_t)(dim * dim);
-    matrix->column_start = NEW_ARRAY(sys->context, dim * sys->particles + 1, int);
-    matrix->row = NEW_ARRAY(sys->context, matrix->entries, int);
-    matrix->value = NEW_ARRAY(sys->context, matrix->entries, double);
+    matrix->column_start = NEW_ARRAY(objective->context, dim * objective->particles + 1, int);
+    matrix->row = NEW_ARRAY(objective->context, matrix->entries, int);
+    matrix->value = NEW_ARRAY(objective->context, matrix->entries, double);
     if (!matrix->column_start || !matrix->row || !matrix->value) return PDYN_NO_MEMORY;
     int *row = matrix->row;
-    for (int c = 0; c < dim * sys->particles; c++) {
+    for (int c = 0; c < dim * objective->particles; c++) {
         for (int k = matrix->block_start[c / dim]; k < matrix->block_start[c / dim + 1]; k++)
             for (int a = 0; a < dim; a++) *row++ = dim * matrix->block_row[k] + a;
         matrix->column_start[c + 1] = (int)(row - matrix->row);
@@ -139,11 +140,11 @@ static void add_pair(struct matrix *matrix, const struct batch *b, int k, int m)
     }
 }
 
-void matrix_values(struct matrix *matrix, const struct objective *sys, struct batch *const *rows,
-                   bool inertia) {
+void matrix_values(struct matrix *matrix, const struct objective *objective,
+                   struct batch *const *rows, bool inertia) {
     memset(matrix->value, 0, matrix->entries * sizeof *matrix->value);
     for (int c = 0; inertia && c < matrix->dim * matrix->particles; c++)
         matrix->value[matrix->column_start[c] + c % matrix->dim] = /* the diagonal block is first */
-            objective_inertia(sys, c / matrix->dim);
-    visit_batches(matrix, sys, rows, add_pair);
+            objective_inertia(objective, c / matrix->dim);
+    visit_batches(matrix, objective, rows, add_pair);
 }

@@ -29,37 +29,38 @@ pdyn_status hessian_matrix_create(struct hessian_matrix *c, struct objective *ob
 
 /* Local steps of the replicas at the x of the last local step. */
 static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
-    struct objective *sys = c->objective;
-    if (!sys->dynamic_rows) return PDYN_OK;
+    struct objective *objective = c->objective;
+    if (!objective->dynamic_rows) return PDYN_OK;
     if (lists_moved) free_replicas(c);
-    for (int b = 0; b < sys->batches; b++) {
-        const struct batch *from = sys->batch[b];
+    for (int b = 0; b < objective->batches; b++) {
+        const struct batch *from = objective->batch[b];
         if (!from->op) continue;
         pdyn_status status =
             c->rows[b] ? PDYN_OK
                        : batch_create(c->context, from->type, from->params, from->view.body, NULL,
-                                      neighbours_view(sys->neighbours), true, &c->rows[b]);
+                                      neighbours_view(objective->neighbours), true, &c->rows[b]);
         if (status != PDYN_OK) return status;
-        status = batch_local(c->rows[b], sys->x, sys->time, c->unused);
-        if (status == PDYN_OK) status = batch_linearise(c->rows[b], sys->eps);
+        status = batch_local(c->rows[b], objective->x, objective->time, c->unused);
+        if (status == PDYN_OK) status = batch_linearise(c->rows[b], objective->eps);
         if (status != PDYN_OK) return status;
     }
     return PDYN_OK;
 }
 
 pdyn_status hessian_matrix_update(struct hessian_matrix *c, bool *pattern, bool *values) {
-    struct objective *sys = c->objective;
-    int dim = sys->eps < 1.0 ? 3 : 1;
-    bool moved = sys->dynamic_rows && c->lists != sys->lists;
+    struct objective *objective = c->objective;
+    int dim = objective->eps < 1.0 ? 3 : 1;
+    bool moved = objective->dynamic_rows && c->lists != objective->lists;
     *pattern =
-        c->matrix.dim != dim || (moved && dim == 3) || c->revision != objective_revision(sys);
-    *values = *pattern || moved || dim == 3 || c->h != sys->h || c->weights != sys->weights;
+        c->matrix.dim != dim || (moved && dim == 3) || c->revision != objective_revision(objective);
+    *values =
+        *pattern || moved || dim == 3 || c->h != objective->h || c->weights != objective->weights;
     if (!*values) return PDYN_OK;
     pdyn_status status = update_replicas(c, moved);
-    if (status == PDYN_OK && *pattern) status = matrix_pattern(&c->matrix, sys, c->rows, dim);
+    if (status == PDYN_OK && *pattern) status = matrix_pattern(&c->matrix, objective, c->rows, dim);
     if (status != PDYN_OK) return status;
-    matrix_values(&c->matrix, sys, c->rows, true);
-    c->h = sys->h, c->weights = sys->weights;
-    c->lists = sys->lists, c->revision = objective_revision(sys);
+    matrix_values(&c->matrix, objective, c->rows, true);
+    c->h = objective->h, c->weights = objective->weights;
+    c->lists = objective->lists, c->revision = objective_revision(objective);
     return PDYN_OK;
 }

@@ -16,15 +16,15 @@ struct call {
 };
 
 /* Returns the number of blocks. */
-static int for_particles(struct objective *sys, pdyn_range_fn *fn, const double *a, const double *b,
+static int for_particles(struct objective *o, pdyn_range_fn *fn, const double *a, const double *b,
                          double *out, double scale) {
-    struct call call = {sys, a, b, out, scale};
-    return pool_for_between(sys->context->pool, 0, sys->particles, PARTICLE_GRAIN, fn, &call);
+    struct call call = {o, a, b, out, scale};
+    return pool_for_between(o->context->pool, 0, o->particles, PARTICLE_GRAIN, fn, &call);
 }
 
-double objective_partial_sum(const struct objective *sys, int blocks) {
+double objective_partial_sum(const struct objective *o, int blocks) {
     double sum = 0.0;
-    for (int k = 0; k < blocks; k++) sum += sys->partial[k];
+    for (int k = 0; k < blocks; k++) sum += o->partial[k];
     return sum;
 }
 
@@ -45,118 +45,116 @@ static void inertia(void *arg, int first, int last, int block) {
 }
 
 /* The points of SPH sums: particles, then samples of surfaces. */
-static const double *extend(const struct objective *sys, const double *x) {
-    if (!sys->samples) return x;
-    samples_interpolate(sys->samples, x, sys->samples->x);
-    return sys->samples->x;
+static const double *extend(const struct objective *o, const double *x) {
+    if (!o->samples) return x;
+    samples_interpolate(o->samples, x, o->samples->x);
+    return o->samples->x;
 }
 
-pdyn_status objective_share_lists(struct objective *sys) {
-    const pdyn_neighbours *view = neighbours_view(sys->neighbours);
+pdyn_status objective_share_lists(struct objective *o) {
+    const pdyn_neighbours *view = neighbours_view(o->neighbours);
     pdyn_status status = PDYN_OK;
-    if (sys->samples) samples_update_active(sys->samples, view);
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        status = batch_neighbours(sys->batch[b], view);
-    sys->lists = view->revision;
+    if (o->samples) samples_update_active(o->samples, view);
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++)
+        status = batch_neighbours(o->batch[b], view);
+    o->lists = view->revision;
     return status;
 }
 
 /* Builds lists at x, which is extended by samples, and gives them to every batch. */
-static pdyn_status build_lists(struct objective *sys, const double *x) {
+static pdyn_status build_lists(struct objective *o, const double *x) {
     double start = clock_ms();
-    pdyn_status status = neighbours_build(sys->neighbours, x);
-    if (status == PDYN_OK) status = objective_share_lists(sys);
-    sys->ms_neighbours += clock_ms() - start;
+    pdyn_status status = neighbours_build(o->neighbours, x);
+    if (status == PDYN_OK) status = objective_share_lists(o);
+    o->ms_neighbours += clock_ms() - start;
     return status;
 }
 
-pdyn_status objective_build_lists(struct objective *sys, const double *x) {
-    return build_lists(sys, extend(sys, x));
+pdyn_status objective_build_lists(struct objective *o, const double *x) {
+    return build_lists(o, extend(o, x));
 }
 
-static bool lists_are_complete(const struct objective *sys, const double *x) {
-    return !sys->neighbours || neighbours_are_valid(sys->neighbours, x);
+static bool lists_are_complete(const struct objective *o, const double *x) {
+    return !o->neighbours || neighbours_are_valid(o->neighbours, x);
 }
 
-pdyn_status objective_ensure_lists(struct objective *sys, const double *x, const double **all) {
-    *all = extend(sys, x);
-    return lists_are_complete(sys, *all) ? PDYN_OK : build_lists(sys, *all);
+pdyn_status objective_ensure_lists(struct objective *o, const double *x, const double **all) {
+    *all = extend(o, x);
+    return lists_are_complete(o, *all) ? PDYN_OK : build_lists(o, *all);
 }
 
-pdyn_status objective_local(struct objective *sys, const double *x, double *energy,
+pdyn_status objective_local(struct objective *o, const double *x, double *energy,
                             double *gradient) {
     const double *all;
-    pdyn_status status = objective_ensure_lists(sys, x, &all);
-    if (sys->neighbours) neighbours_freeze_visibility(sys->neighbours);
-    if (status == PDYN_OK && sys->contact) status = contact_local(sys->contact, x);
+    pdyn_status status = objective_ensure_lists(o, x, &all);
+    if (o->neighbours) neighbours_freeze_visibility(o->neighbours);
+    if (status == PDYN_OK && o->contact) status = contact_local(o->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
-    sys->x = x;
-    *energy = objective_partial_sum(sys, for_particles(sys, inertia, x, NULL, gradient, 0.0));
-    residual_forget_loads(sys);
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++) {
-        struct batch *batch = sys->batch[b];
-        residual_open_load(sys, batch, gradient);
-        status = batch_local(batch, batch->samples ? all : x, sys->time, gradient);
-        residual_add_load(sys, batch, gradient);
+    o->x = x;
+    *energy = objective_partial_sum(o, for_particles(o, inertia, x, NULL, gradient, 0.0));
+    residual_forget_loads(o);
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++) {
+        struct batch *batch = o->batch[b];
+        residual_open_load(o, batch, gradient);
+        status = batch_local(batch, batch->samples ? all : x, o->time, gradient);
+        residual_add_load(o, batch, gradient);
         *energy += batch->energy;
     }
-    if (sys->rigid) rigid_map_update(sys->rigid, x);
-    objective_pull(sys, gradient);
-    sys->ms_local += clock_ms() - start;
+    if (o->rigid) rigid_map_update(o->rigid, x);
+    objective_pull(o, gradient);
+    o->ms_local += clock_ms() - start;
     return status;
 }
 
-pdyn_status objective_limit(struct objective *sys, const double *x, double *way) {
+pdyn_status objective_limit(struct objective *o, const double *x, double *way) {
     const double *all;
-    pdyn_status status = objective_ensure_lists(sys, x, &all);
-    int samples = sys->samples ? sys->samples->count : 0;
-    for (int i = 0; i < sys->particles + samples; i++) way[i] = INFINITY;
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        batch_limit(sys->batch[b], all, way);
-    if (samples) samples_limit_motion(sys->samples, way);
+    pdyn_status status = objective_ensure_lists(o, x, &all);
+    int samples = o->samples ? o->samples->count : 0;
+    for (int i = 0; i < o->particles + samples; i++) way[i] = INFINITY;
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++) batch_limit(o->batch[b], all, way);
+    if (samples) samples_limit_motion(o->samples, way);
     return status;
 }
 
-pdyn_status objective_open(struct objective *sys, const double *x, const double *v) {
+pdyn_status objective_open(struct objective *o, const double *x, const double *v) {
     pdyn_status status = PDYN_OK;
-    const struct batch_step step = {sys->length, sys->extrapolation, sys->h, sys->time};
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        status = batch_open(sys->batch[b], x, v, &step);
+    const struct batch_step step = {o->length, o->extrapolation, o->h, o->time};
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++)
+        status = batch_open(o->batch[b], x, v, &step);
     return status;
 }
 
-void objective_set_damper_rest(struct objective *sys, const double *x, const double *before) {
-    for (int b = 0; b < sys->batches; b++) batch_set_damper_rest(sys->batch[b], x, before);
+void objective_set_damper_rest(struct objective *o, const double *x, const double *before) {
+    for (int b = 0; b < o->batches; b++) batch_set_damper_rest(o->batch[b], x, before);
 }
 
-void objective_begin(struct objective *sys, const double *x, const double *v) {
+void objective_begin(struct objective *o, const double *x, const double *v) {
     bool moved = false;
-    for (int b = 0; b < sys->batches; b++) moved |= batch_begin(sys->batch[b], x, v, sys->h);
-    sys->weights += moved;
+    for (int b = 0; b < o->batches; b++) moved |= batch_begin(o->batch[b], x, v, o->h);
+    o->weights += moved;
 }
 
-pdyn_status objective_end(struct objective *sys) {
+pdyn_status objective_end(struct objective *o) {
     pdyn_status status = PDYN_OK;
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++) status = batch_end(sys->batch[b]);
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++) status = batch_end(o->batch[b]);
     return status;
 }
 
 /* ---- the operator H -------------------------------------------------------------------------- */
 
-pdyn_status objective_linearise(struct objective *sys, double eps) {
+pdyn_status objective_linearise(struct objective *o, double eps) {
     pdyn_status status = PDYN_OK;
-    sys->eps = eps;
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        status = batch_linearise(sys->batch[b], eps);
-    if (sys->rigid && status == PDYN_OK)
-        status = rigid_matrix_couple(sys->rigid, sys->batch, sys->batches);
+    o->eps = eps;
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++)
+        status = batch_linearise(o->batch[b], eps);
+    if (o->rigid && status == PDYN_OK) status = rigid_matrix_couple(o->rigid, o->batch, o->batches);
     return status;
 }
 
-unsigned objective_revision(const struct objective *sys) {
+unsigned objective_revision(const struct objective *o) {
     unsigned sum = 0;
-    for (int b = 0; b < sys->batches; b++) sum += sys->batch[b]->revision;
+    for (int b = 0; b < o->batches; b++) sum += o->batch[b]->revision;
     return sum;
 }
 
@@ -169,46 +167,46 @@ WIDE static void apply_inertia(void *arg, int first, int last, int block) {
     }
 }
 
-const double *objective_extended(const struct objective *sys, const double *u) {
-    return sys->rigid ? rigid_map_extended(sys->rigid, u) : u;
+const double *objective_extended(const struct objective *o, const double *u) {
+    return o->rigid ? rigid_map_extended(o->rigid, u) : u;
 }
 
-void objective_pull(const struct objective *sys, double *y) {
-    if (sys->rigid) rigid_map_pull(sys->rigid, y);
+void objective_pull(const struct objective *o, double *y) {
+    if (o->rigid) rigid_map_pull(o->rigid, y);
 }
 
-void objective_apply(struct objective *sys, const double *u, double *y) {
-    u = objective_extended(sys, u);
-    for_particles(sys, apply_inertia, u, NULL, y, 0.0);
-    for (int b = 0; b < sys->batches; b++) batch_apply(sys->batch[b], u, y);
-    objective_pull(sys, y);
+void objective_apply(struct objective *o, const double *u, double *y) {
+    u = objective_extended(o, u);
+    for_particles(o, apply_inertia, u, NULL, y, 0.0);
+    for (int b = 0; b < o->batches; b++) batch_apply(o->batch[b], u, y);
+    objective_pull(o, y);
 }
 
-void objective_apply_rest(struct objective *sys, int first, int last, const double *u, double *y) {
-    u = objective_extended(sys, u);
-    struct call call = {.objective = sys, .a = u, .out = y};
-    pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
-    for (int b = 0; b < sys->batches; b++) batch_apply_rest(sys->batch[b], u, y);
-    objective_pull(sys, y);
+void objective_apply_rest(struct objective *o, int first, int last, const double *u, double *y) {
+    u = objective_extended(o, u);
+    struct call call = {.objective = o, .a = u, .out = y};
+    pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
+    for (int b = 0; b < o->batches; b++) batch_apply_rest(o->batch[b], u, y);
+    objective_pull(o, y);
 }
 
 /* ---- the model along a direction ------------------------------------------------------------- */
 
-void objective_set_direction(struct objective *sys, const double *u) {
-    for (int b = 0; b < sys->batches; b++) batch_set_direction(sys->batch[b], u);
+void objective_set_direction(struct objective *o, const double *u) {
+    for (int b = 0; b < o->batches; b++) batch_set_direction(o->batch[b], u);
 }
 
-int objective_count_side_changes(struct objective *sys) {
+int objective_count_side_changes(struct objective *o) {
     int turns = 0;
-    for (int b = 0; b < sys->batches; b++) turns += batch_count_side_changes(sys->batch[b]);
+    for (int b = 0; b < o->batches; b++) turns += batch_count_side_changes(o->batch[b]);
     return turns;
 }
 
-static double sides_slope(struct objective *sys, double t, double *curvature) {
+static double sides_slope(struct objective *o, double t, double *curvature) {
     double sum = *curvature = 0.0;
-    for (int b = 0; b < sys->batches; b++) {
+    for (int b = 0; b < o->batches; b++) {
         double more;
-        sum += batch_slope(sys->batch[b], t, &more);
+        sum += batch_slope(o->batch[b], t, &more);
         *curvature += more;
     }
     return sum;
@@ -216,12 +214,12 @@ static double sides_slope(struct objective *sys, double t, double *curvature) {
 
 /* The slope is linear in pieces and rises along the line: Newton's iteration on it, safeguarded by
  * an interval [low, high] that contains the minimum. */
-double objective_line_minimum(struct objective *sys, double descent, double curvature) {
-    double bend, start = sides_slope(sys, 0.0, &bend);
+double objective_line_minimum(struct objective *o, double descent, double curvature) {
+    double bend, start = sides_slope(o, 0.0, &bend);
     double low = 0.0, high = INFINITY, t = descent / curvature;
     curvature -= bend;
     for (int k = 0; k < 20; k++) {
-        double slope = sides_slope(sys, t, &bend) - start + t * curvature - descent;
+        double slope = sides_slope(o, t, &bend) - start + t * curvature - descent;
         if (fabs(slope) <= 0.01 * descent) break;
         if (slope < 0.0) low = t;
         else high = t;
@@ -237,11 +235,11 @@ static void scale_block(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] *= c->scale;
 }
 
-int objective_step_along(struct objective *sys, double t, double *y) {
+int objective_step_along(struct objective *o, double t, double *y) {
     int changed = 0;
-    for_particles(sys, scale_block, NULL, NULL, y, t);
-    for (int b = 0; b < sys->batches; b++) changed += batch_step_along(sys->batch[b], t, y);
-    objective_pull(sys, y);
+    for_particles(o, scale_block, NULL, NULL, y, t);
+    for (int b = 0; b < o->batches; b++) changed += batch_step_along(o->batch[b], t, y);
+    objective_pull(o, y);
     return changed;
 }
 
@@ -258,22 +256,22 @@ static void start_blocks(void *arg, int first, int last, int block) {
 typedef void add_diagonal_fn(struct batch *batch, double *blocks);
 
 /* The block diagonal of a part of H; add: adds that of a batch. */
-static void sum_diagonal(struct objective *sys, pdyn_part part, add_diagonal_fn *add,
+static void sum_diagonal(struct objective *o, pdyn_part part, add_diagonal_fn *add,
                          double *blocks) {
-    for_particles(sys, start_blocks, NULL, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
-    for (int b = 0; b < sys->batches; b++)
-        if (part == PDYN_WHOLE || !batch_is_static(sys->batch[b])) add(sys->batch[b], blocks);
-    if (!sys->rigid) return;
-    if (part == PDYN_WHOLE) rigid_matrix_factor(sys->rigid, blocks);
-    rigid_map_close_blocks(sys->rigid, 1.0 / (sys->h * sys->h), blocks);
+    for_particles(o, start_blocks, NULL, NULL, blocks, part == PDYN_WHOLE ? 1.0 : 0.0);
+    for (int b = 0; b < o->batches; b++)
+        if (part == PDYN_WHOLE || !batch_is_static(o->batch[b])) add(o->batch[b], blocks);
+    if (!o->rigid) return;
+    if (part == PDYN_WHOLE) rigid_matrix_factor(o->rigid, blocks);
+    rigid_map_close_blocks(o->rigid, 1.0 / (o->h * o->h), blocks);
 }
 
-void objective_diagonal(struct objective *sys, pdyn_part part, double *blocks) {
-    sum_diagonal(sys, part, batch_diagonal, blocks);
+void objective_diagonal(struct objective *o, pdyn_part part, double *blocks) {
+    sum_diagonal(o, part, batch_diagonal, blocks);
 }
 
-void objective_rest_diagonal(struct objective *sys, pdyn_part part, double *blocks) {
-    sum_diagonal(sys, part, batch_rest_diagonal, blocks);
+void objective_rest_diagonal(struct objective *o, pdyn_part part, double *blocks) {
+    sum_diagonal(o, part, batch_rest_diagonal, blocks);
 }
 
 /* ---- vectors --------------------------------------------------------------------------------- */
@@ -283,15 +281,15 @@ WIDE static void dot_block(void *arg, int first, int last, int block) {
     c->objective->partial[block] = simd_dot(c->a + 3 * first, c->b + 3 * first, 3 * (last - first));
 }
 
-double objective_dot_between(struct objective *sys, int first, int last, const double *a,
+double objective_dot_between(struct objective *o, int first, int last, const double *a,
                              const double *b) {
-    struct call call = {.objective = sys, .a = a, .b = b};
+    struct call call = {.objective = o, .a = a, .b = b};
     return objective_partial_sum(
-        sys, pool_for_between(sys->context->pool, first, last, PARTICLE_GRAIN, dot_block, &call));
+        o, pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, dot_block, &call));
 }
 
-double objective_dot(struct objective *sys, const double *a, const double *b) {
-    return objective_dot_between(sys, 0, sys->particles, a, b);
+double objective_dot(struct objective *o, const double *a, const double *b) {
+    return objective_dot_between(o, 0, o->particles, a, b);
 }
 
 WIDE static void axpy_block(void *arg, int first, int last, int block) {
@@ -300,6 +298,6 @@ WIDE static void axpy_block(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->a[k];
 }
 
-void objective_axpy(struct objective *sys, double scale, const double *x, double *y) {
-    for_particles(sys, axpy_block, x, NULL, y, scale);
+void objective_axpy(struct objective *o, double scale, const double *x, double *y) {
+    for_particles(o, axpy_block, x, NULL, y, scale);
 }

@@ -73,17 +73,17 @@ static void store_change(struct acceleration *a, const double *x, const double *
 /* x_(k+1) = G_k - sum theta_j (change of G)_j, where theta minimises |d_k - sum theta_j (change of
  * d)_j| (Peng, Deng, Zhang, Geng, Qin, Liu 2018, eqs. 6 and 7). */
 static bool propose_anderson(struct acceleration *a, const double *x, double *direction) {
-    struct objective *sys = a->objective;
+    struct objective *objective = a->objective;
     double A[ANDERSON_WINDOW][ANDERSON_WINDOW], theta[ANDERSON_WINDOW];
     double *const *change_d = a->vector + CHANGE_D, *const *change_g = a->vector + CHANGE_G;
     int n = a->iterations < ANDERSON_WINDOW ? a->iterations : ANDERSON_WINDOW;
     store_change(a, x, direction);
     for (int i = 0; i < n; i++) {
-        theta[i] = objective_dot(sys, change_d[i], direction);
-        for (int j = 0; j <= i; j++) A[i][j] = objective_dot(sys, change_d[i], change_d[j]);
+        theta[i] = objective_dot(objective, change_d[i], direction);
+        for (int j = 0; j <= i; j++) A[i][j] = objective_dot(objective, change_d[i], change_d[j]);
     }
     if (!n || !solve_small(n, A, theta)) return false;
-    for (int i = 0; i < n; i++) objective_axpy(sys, -theta[i], change_g[i], direction);
+    for (int i = 0; i < n; i++) objective_axpy(objective, -theta[i], change_g[i], direction);
     return true;
 }
 

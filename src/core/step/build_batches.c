@@ -6,25 +6,25 @@
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
                              const struct scene_constraint *c) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
     pdyn_status status = batch_create(sim->context, c->type, c->params, body, &sim->services, lists,
-                                      false, &sys->batch[sys->batches]);
-    if (status == PDYN_OK) sys->batches++;
+                                      false, &objective->batch[objective->batches]);
+    if (status == PDYN_OK) objective->batches++;
     return status;
 }
 
 static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
                                   const struct scene_constraint *c) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     pdyn_status status = add_batch(sim, body, c);
     if (status != PDYN_OK) return status;
-    if (c->type->matrix_free) sys->batch[sys->batches - 1]->samples = sim->samples;
-    sys->dynamic_rows |= c->type->matrix_free || c->type->update;
+    if (c->type->matrix_free) objective->batch[objective->batches - 1]->samples = sim->samples;
+    objective->dynamic_rows |= c->type->matrix_free || c->type->update;
     bool on_solids = c->type->matrix_free && c->type->matrix_free->boundary_force;
     sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (on_solids && sim->boundary.at.count);
-    sim->constraints = sys->batches;
-    return batch_join_rows(sys->batch[sys->batches - 1]);
+    sim->constraints = objective->batches;
+    return batch_join_rows(objective->batch[objective->batches - 1]);
 }
 
 static pdyn_status add_damper(struct pdyn_sim *sim, const pdyn_body *body,
@@ -48,19 +48,19 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
 }
 
 static pdyn_status add_wet(struct pdyn_sim *sim, const pdyn_constraint_type *type, bool present) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     if (!present) return PDYN_OK;
-    pdyn_status status = batch_create(sim->context, type, NULL, &sys->wet_sides->all, NULL, NULL,
-                                      false, &sys->batch[sys->batches]);
+    pdyn_status status = batch_create(sim->context, type, NULL, &objective->wet_sides->all, NULL,
+                                      NULL, false, &objective->batch[objective->batches]);
     if (status != PDYN_OK) return status;
-    sys->dynamic_rows = true;
-    sys->batches++;
+    objective->dynamic_rows = true;
+    objective->batches++;
     return PDYN_OK;
 }
 
 /* Friction of a fluid along surfaces, and the resistance of those that it passes. */
 static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     bool slip = false, seepage = false;
     for (int b = 0; b < sim->bodies; b++) {
         slip |= sim->scene.body[b].fluid_friction > 0.0;
@@ -68,32 +68,32 @@ static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
     }
     if (!sim->samples || !(slip || seepage)) return PDYN_OK;
     pdyn_status status =
-        wet_sides_create(sim->context, &sim->scene, sim->body, sys->particles, sim->samples,
-                         neighbours_view(sim->neighbours), &sys->wet_sides);
+        wet_sides_create(sim->context, &sim->scene, sim->body, objective->particles, sim->samples,
+                         neighbours_view(sim->neighbours), &objective->wet_sides);
     if (status == PDYN_OK) status = add_wet(sim, &pdyn_constraint_slip, slip);
     if (status == PDYN_OK) status = add_wet(sim, &pdyn_constraint_seepage, seepage);
-    for (int b = 0; status == PDYN_OK && b < sys->batches; b++)
-        sys->batch[b]->view.wet_sides = &sys->wet_sides->view;
+    for (int b = 0; status == PDYN_OK && b < objective->batches; b++)
+        objective->batch[b]->view.wet_sides = &objective->wet_sides->view;
     return status;
 }
 
 pdyn_status batches_create(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     int count = 0;
     for (int b = 0; b < sim->bodies; b++) count += 2 * sim->scene.body[b].constraints;
     if (sim->scene.has_contact) count += 3; /* contact, its damping, friction */
     if (sim->samples) count += 2;           /* slip, seepage */
-    sys->batch = NEW_ARRAY(sim->context, count, struct batch *);
-    if (count && !sys->batch) return PDYN_NO_MEMORY;
-    sys->capacity = count;
+    objective->batch = NEW_ARRAY(sim->context, count, struct batch *);
+    if (count && !objective->batch) return PDYN_NO_MEMORY;
+    objective->capacity = count;
     pdyn_status status = add_each(sim, add_constraint);
     if (status == PDYN_OK) status = add_each(sim, add_damper);
     return status == PDYN_OK ? add_slip_and_seepage(sim) : status;
 }
 
 void batches_free(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
-    for (int b = 0; b < sys->batches; b++) batch_free(sys->batch[b]);
-    FREE_ARRAY(sim->context, sys->batch, sys->capacity);
-    wet_sides_free(sys->wet_sides);
+    struct objective *objective = &sim->objective;
+    for (int b = 0; b < objective->batches; b++) batch_free(objective->batch[b]);
+    FREE_ARRAY(sim->context, objective->batch, objective->capacity);
+    wet_sides_free(objective->wet_sides);
 }

@@ -108,15 +108,15 @@ static int particles_of(const struct pdyn_sim *sim, int b) {
 }
 
 static pdyn_status list_bodies(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
-    sys->body = NEW_ARRAY(sim->context, sim->bodies, struct objective_body);
-    if (!sys->body) return PDYN_NO_MEMORY;
-    sys->bodies = sim->bodies;
-    for (int b = 0; b < sys->bodies; b++)
-        sys->body[b] = (struct objective_body){.of = &sim->body[b],
-                                               .first = sim->body[b].first,
-                                               .count = particles_of(sim, b),
-                                               .weight = 1.0};
+    struct objective *objective = &sim->objective;
+    objective->body = NEW_ARRAY(sim->context, sim->bodies, struct objective_body);
+    if (!objective->body) return PDYN_NO_MEMORY;
+    objective->bodies = sim->bodies;
+    for (int b = 0; b < objective->bodies; b++)
+        objective->body[b] = (struct objective_body){.of = &sim->body[b],
+                                                     .first = sim->body[b].first,
+                                                     .count = particles_of(sim, b),
+                                                     .weight = 1.0};
     return PDYN_OK;
 }
 

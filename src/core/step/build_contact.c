@@ -144,10 +144,10 @@ static pdyn_status create_trees(struct contact *c) {
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *type,
                              struct batch **out) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     pdyn_status status =
-        batch_create(sim->context, type, NULL, &sys->contact->body, NULL, NULL, false, out);
-    if (status == PDYN_OK) sys->batch[sys->batches++] = *out;
+        batch_create(sim->context, type, NULL, &objective->contact->body, NULL, NULL, false, out);
+    if (status == PDYN_OK) objective->batch[objective->batches++] = *out;
     return status;
 }
 

@@ -68,11 +68,11 @@ static bool is_of_contact(const struct batch *batch, const struct batch *none) {
 /* force = the sum over the chosen batches; 0 while forces are unknown. */
 static void sum_forces(const struct pdyn_sim *sim, choose_fn *choose,
                        const struct batch *constraint, double *force) {
-    const struct objective *sys = &sim->objective;
-    memset(force, 0, objective_bytes(sys));
-    for (int b = 0; sim->forces_known && b < sys->batches; b++)
-        if (choose(sys->batch[b], constraint)) add_gradient(sim, sys->batch[b], force);
-    for (int k = 0; k < 3 * sys->particles; k++) force[k] = 0.0 - force[k]; /* no -0 */
+    const struct objective *objective = &sim->objective;
+    memset(force, 0, objective_bytes(objective));
+    for (int b = 0; sim->forces_known && b < objective->batches; b++)
+        if (choose(objective->batch[b], constraint)) add_gradient(sim, objective->batch[b], force);
+    for (int k = 0; k < 3 * objective->particles; k++) force[k] = 0.0 - force[k]; /* no -0 */
 }
 
 void forces_forget(struct pdyn_sim *sim) {
@@ -105,10 +105,11 @@ static void add_operator_load(const struct pdyn_sim *sim, const struct batch *b,
 }
 
 void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load) {
-    const struct objective *sys = &sim->objective;
-    for (int b = 0; sim->forces_known && b < sys->batches; b++)
-        if (batch_belongs_to(sys->batch[b], sys->batch[k]))
-            (sys->batch[b]->op ? add_operator_load : add_row_load)(sim, sys->batch[b], load);
+    const struct objective *objective = &sim->objective;
+    for (int b = 0; sim->forces_known && b < objective->batches; b++)
+        if (batch_belongs_to(objective->batch[b], objective->batch[k]))
+            (objective->batch[b]->op ? add_operator_load : add_row_load)(sim, objective->batch[b],
+                                                                         load);
 }
 
 double forces_virial(const struct pdyn_sim *sim, int k) {

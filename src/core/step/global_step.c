@@ -43,14 +43,14 @@ struct round {
 
 /* Moves along round->d to the minimum of the model. b becomes its residual there. */
 static void search_line(struct pdyn_sim *sim, const struct round *at) {
-    struct objective *sys = &sim->objective;
-    for (int k = 0; k < 3 * sys->particles; k++) at->Hd[k] = at->b[k] - at->Hd[k];
-    double descent = objective_dot(sys, at->b, at->d),
-           curvature = objective_dot(sys, at->d, at->Hd);
-    double t = descent > 0.0 ? objective_line_minimum(sys, descent, curvature) : 0.0;
-    objective_step_along(sys, t, at->Hd);
-    objective_axpy(sys, t, at->d, sim->direction);
-    objective_axpy(sys, -1.0, at->Hd, at->b);
+    struct objective *objective = &sim->objective;
+    for (int k = 0; k < 3 * objective->particles; k++) at->Hd[k] = at->b[k] - at->Hd[k];
+    double descent = objective_dot(objective, at->b, at->d),
+           curvature = objective_dot(objective, at->d, at->Hd);
+    double t = descent > 0.0 ? objective_line_minimum(objective, descent, curvature) : 0.0;
+    objective_step_along(objective, t, at->Hd);
+    objective_axpy(objective, t, at->d, sim->direction);
+    objective_axpy(objective, -1.0, at->Hd, at->b);
 }
 
 static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, const pdyn_stop *stop,
@@ -65,23 +65,23 @@ static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, co
 }
 
 static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int *iterations) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     const struct round at = {sim->negative, sim->trial, sim->trial_gradient};
-    double size = objective_norm(sys, at.b), target = stop->rel_tol * size;
+    double size = objective_norm(objective, at.b), target = stop->rel_tol * size;
     for (int n = 0; n < MAX_ROUNDS && size > target && *iterations < stop->max_iterations; n++) {
-        double aim = sys->dynamic_rows ? fmax(target, round_tolerance * size) : target;
+        double aim = objective->dynamic_rows ? fmax(target, round_tolerance * size) : target;
         pdyn_stop part = *stop;
         part.rel_tol = aim / size, part.max_iterations -= *iterations;
         part.first_of_step = stop->first_of_step && n == 0;
         pdyn_status status = solve_linear(sim, &at, &part, iterations);
         if (status != PDYN_OK) return status;
-        objective_set_direction(sys, at.d);
-        if (aim == target && !objective_count_side_changes(sys)) {
-            objective_axpy(sys, 1.0, at.d, sim->direction);
+        objective_set_direction(objective, at.d);
+        if (aim == target && !objective_count_side_changes(objective)) {
+            objective_axpy(objective, 1.0, at.d, sim->direction);
             return PDYN_OK;
         }
         search_line(sim, &at);
-        size = objective_norm(sys, at.b);
+        size = objective_norm(objective, at.b);
     }
     return PDYN_OK;
 }

@@ -74,32 +74,33 @@ static void remove_released(struct pdyn_sim *sim) {
 /* ---- batches --------------------------------------------------------------------------------- */
 
 static void drop_batches(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
-    for (; sim->control.batches; sim->control.batches--) batch_free(sys->batch[--sys->batches]);
+    struct objective *objective = &sim->objective;
+    for (; sim->control.batches; sim->control.batches--)
+        batch_free(objective->batch[--objective->batches]);
 }
 
-static pdyn_status reserve_batches(struct objective *sys, int count) {
-    if (count <= sys->capacity) return PDYN_OK;
+static pdyn_status reserve_batches(struct objective *objective, int count) {
+    if (count <= objective->capacity) return PDYN_OK;
     struct batch **moved =
-        context_resize(sys->context, sys->batch, (size_t)sys->capacity * sizeof *moved,
-                       (size_t)count * sizeof *moved);
-    if (!moved) return context_no_memory(sys->context);
-    sys->batch = moved, sys->capacity = count;
+        context_resize(objective->context, objective->batch,
+                       (size_t)objective->capacity * sizeof *moved, (size_t)count * sizeof *moved);
+    if (!moved) return context_no_memory(objective->context);
+    objective->batch = moved, objective->capacity = count;
     return PDYN_OK;
 }
 
 pdyn_status holds_make_batches(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     const pdyn_constraint_type *pin = registry_constraint(sim->context, "pin");
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
     drop_batches(sim);
     remove_released(sim);
-    pdyn_status status = reserve_batches(sys, sys->batches + (int)sim->control.holds);
+    pdyn_status status = reserve_batches(objective, objective->batches + (int)sim->control.holds);
     for (size_t k = 0; status == PDYN_OK && k < sim->control.holds; k++) {
         const struct hold *h = sim->control.hold[k];
         status = batch_create(sim->context, pin, h->params, body_of(sim, h->particle),
-                              &sim->services, lists, false, &sys->batch[sys->batches]);
-        if (status == PDYN_OK) sys->batches++, sim->control.batches++;
+                              &sim->services, lists, false, &objective->batch[objective->batches]);
+        if (status == PDYN_OK) objective->batches++, sim->control.batches++;
     }
     return status;
 }

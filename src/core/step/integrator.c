@@ -48,17 +48,17 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
  * in *excess, divided by the total mass, for v and v_before. */
 static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
                              double excess[2][3]) {
-    const struct objective *sys = &sim->objective;
-    double part = sys->h / h, mass = 0.0;
+    const struct objective *objective = &sim->objective;
+    double part = objective->h / h, mass = 0.0;
     memset(excess, 0, 6 * sizeof **excess);
-    for (int i = 0; i < sys->particles; i++) {
+    for (int i = 0; i < objective->particles; i++) {
         const double *dv = impulse + 3 * i;
         double size = (1.0 - part) * vec3_length(dv), squared = 0.0;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double missing = (sim->x_next[k] - sim->x[k]) / h - sim->v[k];
             squared += missing * missing;
         }
-        double m = sys->mass[i], kept = 1.0;
+        double m = objective->mass[i], kept = 1.0;
         if (size * size > 4.0 * squared) kept = 2.0 * sqrt(squared) / size;
         for (int a = 0; a < 3; a++) {
             double lost = (1.0 - part) * dv[a], gained = part * dv[a];
@@ -77,25 +77,28 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
  * a over h, as with Euler, and is added to v_before, too. Both are sums of constraint forces, so
  * momentum is conserved. */
 int integrator_impacts(struct pdyn_sim *sim, double h) {
-    struct objective *sys = &sim->objective;
-    double H = sys->h, *force = sim->trial_gradient, *slowed = sim->trial;
+    struct objective *objective = &sim->objective;
+    double H = objective->h, *force = sim->trial_gradient, *slowed = sim->trial;
     struct velocity_change change = {.slowed = slowed,
-                                     .particles = sys->particles,
-                                     .mass = sys->rigid ? sys->rigid->mass : sys->mass,
-                                     .rigid = sys->rigid,
+                                     .particles = objective->particles,
+                                     .mass = objective->rigid ? objective->rigid->mass
+                                                              : objective->mass,
+                                     .rigid = objective->rigid,
                                      .h = H,
                                      .scratch = sim->direction};
     int count = 0;
     if (!sim->v_before) return 0;
-    memset(force, 0, objective_bytes(sys));
-    memcpy(slowed, sim->v_before, objective_bytes(sys));
-    objective_axpy(sys, -1.0, sim->v, slowed);
-    for (int b = 0; b < sys->batches; b++) count += batch_impacts(sys->batch[b], &change, force);
+    memset(force, 0, objective_bytes(objective));
+    memcpy(slowed, sim->v_before, objective_bytes(objective));
+    objective_axpy(objective, -1.0, sim->v, slowed);
+    for (int b = 0; b < objective->batches; b++)
+        count += batch_impacts(objective->batch[b], &change, force);
     double excess[2][3];
-    objective_pull(sys, force);
-    for (int k = 0; k < 3 * sys->particles; k++) force[k] = -H * force[k] / sys->mass[k / 3];
+    objective_pull(objective, force);
+    for (int k = 0; k < 3 * objective->particles; k++)
+        force[k] = -H * force[k] / objective->mass[k / 3];
     shift_velocities(sim, h, force, excess);
-    for (int k = 0; !sim->anchored && k < 3 * sys->particles; k++) {
+    for (int k = 0; !sim->anchored && k < 3 * objective->particles; k++) {
         if (!particle_is_live(sim, k / 3)) continue;
         sim->v[k] -= excess[0][k % 3];
         sim->v_before[k] -= excess[1][k % 3];

@@ -60,26 +60,26 @@ static void compute_density_errors(const struct pdyn_sim *sim, pdyn_step_info *i
 }
 
 static void add_energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
-    const struct objective *sys = &sim->objective;
-    for (int i = 0; i < sys->particles; i++) {
+    const struct objective *objective = &sim->objective;
+    for (int i = 0; i < objective->particles; i++) {
         const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
-        info->kinetic_energy += 0.5 * sys->mass[i] * vec3_dot(v, v);
-        info->potential_energy -= sys->mass[i] * vec3_dot(sim->scene.settings.gravity, x);
-        vec3_add(info->momentum, sys->mass[i], v);
+        info->kinetic_energy += 0.5 * objective->mass[i] * vec3_dot(v, v);
+        info->potential_energy -= objective->mass[i] * vec3_dot(sim->scene.settings.gravity, x);
+        vec3_add(info->momentum, objective->mass[i], v);
     }
     for (int b = 0; b < sim->constraints; b++)
-        if (!(sys->batch[b]->type->flags & PDYN_LOSSY))
-            info->constraint_energy += sys->batch[b]->energy;
-    if (sys->contact) info->constraint_energy += sys->contact->barrier->energy;
+        if (!(objective->batch[b]->type->flags & PDYN_LOSSY))
+            info->constraint_energy += objective->batch[b]->energy;
+    if (objective->contact) info->constraint_energy += objective->contact->barrier->energy;
 }
 
 /* Adds the reactions of pins. The force in a pin is the gradient of all other terms at its point:
  * the full gradient minus the part of the pin. At a solved step it balances the pin; otherwise the
  * difference is part of the residual. */
 static void add_pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
-    const struct objective *sys = &sim->objective;
-    for (int b = 0; b < sys->batches; b++) {
-        const struct batch *pin = sys->batch[b];
+    const struct objective *objective = &sim->objective;
+    for (int b = 0; b < objective->batches; b++) {
+        const struct batch *pin = objective->batch[b];
         if (!(pin->type->flags & PDYN_REACTION) || pin->off) continue;
         for (int i = 0; i < pin->touch_count; i++)
             for (int t = pin->touch_start[i]; t < pin->touch_start[i + 1]; t++) {

@@ -87,19 +87,19 @@ static void rigid_moves(struct pdyn_sim *sim, double *moves) {
  * smallest part that a point has gone so far. *slope, of E along the direction, becomes the slope
  * along these displacements. */
 static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, double *slope) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     pdyn_status status = PDYN_OK;
-    for (int k = 0; k < 3 * sys->particles; k++) sim->trial[k] = part * sim->direction[k];
+    for (int k = 0; k < 3 * objective->particles; k++) sim->trial[k] = part * sim->direction[k];
     rigid_moves(sim, sim->trial);
     bool blocked = part > *least;
     double taken = blocked ? limit_displacements(sim, sim->trial) : 1.0;
-    if (blocked && sys->contact) {
-        status = contact_filter(sys->contact, sim->x_next, sim->trial);
-        taken *= contact_least(sys->contact);
+    if (blocked && objective->contact) {
+        status = contact_filter(objective->contact, sim->x_next, sim->trial);
+        taken *= contact_least(objective->contact);
     }
     if (blocked) *least = part * taken;
-    *slope = part > *least ? objective_dot(sys, sim->gradient, sim->trial) : part * *slope;
-    objective_axpy(sys, 1.0, sim->x_next, sim->trial);
+    *slope = part > *least ? objective_dot(objective, sim->gradient, sim->trial) : part * *slope;
+    objective_axpy(objective, 1.0, sim->x_next, sim->trial);
     retract(sim, sim->trial);
     return status;
 }
@@ -127,17 +127,17 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
  * as far as its way is free; a shorter direction stops fewer of them. */
 static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, double *energy,
                                struct line_step *step) {
-    struct objective *sys = &sim->objective;
-    double trial, least = sys->contact || sim->way ? 0.0 : 1.0;
+    struct objective *objective = &sim->objective;
+    double trial, least = objective->contact || sim->way ? 0.0 : 1.0;
     *step = (struct line_step){.length = 1.0,
-                               .slope = objective_dot(sys, sim->gradient, sim->direction)};
+                               .slope = objective_dot(objective, sim->gradient, sim->direction)};
     for (int k = 1; k <= rule->tries; k++, step->length = shorter_part(step->length, least)) {
         double slope = step->slope;
         pdyn_status status = set_trial(sim, step->length, &least, &slope);
         if (status == PDYN_OK)
-            status = objective_local(sys, sim->trial, &trial, sim->trial_gradient);
+            status = objective_local(objective, sim->trial, &trial, sim->trial_gradient);
         if (status != PDYN_OK) return status;
-        step->slope_after = objective_dot(sys, sim->trial_gradient, sim->direction);
+        step->slope_after = objective_dot(objective, sim->trial_gradient, sim->direction);
         if (is_accepted(rule, step, trial, slope, step->length <= least, k == rule->tries)) {
             accept_trial(sim);
             *energy = trial;
@@ -295,10 +295,11 @@ static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
 /* A dual solver keeps its multipliers, so a step starts at s. A fluid at rest, which moves less
  * than its constraints move it in a step, starts at s + h^2 a: there it is solved. */
 static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
-    struct objective *sys = &sim->objective;
-    double moved = objective_dot(sys, sim->v, sim->v), least;
-    double pushed = sys->h * sys->h *
-                    objective_dot(sys, sim->constraint_acceleration, sim->constraint_acceleration);
+    struct objective *objective = &sim->objective;
+    double moved = objective_dot(objective, sim->v, sim->v), least;
+    double pushed =
+        objective->h * objective->h *
+        objective_dot(objective, sim->constraint_acceleration, sim->constraint_acceleration);
     if (moved < pushed) predict_with_acceleration(sim, sim->x_next);
     if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);

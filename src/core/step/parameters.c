@@ -27,21 +27,22 @@ static bool is_damped(const struct batch *b) {
 
 /* Refreshes the constraint and its damper. */
 static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
-    struct objective *sys = &sim->objective;
-    const struct batch *changed = sys->batch[constraint];
+    struct objective *objective = &sim->objective;
+    const struct batch *changed = objective->batch[constraint];
     pdyn_status status = PDYN_OK;
-    for (int b = 0; b < sys->batches && status == PDYN_OK; b++)
-        if (batch_belongs_to(sys->batch[b], changed)) status = batch_refresh(sys->batch[b]);
+    for (int b = 0; b < objective->batches && status == PDYN_OK; b++)
+        if (batch_belongs_to(objective->batch[b], changed))
+            status = batch_refresh(objective->batch[b]);
     sim->control.driven = sim->control.stale = true;
     forces_forget(sim);
     return status;
 }
 
 static void switch_batches(struct pdyn_sim *sim, int constraint, bool off) {
-    struct objective *sys = &sim->objective;
-    const struct batch *changed = sys->batch[constraint];
-    for (int b = 0; b < sys->batches; b++)
-        if (batch_belongs_to(sys->batch[b], changed)) sys->batch[b]->off = off;
+    struct objective *objective = &sim->objective;
+    const struct batch *changed = objective->batch[constraint];
+    for (int b = 0; b < objective->batches; b++)
+        if (batch_belongs_to(objective->batch[b], changed)) objective->batch[b]->off = off;
 }
 
 /* ---- values ---------------------------------------------------------------------------------- */

@@ -56,18 +56,18 @@ static pdyn_status prepare_samples(struct pdyn_sim *sim) {
 /* Removes the momentum error of a solve that ended early: the mass-weighted mean of x - s. Without
  * anchoring constraints the step must conserve momentum exactly. */
 static pdyn_status restore_momentum(struct pdyn_sim *sim) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     double moved[3] = {0}, mass = 0.0, energy;
     if (sim->anchored) return PDYN_OK;
-    for (int i = 0; i < sys->particles; i++) {
+    for (int i = 0; i < objective->particles; i++) {
         if (!particle_is_live(sim, i)) continue;
-        mass += sys->mass[i];
+        mass += objective->mass[i];
         for (int a = 0; a < 3; a++)
-            moved[a] += sys->mass[i] * (sim->x_next[3 * i + a] - sys->s[3 * i + a]);
+            moved[a] += objective->mass[i] * (sim->x_next[3 * i + a] - objective->s[3 * i + a]);
     }
-    for (int k = 0; k < 3 * sys->particles; k++)
+    for (int k = 0; k < 3 * objective->particles; k++)
         if (particle_is_live(sim, k / 3)) sim->x_next[k] -= moved[k % 3] / mass;
-    return objective_local(sys, sim->x_next, &energy, sim->gradient);
+    return objective_local(objective, sim->x_next, &energy, sim->gradient);
 }
 
 static void store_previous_state(struct pdyn_sim *sim, double h) {
@@ -79,14 +79,15 @@ static void store_previous_state(struct pdyn_sim *sim, double h) {
 
 /* Accepts the iterate as the new state. */
 static void accept(struct pdyn_sim *sim, double h) {
-    struct objective *sys = &sim->objective;
+    struct objective *objective = &sim->objective;
     store_previous_state(sim, h);
     velocities_update(sim, h);
-    for (int k = 0; k < 3 * sys->particles; k++)
-        sim->constraint_acceleration[k] = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
-    memcpy(sim->x, sim->x_next, objective_bytes(sys));
+    for (int k = 0; k < 3 * objective->particles; k++)
+        sim->constraint_acceleration[k] =
+            (sim->x_next[k] - objective->s[k]) / (objective->h * objective->h);
+    memcpy(sim->x, sim->x_next, objective_bytes(objective));
     velocities_apply_operators(sim, h);
-    for (int b = 0; b < sys->batches; b++) batch_accept(sys->batch[b], sim->left_out);
+    for (int b = 0; b < objective->batches; b++) batch_accept(objective->batch[b], sim->left_out);
     sim->last_h = h;
     sim->steps++;
 }

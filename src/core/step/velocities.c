@@ -47,13 +47,13 @@ static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
  * forces at its end; r is the part of these forces that inertia does not balance
  * (docs/theory/step.md). */
 static double energy_gain(const struct pdyn_sim *sim, int i, double h) {
-    const struct objective *sys = &sim->objective;
-    const double *v = sim->v + 3 * i, m = sys->mass[i];
+    const struct objective *objective = &sim->objective;
+    const double *v = sim->v + 3 * i, m = objective->mass[i];
     const double *v_n = (sim->v_before ? sim->v_before : sim->v_base) + 3 * i;
     double change[3], r[3];
     for (int a = 0; a < 3; a++) {
         int k = 3 * i + a;
-        double pulled = (sim->x_next[k] - sys->s[k]) / (sys->h * sys->h);
+        double pulled = (sim->x_next[k] - objective->s[k]) / (objective->h * objective->h);
         change[a] = v[a] - v_n[a];
         r[a] = h * sim->gradient[k] + m * (change[a] - h * (pulled + applied_acceleration(sim, k)));
     }
@@ -62,18 +62,18 @@ static double energy_gain(const struct pdyn_sim *sim, int i, double h) {
 
 /* Removes the energy gain from the motion relative to the mean velocity. */
 static void remove_energy_gain(struct pdyn_sim *sim, double h) {
-    const struct objective *sys = &sim->objective;
+    const struct objective *objective = &sim->objective;
     double gained = 0.0, kinetic = 0.0, mean[3];
     mean_velocity(sim, mean);
-    for (int i = 0; i < sys->particles; i++) {
+    for (int i = 0; i < objective->particles; i++) {
         double speed = vec3_distance(sim->v + 3 * i, mean);
         if (!particle_is_live(sim, i)) continue;
         gained += energy_gain(sim, i, h);
-        kinetic += 0.5 * sys->mass[i] * speed * speed;
+        kinetic += 0.5 * objective->mass[i] * speed * speed;
     }
     if (!(gained > 0.0)) return;
     double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
-    for (int k = 0; k < 3 * sys->particles; k++)
+    for (int k = 0; k < 3 * objective->particles; k++)
         if (particle_is_live(sim, k / 3))
             sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
 }
@@ -109,11 +109,11 @@ void velocities_update(struct pdyn_sim *sim, double h) {
 /* The following steps see a change of v as an acceleration change / H instead of change / h; the
  * factor H / h corrects this. */
 void velocities_apply_operators(struct pdyn_sim *sim, double h) {
-    struct objective *sys = &sim->objective;
-    double part = sys->h / h, *before = sim->trial;
-    memcpy(before, sim->v, objective_bytes(sys));
-    for (int b = 0; b < sys->batches; b++) batch_velocity(sys->batch[b], sim->v);
+    struct objective *objective = &sim->objective;
+    double part = objective->h / h, *before = sim->trial;
+    memcpy(before, sim->v, objective_bytes(objective));
+    for (int b = 0; b < objective->batches; b++) batch_velocity(objective->batch[b], sim->v);
     if (part == 1.0) return;
-    for (int k = 0; k < 3 * sys->particles; k++)
+    for (int k = 0; k < 3 * objective->particles; k++)
         sim->v[k] = before[k] + part * (sim->v[k] - before[k]);
 }
