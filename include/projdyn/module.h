@@ -302,9 +302,10 @@ typedef struct pdyn_operator {
     /* Writes or reads what the next step depends on. PDYN_BAD_INPUT, with an error text: a value
      * that was read is not valid. NULL: nothing. */
     pdyn_status (*persist)(void *self, pdyn_snapshot *snapshot);
-    /* Lowers way (particles and samples, m) to the distance that each may move from x without a
-     * particle of the body passing a surface. No iterate moves farther at once. NULL: no limit. */
-    void (*limit)(void *self, const double *x, double *way);
+    /* Lowers max_step (particles and samples, m) to the distance that each may move from x without
+     * a particle of the body passing a surface. No iterate moves farther at once. NULL: no limit.
+     */
+    void (*limit)(void *self, const double *x, double *max_step);
     /* The step that ended at the x of the last local step was accepted. NULL: nothing to do. */
     void (*accept)(void *self);
     /* Adds the force on every boundary point, N, at the x of the last local step: minus sum of

@@ -37,7 +37,7 @@ static struct box box_around(const struct fluid *f, const double *x, int first, 
 }
 
 /* Limit for a point without listed neighbours among the points in a box, m. */
-static double way_outside(const struct box *box, const double *at, double spacing) {
+static double limit_outside(const struct box *box, const double *at, double spacing) {
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = fmax(0.0, fmax(box->min[a] - at[a], at[a] - box->max[a]));
     return distance_fraction * fmax(spacing, vec3_length(d));
@@ -46,7 +46,7 @@ static double way_outside(const struct box *box, const double *at, double spacin
 struct limit_call {
     const struct fluid *f;
     const double *x;
-    double *way;
+    double *max_step;
     double spacing;
     struct box fluid, samples; /* bounding boxes; empty without samples */
 };
@@ -59,13 +59,13 @@ WIDE static void limit_block(void *arg, int first, int last, int block) {
     for (int i = f->first + first; i < f->first + last; i++) {
         int samples = l->has_volumes ? l->boundary_start[i] : l->surface_start[i];
         const double *at = c->x + 3 * (size_t)i;
-        double way = way_outside(&c->samples, at, c->spacing);
+        double limit = limit_outside(&c->samples, at, c->spacing);
         if (samples < l->boundary_start[i] || l->patch_start[i] < l->end[i]) {
             double sum = add_areas(f, c->x, at, samples, l->boundary_start[i]) +
                          add_areas(f, c->x, at, l->patch_start[i], l->end[i]);
-            way = fmin(way, distance_fraction * surface_kernel_distance(sum, c->spacing));
+            limit = fmin(limit, distance_fraction * surface_kernel_distance(sum, c->spacing));
         }
-        c->way[i] = fmin(c->way[i], fmax(way, min_limit * c->spacing));
+        c->max_step[i] = fmin(c->max_step[i], fmax(limit, min_limit * c->spacing));
     }
 }
 
@@ -76,23 +76,24 @@ static void limit_samples(void *arg, int first, int last, int block) {
     const pdyn_neighbours *l = c->f->lists;
     double reach = l->surface_support * l->surface_support;
     for (int i = l->particles - l->samples + first; i < l->particles - l->samples + last; i++) {
-        c->way[i] = fmin(c->way[i], way_outside(&c->fluid, c->x + 3 * (size_t)i, c->spacing));
+        c->max_step[i] =
+            fmin(c->max_step[i], limit_outside(&c->fluid, c->x + 3 * (size_t)i, c->spacing));
         for (int s = l->start[i]; s < l->surface_start[i]; s++) {
             int j = l->index[s];
             double d[3];
             for (int a = 0; a < 3; a++) d[a] = c->x[3 * (size_t)i + a] - c->x[3 * (size_t)j + a];
-            if (vec3_dot(d, d) < reach) c->way[i] = fmin(c->way[i], c->way[j]);
+            if (vec3_dot(d, d) < reach) c->max_step[i] = fmin(c->max_step[i], c->max_step[j]);
         }
     }
 }
 
-void fluid_limit(void *self, const double *x, double *way) {
+void fluid_limit(void *self, const double *x, double *max_step) {
     struct fluid *f = self;
     const pdyn_neighbours *l = f->lists;
     int samples = l->has_volumes ? 0 : l->samples;
     struct limit_call call = {.f = f,
                               .x = x,
-                              .way = way,
+                              .max_step = max_step,
                               .spacing = 0.5 * l->support,
                               .fluid = box_around(f, x, f->first, samples ? f->count : 0),
                               .samples = box_around(f, x, l->particles - samples, samples)};

@@ -93,7 +93,7 @@ void fluid_boundary_force(void *self, double *force);
 void fluid_add_gradients(struct fluid *f, const double *multiplier, double *y);
 
 /* pdyn_operator.limit (fluid_limit.c) */
-void fluid_limit(void *self, const double *x, double *way);
+void fluid_limit(void *self, const double *x, double *max_step);
 
 /* pdyn_operator.rate, force, diagonal, velocity (fluid_pairs.c) */
 void fluid_rate(void *self, const bool *which, const double *u, double *rate);

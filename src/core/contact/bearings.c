@@ -124,11 +124,11 @@ static void set_end(pdyn_dashpot *d, const struct end *end, const double *x, con
     }
 }
 
-/* A dashpot of a bearing at a way from its centre, across the normal. Its ends are on the planes
- * through the centres of the bodies: there a turn of a body does not move them along the normal in
- * second order, and the line of the force is the same. */
+/* A dashpot of a bearing at an offset from its centre, across the normal. Its ends are on the
+ * planes through the centres of the bodies: there a turn of a body does not move them along the
+ * normal in second order, and the line of the force is the same. */
 static pdyn_dashpot dashpot_at(const struct bearing *bearing, const struct end end[2],
-                               const double *x, const double way[3]) {
+                               const double *x, const double offset[3]) {
     pdyn_dashpot d = {.damping = bearing->damping / BEARING_DASHPOTS,
                       .limit = bearing->net / BEARING_DASHPOTS,
                       .shift = bearing->shift};
@@ -138,7 +138,7 @@ static pdyn_dashpot dashpot_at(const struct bearing *bearing, const struct end e
         for (int k = 0; k < RIGID_POINTS; k++) /* of a solid: a particle with the coefficient 0 */
             d.particle[RIGID_POINTS * side + k] = d.particle[k];
         if (!end[side].body) continue;
-        for (int a = 0; a < 3; a++) point[a] = end[side].arm[a] + way[a];
+        for (int a = 0; a < 3; a++) point[a] = end[side].arm[a] + offset[a];
         vec3_add(point, -vec3_dot(point, d.normal), d.normal);
         set_end(&d, &end[side], x, point, side);
     }
@@ -181,10 +181,10 @@ static void set_dashpots(const struct contact *c, struct bearing *bearing, const
     bearing->damping = part * part * 2.0 * c->set->damping *
                        sqrt(bearing->stiffness / inverse_mass(&central, end));
     for (int k = 0; k < BEARING_DASHPOTS; k++) {
-        double rest = fmax(0.0, tilt.s[k / 2] - roll), way[3] = {0};
-        vec3_add(way, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
+        double rest = fmax(0.0, tilt.s[k / 2] - roll), offset[3] = {0};
+        vec3_add(offset, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
                  tilt.left[k / 2]);
-        dashpot[k] = dashpot_at(bearing, end, x, way);
+        dashpot[k] = dashpot_at(bearing, end, x, offset);
     }
 }
 

@@ -32,13 +32,13 @@ static bool was_cut(const struct contact *c, const struct pair *p) {
 static double free_part(const struct contact *c, const struct pair *p, int round) {
     const struct pair_kind *kind = pair_kind_of(p->key);
     const double *x[4], *d[4];
-    double unused[4], way = pair_largest(p, c->length);
+    double unused[4], approach = pair_largest(p, c->length);
     pair_load(p->point, c->x, x);
     double distance = sqrt(kind->closest(x, unused)), keep = kept(p, distance, round);
-    if (distance - way >= keep) return 1.0;
+    if (distance - approach >= keep) return 1.0;
     pair_load(p->point, c->step, d);
     if (distance - pair_closing_bound(kind, d) >= keep) return 1.0;
-    if (round >= ROUNDS) return fmin(0.2 * distance, distance - keep) / way;
+    if (round >= ROUNDS) return fmin(0.2 * distance, distance - keep) / approach;
     return pair_free_path(kind, x, d, keep);
 }
 

@@ -43,8 +43,8 @@ static bool region_contains(const struct contact *c, int i, const double *x, con
 static void set_region(struct contact *c, int i, const double *x, const double *step) {
     double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
     if (step) vec3_add(end, 1.0, step + 3 * i);
-    double way = vec3_distance(end, x + 3 * i);
-    double margin = i < c->free || way > 0.0 ? margin_size * c->set->thickness : 0.0;
+    double moved = vec3_distance(end, x + 3 * i);
+    double margin = i < c->free || moved > 0.0 ? margin_size * c->set->thickness : 0.0;
     c->region[i] = box_empty;
     memcpy(c->built + 3 * i, x + 3 * i, 3 * sizeof *x);
     c->reach[i] = 0.0;

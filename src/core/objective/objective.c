@@ -107,13 +107,14 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     return status;
 }
 
-pdyn_status objective_limit(struct objective *o, const double *x, double *way) {
+pdyn_status objective_limit(struct objective *o, const double *x, double *max_step) {
     const double *all;
     pdyn_status status = objective_ensure_lists(o, x, &all);
     int samples = o->samples ? o->samples->count : 0;
-    for (int i = 0; i < o->particles + samples; i++) way[i] = INFINITY;
-    for (int b = 0; status == PDYN_OK && b < o->batches; b++) batch_limit(o->batch[b], all, way);
-    if (samples) samples_limit_motion(o->samples, way);
+    for (int i = 0; i < o->particles + samples; i++) max_step[i] = INFINITY;
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++)
+        batch_limit(o->batch[b], all, max_step);
+    if (samples) samples_limit_motion(o->samples, max_step);
     return status;
 }
 

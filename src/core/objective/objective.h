@@ -66,8 +66,8 @@ void objective_begin(struct objective *objective, const double *x, const double 
 /* Ends a step: it is accepted at the x of the last local step. */
 pdyn_status objective_end(struct objective *objective);
 
-/* way: particles, then samples: how far each may move from x in one iterate, m. */
-pdyn_status objective_limit(struct objective *objective, const double *x, double *way);
+/* max_step: particles, then samples: how far each may move from x in one iterate, m. */
+pdyn_status objective_limit(struct objective *objective, const double *x, double *max_step);
 
 /* Extends x by the samples (*all) and rebuilds the neighbour lists if they are incomplete there. */
 pdyn_status objective_ensure_lists(struct objective *objective, const double *x,

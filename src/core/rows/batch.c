@@ -190,8 +190,8 @@ int batch_impacts(struct batch *b, const struct velocity_change *change, double 
                  : rows_impacts(b, change, change->scratch, force);
 }
 
-void batch_limit(struct batch *b, const double *x, double *way) {
-    if (b->op && b->type->matrix_free->limit) b->type->matrix_free->limit(b->op, x, way);
+void batch_limit(struct batch *b, const double *x, double *max_step) {
+    if (b->op && b->type->matrix_free->limit) b->type->matrix_free->limit(b->op, x, max_step);
 }
 
 /* The forces of the step are stored first: `accept` may change the stiffness. */

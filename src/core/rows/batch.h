@@ -145,7 +145,7 @@ void batch_scatter(struct batch *batch, double *y);
 /* Calls `velocity`, `limit` and `accept` of pdyn_operator, where the batch has these callbacks. For
  * batch_limit, x ends with the samples. */
 void batch_velocity(struct batch *batch, double *v);
-void batch_limit(struct batch *batch, const double *x, double *way);
+void batch_limit(struct batch *batch, const double *x, double *max_step);
 /* left_out: the part of the impacts that the integrator left out; 0: batch_impacts was not called.
  */
 void batch_accept(struct batch *batch, double left_out);

@@ -70,8 +70,8 @@ static pdyn_status make_limits(struct pdyn_sim *sim) {
     bool surfaces = sim->samples;
     for (int k = 0; k < sim->boundary.at.count; k++) surfaces |= !sim->boundary.point[k].of_box;
     if (!surfaces || sim->scene.settings.boundary->volumes) return PDYN_OK;
-    sim->way = NEW_ARRAY(sim->context, extended_count(sim), double);
-    return sim->way ? PDYN_OK : PDYN_NO_MEMORY;
+    sim->max_step = NEW_ARRAY(sim->context, extended_count(sim), double);
+    return sim->max_step ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 /* Warns where particles coincide: constraints have no direction to separate them. */
@@ -117,7 +117,7 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
 }
 
 void lists_free(struct pdyn_sim *sim) {
-    FREE_ARRAY(sim->context, sim->way, extended_count(sim));
+    FREE_ARRAY(sim->context, sim->max_step, extended_count(sim));
     neighbours_free(sim->neighbours);
     samples_free(sim->samples);
     occlusion_free(sim->occlusion);

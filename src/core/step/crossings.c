@@ -122,7 +122,7 @@ static pdyn_status fill_set(struct pdyn_sim *sim, struct triangle_set *set, bool
     return bvh_create(sim->context, set->capacity, &set->tree);
 }
 
-/* The box around the way of each triangle. */
+/* The box around the path of each triangle. */
 static void build_tree(const struct crossings *c, struct triangle_set *set) {
     for (int k = 0; k < set->count; k++) {
         const struct surface *s = &c->surface[set->surface[k]];
@@ -180,7 +180,7 @@ void crossings_free(struct pdyn_sim *sim) {
 
 /* ---- one particle and one triangle ----------------------------------------------------------- */
 
-struct way { /* of a particle in the step */
+struct path { /* of a particle in the step */
     const struct crossings *crossings;
     const struct triangle_set *set;
     const double *begin, *end;
@@ -191,9 +191,9 @@ struct way { /* of a particle in the step */
 
 /* The plane's corners and normal at time t of the step, 0 to 1; returns the distance of the
  * particle, times the length of the normal. */
-static double plane_at(const struct way *way, int k, double t, double corner[3][3], double n[3]) {
-    const struct surface *s = &way->crossings->surface[way->set->surface[k]];
-    const int *vertex = s->triangle + 3 * (size_t)way->set->triangle[k];
+static double plane_at(const struct path *path, int k, double t, double corner[3][3], double n[3]) {
+    const struct surface *s = &path->crossings->surface[path->set->surface[k]];
+    const int *vertex = s->triangle + 3 * (size_t)path->set->triangle[k];
     double r[3];
     for (int i = 0; i < 3; i++)
         for (int a = 0; a < 3; a++) {
@@ -201,7 +201,7 @@ static double plane_at(const struct way *way, int k, double t, double corner[3][
             corner[i][a] = (1.0 - t) * s->begin[at] + t * s->end[at];
         }
     vec3_normal(n, corner[0], corner[1], corner[2]);
-    for (int a = 0; a < 3; a++) r[a] = (1.0 - t) * way->begin[a] + t * way->end[a] - corner[0][a];
+    for (int a = 0; a < 3; a++) r[a] = (1.0 - t) * path->begin[a] + t * path->end[a] - corner[0][a];
     return vec3_dot(r, n);
 }
 
@@ -221,7 +221,7 @@ static bool is_inside(const double x[3], double corner[3][3], const double n[3])
 }
 
 struct border_search { /* for a border edge close to a point */
-    const struct way *way;
+    const struct path *path;
     int surface;
     double t, x[3];
     bool found;
@@ -229,28 +229,28 @@ struct border_search { /* for a border edge close to a point */
 
 static void test_border(void *user, int k) {
     struct border_search *s = user;
-    const struct triangle_set *set = s->way->set;
-    const int *across = s->way->crossings->surface[s->surface].across;
+    const struct triangle_set *set = s->path->set;
+    const int *across = s->path->crossings->surface[s->surface].across;
     double corner[3][3], n[3], weight[4];
     if (s->found || set->surface[k] != s->surface) return;
-    plane_at(s->way, k, s->t, corner, n);
+    plane_at(s->path, k, s->t, corner, n);
     for (int i = 0; i < 3; i++) {
         const double *side[4] = {s->x, s->x, corner[(i + 1) % 3], corner[(i + 2) % 3]};
         if (across[3 * (size_t)set->triangle[k] + (size_t)i] < 0 &&
-            closest_edge_edge(side, weight) < s->way->radius * s->way->radius)
+            closest_edge_edge(side, weight) < s->path->radius * s->path->radius)
             s->found = true;
     }
 }
 
 /* Closer to the border of the surface than the particle's radius: the particle goes around. The
  * border edge may belong to another triangle than k. */
-static bool is_on_border(const struct way *way, int k, double t, const double x[3]) {
-    struct border_search s = {.way = way, .surface = way->set->surface[k], .t = t};
+static bool is_on_border(const struct path *path, int k, double t, const double x[3]) {
+    struct border_search s = {.path = path, .surface = path->set->surface[k], .t = t};
     struct box box;
-    if (!way->crossings->surface[s.surface].across) return false;
+    if (!path->crossings->surface[s.surface].across) return false;
     for (int a = 0; a < 3; a++)
-        s.x[a] = x[a], box.min[a] = x[a] - way->radius, box.max[a] = x[a] + way->radius;
-    bvh_visit(&way->set->tree, &box, 0, test_border, &s);
+        s.x[a] = x[a], box.min[a] = x[a] - path->radius, box.max[a] = x[a] + path->radius;
+    bvh_visit(&path->set->tree, &box, 0, test_border, &s);
     return s.found;
 }
 
@@ -262,20 +262,20 @@ static int direction_of(double begin, double end, double slack) {
 }
 
 static void test_triangle(void *user, int k) {
-    struct way *way = user;
+    struct path *path = user;
     double corner[3][3], n[3], x[3];
-    int surface = way->set->surface[k];
-    if (surface < way->first_surface) return;
-    double begin = plane_at(way, k, 0.0, corner, n), end = plane_at(way, k, 1.0, corner, n);
-    double slack = way->slack * vec3_length(n);
+    int surface = path->set->surface[k];
+    if (surface < path->first_surface) return;
+    double begin = plane_at(path, k, 0.0, corner, n), end = plane_at(path, k, 1.0, corner, n);
+    double slack = path->slack * vec3_length(n);
     int direction = direction_of(begin, end, slack);
     if (!direction) return;
     double t = (begin - direction * slack) / (begin - end);
-    plane_at(way, k, t, corner, n);
-    for (int a = 0; a < 3; a++) x[a] = (1.0 - t) * way->begin[a] + t * way->end[a];
-    if (!is_inside(x, corner, n) || is_on_border(way, k, t, x)) return;
-    if (!way->direction) way->surface = surface;
-    if (surface == way->surface) way->direction += direction;
+    plane_at(path, k, t, corner, n);
+    for (int a = 0; a < 3; a++) x[a] = (1.0 - t) * path->begin[a] + t * path->end[a];
+    if (!is_inside(x, corner, n) || is_on_border(path, k, t, x)) return;
+    if (!path->direction) path->surface = surface;
+    if (surface == path->surface) path->direction += direction;
 }
 
 /* ---- all particles --------------------------------------------------------------------------- */
@@ -297,11 +297,11 @@ static bool can_pass(const struct search *s, int i, bool solid) {
            (!solid && l->surface_start[i] < l->boundary_start[i]);
 }
 
-static void visit_set(struct way *way, const struct triangle_set *set) {
+static void visit_set(struct path *path, const struct triangle_set *set) {
     struct box box = box_empty;
-    box_add(&box, way->begin), box_add(&box, way->end);
-    way->set = set;
-    bvh_visit(&set->tree, &box, 0, test_triangle, way);
+    box_add(&box, path->begin), box_add(&box, path->end);
+    path->set = set;
+    bvh_visit(&set->tree, &box, 0, test_triangle, path);
 }
 
 static void find_passed(void *arg, int first, int last, int block) {
@@ -309,17 +309,18 @@ static void find_passed(void *arg, int first, int last, int block) {
     struct crossings *c = s->sim->crossings;
     (void)block;
     for (int i = s->body->first + first; i < s->body->first + last; i++) {
-        struct way way = {.crossings = c,
-                          .begin = s->sim->x + 3 * (size_t)i,
-                          .end = s->sim->x_next + 3 * (size_t)i,
-                          .radius = s->body->radius,
-                          .slack = c->slack[s->body - s->sim->body],
-                          .first_surface = s->first_surface};
+        struct path path = {.crossings = c,
+                            .begin = s->sim->x + 3 * (size_t)i,
+                            .end = s->sim->x_next + 3 * (size_t)i,
+                            .radius = s->body->radius,
+                            .slack = c->slack[s->body - s->sim->body],
+                            .first_surface = s->first_surface};
         c->passed[i] = 0;
         if (!particle_is_live(s->sim, i)) continue;
-        if (can_pass(s, i, true)) visit_set(&way, &c->resting);
-        if (can_pass(s, i, false)) visit_set(&way, &c->moving);
-        if (way.direction) c->passed[i] = way.direction > 0 ? way.surface + 1 : -way.surface - 1;
+        if (can_pass(s, i, true)) visit_set(&path, &c->resting);
+        if (can_pass(s, i, false)) visit_set(&path, &c->moving);
+        if (path.direction)
+            c->passed[i] = path.direction > 0 ? path.surface + 1 : -path.surface - 1;
     }
 }
 

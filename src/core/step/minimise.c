@@ -42,7 +42,7 @@ static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
         double least = 1.0;
         for (int i = body->first; i < end; i++) {
             double length = vec3_length(moves + 3 * (size_t)i);
-            if (length > sim->way[i]) least = fmin(least, sim->way[i] / length);
+            if (length > sim->max_step[i]) least = fmin(least, sim->max_step[i] / length);
         }
         for (int j = 3 * body->first; least < 1.0 && j < 3 * end; j++) moves[j] *= least;
         all = fmin(all, least);
@@ -50,14 +50,14 @@ static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
     return all;
 }
 
-/* Limits displacements (particles x 3) to sim->way, so that no particle passes a surface. Returns
- * the smallest part of a displacement that is left. */
+/* Limits displacements (particles x 3) to sim->max_step, so that no particle passes a surface.
+ * Returns the smallest part of a displacement that is left. */
 static double limit_displacements(const struct pdyn_sim *sim, double *moves) {
-    double least = sim->way ? limit_bodies(sim, moves) : 1.0;
-    for (int i = 0; sim->way && i < sim->objective.particles; i++) {
+    double least = sim->max_step ? limit_bodies(sim, moves) : 1.0;
+    for (int i = 0; sim->max_step && i < sim->objective.particles; i++) {
         double *own = moves + 3 * (size_t)i, length = vec3_length(own);
-        if (!(length > sim->way[i])) continue;
-        double part = sim->way[i] / length;
+        if (!(length > sim->max_step[i])) continue;
+        double part = sim->max_step[i] / length;
         for (int a = 0; a < 3; a++) own[a] *= part;
         least = fmin(least, part);
     }
@@ -69,8 +69,8 @@ static void retract(const struct pdyn_sim *sim, double *x) {
     if (sim->objective.rigid) rigid_map_retract(sim->objective.rigid, x);
 }
 
-static pdyn_status update_way(struct pdyn_sim *sim, const double *x) {
-    return sim->way ? objective_limit(&sim->objective, x, sim->way) : PDYN_OK;
+static pdyn_status update_max_step(struct pdyn_sim *sim, const double *x) {
+    return sim->max_step ? objective_limit(&sim->objective, x, sim->max_step) : PDYN_OK;
 }
 
 /* ---- one iteration ----------------------------------------------------------------------- */
@@ -83,7 +83,7 @@ static void rigid_moves(struct pdyn_sim *sim, double *moves) {
     objective_axpy(&sim->objective, -1.0, sim->x_next, moves);
 }
 
-/* sim->trial = x_next + part x direction, every point stopped where its way ends. *least: the
+/* sim->trial = x_next + part x direction, every point stopped where its path ends. *least: the
  * smallest part that a point has gone so far. *slope, of E along the direction, becomes the slope
  * along these displacements. */
 static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, double *slope) {
@@ -124,11 +124,11 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
 }
 
 /* Backtracking: x_next + direction, halved until the rule accepts it. In contact every point goes
- * as far as its way is free; a shorter direction stops fewer of them. */
+ * as far as its path is free; a shorter direction stops fewer of them. */
 static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, double *energy,
                                struct line_step *step) {
     struct objective *objective = &sim->objective;
-    double trial, least = objective->contact || sim->way ? 0.0 : 1.0;
+    double trial, least = objective->contact || sim->max_step ? 0.0 : 1.0;
     *step = (struct line_step){.length = 1.0,
                                .slope = objective_dot(objective, sim->gradient, sim->direction)};
     for (int k = 1; k <= rule->tries; k++, step->length = shorter_part(step->length, least)) {
@@ -202,7 +202,7 @@ static pdyn_status iterate(struct pdyn_sim *sim, struct progress *p, bool *moved
     double energy = p->energy;
     bool first_solve = p->outer == 0 || sim->choice.fresh, first = sim->solver->dual && first_solve;
     sim->choice.fresh = false;
-    pdyn_status status = update_way(sim, sim->x_next);
+    pdyn_status status = update_max_step(sim, sim->x_next);
     if (status == PDYN_OK)
         status = global_step(sim, first ? 0.0 : sim->damping, first_solve, &p->linear);
     if (status == PDYN_OK) status = search_accelerated(sim, p->before, &p->energy, &taken);
@@ -225,14 +225,14 @@ static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     objective_axpy(&sim->objective, h * h, sim->constraint_acceleration, x);
 }
 
-/* The local step at x, where every point is stopped on its way from the state sim->x by surfaces.
- * *least: the smallest part of its way that a point has gone. */
+/* The local step at x, where every point is stopped on its path from the state sim->x by surfaces.
+ * *least: the smallest part of its path that a point has gone. */
 static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, double *energy,
                             double *gradient) {
     struct contact *contact = sim->objective.contact;
     *least = 1.0;
     retract(sim, x);
-    if (sim->way) {
+    if (sim->max_step) {
         objective_axpy(&sim->objective, -1.0, sim->x, x);
         *least = limit_displacements(sim, x);
         objective_axpy(&sim->objective, 1.0, sim->x, x);
@@ -243,7 +243,7 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
-/* The local step at a part of the way from the state to s. */
+/* The local step at a part of the path from the state to s. */
 static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
     double least;
     for (int k = 0; k < 3 * sim->objective.particles; k++)
@@ -350,7 +350,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
     measure_weights(sim);
-    pdyn_status status = update_way(sim, sim->x);
+    pdyn_status status = update_max_step(sim, sim->x);
     if (status == PDYN_OK)
         status = solves_fluid_alone(sim) ? start_multipliers(sim, &p->energy)
                                          : start_positions(sim, &p->energy);

@@ -45,7 +45,8 @@ struct pdyn_sim {
     double *pressure;           /* particles, Pa */
     double *pressure_before;    /* particles, Pa: one step earlier */
     double *x_next;             /* particles x 3: the iterate, m */
-    double *way;      /* particles, then samples, m: largest displacement at once; NULL: no limit */
+    double
+        *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL: none */
     double *gradient; /* particles x 3: gradient of E at the iterate, N */
     /* particles x 3: scratch of the minimisation */
     double *trial, *trial_gradient, *direction, *negative;

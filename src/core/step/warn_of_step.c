@@ -61,10 +61,10 @@ static void warn_fast(struct pdyn_sim *sim, double h) {
         double v[3] = {0}, size = size_of(body);
         for (int i = body->first; i < body->first + body->count; i++)
             vec3_add(v, 1.0 / body->count, sim->v + 3 * (size_t)i);
-        double way = h * vec3_length(v);
-        if (way <= 0.5 * size) continue;
+        double moved = h * vec3_length(v);
+        if (moved <= 0.5 * size) continue;
         struct warning *w =
-            warnings_count(&sim->warnings, WARNING_FAST, body->name, sim->time, 1, way);
+            warnings_count(&sim->warnings, WARNING_FAST, body->name, sim->time, 1, moved);
         warnings_say(
             sim->context, w,
             "moves by up to %.3g m in a step, more than half of its size of %.3g m: it may "
