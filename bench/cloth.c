@@ -58,7 +58,7 @@ static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
     memcpy(to->x, from->x, objective_bytes(&from->objective));
     memcpy(to->v, from->v, objective_bytes(&from->objective));
     to->time = from->time, to->frame = from->frame, to->last_h = 0.0;
-    to->damping = to->scene.settings.newton ? 0.0 : 1.0;
+    to->eps = to->scene.settings.newton ? 0.0 : 1.0;
 }
 
 static double distance(const double *a, const double *b, int n) {

@@ -31,8 +31,8 @@ static void persist_time(struct pdyn_sim *sim, struct snapshot_file *a) {
 
 static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
     persist_time(sim, a);
-    SNAPSHOT(a, sim->damping);
-    snapshot_file_require(a, sim->damping >= 0.0 && sim->damping <= 1.0,
+    SNAPSHOT(a, sim->eps);
+    snapshot_file_require(a, sim->eps >= 0.0 && sim->eps <= 1.0,
                           "the damping is not between 0 and 1");
     snapshot_file_flags(a, &sim->unfinished, 1, "a flag of the last step is neither 0 nor 1");
 }

@@ -25,7 +25,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = solid_load_create(sim);
     sim->control.anchored = sim->anchored;
     if (status == PDYN_OK) status = probes_create(sim);
-    sim->damping = sim->scene.settings.newton ? 0.0 : 1.0;
+    sim->eps = sim->scene.settings.newton ? 0.0 : 1.0;
     if (status == PDYN_OK) status = solver_choice_create(sim);
     if (status == PDYN_OK) solver_choice_warn(sim);
     if (status == PDYN_OK) status = crossings_create(sim);

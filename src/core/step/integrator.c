@@ -111,7 +111,7 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
 void integrator_forget(struct pdyn_sim *sim) {
     sim->history = 0.0;
     solver_choice_reject(sim);
-    if (sim->scene.settings.newton) sim->damping = 1.0;
+    if (sim->scene.settings.newton) sim->eps = 1.0;
 }
 
 static const struct integrator integrators[] = {

@@ -204,14 +204,14 @@ static pdyn_status iterate(struct pdyn_sim *sim, struct progress *p, bool *moved
     sim->choice.fresh = false;
     pdyn_status status = update_max_step(sim, sim->x_next);
     if (status == PDYN_OK)
-        status = global_step(sim, first ? 0.0 : sim->damping, first_solve, &p->linear);
+        status = global_step(sim, first ? 0.0 : sim->eps, first_solve, &p->linear);
     if (status == PDYN_OK) status = search_accelerated(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
-    *moved = first || taken.length > 0.0 || sim->damping < 1.0;
+    *moved = first || taken.length > 0.0 || sim->eps < 1.0;
     if (!sim->scene.settings.newton) return PDYN_OK;
-    if (!sim->solver->dual) sim->damping = adapt_to_length(sim->damping, &taken);
-    else if (!first) sim->damping = adapt_to_slope(sim->damping, &taken);
+    if (!sim->solver->dual) sim->eps = adapt_to_length(sim->eps, &taken);
+    else if (!first) sim->eps = adapt_to_slope(sim->eps, &taken);
     return PDYN_OK;
 }
 
@@ -301,7 +301,7 @@ static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
         objective->h * objective->h *
         objective_dot(objective, sim->constraint_acceleration, sim->constraint_acceleration);
     if (moved < pushed) predict_with_acceleration(sim, sim->x_next);
-    if (sim->scene.settings.newton) sim->damping = less_damping(sim->damping, 4.0);
+    if (sim->scene.settings.newton) sim->eps = less_damping(sim->eps, 4.0);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
@@ -313,7 +313,7 @@ static void observe(const struct pdyn_sim *sim, const struct progress *p, int li
                                 .linear_iterations = linear,
                                 .energy = p->energy,
                                 .residual = p->residual,
-                                .damping = sim->damping,
+                                .damping = sim->eps,
                                 .x = sim->x_next};
     sim->observer(sim->observer_user, &iteration);
 }
@@ -354,7 +354,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     if (status == PDYN_OK)
         status = solves_fluid_alone(sim) ? start_multipliers(sim, &p->energy)
                                          : start_positions(sim, &p->energy);
-    if (sim->solver->dual && !solves_fluid_alone(sim)) sim->damping = 0.0;
+    if (sim->solver->dual && !solves_fluid_alone(sim)) sim->eps = 0.0;
     p->before = p->energy;
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {

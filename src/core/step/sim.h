@@ -60,7 +60,7 @@ struct pdyn_sim {
     int impacts;     /* number of constraints with an impact in the last step */
     double left_out; /* part of their impulses that does not change velocities (integrator.h) */
     double history;  /* s, time from x_before to x; 0: the history must not be used */
-    double damping;  /* eps, continued from step to step */
+    double eps;      /* damping of the next global step, continued from step to step */
     bool anchored;   /* a constraint can change the momentum of the system */
 
     struct live_particles *live; /* NULL: all particles are live */

@@ -175,7 +175,7 @@ bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations) {
 bool solver_choice_hand_over(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     if (c->count < 2 || c->handed_over) return false;
-    c->handed_over = true, sim->damping = 0.0;
+    c->handed_over = true, sim->eps = 0.0;
     activate(sim, !c->active);
     return true;
 }
