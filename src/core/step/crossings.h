@@ -1,10 +1,6 @@
 /* Particles that pass a surface: fluid through a sheet, a soft body or a solid, and cloth through a
- * solid in a scene without contact. Observes a step and changes nothing.
- *
- *     begin          end            A particle passes a triangle where its distance to the
- *       o             |             triangle's plane changes its sign between the two ends of the
- *     --+-----> ------+---          step, at a point inside the triangle. Both move in straight
- *                     o             lines. */
+ * solid in a scene without contact. Observes a step and changes nothing. How a path passes a
+ * surface: crossing_path.h. */
 #ifndef PDYN_CROSSINGS_H
 #define PDYN_CROSSINGS_H
 
