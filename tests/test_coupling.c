@@ -53,9 +53,7 @@ static void test_forces(void **state) {
     assert_true(vec3_length(moment) < 1e-8 * size); /* pairs are stored in float */
 
     struct batch *rows;
-    assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
-                                  neighbours_view(sim->neighbours), true, &rows),
-                     PDYN_OK);
+    assert_int_equal(batch_create_rows(fluid, &rows), PDYN_OK);
     memset(moved, 0, (size_t)n * sizeof *moved), memset(other, 0, (size_t)n * sizeof *other);
     assert_int_equal(batch_local(rows, x, 0.0, moved), PDYN_OK);
     assert_true(fabs(rows->energy / fluid->energy - 1.0) < 1e-9);

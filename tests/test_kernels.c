@@ -215,9 +215,7 @@ static void test_energy(void **state) {
     sim->objective.h = 0.01;
     assert_int_equal(objective_local(&sim->objective, x, &energy, sim->gradient), PDYN_OK);
     struct batch *rows, *fluid = sim->objective.batch[0];
-    assert_int_equal(batch_create(context, fluid->type, fluid->params, fluid->view.body, NULL,
-                                  neighbours_view(sim->neighbours), true, &rows),
-                     PDYN_OK);
+    assert_int_equal(batch_create_rows(fluid, &rows), PDYN_OK);
     batch_local(rows, x, 0.0, sim->gradient);
     double *density = sim->density;
     fluid->type->matrix_free->density(fluid->op, density);

@@ -45,8 +45,7 @@ void check_tiers(struct check *check, struct trial *t) {
 void check_stiffness(struct check *check, struct trial *t) {
     struct batch *rows = NULL;
     if (!t->batch->linear) return;
-    if (batch_create(t->context, check->type, t->batch->params, t->batch->view.body, NULL, NULL,
-                     false, &rows) == PDYN_OK)
+    if (batch_create_rows(t->batch, &rows) == PDYN_OK)
         compare(check, t, t->batch, rows, "the rows that `linear` calls linear and their matrix");
     batch_free(rows);
 }

@@ -178,9 +178,7 @@ static pdyn_status load(struct trial *t, enum strain strain, const char *scene) 
     t->da = NEW_ARRAY(c, 2 * (size_t)t->n, double), t->db = NEW_ARRAY(c, 2 * (size_t)t->n, double);
     if (!t->da || !t->db) return PDYN_NO_MEMORY;
     status = disturb(t, strain);
-    if (status == PDYN_OK && t->batch->op)
-        status = batch_create(c, t->batch->type, t->batch->params, t->batch->view.body, NULL,
-                              neighbours_view(t->sim->neighbours), true, &t->rows);
+    if (status == PDYN_OK && t->batch->op) status = batch_create_rows(t->batch, &t->rows);
     return status;
 }
 

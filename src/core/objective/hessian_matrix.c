@@ -35,10 +35,7 @@ static pdyn_status update_replicas(struct hessian_matrix *c, bool lists_moved) {
     for (int b = 0; b < objective->batches; b++) {
         const struct batch *from = objective->batch[b];
         if (!from->op) continue;
-        pdyn_status status =
-            c->rows[b] ? PDYN_OK
-                       : batch_create(c->context, from->type, from->params, from->view.body, NULL,
-                                      neighbours_view(objective->neighbours), true, &c->rows[b]);
+        pdyn_status status = c->rows[b] ? PDYN_OK : batch_create_rows(from, &c->rows[b]);
         if (status != PDYN_OK) return status;
         status = batch_local(c->rows[b], objective->x, objective->time, c->unused);
         if (status == PDYN_OK) status = batch_linearise(c->rows[b], objective->eps);

@@ -28,6 +28,12 @@ double objective_partial_sum(const struct objective *o, int blocks) {
     return sum;
 }
 
+pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def) {
+    pdyn_status status = batch_create(o->context, def, &o->batch[o->batches]);
+    if (status == PDYN_OK) o->batches++;
+    return status;
+}
+
 /* ---- energy and gradient --------------------------------------------------------------------- */
 
 static void inertia(void *arg, int first, int last, int block) {

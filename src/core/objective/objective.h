@@ -52,6 +52,9 @@ struct objective {
     double ms_neighbours, ms_local;
 };
 
+/* Makes a batch, the last one of the objective, which has the capacity for it. */
+pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
+
 /* Opens a step of effective length h from the state x, v: updates elements that come and go from
  * step to step. Before objective_begin. */
 pdyn_status objective_open(struct objective *objective, const double *x, const double *v);

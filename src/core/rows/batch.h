@@ -59,10 +59,18 @@ struct batch {
     struct row_memory memory;       /* what elements that come and go left to the next step */
 };
 
-/* rows_only: uses the rows tier of a type that has an operator, too (for assembly and tests). */
-pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
-                         const void *params, const pdyn_body *body, const pdyn_services *services,
-                         const pdyn_neighbours *neighbours, bool rows_only, struct batch **out);
+struct batch_def { /* what a batch is made from; all of it outlives the batch */
+    const pdyn_constraint_type *type;
+    const void *params;
+    const pdyn_body *body;
+    const pdyn_neighbours *neighbours; /* NULL in a scene without SPH sums */
+    const pdyn_services *services;     /* for the type's operator */
+};
+
+pdyn_status batch_create(pdyn_context *context, const struct batch_def *def, struct batch **out);
+/* Makes a second batch of the same constraint that has rows: also where its type has an operator,
+ * and one by one where batch_join_rows has added them up. For assembly and tests. */
+pdyn_status batch_create_rows(const struct batch *batch, struct batch **out);
 void batch_free(struct batch *batch);
 
 /* Whether `batch` is that of a constraint of the scene, or that of its damping. */

@@ -90,35 +90,48 @@ static pdyn_status create_rows(struct batch *b) {
     return status;
 }
 
-pdyn_status batch_create(pdyn_context *context, const pdyn_constraint_type *type,
-                         const void *params, const pdyn_body *body, const pdyn_services *services,
-                         const pdyn_neighbours *neighbours, bool rows_only, struct batch **out) {
+static pdyn_status create_operator(struct batch *b, const pdyn_services *services) {
+    const pdyn_operator *op = b->type->matrix_free;
+    if (!(b->op = op->create(b->params, b->view.body, services)))
+        return context_no_memory(b->context);
+    b->one_sided = (struct one_sided){
+        .context = b->context, .op = op, .self = b->op, .particles = b->view.neighbours->particles};
+    return batch_neighbours(b, b->view.neighbours);
+}
+
+/* Elements that come and go: there are none yet. */
+static void start_dynamic(struct batch *b) {
+    b->single = b->type->rows == 1, b->width = b->type->width;
+    b->wide = b->type->tangent_rank1 && !b->single;
+}
+
+static pdyn_status create(pdyn_context *context, const struct batch_def *def, bool rows,
+                          struct batch **out) {
+    const pdyn_constraint_type *type = def->type;
     struct batch *b = *out = NEW_ARRAY(context, 1, struct batch);
     if (!b) return PDYN_NO_MEMORY;
-    b->context = context, b->type = type, b->params = params;
+    b->context = context, b->type = type, b->params = def->params;
+    b->view.body = def->body, b->view.neighbours = def->neighbours;
     rows_set_grain(b, type->rows, (double)type->rows * type->width);
-    b->view.body = body, b->view.neighbours = neighbours;
-    b->view.elements = type->update ? 0 : type->elements(params, body);
+    b->view.elements = type->update ? 0 : type->elements(def->params, def->body);
     pdyn_status status = PDYN_OK;
     if (b->view.elements < 0)
         status = rows_fault(b, "it has %d elements", b->view.elements), b->view.elements = 0;
-    else if (type->update)
-        b->single = type->rows == 1, b->wide = type->tangent_rank1 && !b->single,
-        b->width = type->width;
-    else if (!type->matrix_free || rows_only) status = create_rows(b);
-    else if (!(b->op = type->matrix_free->create(params, body, services)))
-        status = context_no_memory(context);
-    else {
-        b->one_sided = (struct one_sided){.context = context,
-                                          .op = type->matrix_free,
-                                          .self = b->op,
-                                          .particles = neighbours->particles};
-        status = batch_neighbours(b, neighbours);
-    }
+    else if (type->update) start_dynamic(b);
+    else status = rows ? create_rows(b) : create_operator(b, def->services);
     if (status == PDYN_OK) return status;
     batch_free(b);
     *out = NULL;
     return status;
+}
+
+pdyn_status batch_create(pdyn_context *context, const struct batch_def *def, struct batch **out) {
+    return create(context, def, !def->type->matrix_free, out);
+}
+
+pdyn_status batch_create_rows(const struct batch *b, struct batch **out) {
+    const struct batch_def def = {b->type, b->params, b->view.body, b->view.neighbours, NULL};
+    return create(b->context, &def, true, out);
 }
 
 pdyn_status batch_join_rows(struct batch *b) {

@@ -6,12 +6,9 @@
 
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_body *body,
                              const struct scene_constraint *c) {
-    struct objective *objective = &sim->objective;
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
-    pdyn_status status = batch_create(sim->context, c->type, c->params, body, &sim->services, lists,
-                                      false, &objective->batch[objective->batches]);
-    if (status == PDYN_OK) objective->batches++;
-    return status;
+    const struct batch_def def = {c->type, c->params, body, lists, &sim->services};
+    return objective_add_batch(&sim->objective, &def);
 }
 
 static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
@@ -47,15 +44,10 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
     return status;
 }
 
-static pdyn_status add_wet(struct pdyn_sim *sim, const pdyn_constraint_type *type, bool present) {
-    struct objective *objective = &sim->objective;
-    if (!present) return PDYN_OK;
-    pdyn_status status = batch_create(sim->context, type, NULL, &objective->wet_sides->all, NULL,
-                                      NULL, false, &objective->batch[objective->batches]);
-    if (status != PDYN_OK) return status;
+static pdyn_status add_wet(struct objective *objective, const pdyn_constraint_type *type) {
     objective->dynamic_rows = true;
-    objective->batches++;
-    return PDYN_OK;
+    return objective_add_batch(
+        objective, &(struct batch_def){.type = type, .body = &objective->wet_sides->all});
 }
 
 /* Friction of a fluid along surfaces, and the resistance of those that it passes. */
@@ -70,8 +62,8 @@ static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
     pdyn_status status =
         wet_sides_create(sim->context, &sim->scene, sim->body, objective->particles, sim->samples,
                          neighbours_view(sim->neighbours), &objective->wet_sides);
-    if (status == PDYN_OK) status = add_wet(sim, &pdyn_constraint_slip, slip);
-    if (status == PDYN_OK) status = add_wet(sim, &pdyn_constraint_seepage, seepage);
+    if (status == PDYN_OK && slip) status = add_wet(objective, &pdyn_constraint_slip);
+    if (status == PDYN_OK && seepage) status = add_wet(objective, &pdyn_constraint_seepage);
     for (int b = 0; status == PDYN_OK && b < objective->batches; b++)
         objective->batch[b]->view.wet_sides = &objective->wet_sides->view;
     return status;

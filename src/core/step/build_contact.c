@@ -145,9 +145,9 @@ static pdyn_status create_trees(struct contact *c) {
 static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *type,
                              struct batch **out) {
     struct objective *objective = &sim->objective;
-    pdyn_status status =
-        batch_create(sim->context, type, NULL, &objective->contact->body, NULL, NULL, false, out);
-    if (status == PDYN_OK) objective->batch[objective->batches++] = *out;
+    pdyn_status status = objective_add_batch(
+        objective, &(struct batch_def){.type = type, .body = &objective->contact->body});
+    if (status == PDYN_OK) *out = objective->batch[objective->batches - 1];
     return status;
 }
 

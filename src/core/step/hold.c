@@ -98,9 +98,10 @@ pdyn_status holds_make_batches(struct pdyn_sim *sim) {
     pdyn_status status = reserve_batches(objective, objective->batches + (int)sim->control.holds);
     for (size_t k = 0; status == PDYN_OK && k < sim->control.holds; k++) {
         const struct hold *h = sim->control.hold[k];
-        status = batch_create(sim->context, pin, h->params, body_of(sim, h->particle),
-                              &sim->services, lists, false, &objective->batch[objective->batches]);
-        if (status == PDYN_OK) objective->batches++, sim->control.batches++;
+        const struct batch_def def = {pin, h->params, body_of(sim, h->particle), lists,
+                                      &sim->services};
+        status = objective_add_batch(objective, &def);
+        if (status == PDYN_OK) sim->control.batches++;
     }
     return status;
 }
