@@ -457,9 +457,9 @@ static void test_not_self(void **state) {
     for (int k = 0; k < 40; k++) test_step(c, sim);
     const struct contact *contact = sim->objective.contact;
     assert_true(contact->current.view.count >= 81);
-    for (int k = 0; k < contact->pairs; k++)
-        assert_true(contact->group[contact->pair[k].point[3]] == 1 ||
-                    contact->group[contact->pair[k].point[0]] == 1);
+    for (int k = 0; k < contact->pairs.count; k++)
+        assert_true(contact->group[contact->pairs.pair[k].point[3]] == 1 ||
+                    contact->group[contact->pairs.pair[k].point[0]] == 1);
     pdyn_free(sim);
     pdyn_destroy(c);
 }

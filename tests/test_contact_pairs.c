@@ -42,22 +42,22 @@ static void finish(struct trial *t) {
 }
 
 static struct pair *copy_of_pairs(const struct contact *c) {
-    struct pair *pair = malloc((size_t)c->pairs * sizeof *pair + 1);
+    struct pair *pair = malloc((size_t)c->pairs.count * sizeof *pair + 1);
     assert_non_null(pair);
-    memcpy(pair, c->pair, (size_t)c->pairs * sizeof *pair);
+    memcpy(pair, c->pairs.pair, (size_t)c->pairs.count * sizeof *pair);
     return pair;
 }
 
 /* The list is that of a search for the pairs of all points. */
 static void check_list(struct contact *c) {
     struct pair *pair = copy_of_pairs(c);
-    int pairs = c->pairs;
+    int pairs = c->pairs.count;
     assert_int_equal(contact_list(c), PDYN_OK);
-    assert_int_equal(c->pairs, pairs);
+    assert_int_equal(c->pairs.count, pairs);
     for (int k = 0; k < pairs; k++) {
-        assert_true(pair[k].key == c->pair[k].key);
-        assert_true(pair[k].thickness == c->pair[k].thickness);
-        assert_true(pair[k].share == c->pair[k].share);
+        assert_true(pair[k].key == c->pairs.pair[k].key);
+        assert_true(pair[k].thickness == c->pairs.pair[k].thickness);
+        assert_true(pair[k].share == c->pairs.pair[k].share);
     }
     free(pair);
 }
@@ -116,7 +116,7 @@ static void test_motion(void **state) {
     for (int k = 0; k < 40; k++) {
         move_points(c, k % 10 ? 40 : 1, k % 2 ? 0.012 : 0.002, &seed);
         assert_int_equal(contact_cover(c, c->at, NULL), PDYN_OK);
-        few += !c->all_changed;
+        few += !c->broad.all_changed;
         assert_int_equal(contact_find(c), PDYN_OK);
         int count = c->current.view.count;
         if (k % 3 == 0) assert_int_equal(count, count_contacts(c));

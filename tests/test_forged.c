@@ -158,8 +158,8 @@ static void before_fast(pdyn_sim *sim) { sim->v_before[4] = -1e9; }
 static void acceleration_nan(pdyn_sim *sim) { sim->constraint_acceleration[4] = NAN; }
 static void position_nan(pdyn_sim *sim) { sim->x[4] = NAN; }
 static void pressure_infinite(pdyn_sim *sim) { sim->pressure[0] = INFINITY; }
-static void region_empty(pdyn_sim *sim) { sim->objective.contact->region[0].min[0] = 1e3; }
-static void region_large(pdyn_sim *sim) { sim->objective.contact->region[0].max[0] = 1e3; }
+static void region_empty(pdyn_sim *sim) { sim->objective.contact->broad.region[0].min[0] = 1e3; }
+static void region_large(pdyn_sim *sim) { sim->objective.contact->broad.region[0].max[0] = 1e3; }
 static void contact_nan(pdyn_sim *sim) { sim->objective.contact->at[5] = NAN; }
 static void contact_far(pdyn_sim *sim) { sim->objective.contact->at[5] = 1e11; }
 

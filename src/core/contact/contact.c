@@ -21,20 +21,20 @@ static void copy_solids(const struct contact *c, const double *from, double *to)
     if (solid_numbers(c)) memcpy(to, from, solid_numbers(c) * sizeof *to);
 }
 
-/* The displacement of solids from c->x to their goals; 0 where none moves. */
+/* The displacement of solids from c->path.x to their goals; 0 where none moves. */
 static void step_solids(struct contact *c) {
-    double *step = solids_in(c, c->step);
-    const double *x = solids_in(c, c->x);
+    double *step = solids_in(c, c->path.step);
+    const double *x = solids_in(c, c->path.x);
     for (size_t k = 0; k < solid_numbers(c); k++) step[k] = c->moving ? c->goal[k] - x[k] : 0.0;
 }
 
 /* Moves solids by the part of their displacement that is free. */
 static void move_solids(struct contact *c) {
     double *at = solids_in(c, c->at);
-    const double *x = solids_in(c, c->x), *step = solids_in(c, c->step);
+    const double *x = solids_in(c, c->path.x), *step = solids_in(c, c->path.step);
     c->behind = false;
     for (size_t k = 0; c->moving && k < solid_numbers(c); k++) at[k] = x[k] + step[k];
-    for (int i = c->free; c->moving && i < c->points; i++) c->behind |= c->taken[i] < 1.0;
+    for (int i = c->free; c->moving && i < c->points; i++) c->behind |= c->path.taken[i] < 1.0;
 }
 
 static void set_goals(struct contact *c, double time) {
@@ -70,7 +70,7 @@ pdyn_status contact_local(struct contact *c, const double *x) {
  * x (NULL: 0) to target, particles x 3. */
 static void shorten_carriers(const struct contact *c, const double *x, double *target) {
     for (int k = 0; k < c->rigids; k++) {
-        double part = c->taken[c->rigid[k].first];
+        double part = c->path.taken[c->rigid[k].first];
         size_t first = 3 * (size_t)c->rigid[k].carrier;
         for (size_t j = first; part < 1.0 && j < first + 3 * (size_t)RIGID_POINTS; j++)
             target[j] = (x ? x[j] : 0.0) + part * (target[j] - (x ? x[j] : 0.0));
@@ -80,16 +80,16 @@ static void shorten_carriers(const struct contact *c, const double *x, double *t
 pdyn_status contact_start(struct contact *c, const double *x, double *target) {
     double start = clock_ms();
     copy_solids(c, c->begin, solids_in(c, c->at));
-    gather(c, x, c->x);
+    gather(c, x, c->path.x);
     for (int i = 0; i < c->free; i++)
         for (int a = 0; a < 3; a++)
-            c->step[3 * i + a] = target[3 * c->column[i] + a] - c->x[3 * i + a];
+            c->path.step[3 * i + a] = target[3 * c->column[i] + a] - c->path.x[3 * i + a];
     step_solids(c);
     pdyn_status status = contact_free_paths(c);
     for (int i = 0; i < c->free; i++)
-        if (c->taken[i] < 1.0)
+        if (c->path.taken[i] < 1.0)
             for (int a = 0; a < 3; a++)
-                target[3 * c->column[i] + a] = c->x[3 * i + a] + c->step[3 * i + a];
+                target[3 * c->column[i] + a] = c->path.x[3 * i + a] + c->path.step[3 * i + a];
     shorten_carriers(c, x, target);
     move_solids(c);
     c->ms += clock_ms() - start;
@@ -98,13 +98,13 @@ pdyn_status contact_start(struct contact *c, const double *x, double *target) {
 
 pdyn_status contact_filter(struct contact *c, const double *x, double *direction) {
     double start = clock_ms();
-    gather(c, x, c->x);
-    gather(c, direction, c->step);
-    for (size_t k = 0; k < solid_numbers(c); k++) solids_in(c, c->step)[k] = 0.0;
+    gather(c, x, c->path.x);
+    gather(c, direction, c->path.step);
+    for (size_t k = 0; k < solid_numbers(c); k++) solids_in(c, c->path.step)[k] = 0.0;
     pdyn_status status = contact_free_paths(c);
     for (int i = 0; i < c->free; i++)
-        if (c->taken[i] < 1.0)
-            memcpy(direction + 3 * c->column[i], c->step + 3 * i, 3 * sizeof *direction);
+        if (c->path.taken[i] < 1.0)
+            memcpy(direction + 3 * c->column[i], c->path.step + 3 * i, 3 * sizeof *direction);
     shorten_carriers(c, NULL, direction);
     c->ms += clock_ms() - start;
     return status;
@@ -112,14 +112,14 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
 
 double contact_least(const struct contact *c) {
     double least = 1.0;
-    for (int i = 0; i < c->free; i++) least = fmin(least, c->taken[i]);
+    for (int i = 0; i < c->free; i++) least = fmin(least, c->path.taken[i]);
     return least;
 }
 
 pdyn_status contact_advance(struct contact *c, const double *x) {
     double start = clock_ms();
-    gather(c, x, c->x);
-    memset(c->step, 0, 3 * (size_t)c->free * sizeof *c->step);
+    gather(c, x, c->path.x);
+    memset(c->path.step, 0, 3 * (size_t)c->free * sizeof *c->path.step);
     step_solids(c);
     pdyn_status status = contact_free_paths(c);
     move_solids(c);
@@ -163,16 +163,16 @@ static bool regions_are_valid(const struct contact *c) {
     bool valid = true;
     for (int i = 0; i < c->points; i++) {
         double far = 0.0, size = 0.0;
-        if (i >= c->vertices && i < c->free && box_is_empty(&c->region[i])) continue;
+        if (i >= c->vertices && i < c->free && box_is_empty(&c->broad.region[i])) continue;
         for (int a = 0; a < 3; a++) {
-            double low = c->built[3 * i + a] - c->region[i].min[a];
-            double high = c->region[i].max[a] - c->built[3 * i + a];
+            double low = c->broad.built[3 * i + a] - c->broad.region[i].min[a];
+            double high = c->broad.region[i].max[a] - c->broad.built[3 * i + a];
             double side = fmax(low, high);
             valid &= low >= 0.0 && high >= 0.0;
-            far += side * side, size += fabs(c->built[3 * i + a]);
+            far += side * side, size += fabs(c->broad.built[3 * i + a]);
         }
-        double rounding = 1e-9 * (c->reach[i] + size + c->set->thickness);
-        valid &= fabs(sqrt(far) - c->reach[i]) <= rounding; /* false for NaN, too */
+        double rounding = 1e-9 * (c->broad.reach[i] + size + c->set->thickness);
+        valid &= fabs(sqrt(far) - c->broad.reach[i]) <= rounding; /* false for NaN, too */
     }
     return valid;
 }
@@ -181,9 +181,9 @@ static bool regions_are_valid(const struct contact *c) {
  * rounded. */
 void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
-    snapshot_file_bytes(a, c->region, n * sizeof *c->region);
-    snapshot_file_numbers(a, c->reach, n, "a reach of contact is not finite");
-    snapshot_file_numbers(a, c->built, 3 * n, "a position of contact is not finite");
+    snapshot_file_bytes(a, c->broad.region, n * sizeof *c->broad.region);
+    snapshot_file_numbers(a, c->broad.reach, n, "a reach of contact is not finite");
+    snapshot_file_numbers(a, c->broad.built, 3 * n, "a position of contact is not finite");
     snapshot_file_range(a, c->at, 3 * n, STATE_MAX_POSITION,
                         "a position of contact is out of range");
     snapshot_file_flags(a, &c->behind, 1, "the flag of solids is neither 0 nor 1");
@@ -209,25 +209,25 @@ bool contact_resize(struct contact *c, enum array_action action) {
         ARRAY(c->edge, 2 * edges),
         ARRAY(c->rest, 3 * n),
         ARRAY(c->at, 3 * n),
-        ARRAY(c->x, 3 * n),
-        ARRAY(c->built, 3 * n),
-        ARRAY(c->seen, 3 * n),
-        ARRAY(c->step, 3 * n),
-        ARRAY(c->moved, n),
-        ARRAY(c->reach, n),
-        ARRAY(c->length, n),
-        ARRAY(c->taken, n),
-        ARRAY(c->cut, n),
+        ARRAY(c->path.x, 3 * n),
+        ARRAY(c->broad.built, 3 * n),
+        ARRAY(c->pairs.seen, 3 * n),
+        ARRAY(c->path.step, 3 * n),
+        ARRAY(c->pairs.moved, n),
+        ARRAY(c->broad.reach, n),
+        ARRAY(c->path.length, n),
+        ARRAY(c->path.taken, n),
+        ARRAY(c->path.cut, n),
         ARRAY(c->begin, 3 * solids),
         ARRAY(c->goal, 3 * solids),
-        ARRAY(c->region, n),
-        ARRAY(c->face_box, c->faces),
-        ARRAY(c->edge_box, edges),
-        ARRAY(c->face_body, c->free_faces),
-        ARRAY(c->edge_body, c->free_edges),
-        ARRAY(c->changed, n),
-        ARRAY(c->face_changed, c->faces),
-        ARRAY(c->edge_changed, edges),
+        ARRAY(c->broad.region, n),
+        ARRAY(c->broad.face_box, c->faces),
+        ARRAY(c->broad.edge_box, edges),
+        ARRAY(c->broad.face_body, c->free_faces),
+        ARRAY(c->broad.edge_body, c->free_edges),
+        ARRAY(c->broad.changed, n),
+        ARRAY(c->broad.face_changed, c->faces),
+        ARRAY(c->broad.edge_changed, edges),
     };
     return context_arrays(c->context, table, ARRAY_ROWS(table), action);
 }
@@ -236,17 +236,17 @@ void contact_free(struct contact *c) {
     if (!c) return;
     pdyn_context *x = c->context;
     contact_free_pairs(c);
-    FREE_ARRAY(x, c->found, c->found_room);
-    FREE_ARRAY(x, c->found_start, c->blocks + 1);
-    FREE_ARRAY(x, c->found_count, c->blocks);
+    FREE_ARRAY(x, c->found.pair, c->found.room);
+    FREE_ARRAY(x, c->found.start, c->found.blocks + 1);
+    FREE_ARRAY(x, c->found.count, c->found.blocks);
     contact_list_free(x, &c->current);
     contact_list_free(x, &c->start);
     bearings_free(c);
     for (int k = 0; k < 2; k++) {
-        bvh_free(x, &c->face_tree[k]);
-        bvh_free(x, &c->edge_tree[k]);
-        bvh_free(x, &c->changed_faces[k]);
-        bvh_free(x, &c->changed_edges[k]);
+        bvh_free(x, &c->broad.face_tree[k]);
+        bvh_free(x, &c->broad.edge_tree[k]);
+        bvh_free(x, &c->broad.changed_faces[k]);
+        bvh_free(x, &c->broad.changed_edges[k]);
     }
     contact_resize(c, ARRAYS_FREE);
     FREE_ARRAY(x, c, 1);

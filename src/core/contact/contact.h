@@ -59,6 +59,55 @@ struct contact_rigid { /* a rigid body */
     int carrier;      /* the first of the four particles of the system that carry it */
 };
 
+/* Regions of points, boxes of faces and edges around them, and their trees (contact_pairs.c). */
+struct broad_phase {
+    struct box *region; /* points: while all points are inside, the list of pairs is complete */
+    double *built;      /* points x 3, m: positions when the regions were set */
+    double *reach;      /* points, m: the largest distance from there within the region */
+    struct box *face_box, *edge_box;               /* faces, edges_room */
+    struct bvh face_tree[2], edge_tree[2];         /* of surfaces; of solids */
+    struct bvh changed_faces[2], changed_edges[2]; /* of those with points that have changed */
+    bool *changed;                                 /* points: whose pairs are searched anew */
+    bool *face_changed, *edge_changed;             /* faces, edges_room: with such points */
+    bool all_changed;
+    int *face_body, *edge_body; /* free_faces, free_edges: the group, if it does not touch itself;
+                                   -1: it does */
+};
+
+struct pair_list {     /* what the broad phase found */
+    int count, room;   /* room: of `pair`, and of arrays of contact_paths and contact_hits */
+    struct pair *pair; /* sorted by keys */
+    double *seen;      /* points x 3, m: positions of the distances of pairs */
+    double *moved;     /* points, m: distance from there */
+};
+
+struct pair_search { /* new pairs, by blocks of the parallel search */
+    int blocks;
+    size_t room;
+    struct pair *pair; /* room: those of block b from start[b] on */
+    size_t *start;     /* blocks + 1 */
+    int *count;        /* blocks */
+};
+
+/* Displacements without collision (contact_filter.c). */
+struct contact_paths {
+    double *x;               /* points x 3, m: where a path begins */
+    double *step;            /* points x 3, m: displacement */
+    double *length;          /* points, m: its length */
+    double *taken;           /* points: the part of the displacement that is free */
+    double *cut;             /* points: factor by which the current round shortens it */
+    int *candidate;          /* room: pairs that may be blocked */
+    int *candidates;         /* room / CONTACT_GRAIN */
+    struct blocked *blocked; /* room */
+    int *blocked_count;      /* room / CONTACT_GRAIN */
+};
+
+/* Pairs that are closer than their thickness (contact_find.c). */
+struct contact_hits {
+    struct hit *hit;    /* room: each block of pairs has its hits at its own place */
+    int *count, *start; /* room / CONTACT_GRAIN */
+};
+
 struct contact {
     pdyn_context *context;
     const struct scene_contact *set;
@@ -74,7 +123,6 @@ struct contact {
     int *column;        /* free: particle of the system */
     double *rest;       /* points x 3, m: rest shapes; relative to the pivot for solids that move */
     double *at;         /* points x 3, m: positions at the last local step */
-    double *x;          /* points x 3, m: where a path begins */
     int faces, free_faces; /* those of surfaces are the first */
     int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;
@@ -89,41 +137,11 @@ struct contact {
     bool moving;          /* some solid moves in this scene */
     bool behind;          /* some solid has not reached its goal */
 
-    /* pairs (contact_pairs.c) */
-    struct box *region; /* points: while all points are inside, the list of pairs is complete */
-    double *built;      /* points x 3, m: positions when the regions were set */
-    double *reach;      /* points, m: the largest distance from there within the region */
-    double *seen;       /* points x 3, m: positions of the distances of pairs */
-    double *moved;      /* points, m: distance from there */
-    struct box *face_box, *edge_box;               /* faces, edges_room */
-    struct bvh face_tree[2], edge_tree[2];         /* of surfaces; of solids */
-    struct bvh changed_faces[2], changed_edges[2]; /* of those with points that have changed */
-    bool *changed;                                 /* points: whose pairs are searched anew */
-    bool *face_changed, *edge_changed;             /* faces, edges_room: with such points */
-    bool all_changed;
-    int *face_body, *edge_body; /* free_faces, free_edges: the group, if it does not touch itself;
-                                   -1: it does */
-    int pairs, room;            /* room: of `pair` and of arrays that say so */
-    struct pair *pair;          /* sorted by keys */
-    int blocks;                 /* of the parallel search */
-    size_t found_room;
-    struct pair *found;  /* found_room: those of block b from found_start[b] on */
-    size_t *found_start; /* blocks + 1 */
-    int *found_count;    /* blocks */
-
-    /* paths (contact_filter.c) */
-    double *step;            /* points x 3, m: displacement */
-    double *length;          /* points, m: its length */
-    double *taken;           /* points: the part of the displacement that is free */
-    double *cut;             /* points: factor by which the current round shortens it */
-    int *candidate;          /* room: pairs that may be blocked */
-    int *candidates;         /* room / CONTACT_GRAIN */
-    struct blocked *blocked; /* room */
-    int *blocked_count;      /* room / CONTACT_GRAIN */
-
-    /* contacts (contact_find.c) */
-    struct hit *hit;             /* room: each block of pairs has its hits at its own place */
-    int *hit_count, *hit_start;  /* room / CONTACT_GRAIN */
+    struct broad_phase broad;
+    struct pair_list pairs;
+    struct pair_search found;
+    struct contact_paths path;
+    struct contact_hits hits;
     struct contact_list current; /* of the last local step */
     struct contact_list start;   /* of the beginning of the step */
     struct bearings *bearings;   /* of the latter; NULL: without rigid bodies or damping */
@@ -190,7 +208,7 @@ pdyn_status contact_cover(struct contact *contact, const double *x, const double
 pdyn_status contact_list(struct contact *contact);
 void contact_free_pairs(struct contact *contact);
 
-/* Shortens contact->step from contact->x to free paths; sets contact->taken. */
+/* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */
 pdyn_status contact_free_paths(struct contact *contact);
 
 /* Sets the contacts at contact->at, from the list of pairs. */

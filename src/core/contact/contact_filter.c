@@ -24,19 +24,20 @@ static double kept(const struct pair *p, double distance, int round) {
 }
 
 static bool was_cut(const struct contact *c, const struct pair *p) {
-    return c->cut[p->point[0]] < 1.0 || c->cut[p->point[1]] < 1.0 || c->cut[p->point[2]] < 1.0 ||
-           c->cut[p->point[3]] < 1.0;
+    const double *cut = c->path.cut;
+    return cut[p->point[0]] < 1.0 || cut[p->point[1]] < 1.0 || cut[p->point[2]] < 1.0 ||
+           cut[p->point[3]] < 1.0;
 }
 
 /* The part of its displacement, 0 to 1, by which the pair may move. */
 static double free_part(const struct contact *c, const struct pair *p, int round) {
     const struct pair_kind *kind = pair_kind_of(p->key);
     const double *x[4], *d[4];
-    double unused[4], approach = pair_largest(p, c->length);
-    pair_load(p->point, c->x, x);
+    double unused[4], approach = pair_largest(p, c->path.length);
+    pair_load(p->point, c->path.x, x);
     double distance = sqrt(kind->closest(x, unused)), keep = kept(p, distance, round);
     if (distance - approach >= keep) return 1.0;
-    pair_load(p->point, c->step, d);
+    pair_load(p->point, c->path.step, d);
     if (distance - pair_closing_bound(kind, d) >= keep) return 1.0;
     if (round >= ROUNDS) return fmin(0.2 * distance, distance - keep) / approach;
     return pair_free_path(kind, x, d, keep);
@@ -46,11 +47,12 @@ static double free_part(const struct contact *c, const struct pair *p, int round
 static void find_candidates(struct contact *c, int first, int last, int block) {
     int count = 0;
     for (int k = first; k < last; k++) {
-        const struct pair *p = &c->pair[k];
-        double least = p->distance - pair_largest(p, c->moved) - pair_largest(p, c->length);
-        if (least < 0.5 * p->thickness) c->candidate[first + count++] = k;
+        const struct pair *p = &c->pairs.pair[k];
+        double least =
+            p->distance - pair_largest(p, c->pairs.moved) - pair_largest(p, c->path.length);
+        if (least < 0.5 * p->thickness) c->path.candidate[first + count++] = k;
     }
-    c->candidates[block] = count;
+    c->path.candidates[block] = count;
 }
 
 static void find_blocked(void *arg, int first, int last, int block) {
@@ -58,13 +60,13 @@ static void find_blocked(void *arg, int first, int last, int block) {
     struct contact *c = r->contact;
     int count = 0;
     if (!r->number) find_candidates(c, first, last, block);
-    for (int j = first; j < first + c->candidates[block]; j++) {
-        int k = c->candidate[j];
-        if (r->number && !was_cut(c, &c->pair[k])) continue;
-        double part = free_part(c, &c->pair[k], r->number);
-        if (part < 1.0) c->blocked[first + count++] = (struct blocked){k, part};
+    for (int j = first; j < first + c->path.candidates[block]; j++) {
+        int k = c->path.candidate[j];
+        if (r->number && !was_cut(c, &c->pairs.pair[k])) continue;
+        double part = free_part(c, &c->pairs.pair[k], r->number);
+        if (part < 1.0) c->path.blocked[first + count++] = (struct blocked){k, part};
     }
-    c->blocked_count[block] = count;
+    c->path.blocked_count[block] = count;
 }
 
 /* Makes the factors of some points the same, the smallest one. */
@@ -76,42 +78,44 @@ static void keep_whole(double *cut, int count) {
 
 static void keep_rigid_whole(struct contact *c) {
     for (int s = 0; s < c->groups - c->bodies; s++)
-        keep_whole(c->cut + c->solid[s].first, c->solid[s].count);
-    for (int k = 0; k < c->rigids; k++) keep_whole(c->cut + c->rigid[k].first, c->rigid[k].count);
+        keep_whole(c->path.cut + c->solid[s].first, c->solid[s].count);
+    for (int k = 0; k < c->rigids; k++)
+        keep_whole(c->path.cut + c->rigid[k].first, c->rigid[k].count);
 }
 
 /* Shortens the displacements of blocked pairs. Returns false if there are none. */
 static bool shorten(struct contact *c) {
+    struct contact_paths *path = &c->path;
     bool any = false;
-    for (int i = 0; i < c->points; i++) c->cut[i] = 1.0;
-    for (int b = 0; b < pool_blocks(c->pairs, CONTACT_GRAIN); b++)
-        for (int k = 0; k < c->blocked_count[b]; k++) {
-            const struct blocked *at = &c->blocked[b * CONTACT_GRAIN + k];
+    for (int i = 0; i < c->points; i++) path->cut[i] = 1.0;
+    for (int b = 0; b < pool_blocks(c->pairs.count, CONTACT_GRAIN); b++)
+        for (int k = 0; k < path->blocked_count[b]; k++) {
+            const struct blocked *at = &path->blocked[b * CONTACT_GRAIN + k];
             any = true;
             for (int m = 0; m < 4; m++) {
-                double *cut = &c->cut[c->pair[at->pair].point[m]];
+                double *cut = &path->cut[c->pairs.pair[at->pair].point[m]];
                 *cut = fmin(*cut, at->part);
             }
         }
     if (!any) return false;
     keep_rigid_whole(c);
     for (int i = 0; i < c->points; i++) {
-        if (c->cut[i] == 1.0) continue;
-        c->taken[i] *= c->cut[i], c->length[i] *= c->cut[i];
-        for (int a = 0; a < 3; a++) c->step[3 * i + a] *= c->cut[i];
+        if (path->cut[i] == 1.0) continue;
+        path->taken[i] *= path->cut[i], path->length[i] *= path->cut[i];
+        for (int a = 0; a < 3; a++) path->step[3 * i + a] *= path->cut[i];
     }
     return true;
 }
 
 pdyn_status contact_free_paths(struct contact *c) {
-    pdyn_status status = contact_cover(c, c->x, c->step);
+    pdyn_status status = contact_cover(c, c->path.x, c->path.step);
     struct round round = {.contact = c};
     for (int i = 0; i < c->points; i++) {
-        c->length[i] = vec3_length(c->step + 3 * i);
-        c->taken[i] = 1.0;
+        c->path.length[i] = vec3_length(c->path.step + 3 * i);
+        c->path.taken[i] = 1.0;
     }
     for (bool blocked = status == PDYN_OK; blocked; round.number++) {
-        pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, find_blocked, &round);
+        pool_for(c->context->pool, c->pairs.count, CONTACT_GRAIN, find_blocked, &round);
         blocked = shorten(c);
     }
     return status;

@@ -30,22 +30,22 @@ void contact_list_free(pdyn_context *context, struct contact_list *list) {
  * so that the rounding of lower bounds, which a resumed run sums in another way, does not count. */
 static const double rounding = 1e-6;
 
-/* Writes the pairs of a block that are closer than their thickness to c->hit + first. A pair that
- * is farther away keeps a lower bound of its distance. */
+/* Writes the pairs of a block that are closer than their thickness to c->hits.hit + first. A pair
+ * that is farther away keeps a lower bound of its distance. */
 static void find_hits(void *arg, int first, int last, int block) {
     struct contact *c = arg;
     int count = 0;
     for (int k = first; k < last; k++) {
-        struct pair *p = &c->pair[k];
-        p->distance -= pair_largest(p, c->moved);
+        struct pair *p = &c->pairs.pair[k];
+        p->distance -= pair_largest(p, c->pairs.moved);
         if (p->distance > (1.0 + rounding) * p->thickness) continue;
         const double *x[4];
         struct hit hit = {.pair = k};
         pair_load(p->point, c->at, x);
         p->distance = hit.distance = sqrt(pair_kind_of(p->key)->closest(x, hit.c));
-        if (hit.distance < p->thickness) c->hit[first + count++] = hit;
+        if (hit.distance < p->thickness) c->hits.hit[first + count++] = hit;
     }
-    c->hit_count[block] = count;
+    c->hits.count[block] = count;
 }
 
 static void set_offset(const struct contact *c, const struct stencil *s, double offset[3]) {
@@ -57,7 +57,7 @@ static void set_offset(const struct contact *c, const struct stencil *s, double 
 /* Sets contact e of the current list. A point of a solid adds to the offset; in its place, the row
  * selects a free point of the pair with the coefficient 0. */
 static void set_contact(struct contact *c, int e, const struct hit *hit) {
-    const struct pair *p = &c->pair[hit->pair];
+    const struct pair *p = &c->pairs.pair[hit->pair];
     struct stencil *s = &c->current.stencil[e];
     pdyn_contact *to = &c->current.contact[e];
     int some = p->point[0] < c->free ? p->point[0] : p->point[3];
@@ -77,19 +77,19 @@ static void set_contact(struct contact *c, int e, const struct hit *hit) {
 static void set_contacts(void *arg, int first, int last, int block) {
     struct contact *c = arg;
     (void)last;
-    for (int k = 0, e = c->hit_start[block]; k < c->hit_count[block]; k++, e++)
-        set_contact(c, e, &c->hit[first + k]);
+    for (int k = 0, e = c->hits.start[block]; k < c->hits.count[block]; k++, e++)
+        set_contact(c, e, &c->hits.hit[first + k]);
 }
 
 pdyn_status contact_find(struct contact *c) {
-    int blocks = pool_blocks(c->pairs, CONTACT_GRAIN), count = 0;
-    pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, find_hits, c);
-    memcpy(c->seen, c->at, 3 * (size_t)c->points * sizeof *c->seen);
-    for (int b = 0; b < blocks; b++) c->hit_start[b] = count, count += c->hit_count[b];
+    int blocks = pool_blocks(c->pairs.count, CONTACT_GRAIN), count = 0;
+    pool_for(c->context->pool, c->pairs.count, CONTACT_GRAIN, find_hits, c);
+    memcpy(c->pairs.seen, c->at, 3 * (size_t)c->points * sizeof *c->pairs.seen);
+    for (int b = 0; b < blocks; b++) c->hits.start[b] = count, count += c->hits.count[b];
     pdyn_status status = reserve(c->context, &c->current, count);
     if (status != PDYN_OK) return status;
     c->current.view.count = count;
-    pool_for(c->context->pool, c->pairs, CONTACT_GRAIN, set_contacts, c);
+    pool_for(c->context->pool, c->pairs.count, CONTACT_GRAIN, set_contacts, c);
     return PDYN_OK;
 }
 

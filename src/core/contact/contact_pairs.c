@@ -30,7 +30,7 @@ static bool is_absent(const struct contact *c, int point) {
 /* Whether the region of point i contains it and its displacement; that of an absent one is empty.
  */
 static bool region_contains(const struct contact *c, int i, const double *x, const double *step) {
-    const struct box *box = &c->region[i];
+    const struct box *box = &c->broad.region[i];
     if (is_absent(c, i)) return box_is_empty(box);
     for (int a = 3 * i; a < 3 * i + 3; a++) {
         double y = x[a] + (step ? step[a] : 0.0);
@@ -45,27 +45,28 @@ static void set_region(struct contact *c, int i, const double *x, const double *
     if (step) vec3_add(end, 1.0, step + 3 * i);
     double moved = vec3_distance(end, x + 3 * i);
     double margin = i < c->free || moved > 0.0 ? margin_size * c->set->thickness : 0.0;
-    c->region[i] = box_empty;
-    memcpy(c->built + 3 * i, x + 3 * i, 3 * sizeof *x);
-    c->reach[i] = 0.0;
+    c->broad.region[i] = box_empty;
+    memcpy(c->broad.built + 3 * i, x + 3 * i, 3 * sizeof *x);
+    c->broad.reach[i] = 0.0;
     if (is_absent(c, i)) return;
-    box_add(&c->region[i], x + 3 * i);
-    box_add(&c->region[i], end);
+    box_add(&c->broad.region[i], x + 3 * i);
+    box_add(&c->broad.region[i], end);
     for (int a = 0; a < 3; a++) {
-        c->region[i].min[a] -= margin, c->region[i].max[a] += margin;
+        c->broad.region[i].min[a] -= margin, c->broad.region[i].max[a] += margin;
         double side = margin + fabs(end[a] - x[3 * i + a]);
         far += side * side;
     }
-    c->reach[i] = sqrt(far);
+    c->broad.reach[i] = sqrt(far);
 }
 
 /* Marks the points that are not in their regions as changed, and all points if these are many.
  * Returns whether there are any. */
 static bool mark_changed(struct contact *c, const double *x, const double *step) {
     int count = 0;
-    for (int i = 0; i < c->points; i++) count += c->changed[i] = !region_contains(c, i, x, step);
-    c->all_changed = count > c->points / MANY;
-    for (int i = 0; c->all_changed && i < c->points; i++) c->changed[i] = true;
+    for (int i = 0; i < c->points; i++)
+        count += c->broad.changed[i] = !region_contains(c, i, x, step);
+    c->broad.all_changed = count > c->points / MANY;
+    for (int i = 0; c->broad.all_changed && i < c->points; i++) c->broad.changed[i] = true;
     return count > 0;
 }
 
@@ -73,7 +74,7 @@ static bool mark_changed(struct contact *c, const double *x, const double *step)
 
 static bool has_changed(const struct contact *c, const int *corner, int corners) {
     bool changed = false;
-    for (int k = 0; k < corners; k++) changed |= c->changed[corner[k]];
+    for (int k = 0; k < corners; k++) changed |= c->broad.changed[corner[k]];
     return changed;
 }
 
@@ -81,8 +82,8 @@ static bool has_changed(const struct contact *c, const int *corner, int corners)
 static void wrap_regions(const struct contact *c, const int *corner, int corners, struct box *box) {
     *box = box_empty;
     for (int k = 0; k < corners; k++) {
-        box_add(box, c->region[corner[k]].min);
-        box_add(box, c->region[corner[k]].max);
+        box_add(box, c->broad.region[corner[k]].min);
+        box_add(box, c->broad.region[corner[k]].max);
     }
     for (int a = 0; a < 3; a++) {
         box->min[a] -= 0.5 * c->set->thickness;
@@ -96,21 +97,23 @@ static void wrap_regions(const struct contact *c, const int *corner, int corners
 static void build_trees(struct contact *c, int kind) {
     int f = kind ? c->free_faces : 0, faces = kind ? c->faces - f : c->free_faces;
     int e = kind ? c->free_edges : 0, edges = kind ? c->edges - e : c->free_edges;
-    bvh_build(&c->face_tree[kind], c->face_box + f, faces, NULL);
-    bvh_build(&c->edge_tree[kind], c->edge_box + e, edges, NULL);
-    if (c->all_changed) return;
-    bvh_build(&c->changed_faces[kind], c->face_box + f, faces, c->face_changed + f);
-    bvh_build(&c->changed_edges[kind], c->edge_box + e, edges, c->edge_changed + e);
+    bvh_build(&c->broad.face_tree[kind], c->broad.face_box + f, faces, NULL);
+    bvh_build(&c->broad.edge_tree[kind], c->broad.edge_box + e, edges, NULL);
+    if (c->broad.all_changed) return;
+    bvh_build(&c->broad.changed_faces[kind], c->broad.face_box + f, faces,
+              c->broad.face_changed + f);
+    bvh_build(&c->broad.changed_edges[kind], c->broad.edge_box + e, edges,
+              c->broad.edge_changed + e);
 }
 
 static void update_trees(struct contact *c) {
     for (int f = 0; f < c->faces; f++) {
-        c->face_changed[f] = has_changed(c, c->face + 3 * f, 3);
-        if (c->face_changed[f]) wrap_regions(c, c->face + 3 * f, 3, &c->face_box[f]);
+        c->broad.face_changed[f] = has_changed(c, c->face + 3 * f, 3);
+        if (c->broad.face_changed[f]) wrap_regions(c, c->face + 3 * f, 3, &c->broad.face_box[f]);
     }
     for (int e = 0; e < c->edges; e++) {
-        c->edge_changed[e] = has_changed(c, c->edge + 2 * e, 2);
-        if (c->edge_changed[e]) wrap_regions(c, c->edge + 2 * e, 2, &c->edge_box[e]);
+        c->broad.edge_changed[e] = has_changed(c, c->edge + 2 * e, 2);
+        if (c->broad.edge_changed[e]) wrap_regions(c, c->edge + 2 * e, 2, &c->broad.edge_box[e]);
     }
     for (int kind = 0; kind < 2; kind++) build_trees(c, kind);
 }
@@ -148,7 +151,7 @@ static double share_of(const struct contact *c, const struct pair *p) {
     const double *x[4];
     double d[2][3], normal[3];
     if (pair_kind_of(p->key) != &pair_edge_edge) return 1.0;
-    pair_load(p->point, c->built, x);
+    pair_load(p->point, c->broad.built, x);
     for (int k = 0; k < 2; k++) vec3_subtract(d[k], x[2 * k + 1], x[2 * k]);
     vec3_cross(normal, d[0], d[1]);
     double squares = vec3_dot(d[0], d[0]) * vec3_dot(d[1], d[1]);
@@ -170,11 +173,11 @@ static bool close_enough(const struct contact *c, struct pair *p) {
     int first = pair_kind_of(p->key)->first;
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
     if (share_point(p->point, first) || is_passed(c, p)) return false;
-    double distance = distance_in(p, c->built);
+    double distance = distance_in(p, c->broad.built);
     p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
-    double nearest = distance - pair_largest(p, c->reach);
+    double nearest = distance - pair_largest(p, c->broad.reach);
     if (nearest > p->thickness) return false;
-    p->distance = distance - pair_largest(p, c->moved);
+    p->distance = distance - pair_largest(p, c->pairs.moved);
     p->share = share_of(c, p);
     if (same) p->thickness = fmin(p->thickness, 0.9 * distance_in(p, c->rest));
     return nearest <= p->thickness;
@@ -193,16 +196,16 @@ static void visit(void *user, int id) {
     struct contact *c = s->contact;
     struct pair p = make_pair(c, s->edges, s->a, s->base + id);
     if (!close_enough(c, &p)) return;
-    size_t at = c->found_start[s->block] + (size_t)c->found_count[s->block]++;
-    if (at < c->found_start[s->block + 1]) c->found[at] = p;
+    size_t at = c->found.start[s->block] + (size_t)c->found.count[s->block]++;
+    if (at < c->found.start[s->block + 1]) c->found.pair[at] = p;
 }
 
 static void search_around(struct search *s, const struct box *box) {
     struct contact *c = s->contact;
-    bool changed = s->edges ? c->edge_changed[s->a] : c->changed[s->a];
-    const struct bvh *tree = s->edges  ? changed ? c->edge_tree : c->changed_edges
-                             : changed ? c->face_tree
-                                       : c->changed_faces;
+    bool changed = s->edges ? c->broad.edge_changed[s->a] : c->broad.changed[s->a];
+    const struct bvh *tree = s->edges  ? changed ? c->broad.edge_tree : c->broad.changed_edges
+                             : changed ? c->broad.face_tree
+                                       : c->broad.changed_faces;
     int group = c->group[s->edges ? c->edge[2 * s->a] : s->a];
     s->base = 0;
     bvh_visit_others(&tree[0], box, s->edges ? s->a + 1 : 0, group, visit, s);
@@ -213,9 +216,9 @@ static void search_around(struct search *s, const struct box *box) {
 
 /* Sorts the pairs of one query, those of a block from number `first` on, by their keys. */
 static void sort_found(struct contact *c, int block, int first) {
-    struct pair *pair = c->found + c->found_start[block];
-    size_t room = c->found_start[block + 1] - c->found_start[block];
-    for (int k = first + 1; k < c->found_count[block] && (size_t)k < room; k++) {
+    struct pair *pair = c->found.pair + c->found.start[block];
+    size_t room = c->found.start[block + 1] - c->found.start[block];
+    for (int k = first + 1; k < c->found.count[block] && (size_t)k < room; k++) {
         struct pair p = pair[k];
         int to = k;
         for (; to > first && pair[to - 1].key > p.key; to--) pair[to] = pair[to - 1];
@@ -226,44 +229,44 @@ static void sort_found(struct contact *c, int block, int first) {
 /* A range of queries: each point is a query, then each edge of a surface. */
 static void search_block(void *arg, int first, int last, int block) {
     struct contact *c = arg;
-    c->found_count[block] = 0;
+    c->found.count[block] = 0;
     for (int q = first; q < last; q++) {
         bool edges = q >= c->points;
-        int begin = c->found_count[block];
+        int begin = c->found.count[block];
         struct search s = {.contact = c, .edges = edges, .a = edges ? q - c->points : q};
         struct box point;
         s.block = block;
-        if (!edges && (c->group[q] < 0 || box_is_empty(&c->region[q]))) continue;
+        if (!edges && (c->group[q] < 0 || box_is_empty(&c->broad.region[q]))) continue;
         if (!edges) wrap_regions(c, &q, 1, &point);
-        search_around(&s, edges ? &c->edge_box[s.a] : &point);
+        search_around(&s, edges ? &c->broad.edge_box[s.a] : &point);
         sort_found(c, block, begin);
     }
 }
 
 /* Gives each block room for twice as many pairs as it has found. */
 static pdyn_status make_block_room(struct contact *c) {
-    for (int b = 0; b < c->blocks; b++)
-        c->found_start[b + 1] = c->found_start[b] + 64 + 2 * (size_t)c->found_count[b];
-    struct pair *found = context_grow(c->context, c->found, &c->found_room,
-                                      c->found_start[c->blocks], sizeof *found);
+    for (int b = 0; b < c->found.blocks; b++)
+        c->found.start[b + 1] = c->found.start[b] + 64 + 2 * (size_t)c->found.count[b];
+    struct pair *found = context_grow(c->context, c->found.pair, &c->found.room,
+                                      c->found.start[c->found.blocks], sizeof *found);
     if (!found) return PDYN_NO_MEMORY;
-    c->found = found;
+    c->found.pair = found;
     return PDYN_OK;
 }
 
 /* Makes room for the search before the first one. */
 static pdyn_status prepare(struct contact *c) {
-    if (c->found) return PDYN_OK;
-    c->blocks = pool_blocks(c->points + c->free_edges, QUERIES);
-    c->found_count = NEW_ARRAY(c->context, c->blocks, int);
-    c->found_start = NEW_ARRAY(c->context, c->blocks + 1, size_t);
-    return c->found_count && c->found_start ? make_block_room(c) : PDYN_NO_MEMORY;
+    if (c->found.pair) return PDYN_OK;
+    c->found.blocks = pool_blocks(c->points + c->free_edges, QUERIES);
+    c->found.count = NEW_ARRAY(c->context, c->found.blocks, int);
+    c->found.start = NEW_ARRAY(c->context, c->found.blocks + 1, size_t);
+    return c->found.count && c->found.start ? make_block_room(c) : PDYN_NO_MEMORY;
 }
 
 static bool is_complete(const struct contact *c) {
     bool complete = true;
-    for (int b = 0; b < c->blocks; b++)
-        complete &= c->found_start[b] + (size_t)c->found_count[b] <= c->found_start[b + 1];
+    for (int b = 0; b < c->found.blocks; b++)
+        complete &= c->found.start[b] + (size_t)c->found.count[b] <= c->found.start[b + 1];
     return complete;
 }
 
@@ -282,47 +285,49 @@ static pdyn_status search(struct contact *c) {
 
 /* The pairs have an array of their own: they stay where the others grow. */
 static bool resize_arrays(struct contact *c, enum array_action action) {
-    int blocks = pool_blocks(c->room, CONTACT_GRAIN);
+    int blocks = pool_blocks(c->pairs.room, CONTACT_GRAIN);
     const struct array_entry table[] = {
-        ARRAY(c->hit, c->room),          ARRAY(c->hit_count, blocks),  ARRAY(c->hit_start, blocks),
-        ARRAY(c->candidate, c->room),    ARRAY(c->candidates, blocks), ARRAY(c->blocked, c->room),
-        ARRAY(c->blocked_count, blocks),
+        ARRAY(c->hits.hit, c->pairs.room),    ARRAY(c->hits.count, blocks),
+        ARRAY(c->hits.start, blocks),         ARRAY(c->path.candidate, c->pairs.room),
+        ARRAY(c->path.candidates, blocks),    ARRAY(c->path.blocked, c->pairs.room),
+        ARRAY(c->path.blocked_count, blocks),
     };
     return context_arrays(c->context, table, ARRAY_ROWS(table), action);
 }
 
 void contact_free_pairs(struct contact *c) {
     resize_arrays(c, ARRAYS_FREE);
-    FREE_ARRAY(c->context, c->pair, c->room);
+    FREE_ARRAY(c->context, c->pairs.pair, c->pairs.room);
 }
 
 /* Makes room for `count` pairs; those in the list stay. */
 static pdyn_status reserve(struct contact *c, int count) {
-    if (count <= c->room) return PDYN_OK;
+    if (count <= c->pairs.room) return PDYN_OK;
     int room = count + count / 4;
     struct pair *pair = NEW_ARRAY(c->context, room, struct pair);
     if (!pair) return PDYN_NO_MEMORY;
-    if (c->pairs) memcpy(pair, c->pair, (size_t)c->pairs * sizeof *pair);
+    if (c->pairs.count) memcpy(pair, c->pairs.pair, (size_t)c->pairs.count * sizeof *pair);
     contact_free_pairs(c);
-    c->pair = pair, c->room = room;
+    c->pairs.pair = pair, c->pairs.room = room;
     return resize_arrays(c, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 static void drop_changed(struct contact *c) {
     int kept = 0;
-    for (int k = 0; !c->all_changed && k < c->pairs; k++)
-        if (!has_changed(c, c->pair[k].point, 4)) c->pair[kept++] = c->pair[k];
-    c->pairs = kept;
+    for (int k = 0; !c->broad.all_changed && k < c->pairs.count; k++)
+        if (!has_changed(c, c->pairs.pair[k].point, 4)) c->pairs.pair[kept++] = c->pairs.pair[k];
+    c->pairs.count = kept;
 }
 
 /* Merges what the blocks found with the list, from the end; both are sorted by keys. */
 static void merge(struct contact *c, int count) {
-    int kept = c->pairs, to = c->pairs = kept + count;
-    for (int b = c->blocks - 1; b >= 0; b--) {
-        const struct pair *found = c->found + c->found_start[b];
-        for (int k = c->found_count[b] - 1; k >= 0; k--) {
-            while (kept && c->pair[kept - 1].key > found[k].key) c->pair[--to] = c->pair[--kept];
-            c->pair[--to] = found[k];
+    int kept = c->pairs.count, to = c->pairs.count = kept + count;
+    for (int b = c->found.blocks - 1; b >= 0; b--) {
+        const struct pair *found = c->found.pair + c->found.start[b];
+        for (int k = c->found.count[b] - 1; k >= 0; k--) {
+            while (kept && c->pairs.pair[kept - 1].key > found[k].key)
+                c->pairs.pair[--to] = c->pairs.pair[--kept];
+            c->pairs.pair[--to] = found[k];
         }
     }
 }
@@ -330,34 +335,36 @@ static void merge(struct contact *c, int count) {
 /* Finds the pairs of all points that have changed anew; the others stay. */
 static pdyn_status update_list(struct contact *c) {
     long count = 0;
-    if (c->all_changed) memcpy(c->seen, c->built, 3 * (size_t)c->points * sizeof *c->seen);
+    if (c->broad.all_changed)
+        memcpy(c->pairs.seen, c->broad.built, 3 * (size_t)c->points * sizeof *c->pairs.seen);
     for (int i = 0; i < c->points; i++)
-        c->moved[i] = vec3_distance(c->built + 3 * i, c->seen + 3 * i);
+        c->pairs.moved[i] = vec3_distance(c->broad.built + 3 * i, c->pairs.seen + 3 * i);
     update_trees(c);
     drop_changed(c);
     pdyn_status status = search(c);
     if (status != PDYN_OK) return status;
-    for (int b = 0; b < c->blocks; b++) count += c->found_count[b];
-    if (count + c->pairs > INT32_MAX / 4)
+    for (int b = 0; b < c->found.blocks; b++) count += c->found.count[b];
+    if (count + c->pairs.count > INT32_MAX / 4)
         return context_fail(c->context, PDYN_DIVERGED, "contact: %ld pairs are close", count);
-    status = reserve(c, c->pairs + (int)count);
+    status = reserve(c, c->pairs.count + (int)count);
     if (status == PDYN_OK) merge(c, (int)count);
     return status;
 }
 
 pdyn_status contact_list(struct contact *c) {
-    c->all_changed = true;
-    for (int i = 0; i < c->points; i++) c->changed[i] = true;
+    c->broad.all_changed = true;
+    for (int i = 0; i < c->points; i++) c->broad.changed[i] = true;
     return update_list(c);
 }
 
 pdyn_status contact_cover(struct contact *c, const double *x, const double *step) {
     if (mark_changed(c, x, step)) {
         for (int i = 0; i < c->points; i++)
-            if (c->changed[i]) set_region(c, i, x, step);
+            if (c->broad.changed[i]) set_region(c, i, x, step);
         pdyn_status status = update_list(c);
         if (status != PDYN_OK) return status;
     }
-    for (int i = 0; i < c->points; i++) c->moved[i] = vec3_distance(x + 3 * i, c->seen + 3 * i);
+    for (int i = 0; i < c->points; i++)
+        c->pairs.moved[i] = vec3_distance(x + 3 * i, c->pairs.seen + 3 * i);
     return PDYN_OK;
 }

@@ -85,8 +85,8 @@ static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
-        for (int k = 0; k < body->triangles; k++) c->face_body[faces + k] = alone;
-        for (int k = 0; k < body->edges; k++) c->edge_body[edges + k] = alone;
+        for (int k = 0; k < body->triangles; k++) c->broad.face_body[faces + k] = alone;
+        for (int k = 0; k < body->edges; k++) c->broad.edge_body[edges + k] = alone;
         *first += body->count, faces += body->triangles, edges += body->edges;
     }
 }
@@ -127,15 +127,15 @@ static pdyn_status create_pair_of_trees(struct contact *c, struct bvh tree[2], i
 }
 
 static pdyn_status create_trees(struct contact *c) {
-    struct bvh *faces[] = {c->face_tree, c->changed_faces},
-               *edges[] = {c->edge_tree, c->changed_edges};
+    struct bvh *faces[] = {c->broad.face_tree, c->broad.changed_faces},
+               *edges[] = {c->broad.edge_tree, c->broad.changed_edges};
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 2 && status == PDYN_OK; k++) {
         status = create_pair_of_trees(c, faces[k], c->free_faces, c->faces - c->free_faces,
-                                      c->face_body);
+                                      c->broad.face_body);
         if (status == PDYN_OK)
             status = create_pair_of_trees(c, edges[k], c->free_edges, c->edges - c->free_edges,
-                                          c->edge_body);
+                                          c->broad.edge_body);
     }
     return status;
 }
@@ -182,7 +182,7 @@ static pdyn_status add_batches(struct pdyn_sim *sim) {
 /* Places solids at time 0, finds the first contacts and checks them. */
 static pdyn_status place(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
-    for (int i = 0; i < c->points; i++) c->region[i] = box_empty;
+    for (int i = 0; i < c->points; i++) c->broad.region[i] = box_empty;
     for (int s = 0; s < c->groups - c->bodies; s++) {
         const struct contact_solid *solid = &c->solid[s];
         const double *from = c->rest + 3 * (size_t)solid->first;
