@@ -52,11 +52,10 @@ struct part { /* the scalar constraints of one matrix-free constraint */
 
 struct dual {
     pdyn_model *model;
-    bool coupled; /* there are rows or rigid bodies beside the constraints: A is not diagonal */
-    bool direct;  /* A^-1 needs no iteration in this solve: A is diagonal but for rigid bodies */
     bool limited; /* solves end early, because A^-1 takes many iterations: cloth or solids */
-    struct rest_solve rest;
-    double *u, *rhs; /* particles x 3: displacement by p; right side of a solve with A */
+    struct rest_solve rest; /* A^-1 */
+    double *u, *rhs; /* particles x 3: displacement by p; right side of a solve with A. NULL: not
+                        coupled */
     int products;    /* with A in this solve */
     int parts;       /* matrix-free constraints of the model; theirs follow each other below */
     struct part *part;
@@ -69,7 +68,6 @@ struct dual {
     double *p, *q;      /* count: direction; S times it */
     double *inverse;    /* count: of S's diagonal */
     bool *in;           /* count: takes part in the solve */
-    double *mobility;   /* particles, m/N: A^-1 of a fluid alone, displacement per force */
     double *d;          /* particles x 3: the displacement by the multipliers */
     double *sums;       /* SUMS partial sums for each parallel block */
     double target;      /* of the gradient's estimate, N */
@@ -83,27 +81,51 @@ struct call {
     double *out;
 };
 
-static void release_constraints(struct dual *s) {
-    const pdyn_services *c = s->model->services;
-    FREE(c, s->multiplier, s->count);
-    FREE(c, s->value, s->count);
-    FREE(c, s->stiffness, s->count);
-    FREE(c, s->squares, s->count);
-    FREE(c, s->g, s->count);
-    FREE(c, s->p, s->count);
-    FREE(c, s->q, s->count);
-    FREE(c, s->inverse, s->count);
-    FREE(c, s->in, s->count);
-    FREE(c, s->sums, SUMS * (size_t)block_count(s->count, GRAIN));
+/* Allocates or frees the arrays of `count` constraints. */
+static bool resize_constraints(struct dual *s, bool allocate) {
+    const pdyn_services *services = s->model->services;
+    size_t count = (size_t)s->count, sums = SUMS * (size_t)block_count(s->count, GRAIN);
+    struct {
+        void **array;
+        size_t bytes;
+    } all[] = {
+        {(void **)&s->multiplier, count * sizeof *s->multiplier},
+        {(void **)&s->value, count * sizeof *s->value},
+        {(void **)&s->stiffness, count * sizeof *s->stiffness},
+        {(void **)&s->squares, count * sizeof *s->squares},
+        {(void **)&s->g, count * sizeof *s->g},
+        {(void **)&s->p, count * sizeof *s->p},
+        {(void **)&s->q, count * sizeof *s->q},
+        {(void **)&s->inverse, count * sizeof *s->inverse},
+        {(void **)&s->in, count * sizeof *s->in},
+        {(void **)&s->sums, sums * sizeof *s->sums},
+    };
+    bool good = true;
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+        *all[k].array =
+            services->allocate(services->core, *all[k].array, allocate ? 0 : all[k].bytes,
+                               allocate ? all[k].bytes : 0);
+        good &= *all[k].array != NULL;
+    }
+    return good;
+}
+
+/* The number of constraints is known after the first local step. After a failure there are none. */
+static pdyn_status reserve(struct dual *s, int count) {
+    if (count == s->count) return PDYN_OK;
+    resize_constraints(s, false);
+    s->count = count;
+    if (!count || resize_constraints(s, true)) return PDYN_OK;
+    resize_constraints(s, false);
     s->count = 0;
+    return PDYN_NO_MEMORY;
 }
 
 static void release(void *self) {
     struct dual *s = self;
     if (!s->model) return;
-    release_constraints(s);
+    reserve(s, 0);
     FREE(s->model->services, s->part, s->parts);
-    FREE(s->model->services, s->mobility, s->model->particles);
     FREE(s->model->services, s->u, vector_size(s->model));
     FREE(s->model->services, s->rhs, vector_size(s->model));
     rest_solve_free(&s->rest);
@@ -122,40 +144,14 @@ static int suits(const pdyn_model *model, const char **reason) {
 static pdyn_status create(void *self, pdyn_model *model) {
     struct dual *s = self;
     s->model = model, s->parts = model->one_sided_count;
-    s->coupled = model->elements_count || model->dynamic_count || model->solve_bodies;
-    s->limited = s->coupled && !(model->solve_bodies && !model->elements_count);
     s->part = NEW(model->services, s->parts, struct part);
-    s->mobility = NEW(model->services, model->particles, double);
-    if (!s->part || !s->mobility) return PDYN_NO_MEMORY;
-    if (!s->coupled) return PDYN_OK;
+    if (!s->part) return PDYN_NO_MEMORY;
+    pdyn_status status = rest_solve_create(&s->rest, model);
+    if (status != PDYN_OK || !s->rest.coupled) return status;
+    s->limited = model->elements_count || !model->solve_bodies;
     s->u = NEW(model->services, vector_size(model), double);
     s->rhs = NEW(model->services, vector_size(model), double);
-    if (!s->u || !s->rhs) return PDYN_NO_MEMORY;
-    return rest_solve_create(&s->rest, model->rest);
-}
-
-/* The number of constraints is known after the first local step. After a failure there are none. */
-static pdyn_status reserve(struct dual *s, int count) {
-    const pdyn_services *c = s->model->services;
-    if (count == s->count) return PDYN_OK;
-    release_constraints(s);
-    if (!count) return PDYN_OK;
-    s->count = count;
-    s->multiplier = NEW(c, count, double);
-    s->value = NEW(c, count, double);
-    s->stiffness = NEW(c, count, double);
-    s->squares = NEW(c, count, double);
-    s->g = NEW(c, count, double);
-    s->p = NEW(c, count, double);
-    s->q = NEW(c, count, double);
-    s->inverse = NEW(c, count, double);
-    s->in = NEW(c, count, bool);
-    s->sums = NEW(c, SUMS * (size_t)block_count(count, GRAIN), double);
-    if (s->multiplier && s->value && s->stiffness && s->squares && s->g && s->p && s->q &&
-        s->inverse && s->in && s->sums)
-        return PDYN_OK;
-    release_constraints(s);
-    return PDYN_NO_MEMORY;
+    return s->u && s->rhs ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 /* ---- loops over constraints and particles ---------------------------------------------------- */
@@ -189,24 +185,6 @@ static void compute_rate(struct dual *s, const double *u) {
     }
 }
 
-static void compute_mobility(void *arg, int first, int last, int block) {
-    (void)block;
-    struct dual *s = ((const struct call *)arg)->s;
-    const pdyn_model *model = s->model;
-    for (int i = first; i < last; i++) {
-        double weights = 0.0;
-        for (int k = 0; k < s->parts; k++) weights += s->part[k].at.held[i];
-        s->mobility[i] = 1.0 / (model->mass[i] / (model->h * model->h) + model->eps * weights);
-    }
-}
-
-/* out = A^-1 in of particles in no row and of no rigid body */
-static void apply_mobility(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    for (int k = 3 * first; k < 3 * last; k++) c->out[k] = c->s->mobility[k / 3] * c->in[k];
-}
-
 /* out = (b or 0) - out */
 static void subtract_from(void *arg, int first, int last, int block) {
     (void)block;
@@ -221,20 +199,19 @@ static void add_scaled(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] += c->scale * c->in[k];
 }
 
-/* d = A^-1 (b - G' multiplier), b: NULL for 0; to rel_tol */
+/* out = b - G' multiplier, b: NULL for 0 */
+static void compute_force(struct dual *s, const double *b, const double *multiplier, double *out) {
+    memset(out, 0, 3 * (size_t)s->model->particles * sizeof *out);
+    add_force(s, multiplier, out);
+    for_all(s, s->model->particles, subtract_from, 0.0, b, out);
+}
+
+/* d = A^-1 (b - G' multiplier), to rel_tol */
 static void compute_displacement(struct dual *s, const double *b, const double *multiplier,
                                  double rel_tol, double *d) {
-    size_t n = 3 * (size_t)s->model->particles;
-    double *force = s->coupled ? s->rhs : d;
-    memset(force, 0, n * sizeof *force);
-    add_force(s, multiplier, force);
-    for_all(s, s->model->particles, subtract_from, 0.0, b, force);
-    if (!s->direct) {
-        s->products += rest_solve_apply(&s->rest, force, d, rel_tol);
-        return;
-    }
-    for_all(s, s->model->particles, apply_mobility, 0.0, force, d);
-    if (s->coupled) s->model->solve_bodies(s->model, force, d);
+    double *force = s->rest.coupled ? s->rhs : d;
+    compute_force(s, b, multiplier, force);
+    s->products += rest_solve_apply(&s->rest, force, d, rel_tol);
 }
 
 /* d = 0 for particles in no row */
@@ -248,10 +225,7 @@ static void clear_free(void *arg, int first, int last, int block) {
 /* d += A^-1 (b - G' multiplier - A d), from 0 for particles in no row: their solve is exact */
 static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
     pdyn_model *rest = s->rest.model;
-    size_t n = 3 * (size_t)s->model->particles;
-    memset(s->rhs, 0, n * sizeof *s->rhs);
-    add_force(s, multiplier, s->rhs);
-    for_all(s, s->model->particles, subtract_from, 0.0, b, s->rhs);
+    compute_force(s, b, multiplier, s->rhs);
     for_all(s, s->model->particles, clear_free, 0.0, NULL, s->d);
     rest->product(rest, s->d, s->u);
     rest->for_particles(rest, GRAIN, add_scaled, &(struct call){s, NULL, -1.0, s->u, s->rhs});
@@ -276,7 +250,8 @@ static void start_constraints(void *arg, int first, int last, int block) {
         s->value[i] = part->at.value[k], s->squares[i] = part->at.squares[k];
         s->stiffness[i] = w, s->in[i] = w > 0.0;
         if (!s->in[i]) s->multiplier[i] = 0.0;
-        s->inverse[i] = s->in[i] ? 1.0 / (1.0 / w + s->mobility[particle] * s->squares[i]) : 0.0;
+        s->inverse[i] =
+            s->in[i] ? 1.0 / (1.0 / w + s->rest.mobility[particle] * s->squares[i]) : 0.0;
         s->p[i] = multiplier_change(s, i);
     }
 }
@@ -338,7 +313,7 @@ static void add_compliance(void *arg, int first, int last, int block) {
 
 /* q = S p */
 static void multiply(struct dual *s) {
-    double *u = s->direct ? s->d : s->u;
+    double *u = s->rest.exact ? s->d : s->u;
     compute_displacement(s, NULL, s->p, inner_tolerance, u);
     compute_rate(s, u);
     for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
@@ -347,7 +322,7 @@ static void multiply(struct dual *s) {
 /* lambda += scale p, and what follows from it. */
 static void advance(struct dual *s, double scale) {
     for_all(s, s->count, step_along_direction, scale, NULL, NULL);
-    if (!s->direct) for_all(s, s->model->particles, add_scaled, scale, s->u, s->d);
+    if (!s->rest.exact) for_all(s, s->model->particles, add_scaled, scale, s->u, s->d);
 }
 
 /* p = the step from lambda to the bounds */
@@ -378,7 +353,6 @@ static void compute_change(void *arg, int first, int last, int block) {
 
 static void start(struct dual *s, const double *b) {
     const pdyn_services *services = s->model->services;
-    for_all(s, s->model->particles, compute_mobility, 0.0, NULL, NULL);
     for (int k = 0; k < s->parts; k++) {
         struct call call = {.s = s, .part = &s->part[k]};
         services->parallel_for(services->core, s->part[k].at.count, GRAIN, start_constraints,
@@ -425,15 +399,14 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     s->d = y;
     s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));
     *iterations = s->products = 0;
-    s->direct = !s->coupled || s->rest.model->bodies_alone;
-    if (s->coupled) rest_solve_update(&s->rest, stop->first_of_step);
+    rest_solve_update(&s->rest, stop->first_of_step);
     start(s, b);
     int most =
         s->limited && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
     iterate(s, most, iterations);
     for_all(s, s->count, compute_change, 0.0, NULL, NULL);
-    if (!s->direct) correct_displacement(s, b, s->p);
-    else compute_displacement(s, b, s->p, 0.0, s->d);
+    if (s->rest.exact) compute_displacement(s, b, s->p, 0.0, s->d);
+    else correct_displacement(s, b, s->p);
     *iterations += s->products;
     return PDYN_OK;
 }

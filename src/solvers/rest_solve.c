@@ -1,6 +1,6 @@
 #include "rest_solve.h"
 
-#include <string.h>
+#include "memory.h"
 
 enum { GRAIN = 2048, MAX_ITERATIONS = 100 };
 
@@ -9,22 +9,57 @@ struct call {
     double *b, *y;
 };
 
-pdyn_status rest_solve_create(struct rest_solve *s, pdyn_model *model) {
-    s->model = model;
-    pdyn_status status = pcg_create(&s->pcg, model);
-    if (status == PDYN_OK) status = block_jacobi_create(&s->jacobi, model);
-    return status == PDYN_OK ? coarse_space_create(&s->coarse, model) : status;
+pdyn_status rest_solve_create(struct rest_solve *s, pdyn_model *whole) {
+    s->whole = whole, s->model = whole->rest;
+    s->coupled = whole->elements_count || whole->dynamic_count || whole->solve_bodies;
+    s->mobility = NEW(whole->services, whole->particles, double);
+    if (!s->mobility) return PDYN_NO_MEMORY;
+    if (!s->coupled) return PDYN_OK;
+    pdyn_status status = pcg_create(&s->pcg, s->model);
+    if (status == PDYN_OK) status = block_jacobi_create(&s->jacobi, s->model);
+    return status == PDYN_OK ? coarse_space_create(&s->coarse, s->model) : status;
 }
 
 void rest_solve_free(struct rest_solve *s) {
+    if (s->whole) FREE(s->whole->services, s->mobility, s->whole->particles);
     pcg_free(&s->pcg);
     block_jacobi_free(&s->jacobi);
     coarse_space_free(&s->coarse);
 }
 
+static void for_particles(const struct rest_solve *s, pdyn_range_fn *fn, double *b, double *y) {
+    const pdyn_services *services = s->model->services;
+    services->parallel_for(services->core, s->model->particles, GRAIN, fn, &(struct call){s, b, y});
+}
+
+static void compute_mobility(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct rest_solve *s = ((const struct call *)arg)->s;
+    pdyn_model *model = s->whole;
+    for (int i = first; i < last; i++) s->mobility[i] = 0.0;
+    for (int k = 0; k < model->one_sided_count; k++) {
+        const pdyn_body *body;
+        const double *held = model->one_sided(model, k, &body).held;
+        for (int i = first; i < last; i++) s->mobility[i] += held[i];
+    }
+    for (int i = first; i < last; i++)
+        s->mobility[i] =
+            1.0 / (model->mass[i] / (model->h * model->h) + model->eps * s->mobility[i]);
+}
+
 void rest_solve_update(struct rest_solve *s, bool first_of_step) {
+    s->exact = !s->coupled || s->model->bodies_alone;
+    for_particles(s, compute_mobility, NULL, NULL);
+    if (!s->coupled) return;
     block_jacobi_update(&s->jacobi);
     coarse_space_update(&s->coarse, first_of_step);
+}
+
+/* y = A^-1 b of particles in no row and of no rigid body */
+static void apply_mobility(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct call *c = arg;
+    for (int k = 3 * first; k < 3 * last; k++) c->y[k] = c->s->mobility[k / 3] * c->b[k];
 }
 
 /* y = D^-1 b and b = 0 for particles in no row, whose block D is a number (damping counts up to the
@@ -48,13 +83,18 @@ static void precondition(void *self, const double *r, double *z) {
     coarse_space_correct(&s->coarse, r, z);
 }
 
+static int apply_exactly(struct rest_solve *s, double *b, double *y) {
+    for_particles(s, apply_mobility, b, y);
+    if (s->coupled) s->whole->solve_bodies(s->whole, b, y);
+    return 0;
+}
+
 int rest_solve_apply(struct rest_solve *s, double *b, double *y, double rel_tol) {
-    const pdyn_services *services = s->model->services;
     const pdyn_stop stop = {
         .rel_tol = rel_tol, .max_iterations = MAX_ITERATIONS, .first_of_step = true};
     int iterations = 0;
-    services->parallel_for(services->core, s->model->particles, GRAIN, solve_free,
-                           &(struct call){s, b, y});
+    if (s->exact) return apply_exactly(s, b, y);
+    for_particles(s, solve_free, b, y);
     pcg_solve(&s->pcg, precondition, s, b, y, &stop, &iterations);
     return iterations;
 }
