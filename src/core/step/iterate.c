@@ -1,0 +1,49 @@
+#include "iterate.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+/* All particles of a rigid body move by the same part of their displacements. */
+static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
+    const struct rigid_map *map = sim->objective.rigid;
+    double all = 1.0;
+    for (int k = 0; map && k < map->bodies; k++) {
+        const struct rigid_body *body = &map->body[k];
+        int end = body->first + body->vertices + RIGID_POINTS;
+        double least = 1.0;
+        for (int i = body->first; i < end; i++) {
+            double length = vec3_length(moves + 3 * (size_t)i);
+            if (length > sim->max_step[i]) least = fmin(least, sim->max_step[i] / length);
+        }
+        for (int j = 3 * body->first; least < 1.0 && j < 3 * end; j++) moves[j] *= least;
+        all = fmin(all, least);
+    }
+    return all;
+}
+
+double iterate_limit(const struct pdyn_sim *sim, double *moves) {
+    double least = sim->max_step ? limit_bodies(sim, moves) : 1.0;
+    for (int i = 0; sim->max_step && i < sim->objective.particles; i++) {
+        double *own = moves + 3 * (size_t)i, length = vec3_length(own);
+        if (!(length > sim->max_step[i])) continue;
+        double part = sim->max_step[i] / length;
+        for (int a = 0; a < 3; a++) own[a] *= part;
+        least = fmin(least, part);
+    }
+    return least;
+}
+
+void iterate_retract(const struct pdyn_sim *sim, double *x) {
+    if (sim->objective.rigid) rigid_map_retract(sim->objective.rigid, x);
+}
+
+pdyn_status iterate_update_limits(struct pdyn_sim *sim, const double *x) {
+    return sim->max_step ? objective_limit(&sim->objective, x, sim->max_step) : PDYN_OK;
+}
+
+void iterate_accept_trial(struct pdyn_sim *sim) {
+    memcpy(sim->x_next, sim->trial, objective_bytes(&sim->objective));
+    memcpy(sim->gradient, sim->trial_gradient, objective_bytes(&sim->objective));
+}

@@ -1,0 +1,108 @@
+#include "line_search.h"
+
+#include "iterate.h"
+
+#include <math.h>
+#include <string.h>
+
+struct rule {      /* conditions under which a step along the direction is accepted */
+    double bound;  /* J: the energy must be below it, */
+    double armijo; /* by this part of the slope (Armijo constant) */
+    double uphill; /* curvature constant: |slope after| <= uphill x |slope before| where the slope
+                      is positive; 0 disables. The last try need not satisfy it */
+    int tries;     /* backtracking steps at most */
+};
+
+/* Displacements of rigid bodies from x_next become those to rigid positions. */
+static void rigid_moves(struct pdyn_sim *sim, double *moves) {
+    if (!sim->objective.rigid) return;
+    objective_axpy(&sim->objective, 1.0, sim->x_next, moves);
+    iterate_retract(sim, moves);
+    objective_axpy(&sim->objective, -1.0, sim->x_next, moves);
+}
+
+/* sim->trial = x_next + part x direction, every point stopped where its path ends. *least: the
+ * smallest part that a point has gone so far. *slope, of E along the direction, becomes the slope
+ * along these displacements. */
+static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, double *slope) {
+    struct objective *objective = &sim->objective;
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < 3 * objective->particles; k++) sim->trial[k] = part * sim->direction[k];
+    rigid_moves(sim, sim->trial);
+    bool blocked = part > *least;
+    double taken = blocked ? iterate_limit(sim, sim->trial) : 1.0;
+    if (blocked && objective->contact) {
+        status = contact_filter(objective->contact, sim->x_next, sim->trial);
+        taken *= contact_least(objective->contact);
+    }
+    if (blocked) *least = part * taken;
+    *slope = part > *least ? objective_dot(objective, sim->gradient, sim->trial) : part * *slope;
+    objective_axpy(objective, 1.0, sim->x_next, sim->trial);
+    iterate_retract(sim, sim->trial);
+    return status;
+}
+
+/* Close to the minimum, differences of E are rounding. A step is then accepted by its slopes
+ * (approximate Wolfe conditions, Hager and Zhang 2005), if E rises by no more than this part. */
+static const double energy_uncertainty = 1e-6;
+
+static bool is_accepted(const struct rule *rule, const struct line_step *step, double energy,
+                        double slope, bool free, bool last) {
+    bool falls =
+        energy <= rule->bound + rule->armijo * fmin(slope, 0.0) + 1e-13 * fabs(rule->bound);
+    bool flatter = rule->uphill > 0.0 && free && step->slope < 0.0 &&
+                   fabs(step->slope_after) <= -rule->uphill * step->slope;
+    if (!falls) return flatter && energy <= rule->bound + energy_uncertainty * fabs(rule->bound);
+    return last || !free || rule->uphill == 0.0 || step->slope_after <= -rule->uphill * step->slope;
+}
+
+/* Backtracking: x_next + direction, halved until the rule accepts it. In contact every point goes
+ * as far as its path is free; a shorter direction stops fewer of them. */
+static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, double *energy,
+                               struct line_step *step) {
+    struct objective *objective = &sim->objective;
+    double trial, least = objective->contact || sim->max_step ? 0.0 : 1.0;
+    *step = (struct line_step){.length = 1.0,
+                               .slope = objective_dot(objective, sim->gradient, sim->direction)};
+    for (int k = 1; k <= rule->tries;
+         k++, step->length = iterate_shorter_part(step->length, least)) {
+        double slope = step->slope;
+        pdyn_status status = set_trial(sim, step->length, &least, &slope);
+        if (status == PDYN_OK)
+            status = objective_local(objective, sim->trial, &trial, sim->trial_gradient);
+        if (status != PDYN_OK) return status;
+        step->slope_after = objective_dot(objective, sim->trial_gradient, sim->direction);
+        if (is_accepted(rule, step, trial, slope, step->length <= least, k == rule->tries)) {
+            iterate_accept_trial(sim);
+            *energy = trial;
+            return PDYN_OK;
+        }
+    }
+    step->length = 0.0;
+    return PDYN_OK;
+}
+
+/* A line search along the direction. */
+static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
+                           struct line_step *step) {
+    struct rule rule = {.bound = *energy, .armijo = 1e-4, .uphill = 0.7, .tries = BACKTRACKS};
+    if (sim->solver->dual) rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
+    pdyn_status status = search_line(sim, &rule, energy, step);
+    if (status != PDYN_OK || step->length > 0.0) return status;
+    return objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
+}
+
+/* Takes the point that the acceleration (Anderson, Chebyshev) proposes, if E is lower there;
+ * otherwise searches along the direction. */
+pdyn_status line_search(struct pdyn_sim *sim, double before, double *energy,
+                        struct line_step *step) {
+    struct acceleration *a = &sim->acceleration;
+    pdyn_status status = PDYN_OK;
+    if (!acceleration_propose(a, sim->x_next, sim->direction))
+        return descend(sim, before, energy, step);
+    status = search_line(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
+    if (status != PDYN_OK || step->length > 0.0) return status;
+    acceleration_start(a);
+    memcpy(sim->direction, a->plain, objective_bytes(&sim->objective));
+    return descend(sim, before, energy, step);
+}

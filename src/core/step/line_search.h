@@ -1,0 +1,19 @@
+/* The line search of an iteration: from the iterate along sim->direction. */
+#ifndef PDYN_LINE_SEARCH_H
+#define PDYN_LINE_SEARCH_H
+
+#include "sim.h"
+
+struct line_step {             /* a step along the direction */
+    double length;             /* part of the direction that was taken; 0: none */
+    double slope, slope_after; /* of E along the direction, before and after */
+};
+
+/* Moves the iterate along sim->direction, which the acceleration may change, and updates *energy
+ * and sim->gradient. Without an accepted step they stay. before: the energy an iteration earlier;
+ * with a dual solver E may rise once, while multipliers are inaccurate, and then has to fall below
+ * that. */
+pdyn_status line_search(struct pdyn_sim *sim, double before, double *energy,
+                        struct line_step *taken);
+
+#endif

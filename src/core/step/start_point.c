@@ -1,0 +1,100 @@
+#include "start_point.h"
+
+#include "iterate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* x = s + h^2 a, a: the constraints' acceleration of the last step, which is likely to be needed
+ * again. (A start without gravity gives the same density, but unsolved steps then lose motion.) */
+static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
+    double h = sim->objective.h;
+    memcpy(x, sim->objective.s, objective_bytes(&sim->objective));
+    objective_axpy(&sim->objective, h * h, sim->constraint_acceleration, x);
+}
+
+/* The local step at x, where every point is stopped on its path from the state sim->x by surfaces.
+ * *least: the smallest part of its path that a point has gone. */
+static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, double *energy,
+                            double *gradient) {
+    struct contact *contact = sim->objective.contact;
+    *least = 1.0;
+    iterate_retract(sim, x);
+    if (sim->max_step) {
+        objective_axpy(&sim->objective, -1.0, sim->x, x);
+        *least = iterate_limit(sim, x);
+        objective_axpy(&sim->objective, 1.0, sim->x, x);
+    }
+    pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
+    if (contact) *least = fmin(*least, contact_least(contact));
+    iterate_retract(sim, x);
+    return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
+}
+
+/* The local step at a part of the path from the state to s. */
+static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
+    double least;
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        sim->x_next[k] = sim->x[k] + part * (sim->objective.s[k] - sim->x[k]);
+    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+}
+
+/* The inertial energy of staying at the state x: a lower bound of E there, J. */
+static double inertial_energy_at_rest(const struct pdyn_sim *sim) {
+    double sum = 0.0;
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
+        double moved = sim->objective.s[k] - sim->x[k];
+        sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
+    }
+    return sum;
+}
+
+/* Starts at s. Where surfaces are in the way, starts so far before s that E is not above its value
+ * at the state: particles that a surface has stopped must not be compressed by those behind them.
+ */
+static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
+    double least, bound;
+    pdyn_status status = start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    if (status != PDYN_OK || least == 1.0 || *energy <= inertial_energy_at_rest(sim)) return status;
+    status = start_between(sim, 0.0, &bound);
+    double part = *energy > bound ? iterate_shorter_part(1.0, least) : 1.0;
+    for (int k = 0; status == PDYN_OK && k < BACKTRACKS;
+         k++, part = iterate_shorter_part(part, least)) {
+        status = start_between(sim, part, energy);
+        if (!(*energy > bound)) return status;
+    }
+    return status == PDYN_OK ? start_between(sim, 0.0, energy) : status;
+}
+
+/* Adds the acceleration of the last step where that lowers E, except after a step that was cut
+ * short: its error would be handed on. */
+static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
+    double warm, least;
+    pdyn_status status = start_inertia(sim, energy);
+    if (status != PDYN_OK || sim->last_h == 0.0 || sim->unfinished) return status;
+    predict_with_acceleration(sim, sim->trial);
+    status = start_at(sim, sim->trial, &least, &warm, sim->trial_gradient);
+    if (status != PDYN_OK) return status;
+    if (!(warm < *energy)) return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+    iterate_accept_trial(sim);
+    *energy = warm;
+    return PDYN_OK;
+}
+
+/* A dual solver keeps its multipliers, so a step starts at s. A fluid at rest, which moves less
+ * than its constraints move it in a step, starts at s + h^2 a: there it is solved. */
+static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
+    struct objective *objective = &sim->objective;
+    double moved = objective_dot(objective, sim->v, sim->v), least;
+    double pushed =
+        objective->h * objective->h *
+        objective_dot(objective, sim->constraint_acceleration, sim->constraint_acceleration);
+    if (moved < pushed) predict_with_acceleration(sim, sim->x_next);
+    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+}
+
+pdyn_status start_point(struct pdyn_sim *sim, double *energy) {
+    pdyn_status status = iterate_update_limits(sim, sim->x);
+    if (status != PDYN_OK) return status;
+    return solves_fluid_alone(sim) ? start_multipliers(sim, energy) : start_positions(sim, energy);
+}
