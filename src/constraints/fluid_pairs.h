@@ -83,10 +83,11 @@ INLINE void load_pair(const struct fluid *f, int pair, v4 *out) {
     v4_widen(out, f->pair + 4 * (size_t)pair);
 }
 
-/* Local step at x (particles x 3): computes pairs, C_i and grad C_i; returns the energy, J. */
+/* Local step at x (particles x 3; fluid_local.c): computes pairs, C_i and grad C_i; returns the
+ * energy, J. */
 double fluid_project(struct fluid *f, const double *x);
 
-/* pdyn_operator.boundary_force */
+/* pdyn_operator.boundary_force (fluid_boundary.c) */
 void fluid_boundary_force(void *self, double *force);
 
 /* y += sum_i multiplier_i grad C_i; multiplier: particles, y: particles x 3 */
