@@ -161,6 +161,23 @@ void test_write_text(const char *name, const char *text) {
 
 void test_remove_file(const char *name) { assert_int_equal(unlink(name), 0); }
 
+void test_damaged_copies(const char *data, size_t size, test_check_file *check, const void *what) {
+    static const char replacement[] = {'\0', '\n', ' ', '-', '9', '/', '\x7f', '\xff'};
+    uint32_t random = 1;
+    char *copy = malloc(size);
+    assert_non_null(copy);
+    for (size_t left = 0; left < size; left++) check(what, data, left);
+    for (size_t at = 0; at < size; at++) {
+        random = random * 1664525u + 1013904223u;
+        memcpy(copy, data, size);
+        copy[at] = replacement[random >> 29];
+        check(what, copy, size);
+        copy[at] = (char)(data[at] ^ 1 << (random >> 26 & 7));
+        check(what, copy, size);
+    }
+    free(copy);
+}
+
 /* ---- numbers --------------------------------------------------------------------------------- */
 
 /* A linear congruential generator. */

@@ -62,6 +62,11 @@ void test_write_file(const char *name, const char *data, size_t size);
 void test_write_text(const char *name, const char *text);
 void test_remove_file(const char *name);
 
+/* Calls check with damaged copies of a file: every beginning of it, and every byte replaced by one
+ * that a reader may stumble over, and with one bit turned. */
+typedef void test_check_file(const void *what, const char *data, size_t size);
+void test_damaged_copies(const char *data, size_t size, test_check_file *check, const void *what);
+
 double test_random(uint64_t *state); /* in [-1, 1) */
 double test_distance(const double *a, const double *b, int n);
 /* n zeros, and one more, as vectors of particles have it; to be freed. */

@@ -187,7 +187,8 @@ static void test_bad_files(void **state) {
 }
 
 /* Truncated and corrupted files are read or refused, without leaks. */
-static void expect_sane(const struct sample *sample, const char *data, size_t size) {
+static void expect_sane(const void *what, const char *data, size_t size) {
+    const struct sample *sample = what;
     struct particles read;
     test_write_file(sample->name, data, size);
     pdyn_status status = particles_read(context, sample->name, &read);
@@ -200,19 +201,8 @@ static void expect_sane(const struct sample *sample, const char *data, size_t si
 
 static void test_damaged(void **state) {
     (void)state;
-    static const char replacement[] = {'\0', '\n', ' ', '-', '9', '/', '\x7f', '\xff'};
-    uint32_t random = 1;
     for (int k = 0; k < COUNT(samples); k++) {
-        char data[1024];
-        assert_true(samples[k].size < sizeof data);
-        for (size_t size = 0; size < samples[k].size; size++)
-            expect_sane(&samples[k], samples[k].data, size);
-        for (size_t at = 0; at < samples[k].size; at++) {
-            memcpy(data, samples[k].data, samples[k].size);
-            random = random * 1664525u + 1013904223u;
-            data[at] = replacement[random >> 29];
-            expect_sane(&samples[k], data, samples[k].size);
-        }
+        test_damaged_copies(samples[k].data, samples[k].size, expect_sane, &samples[k]);
         test_remove_file(samples[k].name);
     }
 }
