@@ -74,7 +74,7 @@ static int touch(const struct contact *c, const struct pair_kind *kind, const in
                  const int *b) {
     int points = kind->first, one = c->group[a[0]], other = c->group[b[0]], all[4];
     const double *x[4], *rest[4];
-    double unused[4], T = fmin(c->near[one], c->near[other]);
+    double unused[4], T = fmin(c->thickness[one], c->thickness[other]);
     if (share_a_point(a, points, b, 4 - points)) return 0;
     memcpy(all, a, (size_t)points * sizeof *a);
     memcpy(all + points, b, (size_t)(4 - points) * sizeof *b);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static double stiffness_of(const struct contact *c, const pdyn_contact *contact) {
-    return barrier_stiffness(contact->share * c->set->stiffness, contact->thickness,
+    return barrier_stiffness(contact->share * c->settings->stiffness, contact->thickness,
                              contact->distance);
 }
 
@@ -39,7 +39,7 @@ static void points_of(const struct contact *c, const struct bearing *bearing,
 static void add_contact(const struct contact *c, struct bearing *bearing, int e) {
     const pdyn_contact *contact = &c->start.contact[e];
     const struct stencil *s = &c->start.stencil[e];
-    double k = contact->share * c->set->stiffness, weight = c->bearings->contact[e].stiffness;
+    double k = contact->share * c->settings->stiffness, weight = c->bearings->contact[e].stiffness;
     double point[2][3];
     double force = barrier_force(k, contact->thickness, contact->distance);
     double sign = c->group[s->point[0]] == bearing->group[0] ? 1.0 : -1.0;
@@ -178,7 +178,7 @@ static void set_dashpots(const struct contact *c, struct bearing *bearing, const
     const svd3 tilt = svd3_of(bearing->tilt);
     const pdyn_dashpot central = dashpot_at(bearing, end, x, none);
     double roll = rolling(bearing, end), part = bearing->net / bearing->force;
-    bearing->damping = part * part * 2.0 * c->set->damping *
+    bearing->damping = part * part * 2.0 * c->settings->damping *
                        sqrt(bearing->stiffness / inverse_mass(&central, end));
     for (int k = 0; k < BEARING_DASHPOTS; k++) {
         double rest = fmax(0.0, tilt.s[k / 2] - roll), offset[3] = {0};
@@ -233,7 +233,7 @@ int bearings_solid(const struct contact *c, int dashpot) {
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 pdyn_status bearings_create(struct contact *c, const struct rigid_map *map) {
-    if (!map || !(c->set->damping > 0.0)) return PDYN_OK;
+    if (!map || !(c->settings->damping > 0.0)) return PDYN_OK;
     struct bearings *t = c->bearings = NEW_ARRAY(c->context, 1, struct bearings);
     if (!t) return PDYN_NO_MEMORY;
     t->map = map;

@@ -32,9 +32,9 @@ static void step_solids(struct contact *c) {
 static void move_solids(struct contact *c) {
     double *at = solids_in(c, c->at);
     const double *x = solids_in(c, c->path.x), *step = solids_in(c, c->path.step);
-    c->behind = false;
+    c->lagging = false;
     for (size_t k = 0; c->moving && k < solid_numbers(c); k++) at[k] = x[k] + step[k];
-    for (int i = c->free; c->moving && i < c->points; i++) c->behind |= c->path.taken[i] < 1.0;
+    for (int i = c->free; c->moving && i < c->points; i++) c->lagging |= c->path.taken[i] < 1.0;
 }
 
 static void set_goals(struct contact *c, double time) {
@@ -171,7 +171,7 @@ static bool regions_are_valid(const struct contact *c) {
             valid &= low >= 0.0 && high >= 0.0;
             far += side * side, size += fabs(c->broad.built[3 * i + a]);
         }
-        double rounding = 1e-9 * (c->broad.reach[i] + size + c->set->thickness);
+        double rounding = 1e-9 * (c->broad.reach[i] + size + c->settings->thickness);
         valid &= fabs(sqrt(far) - c->broad.reach[i]) <= rounding; /* false for NaN, too */
     }
     return valid;
@@ -186,7 +186,7 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
     snapshot_file_numbers(a, c->broad.built, 3 * n, "a position of contact is not finite");
     snapshot_file_range(a, c->at, 3 * n, STATE_MAX_POSITION,
                         "a position of contact is out of range");
-    snapshot_file_flags(a, &c->behind, 1, "the flag of solids is neither 0 nor 1");
+    snapshot_file_flags(a, &c->lagging, 1, "the flag of solids is neither 0 nor 1");
     if (!a->view.reading || a->status != PDYN_OK) return;
     snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");
     if (a->status == PDYN_OK) a->status = contact_list(c);
@@ -198,9 +198,9 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
 bool contact_resize(struct contact *c, enum array_action action) {
     size_t n = (size_t)c->points, solids = n - (size_t)c->free, edges = (size_t)c->edges_room;
     const struct array_entry table[] = {
-        ARRAY(c->owner, c->groups),
-        ARRAY(c->near, c->groups),
-        ARRAY(c->open, c->groups),
+        ARRAY(c->name, c->groups),
+        ARRAY(c->thickness, c->groups),
+        ARRAY(c->permeable, c->groups),
         ARRAY(c->rigid, c->rigids),
         ARRAY(c->solid, c->groups - c->bodies),
         ARRAY(c->group, n),

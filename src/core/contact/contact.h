@@ -110,19 +110,19 @@ struct contact_hits {
 
 struct contact {
     pdyn_context *context;
-    const struct scene_contact *set;
+    const struct scene_contact *settings;
     double ms; /* wall time in this step */
 
     /* Points: vertices of surfaces, then particles of fluids (both are free), then vertices of
      * solids. Groups: bodies, then solids. */
     int points, free, vertices;
-    const bool *live;   /* particles of the system that exist; NULL: all */
-    double *near;       /* groups, m: thickness */
-    const char **owner; /* groups: names */
-    int *group;         /* points; -1 for a point of a solid that no triangle has */
-    int *column;        /* free: particle of the system */
-    double *rest;       /* points x 3, m: rest shapes; relative to the pivot for solids that move */
-    double *at;         /* points x 3, m: positions at the last local step */
+    const bool *live;  /* particles of the system that exist; NULL: all */
+    double *thickness; /* groups, m */
+    const char **name; /* groups */
+    int *group;        /* points; -1 for a point of a solid that no triangle has */
+    int *column;       /* free: particle of the system */
+    double *rest;      /* points x 3, m: rest shapes; relative to the pivot for solids that move */
+    double *at;        /* points x 3, m: positions at the last local step */
     int faces, free_faces; /* those of surfaces are the first */
     int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;
@@ -131,11 +131,11 @@ struct contact {
     struct contact_solid *solid; /* groups - bodies */
     int rigids;
     struct contact_rigid *rigid; /* rigids: no pair within one comes into contact */
-    bool *open;                  /* groups: particles of fluids pass their faces */
+    bool *permeable;             /* groups: particles of fluids pass their faces */
     pdyn_body body;              /* all free particles, for the batches */
     double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
     bool moving;          /* some solid moves in this scene */
-    bool behind;          /* some solid has not reached its goal */
+    bool lagging;         /* some solid has not reached its goal */
 
     struct broad_phase broad;
     struct pair_list pairs;

@@ -60,8 +60,8 @@ static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     return context_fail(
         c->context, PDYN_BAD_INPUT,
         "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect",
-        triangle_number(c, edge, 2), c->owner[c->group[edge[0]]], triangle_number(c, face, 3),
-        c->owner[c->group[face[0]]]);
+        triangle_number(c, edge, 2), c->name[c->group[edge[0]]], triangle_number(c, face, 3),
+        c->name[c->group[face[0]]]);
 }
 
 static pdyn_status check_intersections(const struct contact *c) {
@@ -89,8 +89,8 @@ static pdyn_status check_distances(const struct contact *c) {
             c->context, PDYN_BAD_INPUT,
             "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
             "expected at least a sixteenth of the thickness, %.3g m",
-            c->owner[c->group[point[0]]], c->owner[c->group[point[3]]], distance, at[0], at[1],
-            at[2], least);
+            c->name[c->group[point[0]]], c->name[c->group[point[3]]], distance, at[0], at[1], at[2],
+            least);
     }
     return PDYN_OK;
 }

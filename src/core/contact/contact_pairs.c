@@ -44,7 +44,7 @@ static void set_region(struct contact *c, int i, const double *x, const double *
     double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
     if (step) vec3_add(end, 1.0, step + 3 * i);
     double moved = vec3_distance(end, x + 3 * i);
-    double margin = i < c->free || moved > 0.0 ? margin_size * c->set->thickness : 0.0;
+    double margin = i < c->free || moved > 0.0 ? margin_size * c->settings->thickness : 0.0;
     c->broad.region[i] = box_empty;
     memcpy(c->broad.built + 3 * i, x + 3 * i, 3 * sizeof *x);
     c->broad.reach[i] = 0.0;
@@ -86,8 +86,8 @@ static void wrap_regions(const struct contact *c, const int *corner, int corners
         box_add(box, c->broad.region[corner[k]].max);
     }
     for (int a = 0; a < 3; a++) {
-        box->min[a] -= 0.5 * c->set->thickness;
-        box->max[a] += 0.5 * c->set->thickness;
+        box->min[a] -= 0.5 * c->settings->thickness;
+        box->max[a] += 0.5 * c->settings->thickness;
     }
 }
 
@@ -162,7 +162,7 @@ static double share_of(const struct contact *c, const struct pair *p) {
 /* Whether the pair is a particle of a fluid and a face that it passes. */
 static bool is_passed(const struct contact *c, const struct pair *p) {
     int a = p->point[0];
-    return a >= c->vertices && a < c->free && c->open[c->group[p->point[3]]];
+    return a >= c->vertices && a < c->free && c->permeable[c->group[p->point[3]]];
 }
 
 /* Whether the pair can come closer than its thickness while its points are in their regions; sets
@@ -174,7 +174,7 @@ static bool close_enough(const struct contact *c, struct pair *p) {
     bool same = c->group[p->point[0]] == c->group[p->point[3]];
     if (share_point(p->point, first) || is_passed(c, p)) return false;
     double distance = distance_in(p, c->broad.built);
-    p->thickness = fmin(c->near[c->group[p->point[0]]], c->near[c->group[p->point[3]]]);
+    p->thickness = fmin(c->thickness[c->group[p->point[0]]], c->thickness[c->group[p->point[3]]]);
     double nearest = distance - pair_largest(p, c->broad.reach);
     if (nearest > p->thickness) return false;
     p->distance = distance - pair_largest(p, c->pairs.moved);

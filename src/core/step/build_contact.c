@@ -60,10 +60,11 @@ static const double particle_thickness = 0.5;
 
 static void add_body(struct contact *c, const struct pdyn_sim *sim, int b, int points) {
     const pdyn_body *body = &sim->body[b];
-    c->owner[b] = body->name;
-    c->near[b] = c->set->thickness;
-    c->open[b] = body->permeability > 0.0;
-    if (!body->triangles) c->near[b] = fmin(c->near[b], particle_thickness * body->radius);
+    c->name[b] = body->name;
+    c->thickness[b] = c->settings->thickness;
+    c->permeable[b] = body->permeability > 0.0;
+    if (!body->triangles)
+        c->thickness[b] = fmin(c->thickness[b], particle_thickness * body->radius);
     for (int i = 0; i < body->count; i++) {
         c->column[points + i] = body->first + i;
         c->group[points + i] = b;
@@ -81,7 +82,7 @@ static void add_bodies(struct contact *c, const struct pdyn_sim *sim) {
         if (is_rigid)
             c->rigid[rigids++] =
                 (struct contact_rigid){b, points, body->count, body->first + body->count};
-        int alone = c->set->self && !is_rigid ? -1 : b;
+        int alone = c->settings->self && !is_rigid ? -1 : b;
         for (int k = 0; k < 3 * body->triangles; k++)
             c->face[3 * faces + k] = points + body->triangle[k];
         for (int k = 0; k < 2 * body->edges; k++) c->edge[2 * edges + k] = points + body->edge[k];
@@ -99,8 +100,8 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
     for (int s = 0; s < sim->scene.solids; s++) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         const struct mesh *mesh = &solid->mesh;
-        c->owner[c->bodies + s] = solid->name;
-        c->near[c->bodies + s] = c->set->thickness;
+        c->name[c->bodies + s] = solid->name;
+        c->thickness[c->bodies + s] = c->settings->thickness;
         c->solid[s] = (struct contact_solid){solid, points, mesh->vertices};
         c->moving |= solid->keys > 0;
         for (int i = 0; i < mesh->vertices; i++) {
@@ -154,8 +155,8 @@ static pdyn_status add_batch(struct pdyn_sim *sim, const pdyn_constraint_type *t
 /* Shows all constraints the contacts: those of the local step, or of the beginning of the step. */
 static void show(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
-    const pdyn_contacts contacts = {.stiffness = c->set->stiffness,
-                                    .friction = c->set->friction,
+    const pdyn_contacts contacts = {.stiffness = c->settings->stiffness,
+                                    .friction = c->settings->friction,
                                     .particles = sim->objective.particles};
     c->current.view = c->start.view = contacts;
     for (int k = 0; k < sim->objective.batches; k++) {
@@ -173,7 +174,7 @@ static pdyn_status add_batches(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = bearings_create(c, sim->objective.rigid);
     if (status == PDYN_OK && c->bearings)
         status = add_batch(sim, &pdyn_constraint_contact_damping, &c->damping);
-    if (status == PDYN_OK && c->set->friction > 0.0)
+    if (status == PDYN_OK && c->settings->friction > 0.0)
         status = add_batch(sim, &pdyn_constraint_friction, &c->friction);
     show(sim);
     return status;
@@ -201,7 +202,7 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
     if (!sim->scene.has_contact) return PDYN_OK;
     struct contact *c = sim->objective.contact = NEW_ARRAY(sim->context, 1, struct contact);
     if (!c) return PDYN_NO_MEMORY;
-    c->context = sim->context, c->set = &sim->scene.contact;
+    c->context = sim->context, c->settings = &sim->scene.contact;
     c->live = sim->live ? sim->live->live : NULL;
     count_parts(c, sim);
     if (!contact_resize(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;

@@ -77,7 +77,7 @@ static void observe(const struct pdyn_sim *sim, const struct progress *p, int li
 /* Moves solids on that wait for a surface in contact. */
 static pdyn_status advance_solids(struct pdyn_sim *sim, double *energy) {
     struct contact *contact = sim->objective.contact;
-    if (!contact || !contact->behind) return PDYN_OK;
+    if (!contact || !contact->lagging) return PDYN_OK;
     pdyn_status status = contact_advance(contact, sim->x_next);
     return status == PDYN_OK ? objective_local(&sim->objective, sim->x_next, energy, sim->gradient)
                              : status;
@@ -85,7 +85,7 @@ static pdyn_status advance_solids(struct pdyn_sim *sim, double *energy) {
 
 static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {
     return p->residual <= sim->scene.settings.tolerance &&
-           !(sim->objective.contact && sim->objective.contact->behind);
+           !(sim->objective.contact && sim->objective.contact->lagging);
 }
 
 /* The error names the constraint whose energy is not finite. */

@@ -90,7 +90,7 @@ static double least_distance(const pdyn_contacts *contacts) {
 /* A solid that waits presses with a force that no stiffness carries. */
 static void warn_pressed(struct pdyn_sim *sim, double residual) {
     const struct contact *contact = sim->objective.contact;
-    if (!contact || contact->behind || residual <= sim->scene.settings.tolerance) return;
+    if (!contact || contact->lagging || residual <= sim->scene.settings.tolerance) return;
     double least = least_distance(&contact->current.view);
     if (least >= pressed_flat) return;
     struct warning *w =
@@ -98,7 +98,7 @@ static void warn_pressed(struct pdyn_sim *sim, double residual) {
     warnings_say(sim->context, w,
                  "%ld of %ld steps are unsolved with surfaces as close as %.2g of the contact "
                  "thickness: \"contact.stiffness\" of %g N/m is too small for what presses them",
-                 w->count, sim->steps, 1.0 / w->worst, contact->set->stiffness);
+                 w->count, sim->steps, 1.0 / w->worst, contact->settings->stiffness);
 }
 
 /* ---- solids that wait ------------------------------------------------------------------------ */
@@ -107,9 +107,9 @@ static void warn_pressed(struct pdyn_sim *sim, double residual) {
  * press leaves for the cloth in it. */
 static void warn_waiting(struct pdyn_sim *sim) {
     const struct contact *contact = sim->objective.contact;
-    for (int s = 0; contact && contact->behind && s < sim->scene.solids; s++) {
+    for (int s = 0; contact && contact->lagging && s < sim->scene.solids; s++) {
         double lag = contact_lag(contact, s);
-        if (lag <= contact->set->thickness) continue;
+        if (lag <= contact->settings->thickness) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_SOLID_WAITS,
                                            sim->scene.solid[s].name, sim->time, 1, lag);
         warnings_say(sim->context, w,
