@@ -91,8 +91,9 @@ static struct trial start(const char *solver) {
     }
     double energy;
     t.sim->objective.h = t.sim->objective.length = 0.01;
-    assert_int_equal(objective_open(&t.sim->objective, t.sim->x, t.sim->v), PDYN_OK);
-    objective_begin(&t.sim->objective, t.sim->x, t.sim->v);
+    const double *x = t.sim->x, *v = t.sim->v;
+    assert_int_equal(objective_begin(&t.sim->objective, &(struct step_start){x, v, NULL, x, v}),
+                     PDYN_OK);
     assert_int_equal(objective_local(&t.sim->objective, t.x, &energy, t.gradient), PDYN_OK);
     assert_true(t.sim->objective.contact->current.view.count > 20);
     assert_true(t.sim->objective.contact->start.view.count > 20);

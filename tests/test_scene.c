@@ -43,10 +43,10 @@ static void test_defaults(void **state) {
     assert_int_equal(scene.solids, 0);
     assert_string_equal(scene.body[0].name, "body0");
     assert_string_equal(scene.body[1].name, "body1");
-    assert_false(scene.body[0].is_surface);
+    assert_false(scene.body[0].has_mesh);
     assert_true(scene.body[0].rest_density == 1000.0 && scene.body[0].radius == 0.1);
     assert_int_equal(scene.body[0].constraints, 0);
-    assert_true(scene.body[1].is_surface && scene.body[1].area_density == 1.0);
+    assert_true(scene.body[1].has_mesh && scene.body[1].area_density == 1.0);
     assert_int_equal(scene.body[1].mesh.vertices, 9);
     assert_int_equal(scene.body[1].start.count, 0);
     free_good(&scene);
@@ -101,7 +101,7 @@ static void check_full(const struct scene *scene) {
     assert_true(water->radius == 0.01 && water->rest_density == 900.0 &&
                 water->velocity[1] == -1.0);
     assert_ptr_equal(water->constraint[0].type, registry_constraint(context, "fluid"));
-    assert_true(sheet->is_surface && sheet->area_density == 0.3);
+    assert_true(sheet->has_mesh && sheet->area_density == 0.3);
     assert_int_equal(sheet->mesh.vertices, 15);
     assert_int_equal(sheet->constraints, 3);
     assert_ptr_equal(sheet->constraint[2].type, registry_constraint(context, "pin"));

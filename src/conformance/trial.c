@@ -159,11 +159,9 @@ static pdyn_status disturb(struct trial *t, enum strain strain) {
     }
     for (int k = 0; k < t->n; k++) t->sim->v[k] = trial_random(&seed);
     objective->h = objective->length = 0.004;
-    pdyn_status status = objective_open(objective, t->sim->x, t->sim->v);
-    if (status != PDYN_OK) return status;
-    objective_set_damper_rest(objective, t->sim->x, NULL);
-    objective_begin(objective, t->sim->x, t->sim->v);
-    return objective_local(objective, t->x, &energy, t->gradient);
+    const double *x = t->sim->x, *v = t->sim->v;
+    pdyn_status status = objective_begin(objective, &(struct step_start){x, v, NULL, x, v});
+    return status == PDYN_OK ? objective_local(objective, t->x, &energy, t->gradient) : status;
 }
 
 static pdyn_status load(struct trial *t, enum strain strain, const char *scene) {

@@ -124,22 +124,17 @@ pdyn_status objective_limit(struct objective *o, const double *x, double *max_st
     return status;
 }
 
-pdyn_status objective_open(struct objective *o, const double *x, const double *v) {
-    pdyn_status status = PDYN_OK;
+pdyn_status objective_begin(struct objective *o, const struct step_start *start) {
     const struct batch_step step = {o->length, o->extrapolation, o->h, o->time};
-    for (int b = 0; status == PDYN_OK && b < o->batches; b++)
-        status = batch_open(o->batch[b], x, v, &step);
-    return status;
-}
-
-void objective_set_damper_rest(struct objective *o, const double *x, const double *before) {
-    for (int b = 0; b < o->batches; b++) batch_set_damper_rest(o->batch[b], x, before);
-}
-
-void objective_begin(struct objective *o, const double *x, const double *v) {
-    bool moved = false;
-    for (int b = 0; b < o->batches; b++) moved |= batch_begin(o->batch[b], x, v, o->h);
-    o->weights += moved;
+    bool weights = false;
+    for (int b = 0; b < o->batches; b++) {
+        pdyn_status status = batch_open(o->batch[b], start->x, start->v, &step);
+        if (status != PDYN_OK) return status;
+        batch_set_damper_rest(o->batch[b], start->x, start->x_before);
+        weights |= batch_begin(o->batch[b], start->x_base, start->v_base, o->h);
+    }
+    o->weights += weights;
+    return PDYN_OK;
 }
 
 pdyn_status objective_end(struct objective *o) {

@@ -55,16 +55,15 @@ struct objective {
 /* Makes a batch, the last one of the objective, which has the capacity for it. */
 pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
 
-/* Opens a step of effective length h from the state x, v: updates elements that come and go from
- * step to step. Before objective_begin. */
-pdyn_status objective_open(struct objective *objective, const double *x, const double *v);
+struct step_start { /* where a step begins; all particles x 3, m and m/s */
+    const double *x, *v;
+    const double *x_before;        /* x of the step before; NULL: none */
+    const double *x_base, *v_base; /* of step/integrator.h */
+};
 
-/* Sets the rest shapes of dampers for a step from x; before: x of the step before, NULL: none.
- * After objective_open. */
-void objective_set_damper_rest(struct objective *objective, const double *x, const double *before);
-
-/* Begins the step from x and v (the base of step/integrator.h). */
-void objective_begin(struct objective *objective, const double *x, const double *v);
+/* Begins a step of effective length h: updates elements that come and go from step to step, rest
+ * shapes of dampers, and weights. */
+pdyn_status objective_begin(struct objective *objective, const struct step_start *start);
 
 /* Ends a step: it is accepted at the x of the last local step. */
 pdyn_status objective_end(struct objective *objective);

@@ -22,7 +22,7 @@ static void add_mesh(struct heights *h, const struct mesh *mesh, double speed) {
 
 static void add_body(struct heights *h, const struct scene_body *body) {
     const struct point_list *start = &body->start, *v = &body->start_v;
-    if (body->is_surface) add_mesh(h, &body->mesh, vec3_length(body->velocity));
+    if (body->has_mesh) add_mesh(h, &body->mesh, vec3_length(body->velocity));
     for (int i = 0; i < start->count; i++)
         add(h, start->x + 3 * (size_t)i, body->radius,
             i < v->count ? vec3_length(v->x + 3 * (size_t)i) : 0.0);
@@ -59,7 +59,7 @@ static const struct scene_body *densest_above(const struct scene *scene, double 
     const struct scene_body *densest = NULL;
     for (int b = 0; b < scene->bodies; b++) {
         const struct scene_body *body = &scene->body[b];
-        double reach = body->is_surface ? -INFINITY : top_of(scene, body);
+        double reach = body->has_mesh ? -INFINITY : top_of(scene, body);
         if (!(reach > above) || (densest && body->rest_density < densest->rest_density)) continue;
         bool same = densest && body->rest_density == densest->rest_density;
         *top = same ? fmax(*top, reach) : reach;
@@ -73,7 +73,7 @@ double scene_head(const struct scene *scene, const struct scene_body *body) {
     const struct scene_body *dense;
     if (vec3_length(scene->settings.gravity) == 0.0) return 0.0;
     double from = lowest_point(scene);
-    if (body->is_surface) return top_of(scene, body) - from;
+    if (body->has_mesh) return top_of(scene, body) - from;
     for (; (dense = densest_above(scene, from, &top)); from = top)
         head += dense->rest_density / body->rest_density * (top - from);
     return head;

@@ -22,7 +22,7 @@ static pdyn_status check_other(const struct reader *r, const struct json_at *at,
     int count = 0;
     for (int b = 0; b < r->scene->bodies; b++) {
         const struct scene_body *body = &r->scene->body[b];
-        bool fits = b != self && body->is_surface;
+        bool fits = b != self && body->has_mesh;
         if (fits && !strcmp(body->name, name)) return PDYN_OK;
         if (!strcmp(body->name, name))
             return json_fail(at, "expected another body that has a surface, found %s",
@@ -126,7 +126,7 @@ const pdyn_param scene_contact_params[] = {
 static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
     bool surface = false;
     if (!at->value) return PDYN_OK;
-    for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].is_surface;
+    for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].has_mesh;
     if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
     r->scene->has_contact = true;
     return params_read_object(at, scene_contact_params, &r->scene->contact);

@@ -49,9 +49,8 @@ static inline bool needs_neighbour_lists(const pdyn_constraint_type *type) {
 }
 
 struct scene_body {
-    char *name; /* unique in the scene; letters, digits, '_', '-', because it names files */
-    /* a body has either particles or a mesh: */
-    bool is_surface;
+    char *name;       /* unique in the scene; letters, digits, '_', '-', because it names files */
+    bool has_mesh;    /* a surface, volume or rigid body; otherwise a body of particles */
     struct mesh mesh; /* rest positions in world space, m: after scale, rotation and translation */
     char *obj;        /* the OBJ file that the mesh comes from; NULL: another source */
     int grid[2];      /* vertices along the sides of a grid; 0: another source */

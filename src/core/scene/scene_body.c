@@ -118,7 +118,7 @@ static pdyn_status read_surface(struct reader *r, const struct json_at *at) {
     static const char *const shapes[] = {"grid", "mesh"};
     struct transform transform;
     int shape;
-    body->is_surface = true;
+    body->has_mesh = true;
     pdyn_status status = params_check_keys(at, surface_params, others);
     if (status == PDYN_OK) status = reader_one_of(at, shapes, 2, &shape);
     if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
@@ -173,7 +173,7 @@ static pdyn_status read_volume(struct reader *r, const struct json_at *at) {
     struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
     struct transform transform;
     int shape;
-    body->is_surface = true;
+    body->has_mesh = true;
     pdyn_status status = params_check_keys(at, volume_params, others);
     if (status == PDYN_OK) status = reader_one_of(at, others, 2, &shape);
     if (status == PDYN_OK) status = params_read(at, volume_params, NULL, body);
@@ -218,7 +218,7 @@ static pdyn_status check_type(struct reader *r, const struct json_at *at,
         if (body->constraint[k].type == type && !(type->flags & PDYN_SEVERAL))
             return json_fail(at, "a second \"%s\" constraint on body \"%s\"", type->name,
                              body->name);
-    if (type->flags & PDYN_ON_SURFACE && !body->is_surface)
+    if (type->flags & PDYN_ON_SURFACE && !body->has_mesh)
         return json_fail(at, "\"%s\" works on a surface, found a body of particles", type->name);
     if (type->flags & PDYN_ON_CLOSED) {
         pdyn_status status = check_enclosing(r, at, type->name);
@@ -226,8 +226,8 @@ static pdyn_status check_type(struct reader *r, const struct json_at *at,
     }
     if (type->flags & PDYN_ON_VOLUME && !body->tets.count)
         return json_fail(at, "\"%s\" works on a volume, found %s", type->name,
-                         body->is_surface ? "a surface" : "a body of particles");
-    if (type->flags & PDYN_ON_PARTICLES && body->is_surface)
+                         body->has_mesh ? "a surface" : "a body of particles");
+    if (type->flags & PDYN_ON_PARTICLES && body->has_mesh)
         return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
     if (needs_neighbour_lists(type) && r->listed && r->listed->radius != body->radius)
         return json_fail(at,
@@ -274,7 +274,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     if (needs_neighbour_lists(type) && !r->listed) r->listed = body;
     constraint->params = context_array(r->context, type->params_size, 1);
     if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
-    return params_read(at, type->params, body->is_surface ? &body->mesh : NULL, constraint->params);
+    return params_read(at, type->params, body->has_mesh ? &body->mesh : NULL, constraint->params);
 }
 
 static pdyn_status read_constraints(struct reader *r, const struct json_at *array) {

@@ -124,7 +124,7 @@ pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
     static const char *const masses[] = {"density", "mass"};
     struct scene_body *body = r->body;
     int unused;
-    body->is_surface = body->is_rigid = true;
+    body->has_mesh = body->is_rigid = true;
     pdyn_status status = params_check_keys(at, rigid_params, others);
     if (status == PDYN_OK) status = params_read(at, rigid_params, NULL, body);
     if (status == PDYN_OK) status = reader_one_of(at, masses, 2, &unused);

@@ -43,17 +43,17 @@ const pdyn_param settings_solver_params[] = {
 /* ---- reading --------------------------------------------------------------------------------- */
 
 static pdyn_status read_general(struct reader *r, const struct json_at *root) {
-    struct scene_settings *set = &r->scene->settings;
+    struct scene_settings *settings = &r->scene->settings;
     struct json_at name = json_member(root, "name"), gravity = json_member(root, "gravity");
     struct json_at schema = json_member(root, "$schema");
     if (name.value && !json_is_string(name.value)) return json_expected(&name, "a text");
     if (schema.value && !json_is_string(schema.value)) return json_expected(&schema, "a text");
     pdyn_status status = reader_copy_text(
         r->context, name.value ? json_string_value(name.value) : "", &r->scene->name);
-    if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, set);
-    set->gravity[1] = -9.81;
+    if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, settings);
+    settings->gravity[1] = -9.81;
     if (status == PDYN_OK && gravity.value)
-        status = params_reals(&gravity, 3, -1e6, 1e6, "m/s^2", set->gravity);
+        status = params_reals(&gravity, 3, -1e6, 1e6, "m/s^2", settings->gravity);
     return status;
 }
 
@@ -73,29 +73,30 @@ static pdyn_status read_time_step(struct reader *r, const struct json_at *at) {
     const void *chosen;
     static const char *const others[] = {"integrator", NULL}, *const excluded[] = {
                                                                   "maximum", "minimum", "cfl"};
-    struct scene_settings *set = &r->scene->settings;
+    struct scene_settings *settings = &r->scene->settings;
     pdyn_status status =
         at->value ? params_check_keys(at, settings_time_step_params, others) : PDYN_OK;
-    if (status == PDYN_OK) status = params_read(at, settings_time_step_params, NULL, set);
+    if (status == PDYN_OK) status = params_read(at, settings_time_step_params, NULL, settings);
     if (status == PDYN_OK) status = read_named(at, "integrator", &integrator_choices, &chosen);
-    if (status == PDYN_OK) set->integrator = chosen;
+    if (status == PDYN_OK) settings->integrator = chosen;
     if (status != PDYN_OK) return status;
-    for (int k = 0; set->h_fixed > 0.0 && k < 3; k++) {
+    for (int k = 0; settings->h_fixed > 0.0 && k < 3; k++) {
         struct json_at other = json_member(at, excluded[k]);
         if (other.value)
             return json_fail_at_key(&other, "\"%s\" has no meaning beside \"fixed\"", excluded[k]);
     }
-    if (set->h_fixed > 0.0 || set->h_min <= set->h_max) return PDYN_OK;
+    if (settings->h_fixed > 0.0 || settings->h_min <= settings->h_max) return PDYN_OK;
     return json_fail(at, "expected a minimum of at most the maximum, found %.10g and %.10g s",
-                     set->h_min, set->h_max);
+                     settings->h_min, settings->h_max);
 }
 
-static pdyn_status read_acceleration(const struct json_at *solver, struct scene_settings *set) {
+static pdyn_status read_acceleration(const struct json_at *solver,
+                                     struct scene_settings *settings) {
     struct json_at at = json_member(solver, "acceleration");
     const void *chosen;
     pdyn_status status = read_named(solver, "acceleration", &acceleration_choices, &chosen);
-    set->acceleration = chosen;
-    if (status == PDYN_OK && set->newton && chosen != choices_entry(&acceleration_choices, 0))
+    settings->acceleration = chosen;
+    if (status == PDYN_OK && settings->newton && chosen != choices_entry(&acceleration_choices, 0))
         return json_fail(&at, "only \"step\": \"projective\" is accelerated, found \"newton\"");
     return status;
 }
@@ -112,19 +113,19 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
                                                                                     "projective"};
     const char *types[READER_NAMES] = {"auto"};
     struct json_at type = json_member(at, "type"), step = json_member(at, "step");
-    struct scene_settings *set = &r->scene->settings;
+    struct scene_settings *settings = &r->scene->settings;
     int count = 1, chosen_type = 0, chosen_step = 0;
     for (int k = 0; registry_solver_at(r->context, k) && count < READER_NAMES; k++)
         types[count++] = registry_solver_at(r->context, k)->name;
     pdyn_status status =
         at->value ? params_check_keys(at, settings_solver_params, others) : PDYN_OK;
-    if (status == PDYN_OK) status = params_read(at, settings_solver_params, NULL, set);
+    if (status == PDYN_OK) status = params_read(at, settings_solver_params, NULL, settings);
     if (status == PDYN_OK) status = check_built(r->context, &type);
     if (status == PDYN_OK) status = reader_choice(&type, "solver", types, count, &chosen_type);
     if (status == PDYN_OK) status = reader_choice(&step, "step", steps, 2, &chosen_step);
-    set->newton = chosen_step == 0;
-    snprintf(set->solver_type, sizeof set->solver_type, "%s", types[chosen_type]);
-    return status == PDYN_OK ? read_acceleration(at, set) : status;
+    settings->newton = chosen_step == 0;
+    snprintf(settings->solver_type, sizeof settings->solver_type, "%s", types[chosen_type]);
+    return status == PDYN_OK ? read_acceleration(at, settings) : status;
 }
 
 pdyn_status settings_read(struct reader *r, const struct json_at *root) {

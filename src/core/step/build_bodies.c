@@ -22,7 +22,7 @@ static pdyn_status place_bodies(struct pdyn_sim *sim, struct point_list *all) {
                             .area_density = from->area_density,
                             .permeability = from->permeability};
         pdyn_status status = PDYN_OK;
-        if (from->is_surface)
+        if (from->has_mesh)
             status = point_list_append(c, all, from->mesh.vertex, from->mesh.vertices);
         else status = point_list_append(c, all, from->start.x, from->start.count);
         for (int k = 0; status == PDYN_OK && k < from->budget; k++)
@@ -47,7 +47,7 @@ static bool resize_state(struct pdyn_sim *sim, enum array_action action) {
         ARRAY(sim->trial, vector),
         ARRAY(sim->trial_gradient, vector),
         ARRAY(sim->direction, vector),
-        ARRAY(sim->negative, vector),
+        ARRAY(sim->rhs, vector),
         ARRAY(sim->constraint_acceleration, vector),
         ARRAY(sim->x_base, vector),
         ARRAY(sim->v_base, vector),
@@ -125,17 +125,17 @@ static pdyn_status fill_bodies(struct pdyn_sim *sim) {
         const struct scene_body *from = &sim->scene.body[b];
         pdyn_body *body = &sim->body[b];
         double *mass = sim->objective.mass + body->first, spacing = 2.0 * body->radius;
-        pdyn_status status = from->is_surface ? describe_surface(sim, b) : PDYN_OK;
+        pdyn_status status = from->has_mesh ? describe_surface(sim, b) : PDYN_OK;
         if (status != PDYN_OK) return status;
         body->rest = sim->rest + 3 * (size_t)body->first, body->mass = mass;
         for (int k = 0; k < 4 * body->tets; k++)
             mass[body->tet[k]] += 0.25 * from->density * body->tet_volume[k / 4];
         for (int i = 0; i < body->count; i++) {
-            mass[i] += from->is_surface ? body->area_density * body->vertex_area[i]
-                                        : body->rest_density * spacing * spacing * spacing;
-            if (from->is_surface || i < from->start_v.count)
+            mass[i] += from->has_mesh ? body->area_density * body->vertex_area[i]
+                                      : body->rest_density * spacing * spacing * spacing;
+            if (from->has_mesh || i < from->start_v.count)
                 memcpy(sim->v + 3 * (size_t)(body->first + i),
-                       from->is_surface ? from->velocity : from->start_v.x + 3 * (size_t)i,
+                       from->has_mesh ? from->velocity : from->start_v.x + 3 * (size_t)i,
                        sizeof from->velocity);
             sim->density[body->first + i] = body->rest_density;
         }

@@ -23,15 +23,15 @@ static const double min_progress = 0.3;
 enum { MIN_ITERATIONS = 5 };
 
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
-    const struct scene_settings *set = &sim->scene.settings;
+    const struct scene_settings *settings = &sim->scene.settings;
     bool dynamic = sim->objective.dynamic_rows;
     /* reaches the step's tolerance, to first order */
-    double enough = 0.5 * set->tolerance / objective_norm(&sim->objective, sim->gradient);
-    bool far = first_of_step && !dynamic && enough < set->linear_tolerance;
-    return (pdyn_stop){.rel_tol = fmax(set->linear_tolerance, enough),
+    double enough = 0.5 * settings->tolerance / objective_norm(&sim->objective, sim->gradient);
+    bool far = first_of_step && !dynamic && enough < settings->linear_tolerance;
+    return (pdyn_stop){.rel_tol = fmax(settings->linear_tolerance, enough),
                        .min_progress = dynamic ? 0.0 : min_progress,
                        .min_iterations = far ? MIN_ITERATIONS : 0,
-                       .max_iterations = set->linear_iterations,
+                       .max_iterations = settings->linear_iterations,
                        .first_of_step = first_of_step};
 }
 
@@ -66,7 +66,7 @@ static pdyn_status solve_linear(struct pdyn_sim *sim, const struct round *at, co
 
 static pdyn_status solve_rounds(struct pdyn_sim *sim, const pdyn_stop *stop, int *iterations) {
     struct objective *objective = &sim->objective;
-    const struct round at = {sim->negative, sim->trial, sim->trial_gradient};
+    const struct round at = {sim->rhs, sim->trial, sim->trial_gradient};
     double size = objective_norm(objective, at.b), target = stop->rel_tol * size;
     for (int n = 0; n < MAX_ROUNDS && size > target && *iterations < stop->max_iterations; n++) {
         double aim = objective->dynamic_rows ? fmax(target, round_tolerance * size) : target;
@@ -98,11 +98,11 @@ pdyn_status global_step(struct pdyn_sim *sim, double eps, bool first_of_step, in
     if (status != PDYN_OK) return status;
     const pdyn_stop stop = stop_of(sim, first_of_step);
     memset(sim->direction, 0, objective_bytes(&sim->objective));
-    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->negative[k] = -sim->gradient[k];
+    for (int k = 0; k < 3 * sim->objective.particles; k++) sim->rhs[k] = -sim->gradient[k];
     if (has_rounds(sim->solver)) status = solve_rounds(sim, &stop, &iterations);
     else
-        status = sim->solver->solve(sim->solver_state, sim->negative, sim->direction, &stop,
-                                    &iterations);
+        status =
+            sim->solver->solve(sim->solver_state, sim->rhs, sim->direction, &stop, &iterations);
     if (sim->objective.rigid) rigid_map_extend(sim->objective.rigid, sim->direction);
     *linear += iterations;
     return status;

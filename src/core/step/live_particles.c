@@ -18,7 +18,7 @@ static void init_vacant(struct pdyn_sim *sim, int b) {
     struct live_particles *p = sim->live;
     const pdyn_body *body = &sim->body[b];
     const struct scene_body *from = &sim->scene.body[b];
-    int filled = from->is_surface ? body->count : from->start.count;
+    int filled = from->has_mesh ? body->count : from->start.count;
     p->vacant[b] = body->count - filled;
     for (int k = 0; k < filled; k++) p->live[body->first + k] = true;
     for (int k = 0; from->is_rigid && k < RIGID_POINTS; k++)

@@ -102,7 +102,7 @@ static pdyn_status fail_not_finite(const struct pdyn_sim *sim) {
 
 /* Local and global steps in turn until the step residual is small enough. */
 pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
-    const struct scene_settings *set = &sim->scene.settings;
+    const struct scene_settings *settings = &sim->scene.settings;
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
     measure_weights(sim);
@@ -115,7 +115,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
         if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_not_finite(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;
-        if (is_solved(sim, p) || p->outer >= set->outer_iterations) break;
+        if (is_solved(sim, p) || p->outer >= settings->outer_iterations) break;
         if (solver_choice_has_lost(sim, p->linear)) solver_choice_hand_over(sim);
         else if (!moved && !(sim->solver->dual && solver_choice_hand_over(sim))) break;
         status = iteration(sim, p, &moved);

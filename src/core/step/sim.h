@@ -48,8 +48,8 @@ struct pdyn_sim {
     double
         *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL: none */
     double *gradient; /* particles x 3: gradient of E at the iterate, N */
-    /* particles x 3: scratch of the minimisation */
-    double *trial, *trial_gradient, *direction, *negative;
+    /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model */
+    double *trial, *trial_gradient, *direction, *rhs;
     double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
                                     integrator needs none */
     double *x_base, *v_base;     /* particles x 3: base of the step (integrator.h), m and m/s */
@@ -58,7 +58,8 @@ struct pdyn_sim {
     bool unsolved;   /* the last step was not solved: its end is no guess for the next one */
     double last_h;   /* s, length of the last step; 0 before the first */
     int impacts;     /* number of constraints with an impact in the last step */
-    double left_out; /* part of their impulses that does not change velocities (integrator.h) */
+    double left_out; /* 1 - (H / h)^2: the part of their forces that does not change velocities
+                        (integrator_impacts) */
     double history;  /* s, time from x_before to x; 0: the history must not be used */
     double eps;      /* damping of the next global step, continued from step to step */
     bool anchored;   /* a constraint can change the momentum of the system */

@@ -34,11 +34,8 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
     live_particles_fix_inactive(sim);
     rigid_bodies_predict(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
-    pdyn_status status = objective_open(&sim->objective, sim->x, sim->v);
-    if (status != PDYN_OK) return status;
-    objective_set_damper_rest(&sim->objective, sim->x, sim->x_before);
-    objective_begin(&sim->objective, sim->x_base, sim->v_base);
-    return PDYN_OK;
+    return objective_begin(&sim->objective, &(struct step_start){sim->x, sim->v, sim->x_before,
+                                                                 sim->x_base, sim->v_base});
 }
 
 /* Updates volumes and friction of the surface samples to the start of the step; they are constant
@@ -128,12 +125,13 @@ static pdyn_status fail_diverged(struct pdyn_sim *sim, double h) {
 /* Whether a particle moved more than twice the distance that the CFL condition allows. Such a step
  * was not solved: water squeezed into a corner would leave through the wall. */
 static bool moved_too_far(const struct pdyn_sim *sim, double h) {
-    const struct scene_settings *set = &sim->scene.settings;
-    if (set->h_fixed > 0.0 || h <= set->h_min) return false;
+    const struct scene_settings *settings = &sim->scene.settings;
+    if (settings->h_fixed > 0.0 || h <= settings->h_min) return false;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++)
-            if (vec3_distance(sim->x_next + 3 * i, sim->x + 3 * i) > 2.0 * set->cfl * body->radius)
+            if (vec3_distance(sim->x_next + 3 * i, sim->x + 3 * i) >
+                2.0 * settings->cfl * body->radius)
                 return true;
     }
     return false;

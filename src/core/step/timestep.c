@@ -79,12 +79,13 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
 /* CFL condition (Weiler et al. 2016): no particle and no solid travels more than `cfl` radii per
  * step. The step length may shrink at once and grows by at most 10 % per step. */
 static double adaptive(const struct pdyn_sim *sim) {
-    const struct scene_settings *set = &sim->scene.settings;
-    double radius, h = sim->last_h > 0.0 ? fmin(set->h_max, 1.1 * sim->last_h) : set->h_max;
+    const struct scene_settings *settings = &sim->scene.settings;
+    double radius,
+        h = sim->last_h > 0.0 ? fmin(settings->h_max, 1.1 * sim->last_h) : settings->h_max;
     double speed = fmax(max_particle_speed(sim, h, &radius),
                         kinematic_speed(&sim->motion, sim->time, sim->time + h));
-    if (radius > 0.0 && speed * h > set->cfl * radius) h = set->cfl * radius / speed;
-    return fmax(fmin(h, rearrangement_limit(sim)), set->h_min);
+    if (radius > 0.0 && speed * h > settings->cfl * radius) h = settings->cfl * radius / speed;
+    return fmax(fmin(h, rearrangement_limit(sim)), settings->h_min);
 }
 
 /* Returns the last length if h equals it up to rounding, so that a factored matrix stays valid. */
@@ -94,9 +95,9 @@ static double same_length(const struct pdyn_sim *sim, double h) {
 
 /* Divides the time to the next frame into equal steps, which avoids a tiny last step. */
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
-    const struct scene_settings *set = &sim->scene.settings;
-    double h = fmin(longest, set->h_fixed > 0.0 ? set->h_fixed : adaptive(sim));
-    double rest = (double)(sim->frame + 1) * set->frame_interval - sim->time;
+    const struct scene_settings *settings = &sim->scene.settings;
+    double h = fmin(longest, settings->h_fixed > 0.0 ? settings->h_fixed : adaptive(sim));
+    double rest = (double)(sim->frame + 1) * settings->frame_interval - sim->time;
     double steps = ceil(rest / h * (1.0 - 1e-9));
     return (struct step_end){same_length(sim, rest / fmax(1.0, steps)), steps <= 1.0, false};
 }
@@ -113,9 +114,9 @@ struct step_end timestep_given(const struct pdyn_sim *sim, double h) {
 
 /* Warns if the CFL condition asks for a step shorter than the minimum. */
 static void check_speed(struct pdyn_sim *sim, double h) {
-    const struct scene_settings *set = &sim->scene.settings;
+    const struct scene_settings *settings = &sim->scene.settings;
     double radius, distance = max_particle_speed(sim, 0.0, &radius) * h;
-    if (radius == 0.0 || distance <= 2.0 * set->cfl * radius) return;
+    if (radius == 0.0 || distance <= 2.0 * settings->cfl * radius) return;
     struct warning *w =
         warnings_count(&sim->warnings, WARNING_SHORT_STEP, "", sim->time, 1, distance / radius);
     warnings_say(sim->context, w,
@@ -125,10 +126,10 @@ static void check_speed(struct pdyn_sim *sim, double h) {
 }
 
 void timestep_check(struct pdyn_sim *sim, double h, double residual) {
-    const struct scene_settings *set = &sim->scene.settings;
-    if (set->h_fixed == 0.0 && h <= set->h_min) check_speed(sim, h);
-    bool solved = residual <= set->tolerance;
-    double limit = set->h_fixed > 0.0 && !solved ? rearrangement_limit(sim) : INFINITY;
+    const struct scene_settings *settings = &sim->scene.settings;
+    if (settings->h_fixed == 0.0 && h <= settings->h_min) check_speed(sim, h);
+    bool solved = residual <= settings->tolerance;
+    double limit = settings->h_fixed > 0.0 && !solved ? rearrangement_limit(sim) : INFINITY;
     if (h <= limit) return;
     struct warning *w =
         warnings_count(&sim->warnings, WARNING_LONG_STEP, "", sim->time, 1, h / limit);

@@ -234,15 +234,15 @@ static void check_overlap(struct pdyn_sim *sim, int b) {
 }
 
 static void check_frames(struct pdyn_sim *sim) {
-    const struct scene_settings *set = &sim->scene.settings;
-    if (set->h_fixed > (1.0 + 1e-9) * set->frame_interval)
+    const struct scene_settings *settings = &sim->scene.settings;
+    if (settings->h_fixed > (1.0 + 1e-9) * settings->frame_interval)
         WARN(sim, FRAMES, "",
              "the fixed step of %g s is longer than the frame interval of %g s: steps end at "
              "frames and are shorter",
-             set->h_fixed, set->frame_interval);
-    if (set->duration < (1.0 - 1e-9) * set->frame_interval)
+             settings->h_fixed, settings->frame_interval);
+    if (settings->duration < (1.0 - 1e-9) * settings->frame_interval)
         WARN(sim, FRAMES, "", "the duration of %g s is shorter than the frame interval of %g s",
-             set->duration, set->frame_interval);
+             settings->duration, settings->frame_interval);
 }
 
 /* Half of the load of a body may then be without balance in a step that counts as solved. */

@@ -175,7 +175,7 @@ static bool is_pinned(const struct pdyn_sim *sim, int b) {
 static void warn_fallen(struct pdyn_sim *sim) {
     bool removed = has_outlet_around(&sim->scene);
     for (int b = 0; b < sim->bodies; b++) {
-        if ((removed && !sim->scene.body[b].is_surface) || is_pinned(sim, b)) continue;
+        if ((removed && !sim->scene.body[b].has_mesh) || is_pinned(sim, b)) continue;
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_FELL_OUT, sim->body[b].name,
