@@ -1,0 +1,85 @@
+/* Particles that a program holds (pdyn_hold). */
+#include "control_support.h"
+
+#include "projdyn/vec3.h"
+
+static const char sheet[] = SHEET;
+
+static void hold_and_release(const char *text) {
+    if (test_lacks_solver(text)) return;
+    pdyn_sim *sim = test_load(context, text);
+    const double *x = pdyn_get_state(sim).x + 3 * CORNER;
+    double target[3] = {0.2, 0.1, 0.1};
+    pdyn_step_info info;
+    take_steps(sim, 5);
+    good(pdyn_hold(sim, CORNER, 1e4, target));
+    take_steps(sim, 200);
+    assert_true(vec3_distance(x, target) < 2e-3);
+    for (int k = 0; k < 20; k++) {
+        target[0] += 0.002;
+        good(pdyn_hold(sim, CORNER, 1e4, target));
+        good(pdyn_step(sim, &info));
+    }
+    assert_true(vec3_distance(x, target) < 0.02);
+    assert_true(info.pin_reaction[1] > 0.0);
+    continues(sim, text);
+    good(pdyn_release(sim, CORNER));
+    good(pdyn_release(sim, CORNER));
+    take_steps(sim, 60);
+    assert_true(x[1] < 0.0); /* it falls */
+    good(pdyn_hold(sim, CORNER, 100.0, target));
+    good(pdyn_release(sim, CORNER));
+    good(pdyn_hold(sim, CORNER - 1, 100.0, target));
+    continues(sim, text);
+    pdyn_free(sim);
+}
+
+static void test_holds(void **state) {
+    (void)state;
+    hold_and_release(sheet);
+    hold_and_release(PINNED(SOLVER("cholesky", "projective"), "1000"));
+    hold_and_release(PINNED(SOLVER("cg", "newton"), "1000"));
+}
+
+/* In a fluid, and beside one. */
+static void test_hold_in_water(void **state) {
+    (void)state;
+    static const char *const scenes[] = {fluid, hybrid};
+    for (int k = 0; k < 2; k++) {
+        pdyn_sim *sim = test_load(context, scenes[k]);
+        const double target[3] = {0.1, 0.1, 0.1};
+        take_steps(sim, 2);
+        int particle = pdyn_get_state(sim).particles - 15;
+        good(pdyn_hold(sim, particle, 1e5, target));
+        take_steps(sim, 20);
+        assert_true(vec3_distance(pdyn_get_state(sim).x + 3 * particle, target) < 0.02);
+        continues(sim, scenes[k]);
+        pdyn_free(sim);
+    }
+}
+
+static void test_wrong_holds(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_load(context, inlet);
+    const double target[3] = {0};
+    assert_true(!pdyn_get_state(sim).live[399]);
+    refused(pdyn_hold(sim, 399, 1.0, target), "particle 399 is not in the scene");
+    assert_int_equal(pdyn_hold(sim, 400, 1.0, target), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_hold(sim, 0, 1.0, NULL), PDYN_BAD_CALL);
+    assert_int_equal(pdyn_release(sim, -1), PDYN_BAD_CALL);
+    pdyn_free(sim);
+    sim = test_load(context, sheet);
+    refused(pdyn_hold(sim, 0, -1.0, target), "expected a stiffness from 0 to 1e+15 N/m, found -1");
+    refused(pdyn_hold(sim, 0, 1.0, (double[]){0, NAN, 0}),
+            "expected a target from -1e+06 to 1e+06 m, found nan");
+    pdyn_free(sim);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_holds),
+        cmocka_unit_test(test_hold_in_water),
+        cmocka_unit_test(test_wrong_holds),
+    };
+    return cmocka_run_group_tests_name("hold", tests, control_set_up, control_tear_down);
+}
