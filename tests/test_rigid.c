@@ -1,45 +1,8 @@
-/* Rigid bodies: conservation in free flight, Euler's equations, a pendulum, friction on a slope, a
- * collision, water, what a program sets, saved states, and errors. */
-#include "support.h"
+/* Rigid bodies: conservation in free flight, Euler's equations, a pendulum, water, what a program
+ * sets, saved states, and errors. Contact: test_rigid_contact.c. */
+#include "rigid_support.h"
 
 #include "projdyn/control.h"
-#include "projdyn/vec3.h"
-
-#include <string.h>
-
-#define BOX(more)                                                                                  \
-    "{'name': 'box', 'rigid': {'box': {'minimum': [-0.1, -0.2, -0.3], 'maximum': [0.1, 0.2, "      \
-    "0.3]}, 'density': 700" more "}"
-#define STEPS_OF(h, gravity)                                                                       \
-    "'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': " h "}, 'gravity': " gravity
-
-static const double pi = 3.14159265358979323846;
-
-struct momenta {
-    double linear[3], angular[3]; /* kg m/s; kg m^2/s about the origin */
-};
-
-static struct momenta momenta_of(const pdyn_sim *sim) {
-    struct momenta sum = {0};
-    for (int i = 0; i < sim->objective.particles; i++) {
-        double moment[3];
-        vec3_cross(moment, sim->x + 3 * i, sim->v + 3 * i);
-        vec3_add(sum.linear, sim->objective.mass[i], sim->v + 3 * i);
-        vec3_add(sum.angular, sim->objective.mass[i], moment);
-    }
-    return sum;
-}
-
-/* Mean position or velocity of the vertices of a body. */
-static void mean_of(const pdyn_sim *sim, int body, const double *value, double mean[3]) {
-    memset(mean, 0, 3 * sizeof *mean);
-    for (int i = 0; i < sim->body[body].count; i++)
-        vec3_add(mean, 1.0 / sim->body[body].count, value + 3 * (sim->body[body].first + i));
-}
-
-static void steps(pdyn_context *context, pdyn_sim *sim, int count) {
-    for (int k = 0; k < count; k++) test_step(context, sim);
-}
 
 /* ---- mass ------------------------------------------------------------------------------------ */
 
@@ -266,157 +229,6 @@ static void test_forces(void **state) {
     pdyn_destroy(context);
 }
 
-/* ---- contact --------------------------------------------------------------------------------- */
-
-static double slide(double degrees) {
-    char text[1024];
-    snprintf(text, sizeof text,
-             "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.005}, 'gravity': "
-             "[%.17g, %.17g, 0], 'contact': {'thickness': 0.002, 'stiffness': 1e5, 'friction': "
-             "0.5}, 'solver': {'tolerance': 1e-5}, 'solids': [{'plane': {'center': [0, 0, 0], "
-             "'normal': [0, 1, 0], 'size': 40}}], 'bodies': [{'rigid': {'box': {'minimum': [-0.1, "
-             "0.002, -0.1], 'maximum': [0.1, 0.102, 0.1]}, 'density': 1000}}]}",
-             9.81 * sin(degrees * pi / 180.0), -9.81 * cos(degrees * pi / 180.0));
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, text);
-    double before[3], after[3];
-    steps(context, sim, 100);
-    mean_of(sim, 0, sim->v, before);
-    steps(context, sim, 100);
-    mean_of(sim, 0, sim->v, after);
-    pdyn_free(sim);
-    pdyn_destroy(context);
-    return (after[0] - before[0]) / 0.5;
-}
-
-/* Coulomb's law: tan 26.57 degrees = 0.5 */
-static void test_slope(void **state) {
-    (void)state;
-    double angle = 30.0 * pi / 180.0;
-    double theory = 9.81 * (sin(angle) - 0.5 * cos(angle));
-    assert_true(fabs(slide(26.1)) < 1e-3);
-    assert_true(slide(27.1) > 0.0);
-    assert_true(fabs(slide(30.0) - theory) < 0.01 * theory);
-}
-
-/* Five boxes of the same size on each other, edge over edge. */
-static pdyn_sim *load_stack(pdyn_context *context) {
-    char text[2048] =
-        "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, "
-                                               "'stiffness': 1e5}, 'solids': [{'plane': {'center': "
-                                               "[0, 0, 0], 'normal': [0, "
-                                               "1, 0], 'size': 4}}], 'bodies': [";
-    for (int k = 0; k < 5; k++) {
-        double low = 0.0018 + 0.1018 * k;
-        size_t used = strlen(text);
-        snprintf(
-            text + used, sizeof text - used,
-            "%s{'rigid': {'box': {'minimum': [-0.05, %g, -0.05], 'maximum': [0.05, %g, 0.05]}, "
-            "'density': 1000}}",
-            k ? ", " : "", low, low + 0.1);
-    }
-    strcat(text, "]}");
-    return test_load(context, text);
-}
-
-/* They come to rest: every step is solved, although the closest points of parallel edges are not
- * unique. */
-static void test_stack(void **state) {
-    (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_stack(context);
-    double start[3], end[3];
-    steps(context, sim, 60);
-    mean_of(sim, 4, sim->x, start);
-    for (int n = 0; n < 100; n++) assert_true(test_step(context, sim).step_residual <= 0.1);
-    mean_of(sim, 4, sim->x, end);
-    assert_true(vec3_distance(start, end) < 5e-4);
-    pdyn_free(sim);
-    pdyn_destroy(context);
-}
-
-#define CUBE(low, density)                                                                         \
-    "{'rigid': {'box': {'minimum': [-0.05, 0, -0.05], 'maximum': [0.05, 0.1, 0.05]}, "             \
-    "'translate': [0, " low ", 0], 'density': " density "}}"
-
-/* 10 kg fall by 8 mm on 1 g: the light cube is not thrown by the impulses that go through it. */
-static void test_light_under_heavy(void **state) {
-    (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context, "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004}, "
-                                                        "'solids': [{'plane': {'center': [0, 0, "
-                                                        "0], 'normal': [0, 1, 0], 'size': 1}}], "
-                                                        "'bodies': [" CUBE("0.006", "1") ", " CUBE(
-                                                            "0.112", "10000") "]}");
-    for (int n = 0; n < 50; n++) assert_true(test_step(context, sim).kinetic_energy < 1.0);
-    pdyn_free(sim);
-    pdyn_destroy(context);
-}
-
-/* The matrix of bodies in contact is H: its solve gives the motion back that a product begins with.
- */
-static void test_matrix(void **state) {
-    (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = load_stack(context);
-    steps(context, sim, 60);
-    struct objective *o = &sim->objective;
-    int n = 3 * o->particles;
-    double u[1024] = {0}, y[1024], z[1024] = {0}, blocks[2048], largest = 0.0;
-    assert_true(n < 1024);
-    for (int k = 0; k < n; k++) u[k] = sin(k * k);
-    rigid_map_extend(o->rigid, u);
-    assert_int_equal(objective_linearise(o, 0.0), PDYN_OK);
-    objective_diagonal(o, PDYN_WHOLE, blocks);
-    objective_apply(o, u, y);
-    rigid_matrix_solve(o->rigid, y, z);
-    assert_true(o->rigid->closed && o->rigid->pairs == 4);
-    for (int k = 0; k < n; k++) largest = fmax(largest, fabs(z[k] - u[k]));
-    assert_true(largest < 1e-8);
-    pdyn_free(sim);
-    pdyn_destroy(context);
-}
-
-#define COLLISION(contact)                                                                         \
-    "{" STEPS_OF("0.002",                                                                          \
-                 "[0, 0, 0]") ", 'contact': {'thickness': 0.002, 'stiffness': 1e4" contact "}, "   \
-                              "'solver': {'tolerance': 1e-6, 'outer_iterations': 100}, "           \
-                              "'bodies': [" BOX(                                                   \
-                                  ", 'rotate': [10, 20, 30], 'angular_velocity': [1, 2, "          \
-                                  "0]") ", 'velocity': [1, 0, 0]}, "                               \
-                                        "{'name': 'ball', 'rigid': {'sphere': {'center': "         \
-                                        "[0.45, 0.1, 0], 'radius': 0.1}, 'mass': 8}}, "            \
-                                        "{'name': 'cloth', 'surface': {'grid': {'size': "          \
-                                        "[0.4, 0.4], 'vertices': [7, 7]}, 'rotate': "              \
-                                        "[0, 0, 90], 'translate': [0.58, 0.1, 0], "                \
-                                        "'area_density': 1}, 'constraints': [{'type': "            \
-                                        "'spring', 'stretching_stiffness': 1000}]}]}"
-
-/* A box, a ball and a cloth hit each other: the linear momentum stays, and nothing passes. Without
- * damping the cloth gets more speed; returns its place, m. */
-static double collide(const char *scene) {
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, scene);
-    struct momenta start = momenta_of(sim);
-    steps(context, sim, 150);
-    struct momenta end = momenta_of(sim);
-    double box[3], ball[3], cloth[3];
-    mean_of(sim, 0, sim->x, box), mean_of(sim, 1, sim->x, ball), mean_of(sim, 2, sim->x, cloth);
-    assert_true(vec3_distance(start.linear, end.linear) < 1e-12 * vec3_length(start.linear));
-    assert_true(vec3_distance(start.angular, end.angular) < 0.02 * vec3_length(start.angular));
-    assert_true(box[0] < ball[0] && ball[0] < cloth[0]);
-    pdyn_free(sim);
-    pdyn_destroy(context);
-    return cloth[0];
-}
-
-static void test_collision(void **state) {
-    (void)state;
-    assert_true(collide(COLLISION("")) > 0.582);
-    assert_true(collide(COLLISION(", 'damping_ratio': 0")) > 0.585);
-}
-
 /* ---- water ----------------------------------------------------------------------------------- */
 
 static const char hit[] =
@@ -564,14 +376,12 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inward),    cmocka_unit_test(test_pieces),
-        cmocka_unit_test(test_mass),      cmocka_unit_test(test_flight),
-        cmocka_unit_test(test_pendulum),  cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_slope),     cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_collision), cmocka_unit_test(test_water),
-        cmocka_unit_test(test_poses),     cmocka_unit_test(test_bits),
-        cmocka_unit_test(test_matrix),    cmocka_unit_test(test_pair),
-        cmocka_unit_test(test_errors),    cmocka_unit_test(test_light_under_heavy),
+        cmocka_unit_test(test_inward),   cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_mass),     cmocka_unit_test(test_flight),
+        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_water),    cmocka_unit_test(test_poses),
+        cmocka_unit_test(test_bits),     cmocka_unit_test(test_pair),
+        cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }
