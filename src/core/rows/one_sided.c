@@ -17,6 +17,7 @@ static bool resize_arrays(struct one_sided *s, enum array_action action) {
     const struct array_entry table[] = {
         ARRAY(s->reached, s->capacity),
         ARRAY(s->rate, s->capacity),
+        ARRAY(s->mean, s->capacity),
         ARRAY(s->multiplier, s->capacity),
         ARRAY(s->acts, s->capacity),
         ARRAY(s->possible, s->capacity),
@@ -198,7 +199,7 @@ static void take_forces(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) {
         double impact = left_out > 0.0 ? s->multiplier[i] : 0.0;
         s->multiplier[i] = s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
-        s->rate[i] = s->multiplier[i] - left_out * impact;
+        s->mean[i] = s->multiplier[i] - left_out * impact;
     }
 }
 

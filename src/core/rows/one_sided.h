@@ -16,11 +16,11 @@ struct one_sided {
     const pdyn_operator *op;
     void *self; /* the operator's state */
     int particles, capacity;
-    pdyn_one_sided at;  /* the x of the last local step */
-    double *reached;    /* count: C_i + grad C_i . d */
-    double *rate;       /* count: grad C_i . u for the search direction u; between steps the
-                           multipliers of mean forces: less those parts of impacts that the
-                           integrator left out */
+    pdyn_one_sided at; /* the x of the last local step */
+    double *reached;   /* count: C_i + grad C_i . d */
+    double *rate;      /* count: grad C_i . u for the search direction u */
+    double *mean; /* count: multipliers of the mean forces of the last step: without those parts
+                     of impacts that the integrator left out */
     double *multiplier; /* count: scratch of a step; between steps k_i max(0, C_i) of its end */
     bool *acts;         /* count: the constraint acts at d */
     bool *possible;     /* count: k_i > 0 */
@@ -60,7 +60,7 @@ static inline double impact_part(double stopped, double change, double stiff) {
 }
 
 /* multiplier = k_i max(0, C_i) at the last local step: y += sum of multiplier_i grad C_i is the
- * gradient of the constraints' energy. rate = the same, less the part `left_out` of the impact
+ * gradient of the constraints' energy. mean = the same, less the part `left_out` of the impact
  * parts that one_sided_impacts has found before; 0: there are none. */
 void one_sided_store_forces(struct one_sided *s, double left_out);
 /* y += the gradient of the constraints' energy at the last local step, N */

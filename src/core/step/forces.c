@@ -49,7 +49,7 @@ static void add_rows(const struct pdyn_sim *sim, const struct batch *b, double *
 
 /* Adds the gradient of the energy of a batch. */
 static void add_gradient(const struct pdyn_sim *sim, struct batch *b, double *gradient) {
-    if (b->op) batch_force(b, b->one_sided.rate, gradient);
+    if (b->op) batch_force(b, b->one_sided.mean, gradient);
     else add_rows(sim, b, gradient);
 }
 

@@ -27,7 +27,7 @@ static void add_point_forces(const struct pdyn_sim *sim, const double *force) {
 
 /* The operator takes its multipliers from the call of `force` before. */
 static void add_operator(const struct pdyn_sim *sim, const struct batch *b) {
-    batch_force((struct batch *)b, b->one_sided.rate, sim->trial);
+    batch_force((struct batch *)b, b->one_sided.mean, sim->trial);
     b->type->matrix_free->boundary_force(b->op, sim->loads->force);
 }
 
