@@ -107,16 +107,17 @@ struct batch_step {               /* of the integrator, see pdyn_batch */
     double time;                  /* s, at its end */
 };
 
-/* A step begins at the state x, v (particles x 3): updates elements that come and go from step to
- * step. */
+/* A step begins with these three, in this order. First, at the state x, v (particles x 3), elements
+ * that come and go from step to step are updated. */
 pdyn_status batch_open(struct batch *batch, const double *x, const double *v,
                        const struct batch_step *step);
 
-/* A step begins at x; before: x of the step before, NULL: none. Sets the rest shape of a damper;
- * does nothing for other batches. After batch_open. */
+/* Then a damper gets its rest shape, from the state x and x of the step before (NULL: none). Does
+ * nothing for other batches. */
 void batch_set_damper_rest(struct batch *batch, const double *x, const double *before);
-/* A step of length h, s, begins at x and v: sets what changes from step to step. Returns whether
- * weights change even where h does not. */
+/* Then the type's `begin` sets what changes from step to step, at the base x, v of the integrator,
+ * and weights are set for the effective length h, s. Returns whether weights change even where h
+ * does not. */
 bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
 /* Sets the weights of a damper for steps of length h, s; does nothing for other batches. */
 void batch_weigh(struct batch *batch, double h);
