@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+enum { MOST = 20000 /* faces, edges of the scene */ };
+
 /* Two sheets above a ball, a bar that moves, and drops that do not exist yet. */
 static const char scene[] =
     "{'duration': 10, 'frame_interval': 0.01, 'contact': {'thickness': 0.01}, 'bodies': [\n"
@@ -89,15 +91,40 @@ static bool exists(const struct contact *c, int point) {
     return point < c->vertices || point >= c->free || c->live[c->column[point]];
 }
 
+/* The boxes around primitives, and whether two are further apart along an axis than the points of
+ * contacts may be. */
+static void wrap(const struct contact *c, const int *point, int points, int count,
+                 struct box *box) {
+    for (int k = 0; k < count; k++) {
+        box[k] = box_empty;
+        for (int m = 0; m < points; m++) box_add(&box[k], c->at + 3 * point[points * k + m]);
+    }
+}
+static bool apart(const struct box *a, const struct box *b, double T) {
+    for (int k = 0; k < 3; k++)
+        if (a->min[k] - b->max[k] > T || b->min[k] - a->max[k] > T) return true;
+    return false;
+}
+
 /* The number of contacts, from all points and faces and all edges. */
 static int count_contacts(const struct contact *c) {
+    static struct box face[MOST], edge[MOST];
+    double T = c->set->thickness;
     int count = 0;
-    for (int i = 0; i < c->points; i++)
+    assert_true(c->faces <= MOST && c->edges <= MOST);
+    wrap(c, c->face, 3, c->faces, face);
+    wrap(c, c->edge, 2, c->edges, edge);
+    for (int i = 0; i < c->points; i++) {
+        struct box box;
+        wrap(c, &i, 1, 1, &box);
         for (int f = 0; exists(c, i) && f < (i < c->vertices ? c->faces : c->free_faces); f++)
-            count += touch(c, &pair_vertex_face, &i, c->face + 3 * f);
+            if (!apart(&box, &face[f], T))
+                count += touch(c, &pair_vertex_face, &i, c->face + 3 * f);
+    }
     for (int a = 0; a < c->free_edges; a++)
         for (int b = a + 1; b < c->edges; b++)
-            count += touch(c, &pair_edge_edge, c->edge + 2 * a, c->edge + 2 * b);
+            if (!apart(&edge[a], &edge[b], T))
+                count += touch(c, &pair_edge_edge, c->edge + 2 * a, c->edge + 2 * b);
     return count;
 }
 
