@@ -8,7 +8,8 @@ seconds=${1:-10}
 [ $# -gt 0 ] || set -- scene obj ply points tetgen gmsh
 scripts/install.sh clang libclang-rt-14-dev
 [ -f build-fuzz/build.ninja ] || CC=clang meson setup build-fuzz -Dfuzz=true -Dbuildtype=debugoptimized \
-    -Db_sanitize=address,undefined -Db_lundef=false -Dc_args=-fsanitize=fuzzer-no-link >/dev/null
+    -Doptimization=1 -Db_sanitize=address,undefined -Db_lundef=false \
+    -Dc_args='-fsanitize=fuzzer-no-link -fno-sanitize-recover=all -gline-tables-only' >/dev/null
 for target in "$@"; do set -- "$@" "fuzz/fuzz_$target"; shift; done
 ninja -C build-fuzz "$@" >/dev/null
 dir=$(mktemp -d)
