@@ -6,6 +6,13 @@
 
 static char directory[512];
 
+/* PROJDYN_ONLY and PROJDYN_SKIP: the names of tests that run, and that do not; a pattern with *. */
+__attribute__((constructor)) static void choose_tests(void) {
+    const char *only = getenv("PROJDYN_ONLY"), *skipped = getenv("PROJDYN_SKIP");
+    if (only) cmocka_set_test_filter(only);
+    if (skipped) cmocka_set_skip_filter(skipped);
+}
+
 static pdyn_context *create(const pdyn_options *options) {
     pdyn_context *context = NULL;
     assert_int_equal(pdyn_create(options, &context), PDYN_OK);

@@ -218,13 +218,13 @@ static void test_steps(void **state) {
 
 /* ---- nothing passes -------------------------------------------------------------------------- */
 
-static void test_sphere(void **state) {
+static void test_sphere_long(void **state) {
     (void)state;
     run_apart(scene("", DOWN, CLOTH_AT(17, 0.2), BALL ", " FLOOR), 60);
 }
 
 /* Falls on its edge, and on itself. */
-static void test_fold(void **state) {
+static void test_fold_long(void **state) {
     (void)state;
     run_apart(scene("", DOWN,
                     "{'surface': {" GRID(13) ", 'rotate': [85, 0, 20], " AT(0.15) "}, " HELD "}",
@@ -240,7 +240,7 @@ static void test_stack(void **state) {
 }
 
 /* 50 m/s: half a metre in a step, on a ball and a floor: nothing gets below it. */
-static void test_impact(void **state) {
+static void test_impact_long(void **state) {
     (void)state;
     pdyn_context *c = test_context(1);
     pdyn_sim *sim = test_load(
@@ -469,9 +469,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_intersect),   cmocka_unit_test(test_gradient),
         cmocka_unit_test(test_hessian),     cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),       cmocka_unit_test(test_sphere),
-        cmocka_unit_test(test_fold),        cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_impact),      cmocka_unit_test(test_head_on),
+        cmocka_unit_test(test_steps),       cmocka_unit_test(test_sphere_long),
+        cmocka_unit_test(test_fold_long),   cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_impact_long), cmocka_unit_test(test_head_on),
         cmocka_unit_test(test_moving),      cmocka_unit_test(test_press),
         cmocka_unit_test(test_parallel),    cmocka_unit_test(test_squeeze),
         cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),

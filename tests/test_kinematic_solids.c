@@ -193,7 +193,7 @@ static void assert_in_tank(const pdyn_state *s, double slack) {
 }
 
 /* The paddle moves the water and lets none through; the tank loses none. */
-static void test_paddle(void **state) {
+static void test_paddle_long(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = stir(context);
@@ -281,7 +281,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_carry),         cmocka_unit_test(test_vertices),
         cmocka_unit_test(test_speed),         cmocka_unit_test(test_carried_tank),
-        cmocka_unit_test(test_paddle),        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_paddle_long),   cmocka_unit_test(test_threads),
         cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_divergence),
     };

@@ -227,7 +227,7 @@ static uint64_t run(const char *text, const char *set, int threads, int before) 
     return hash;
 }
 
-static void test_bits(void **state) {
+static void test_threads(void **state) {
     (void)state;
     static const char *const text[] = {coupled, coupled, filling};
     static const char *const set[] = {"solver.type=auto", "solver.type=dual", "solver.type=auto"};
@@ -242,7 +242,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_halves),   cmocka_unit_test(test_layers),
         cmocka_unit_test(test_momentum), cmocka_unit_test(test_inlets),
-        cmocka_unit_test(test_bits),     cmocka_unit_test(test_memory)};
+        cmocka_unit_test(test_threads),  cmocka_unit_test(test_memory)};
     return cmocka_run_group_tests_name("liquids", tests, test_enter_directory,
                                        test_leave_directory);
 }

@@ -96,7 +96,7 @@ static void test_open(void **state) {
 
 /* Under its weight s g a net sinks with k s g in water at rest. Friction on both sides of 1 / (2 k)
  * keeps it from sliding edge-on. */
-static void test_sinks(void **state) {
+static void test_sinks_long(void **state) {
     (void)state;
     struct run net = run(
         SCENE(
@@ -113,8 +113,9 @@ static void test_sinks(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_held), cmocka_unit_test(test_carried), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_open), cmocka_unit_test(test_sinks),
+        cmocka_unit_test(test_held),       cmocka_unit_test(test_carried),
+        cmocka_unit_test(test_threads),    cmocka_unit_test(test_open),
+        cmocka_unit_test(test_sinks_long),
     };
     return cmocka_run_group_tests_name("permeable", tests, NULL, NULL);
 }

@@ -81,7 +81,7 @@ static void test_surprise(void **state) {
     pdyn_destroy(context);
 }
 
-static void test_same_bits(void **state) {
+static void test_threads(void **state) {
     (void)state;
     const char *scene = POUR("'outer_iterations': 50", "1e5");
     struct run one = pour(scene, "solver.type=auto", 1, 0.1);
@@ -95,7 +95,7 @@ int main(void) {
         cmocka_unit_test(test_same_motion),
         cmocka_unit_test(test_stiff),
         cmocka_unit_test(test_surprise),
-        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);
 }

@@ -55,7 +55,7 @@ static void find_means(pdyn_sim *sim, double from, double to, double *mean) {
 
 /* The particles beside a side wall have up to 15 % more pressure than the water further in; a probe
  * of the wall takes the force instead. */
-static void test_rest(void **state) {
+static void test_rest_long(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, quoted(POOL(HEAD, RESTING)));
     double mean[8 * ROW] = {0}, height, volume;
@@ -277,7 +277,7 @@ static void test_single_pins(void **state) {
 
 /* Probes change no bit of a step, have the same bits for any number of threads, and allocate
  * nothing in a step. */
-static void test_steps(void **state) {
+static void test_threads(void **state) {
     (void)state;
     uint64_t hash[3], values[3];
     for (int t = 0; t < 3; t++) {
@@ -431,12 +431,12 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),   cmocka_unit_test(test_linear),
-        cmocka_unit_test(test_few),    cmocka_unit_test(test_visits),
-        cmocka_unit_test(test_calls),  cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_values), cmocka_unit_test(test_single_pins),
-        cmocka_unit_test(test_steps),  cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_resume), cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_rest_long), cmocka_unit_test(test_linear),
+        cmocka_unit_test(test_few),       cmocka_unit_test(test_visits),
+        cmocka_unit_test(test_calls),     cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_values),    cmocka_unit_test(test_single_pins),
+        cmocka_unit_test(test_threads),   cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_resume),    cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("probes", tests, scene_set_up, scene_tear_down);
 }

@@ -273,7 +273,7 @@ static void test_pair(void **state) {
 }
 
 /* Water hits a box off its centre: momentum is conserved, the box moves along and turns. */
-static void test_water(void **state) {
+static void test_water_long(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, hit);
@@ -321,7 +321,7 @@ static void test_poses(void **state) {
 }
 
 /* The same bits for any number of threads, and after a saved state. */
-static void test_bits(void **state) {
+static void test_threads(void **state) {
     (void)state;
     static const char *const scenes[] = {COLLISION(""), hit, pair};
     for (int k = 0; k < 3; k++) {
@@ -376,11 +376,11 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inward),   cmocka_unit_test(test_pieces),
-        cmocka_unit_test(test_mass),     cmocka_unit_test(test_flight),
-        cmocka_unit_test(test_pendulum), cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_water),    cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_bits),     cmocka_unit_test(test_pair),
+        cmocka_unit_test(test_inward),     cmocka_unit_test(test_pieces),
+        cmocka_unit_test(test_mass),       cmocka_unit_test(test_flight),
+        cmocka_unit_test(test_pendulum),   cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_water_long), cmocka_unit_test(test_poses),
+        cmocka_unit_test(test_threads),    cmocka_unit_test(test_pair),
         cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);

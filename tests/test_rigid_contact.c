@@ -130,7 +130,7 @@ static double collide(const char *scene) {
     return cloth[0];
 }
 
-static void test_collision(void **state) {
+static void test_collision_long(void **state) {
     (void)state;
     assert_true(collide(COLLISION("")) > 0.582);
     assert_true(collide(COLLISION(", 'damping_ratio': 0")) > 0.585);
@@ -142,7 +142,7 @@ int main(void) {
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),
         cmocka_unit_test(test_matrix),
-        cmocka_unit_test(test_collision),
+        cmocka_unit_test(test_collision_long),
     };
     return cmocka_run_group_tests_name("rigid contact", tests, test_enter_directory,
                                        test_leave_directory);

@@ -186,7 +186,7 @@ static double volume_of(const pdyn_sim *sim, const pdyn_body *body) {
 }
 
 /* Momentum lost by the water is gained by the ball, and the ball keeps its volume. */
-static void test_splash(void **state) {
+static void test_splash_long(void **state) {
     (void)state;
     char scene[2048];
     pdyn_context *context = test_context(1);
@@ -331,7 +331,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_svd),     cmocka_unit_test(test_conformance),
         cmocka_unit_test(test_stretch), cmocka_unit_test(test_hooke),
-        cmocka_unit_test(test_rod),     cmocka_unit_test(test_splash),
+        cmocka_unit_test(test_rod),     cmocka_unit_test(test_splash_long),
         cmocka_unit_test(test_files),   cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_memory),
     };

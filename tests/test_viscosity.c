@@ -213,7 +213,7 @@ static const char *const stirred[] = {
 
 /* The state after some steps has the same bits for any number of threads, and after a restart from
  * a saved state. */
-static void test_bits(void **state) {
+static void test_threads(void **state) {
     (void)state;
     static struct block b;
     uint64_t hash = 0;
@@ -289,14 +289,11 @@ static void test_beside_pressures(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_stress),
-                                       cmocka_unit_test(test_rotation),
-                                       cmocka_unit_test(test_couette),
-                                       cmocka_unit_test(test_sheet),
-                                       cmocka_unit_test(test_beside_pressures),
-                                       cmocka_unit_test(test_zero),
-                                       cmocka_unit_test(test_bits),
-                                       cmocka_unit_test(test_warning)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_stress),           cmocka_unit_test(test_rotation),
+        cmocka_unit_test(test_couette),          cmocka_unit_test(test_sheet),
+        cmocka_unit_test(test_beside_pressures), cmocka_unit_test(test_zero),
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_warning)};
     return cmocka_run_group_tests_name("viscosity", tests, test_enter_directory,
                                        test_leave_directory);
 }
