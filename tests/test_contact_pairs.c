@@ -109,7 +109,7 @@ static bool apart(const struct box *a, const struct box *b, double T) {
 /* The number of contacts, from all points and faces and all edges. */
 static int count_contacts(const struct contact *c) {
     static struct box face[MOST], edge[MOST];
-    double T = c->set->thickness;
+    double T = c->settings->thickness;
     int count = 0;
     assert_true(c->faces <= MOST && c->edges <= MOST);
     wrap(c, c->face, 3, c->faces, face);
