@@ -55,6 +55,7 @@ class Scene:
 
     def __init__(self, seed, k, directory):
         self.random = r = random.Random(f"{seed}/{k}")
+        self.times = random.Random(f"times {seed}/{k}")  # of constraints
         self.directory = directory
         self.width = log_uniform(r, 0.01, 20)  # m, of the tank
         self.layer = self.width * r.uniform(0.3, 0.8)
@@ -234,6 +235,8 @@ class Scene:
             kind, most = r.choice([("path", self.width), ("turn", 90)])
             pin[kind] = [[0, 0, 0, 0], [duration] + direction(r, most * log_uniform(r, 0.01, 1))]
             self.open_system = True
+        elif not rests and self.times.random() < 0.3:
+            pin["until"] = duration * self.times.uniform(0.1, 0.9)
         return [pin]
 
     def wind(self):
@@ -241,7 +244,10 @@ class Scene:
         if r.random() > 0.15:
             return []
         self.open_system = True
-        return [{"type": "wind", "velocity": direction(r, log_uniform(r, 0.1, 100))}]
+        wind = {"type": "wind", "velocity": direction(r, log_uniform(r, 0.1, 100))}
+        if self.times.random() < 0.5:
+            wind["from"] = self.json["duration"] * self.times.uniform(0.1, 0.5)
+        return [wind]
 
     def add_soft(self):
         r, w = self.random, self.width
