@@ -55,7 +55,9 @@ void main() {
     vec2 v = vec2(texelFetch(depths, clamp(at + away, ivec2(0), last), 0).r,
                   texelFetch(depths, clamp(at - away, ivec2(0), last), 0).r);
     float bell = 1.0 - 0.9 * place * place;
-    vec2 w = bell * bell * (1.0 - smoothstep(2.0 * radius, 6.0 * radius, abs(v - z)));
+    float bend = v.x == 0.0 || v.y == 0.0 ? 1e9 : 0.5 * abs(v.x + v.y - 2.0 * z); /* 0 on a slope, steep or not */
+    vec2 near = 1.0 - smoothstep(2.0 * radius, 6.0 * radius, abs(v - z));
+    vec2 w = bell * bell * max(near, 1.0 - smoothstep(radius, 3.0 * radius, bend));
     weights += vec3(w.x + w.y, place * (w.x - w.y), place * place * (w.x + w.y));
     sums += vec2(dot(w, v), place * (w.x * v.x - w.y * v.y));
   }
@@ -121,7 +123,7 @@ vec3 around(vec4 s, float z, vec2 scale) {
   }
   slope = sum.rg / sum.b;
   float spread = sum.a / sum.b - dot(slope, slope);
-  return vec3(slope, smoothstep(0.0, 0.5, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.04, 0.25, spread)));
+  return vec3(slope, smoothstep(0.0, 0.5, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.05, 0.6, spread)));
 }
 /* The point on the window where the refracted ray meets the scene; uv if it meets what is in front of the water. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
