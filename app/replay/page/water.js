@@ -107,11 +107,12 @@ in vec2 uv;
 uniform sampler2D cover, thick, scene, sceneDepth, map;
 uniform float distance, extent, radius, clear, mapped; /* clear: length, m, over which water gets its colour */
 out vec4 result;
-/* Mean slope of the points around, one particle radius away, and how even the water is there, 0...1: less at rims,
- * at steps of the depth and where slopes differ. Uneven water neither refracts nor shines: its slope is noise. */
-vec3 around(vec4 s, float z, vec2 scale) {
+/* Mean slope of the points around, one particle radius away; how even the water is there, 0...1: less where slopes
+ * differ and where few points are near; the same, 0 at rims and steps of the depth, too. Uneven water does not shine,
+ * and rims do not refract: what is beside them would appear in them. */
+vec4 around(vec4 s, float z, vec2 scale) {
   vec2 slope = s.rg / s.a, rise = slope / sqrt(max(1.0 - dot(slope, slope), 0.01));
-  if (soft == 0.0) return vec3(slope, 1);
+  if (soft == 0.0) return vec4(slope, 1, 1);
   float tolerance = radius * (1.0 + min(length(rise), 3.0));
   vec4 sum = vec4(slope, 1, dot(slope, slope)); /* of slopes, of weights, of squares */
   for (int k = 0; k < 8; k++) {
@@ -122,14 +123,15 @@ vec3 around(vec4 s, float z, vec2 scale) {
     sum += weight * vec4(t.rg, t.a, dot(t.rg, t.rg));
   }
   slope = sum.rg / sum.b;
-  float spread = sum.a / sum.b - dot(slope, slope);
-  return vec3(slope, smoothstep(0.0, 0.5, (sum.b - 1.0) / 8.0) * (1.0 - smoothstep(0.05, 0.6, spread)));
+  float alike = 1.0 - smoothstep(0.05, 0.6, sum.a / sum.b - dot(slope, slope)), near = (sum.b - 1.0) / 8.0;
+  return vec4(slope, alike * smoothstep(0.0, 0.5, near), alike * smoothstep(0.45, 0.95, near));
 }
-/* The point on the window where the refracted ray meets the scene; uv if it meets what is in front of the water. */
+/* The point on the window where the refracted ray meets the scene; closer to uv where it meets what is just behind the
+ * water's surface, and uv where that is in front of it. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   float length = min(min(texture(thick, uv).r, 0.5 * clear), gap);
   vec2 there = clamp(uv - 0.16 * slope * length * scale / -z, vec2(0.002), vec2(0.998));
-  return eyeDepth(texture(sceneDepth, there).r) < z ? there : uv;
+  return mix(uv, there, smoothstep(0.0, 4.0 * radius, z - eyeDepth(texture(sceneDepth, there).r)));
 }
 /* What liquids absorb, per "clear", and scatter: water, oil, wine. */
 const vec3 absorbed[3] = vec3[](vec3(2.2, 0.75, 0.45), vec3(0.5, 1.1, 4.0), vec3(0.9, 3.2, 2.2));
@@ -158,8 +160,8 @@ void main() {
   if (s.a < 0.1 || gap < 0.0) return;
   gl_FragDepth = bufferDepth(z);
   vec2 scale = vec2(projection[0][0], projection[1][1]);
-  vec3 mean = around(s, z, scale);
-  vec2 slope = mix(0.4, 1.0, mean.z) * mean.xy, there = refracted(slope, z, gap, scale);
+  vec4 mean = around(s, z, scale);
+  vec2 slope = mix(0.4, 1.0, mean.z) * mean.xy, there = refracted(mean.w * slope, z, gap, scale);
   vec3 n = vec3(slope, sqrt(max(1.0 - dot(slope, slope), 0.0))) * mat3(view);
   vec3 p = (vec3(-z * (2.0 * uv - 1.0) / scale, z) - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
   vec4 sums = texture(thick, there);
