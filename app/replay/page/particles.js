@@ -9,7 +9,7 @@ uniform vec3 vesselLow, vesselHigh;
 out vec3 centre;
 out float r, shade, inside; /* inside: the centre is in the vessel */
 /* Instances 1 and 2 of a ball are its images in the nearest wall of the vessel along x and z, so that the water meets
- * the walls without gaps between balls. *away: distance of the ball from that wall */
+ * the walls without gaps between balls. away: distance of the ball from that wall */
 vec3 image(vec3 p, out float away) {
   int k = gl_InstanceID == 1 ? 0 : 2;
   float low = p[k] - vesselLow[k], high = vesselHigh[k] - p[k];
