@@ -1,5 +1,6 @@
 #include "scene_summary.h"
 
+#include "projdyn/box.h"
 #include "projdyn/control.h"
 #include "projdyn/probe.h"
 
@@ -10,10 +11,10 @@
 
 /* ---- sizes ----------------------------------------------------------------------------------- */
 
-struct size {              /* of a body */
-    double min[3], max[3]; /* m */
-    double mass;           /* kg */
-    double momentum[3];    /* kg m/s */
+struct size {           /* of a body */
+    struct box box;     /* m */
+    double mass;        /* kg */
+    double momentum[3]; /* kg m/s */
 };
 
 static void add_mass(struct size *size, const pdyn_state *state, int i) {
@@ -23,16 +24,12 @@ static void add_mass(struct size *size, const pdyn_state *state, int i) {
 
 /* end: the first particle of the next body: the mass of a rigid body is behind its vertices. */
 static struct size size_of(const pdyn_state *state, const pdyn_body_info *body, int end) {
-    struct size size = {.min = {INFINITY, INFINITY, INFINITY},
-                        .max = {-INFINITY, -INFINITY, -INFINITY}};
+    struct size size = {.box = box_empty};
     for (int i = body->first + body->count; i < end; i++) add_mass(&size, state, i);
     for (int i = body->first; i < body->first + body->count; i++) {
         if (state->live && !state->live[i]) continue;
         add_mass(&size, state, i);
-        for (int a = 0; a < 3; a++) {
-            size.min[a] = fmin(size.min[a], state->x[3 * i + a]);
-            size.max[a] = fmax(size.max[a], state->x[3 * i + a]);
-        }
+        box_add(&size.box, state->x + 3 * i);
     }
     return size;
 }
@@ -76,6 +73,11 @@ static void print_particles(const pdyn_body_info *body) {
     if (body->live < body->count) printf(", capacity for %d more", body->count - body->live);
 }
 
+static void print_box(const struct box *box) {
+    printf("from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m", box->min[0], box->min[1], box->min[2],
+           box->max[0], box->max[1], box->max[2]);
+}
+
 /* The velocity of the centre of mass of a body that moves. */
 static void print_velocity(const struct size *size) {
     double v[3];
@@ -92,10 +94,7 @@ static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
     else print_particles(body);
     printf(", %.4g kg", size.mass);
     if (body->rest_density > 0.0) printf(", %.4g m^3", size.mass / body->rest_density);
-    if (size.mass > 0.0) print_velocity(&size);
-    if (size.mass > 0.0)
-        printf(", from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m", size.min[0], size.min[1],
-               size.min[2], size.max[0], size.max[1], size.max[2]);
+    if (size.mass > 0.0) print_velocity(&size), printf(", "), print_box(&size.box);
     putchar('\n');
 }
 
@@ -121,19 +120,14 @@ static void print_constraint(const pdyn_sim *sim, int k) {
 
 /* Name and bounds of a solid. Returns an exit code. */
 static int print_solid(const pdyn_sim *sim, int k) {
-    struct size size = {.min = {INFINITY, INFINITY, INFINITY},
-                        .max = {-INFINITY, -INFINITY, -INFINITY}};
+    struct box box = box_empty;
     int count = pdyn_solid_vertices(sim, k, NULL);
     double *x = calloc(3 * (size_t)count + 1, sizeof *x);
     if (!x) return report_no_memory();
     pdyn_solid_vertices(sim, k, x);
-    for (int i = 0; i < 3 * count; i++) {
-        size.min[i % 3] = fmin(size.min[i % 3], x[i]);
-        size.max[i % 3] = fmax(size.max[i % 3], x[i]);
-    }
+    for (int i = 0; i < count; i++) box_add(&box, x + 3 * (size_t)i);
     free(x);
-    printf("solid %s: from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) m\n", pdyn_solid_name(sim, k),
-           size.min[0], size.min[1], size.min[2], size.max[0], size.max[1], size.max[2]);
+    printf("solid %s: ", pdyn_solid_name(sim, k)), print_box(&box), putchar('\n');
     return EXIT_GOOD;
 }
 

@@ -22,6 +22,7 @@ const usualSettings = { ...settings };
 const isSetting = (name, value) => name === "cut" ? /^([xyz][+-][0-9.]+)?$/.test(value)
   : inputs[name] && [...inputs[name].options].some((option) => option.value === value);
 
+const isCamera = (numbers) => numbers.length === 6 && numbers.every((number) => number.trim() && Number.isFinite(Number(number)));
 const expectedIn = (what, found, known) => `${what} "${found}"; known: ${known.join(", ")}`;
 
 /* What is wrong with one name=value of a view; "": nothing. */
@@ -33,30 +34,25 @@ function pairFault(name, value) {
     return unknown ? expectedIn(`${name}: unknown part`, unknown, parts) : "";
   }
   if (name === "camera")
-    return value.split(",").filter((number) => number.trim() && Number.isFinite(Number(number))).length === 6 &&
-      value.split(",").length === 6 ? "" : `camera: expected six numbers: yaw,pitch,scale,x,y,z, found "${value}"`;
+    return isCamera(value.split(",")) ? "" : `camera: expected six numbers: yaw,pitch,scale,x,y,z, found "${value}"`;
   if (!(name in settings)) return expectedIn("unknown name", name, ["frame", "play", "hide", "show", "camera", ...Object.keys(settings)]);
   if (!inputs[name] || isSetting(name, value)) return ""; /* a setting of bodies that this run lacks */
   return name === "cut" ? `cut: expected a text as x-0.5, found "${value}"`
     : expectedIn(`${name}: unknown value`, value, [...inputs[name].options].map((option) => option.value));
 }
 
+/* The names and values of a view. */
+const viewPairs = (text) => text.split("&").filter(Boolean).map((pair) => {
+  const [name, value = ""] = pair.split("=");
+  return [name, decodeURIComponent(value)];
+});
+
 /* What is wrong with a view; "": nothing. */
-function viewFault(text) {
-  for (const pair of text.split("&").filter(Boolean)) {
-    const [name, value = ""] = pair.split("=");
-    const fault = pairFault(name, decodeURIComponent(value));
-    if (fault) return fault;
-  }
-  return "";
-}
+const viewFault = (text) => viewPairs(text).map(([name, value]) => pairFault(name, value)).find(Boolean) || "";
 
 /* Applies a view; what the text does not name becomes as usual. */
 function applyView(text) {
-  const wanted = Object.fromEntries(text.split("&").filter(Boolean).map((pair) => {
-    const [name, value = ""] = pair.split("=");
-    return [name, decodeURIComponent(value)];
-  }));
+  const wanted = Object.fromEntries(viewPairs(text));
   const [hidden, more] = ["hide", "show"].map((name) => (wanted[name] || "").split(","));
   for (const part of allParts()) {
     part.shown = part.usual ? !hidden.includes(part.name) : more.includes(part.name);

@@ -31,9 +31,12 @@ static const size_t kind_size[] = {[PDYN_REAL] = sizeof(double),
                                    [PDYN_PATH] = sizeof(pdyn_path),
                                    [PDYN_OTHER] = sizeof(pdyn_other)};
 
-/* Keys that every constraint has. */
+const char *const registry_common_keys[] = {"type", "from", "until", NULL};
+
 static bool is_taken(const char *name) {
-    return !strcmp(name, "type") || !strcmp(name, "from") || !strcmp(name, "until");
+    for (const char *const *key = registry_common_keys; *key; key++)
+        if (!strcmp(name, *key)) return true;
+    return false;
 }
 
 /* Describes the first error in a parameter, compared with the parameters before it; NULL: none. */

@@ -28,6 +28,9 @@ const pdyn_global_solver *registry_solver(const pdyn_context *context, const cha
  * no solver of projdyn has this name. */
 const char *registry_absent(const pdyn_context *context, const char *name);
 
+/* The keys of every constraint of a scene beside its parameters; ends with NULL. */
+extern const char *const registry_common_keys[];
+
 /* Checks that the table of a type is complete and consistent. PDYN_BAD_INPUT: the error text says
  * what is wrong. */
 pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_type *type);

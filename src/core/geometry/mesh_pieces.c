@@ -70,19 +70,12 @@ static pdyn_status number_pieces(pdyn_context *context, struct pieces *p) {
     return PDYN_OK;
 }
 
-/* The normal of triangle t, its length twice the area. */
-static void normal_of(const struct mesh *mesh, int t, double n[3]) {
-    const double *corner[3];
-    mesh_corners(mesh, t, corner);
-    vec3_normal(n, corner[0], corner[1], corner[2]);
-}
-
 static void sum_volumes(struct pieces *p) {
     for (int t = 0; t < p->mesh->triangles; t++) {
         double n[3], from[3];
         const double *corner[3];
         mesh_corners(p->mesh, t, corner);
-        normal_of(p->mesh, t, n);
+        vec3_normal(n, corner[0], corner[1], corner[2]);
         vec3_subtract(from, corner[0], p->mesh->vertex);
         p->volume[p->of[t]] += vec3_dot(from, n) / 6.0;
         p->area[p->of[t]] += 0.5 * vec3_length(n);
@@ -98,7 +91,7 @@ static void find_surrounded(struct pieces *p, const struct mesh_query *query) {
         const double *corner[3];
         int own = p->of[t];
         mesh_corners(p->mesh, t, corner);
-        normal_of(p->mesh, t, n);
+        vec3_normal(n, corner[0], corner[1], corner[2]);
         double inwards = p->volume[own] < 0.0 ? 1.0 : -1.0;
         for (int k = 0; k < 3; k++) vec3_add(x, 1.0 / 3.0, corner[k]);
         vec3_add(x, inwards * sample_depth / sqrt(2.0 * vec3_length(n)), n);

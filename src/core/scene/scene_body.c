@@ -257,7 +257,6 @@ static pdyn_status read_times(const struct json_at *at, struct scene_constraint 
 }
 
 static pdyn_status read_constraint(struct reader *r, const struct json_at *at, int index) {
-    static const char *const others[] = {"type", "from", "until", NULL};
     struct scene_body *body = r->body;
     struct scene_constraint *constraint = &body->constraint[index];
     struct json_at name = json_member(at, "type");
@@ -267,7 +266,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     if (status != PDYN_OK) return status;
     constraint->type = type;
     status = check_type(r, &name, body, index);
-    if (status == PDYN_OK) status = params_check_keys(at, type->params, others);
+    if (status == PDYN_OK) status = params_check_keys(at, type->params, registry_common_keys);
     if (status == PDYN_OK) status = params_check_alternatives(at, type->alternatives);
     if (status == PDYN_OK) status = read_times(at, constraint);
     if (status != PDYN_OK) return status;
