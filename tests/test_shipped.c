@@ -87,7 +87,7 @@ static const struct shipped shipped[] = {
      .kinetic = {1e-6, 5e-6},
      .lowest = {-0.0095, -0.006},
      .compression = 6.0e-3},
-    {.name = "flag", .seconds = 0.4, .kinetic = {0.27, 0.674}, .lowest = {0.957, 1.17}},
+    {.name = "flag", .seconds = 0.28, .kinetic = {0.22, 0.52}, .lowest = {1.05, 1.28}},
     {.name = "flag",
      .seconds = 0.3,
      .kinetic = {0.197, 0.492},

@@ -56,6 +56,33 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
     return last || !free || rule->uphill == 0.0 || step->slope_after <= -rule->uphill * step->slope;
 }
 
+/* A step is lengthened to this many directions at most. With 3 or 6 the iterations differ by 5 %.
+ */
+static const double longest = 4.0;
+
+/* The other side of the curvature condition: where more than half of the slope is left at the end
+ * of a whole step, goes on to where the slope would vanish, if E is lower there. H, made positive,
+ * is too stiff along the motions of a sheet that buckles. */
+static pdyn_status lengthen(struct pdyn_sim *sim, double *energy, struct line_step *step) {
+    struct objective *objective = &sim->objective;
+    double left = step->slope_after / step->slope; /* above 1 where E is concave */
+    if (step->length < 1.0 || !(step->slope < 0.0 && left > 0.5)) return PDYN_OK;
+    double more = left < 1.0 ? fmin(longest, 1.0 / (1.0 - left)) - 1.0 : longest - 1.0;
+    double least = objective->contact || sim->max_step ? 0.0 : more;
+    double slope = step->slope_after, trial;
+    pdyn_status status = iterate_update_limits(sim, sim->x_next);
+    if (status == PDYN_OK) status = set_trial(sim, more, &least, &slope);
+    if (status == PDYN_OK)
+        status = objective_local(objective, sim->trial, &trial, sim->trial_gradient);
+    if (status != PDYN_OK) return status;
+    if (!(trial < *energy)) return objective_local(objective, sim->x_next, energy, sim->gradient);
+    iterate_accept_trial(sim);
+    *energy = trial;
+    step->slope_after = objective_dot(objective, sim->gradient, sim->direction);
+    step->length += more;
+    return PDYN_OK;
+}
+
 /* Backtracking: x_next + direction, halved until the rule accepts it. In contact every point goes
  * as far as its path is free; a shorter direction stops fewer of them. */
 static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, double *energy,
@@ -88,8 +115,11 @@ static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
     struct rule rule = {.bound = *energy, .armijo = 1e-4, .uphill = 0.7, .tries = BACKTRACKS};
     if (sim->solver->dual) rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
     pdyn_status status = search_line(sim, &rule, energy, step);
-    if (status != PDYN_OK || step->length > 0.0) return status;
-    return objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
+    if (status != PDYN_OK) return status;
+    if (step->length == 0.0)
+        return objective_local(&sim->objective, sim->x_next, energy, sim->gradient);
+    bool may_lengthen = sim->scene.settings.newton && !sim->solver->dual;
+    return may_lengthen ? lengthen(sim, energy, step) : PDYN_OK;
 }
 
 /* Takes the point that the acceleration (Anderson, Chebyshev) proposes, if E is lower there;
