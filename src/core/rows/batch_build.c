@@ -53,7 +53,7 @@ static int common_width(const pdyn_batch *v, int rows) {
     return width;
 }
 
-/* The range of particles that rows select. */
+/* The range of particles that rows select. A failure changes nothing. */
 static pdyn_status find_touched(struct batch *b) {
     const pdyn_batch *v = &b->view;
     int low = INT32_MAX, high = -1;
@@ -61,10 +61,25 @@ static pdyn_status find_touched(struct batch *b) {
         if (v->column[k] < low) low = v->column[k];
         if (v->column[k] > high) high = v->column[k];
     }
-    b->touch_first = b->entries ? low : 0;
-    b->touch_count = b->entries ? high - low + 1 : 0;
-    b->touch_start = NEW_ARRAY(b->context, b->touch_count + 2, int);
-    return b->touch_start ? PDYN_OK : PDYN_NO_MEMORY;
+    int first = b->entries ? low : 0, count = b->entries ? high - low + 1 : 0;
+    if (!b->touch_start || count != b->touch_count) {
+        int *start = NEW_ARRAY(b->context, count + 2, int);
+        if (!start) return PDYN_NO_MEMORY;
+        FREE_ARRAY(b->context, b->touch_start, b->touch_count + 2);
+        b->touch_start = start;
+    }
+    b->touch_first = first, b->touch_count = count;
+    return PDYN_OK;
+}
+
+/* Checks and indexes the rows that `select` has written. */
+static pdyn_status index_rows(struct batch *b) {
+    pdyn_status status = rows_check(b);
+    if (status != PDYN_OK) return status;
+    b->single = is_single(&b->view), b->width = common_width(&b->view, b->rows);
+    status = find_touched(b);
+    if (status == PDYN_OK) rows_index(b);
+    return status;
 }
 
 static pdyn_status create_rows(struct batch *b) {
@@ -82,12 +97,7 @@ static pdyn_status create_rows(struct batch *b) {
     b->type->select(b->params, v, 0, v->elements);
     /* Where a type has `begin`, its weights may depend on h: they are 0 until the first step. */
     if (!b->type->begin) rows_weigh(b, 0, v->elements);
-    status = rows_check(b);
-    if (status != PDYN_OK) return status;
-    b->single = is_single(v), b->width = common_width(v, b->rows);
-    status = find_touched(b);
-    if (status == PDYN_OK) rows_index(b);
-    return status;
+    return index_rows(b);
 }
 
 static pdyn_status create_operator(struct batch *b, const pdyn_services *services) {
@@ -165,7 +175,7 @@ pdyn_status batch_refresh(struct batch *b) {
     if (!b->type->begin) rows_weigh(b, 0, v->elements);
     linear_rows_free(b->linear);
     b->linear = NULL;
-    pdyn_status status = rows_check(b);
+    pdyn_status status = index_rows(b);
     return status == PDYN_OK && !b->damper ? batch_join_rows(b) : status;
 }
 
