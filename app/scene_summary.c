@@ -99,7 +99,9 @@ static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
 }
 
 static void print_vector(const pdyn_vector_info *v) {
-    if (v->count == 3)
+    if (v->width)
+        printf(", %s of %d row%s", v->name, v->count / v->width, v->count == v->width ? "" : "s");
+    else if (v->count == 3)
         printf(", %s (%.4g, %.4g, %.4g) %s", v->name, v->value[0], v->value[1], v->value[2],
                v->unit);
     else if (v->count) printf(", %s of %d key%s", v->name, v->count / 4, v->count == 4 ? "" : "s");

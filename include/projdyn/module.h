@@ -37,7 +37,21 @@ typedef enum pdyn_param_kind {
     PDYN_VERTICES, /* pdyn_vertices: chosen points of the body */
     PDYN_PATH,     /* pdyn_path: three numbers over time */
     PDYN_OTHER,    /* pdyn_other: the name of another body that has a surface */
+    /* What the rows of a pdyn_table belong to; the kind is PDYN_TABLE(PDYN_PER_TET, 3). */
+    PDYN_ROWS = 0x100,       /* any number of rows, at least one */
+    PDYN_PER_VERTEX = 0x200, /* one row for each vertex of the body, */
+    PDYN_PER_TRIANGLE =
+        0x300,            /* for each triangle (both need PDYN_ON_SURFACE or PDYN_ON_VOLUME), */
+    PDYN_PER_TET = 0x400, /* for each tetrahedron (needs PDYN_ON_VOLUME) */
 } pdyn_param_kind;
+
+/* A pdyn_table with `width` numbers in each row, 1 to 255. */
+#define PDYN_TABLE(rows, width) ((pdyn_param_kind)((rows) + (width)))
+
+typedef struct pdyn_table {
+    int count;           /* rows; 0: a parameter without a default that the scene does not give */
+    const double *value; /* count x width, in the order of the body's arrays */
+} pdyn_table;
 
 typedef struct pdyn_vertices {
     int count;
@@ -60,8 +74,9 @@ typedef struct pdyn_param {
     pdyn_param_kind kind;
     size_t offset;    /* in the parameter struct */
     bool required;    /* true: there is no default, the scene must give the parameter */
-    double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and of each entry of PDYN_VECTOR;
-                         outside of the bounds: the parameter is absent unless the scene gives it */
+    double def;       /* default of PDYN_REAL, PDYN_INT, PDYN_BOOL and of each number of PDYN_VECTOR
+                         and PDYN_TABLE; outside of the bounds: the parameter is absent unless the
+                         scene gives it */
     double min, max;  /* bounds of the same kinds; both are allowed values */
     const char *unit; /* "N/m", "1" for a ratio, "" without a unit */
     const char *doc;

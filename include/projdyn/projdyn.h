@@ -275,15 +275,18 @@ static inline pdyn_parameter_info pdyn_get_parameter(const pdyn_sim *sim, int co
     return out;
 }
 
-/* A vector or a path over time. */
+/* A vector, a path over time, or a table with a row for each part of the body. */
 typedef struct pdyn_vector_info {
     const char *name, *unit;
-    int count;           /* 3 numbers of a vector; 4 for each key of a path, time in s first */
+    int count;           /* 3 numbers of a vector; 4 for each key of a path, time in s first; the
+                            numbers of all rows of a table */
     const double *value; /* count; valid until the parameter is set */
     bool changeable;     /* by pdyn_set_parameter (control.h) */
     const char *doc;
+    int width; /* numbers in each row of a table; 0: a vector or a path */
 } pdyn_vector_info;
-/* The vectors and paths of a constraint. vector: index from 0. All members 0: no such vector. */
+/* The vectors, paths and tables of a constraint. vector: index from 0. All members 0: no such
+ * vector. */
 PDYN_API void pdyn_get_vector_sized(const pdyn_sim *sim, int constraint, int vector,
                                     pdyn_vector_info *out, size_t size);
 static inline pdyn_vector_info pdyn_get_vector(const pdyn_sim *sim, int constraint, int vector) {

@@ -77,7 +77,7 @@ class ParameterInfo(Structure):  # pdyn_parameter_info
 
 class VectorInfo(Structure):  # pdyn_vector_info
     _fields_ = [("name", c_char_p), ("unit", c_char_p), ("count", c_int), ("value", Doubles),
-                ("changeable", c_bool), ("doc", c_char_p)]
+                ("changeable", c_bool), ("doc", c_char_p), ("width", c_int)]
 
 
 class WarningInfo(Structure):  # pdyn_warning

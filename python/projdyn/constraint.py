@@ -58,7 +58,8 @@ class Constraint(Fixed):
                                                   info.maximum, info.changeable, info.doc.decode())
 
     def __getitem__(self, name: str) -> Any:
-        """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path."""
+        """A parameter: a number; an array of three for a vector; n x 4 for the keys of a path; the
+        rows of a table, rows x width, or an array of n for rows of one number."""
         values = {key: parameter.value for key, parameter in self.parameters.items()}
         values.update(self._vectors())
         if name not in values:
@@ -67,7 +68,7 @@ class Constraint(Fixed):
 
     def __setitem__(self, name: str, value: Any) -> None:
         """Changes a parameter from the next step on: a number; three numbers for a vector; n x 4
-        for the keys of a path (time and three numbers)."""
+        for the keys of a path (time and three numbers); the rows of a table, or one row for all."""
         numbers = doubles(np.ravel(value), (None,), name)
         self._handle.call(lib.pdyn_set_parameter, self._index, name.encode(), address(numbers),
                           len(numbers))
@@ -110,7 +111,7 @@ class Constraint(Fixed):
         return self._values()[1]
 
     def _vectors(self) -> dict[str, np.ndarray]:
-        """Copies of the vectors and paths, by their names."""
+        """Copies of the vectors, paths and tables, by their names."""
         found: dict[str, np.ndarray] = {}
         info = VectorInfo()
         while True:
@@ -119,7 +120,7 @@ class Constraint(Fixed):
             if info.name is None:
                 return found
             numbers = np.array(view(info.value, (info.count,), self._handle))
-            found[info.name.decode()] = numbers if info.count == 3 else numbers.reshape(-1, 4)
+            found[info.name.decode()] = _rows(numbers, info.width)
 
     # ---- parts ----------------------------------------------------------------------------------
 
@@ -132,3 +133,10 @@ class Constraint(Fixed):
         energy, distance = np.empty(self.elements), np.empty(self.elements)
         self._handle.call(lib.pdyn_element_values, self._index, address(energy), address(distance))
         return energy, distance
+
+
+def _rows(numbers: np.ndarray, width: int) -> np.ndarray:
+    """The numbers of a vector or of a path (width 0), or of a table with rows of this width."""
+    if width == 1 or (width == 0 and len(numbers) == 3):
+        return numbers
+    return numbers.reshape(-1, width or 4)

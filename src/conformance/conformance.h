@@ -52,6 +52,10 @@ enum trial_size { SMALL, LARGE, SIZES }; /* LARGE: parallel loops have several b
 void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_kind kind,
                  enum trial_size size, const char *solver, const char *step);
 
+/* Gives each part of a body other numbers in the tables of its constraints, so that a wrong row
+ * shows. */
+pdyn_status trial_vary_tables(pdyn_sim *sim);
+
 /* Loads a small scene with the newton step on one thread and sets a random state near rest. Returns
  * false, with a fault, if the scene does not load. */
 bool trial_start(struct trial *trial, struct check *check, const pdyn_constraint_type *type,

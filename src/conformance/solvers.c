@@ -94,6 +94,7 @@ static bool run(struct check *check, const char *scene, int threads, uint64_t *h
     pdyn_sim *sim = NULL;
     if (!context) return false;
     pdyn_status status = pdyn_load_text(context, scene, "a scene", NULL, 0, &sim);
+    if (status == PDYN_OK) status = trial_vary_tables(sim);
     if (status == PDYN_OK) shake(sim);
     for (int k = 0; k < STEPS && status == PDYN_OK; k++) status = pdyn_step(sim, NULL);
     if (status == PDYN_OK) *hash = pdyn_state_hash(sim);

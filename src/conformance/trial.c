@@ -2,6 +2,11 @@
  * and set to a random state near rest. */
 #include "conformance.h"
 
+#include "base/text.h"
+#include "step/parameters.h"
+
+#include "projdyn/control.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -55,6 +60,15 @@ static const char *const format_of[] = {[PDYN_REAL] = ", \"%s\": %.17g",
                                         [PDYN_PATH] = ", \"%s\": [[0, 0, 0, 0]]",
                                         [PDYN_OTHER] = ", \"%s\": \"other\""};
 
+/* Writes a required table: one row of `width` values for all parts of the body. */
+static void write_table(char *text, size_t size, const pdyn_param *p) {
+    const char *before = param_width(p) > 1 ? "[" : "";
+    text_append(text, size, ", \"%s\": ", p->name);
+    for (int k = 0; k < param_width(p); k++, before = ", ")
+        text_append(text, size, "%s%.17g", before, value_for(p));
+    if (param_width(p) > 1) text_append(text, size, "]");
+}
+
 /* Writes the required parameters, and real ones whose default lies within the bounds (others have
  * no default). */
 static void write_params(char *text, size_t size, const pdyn_constraint_type *type) {
@@ -62,7 +76,8 @@ static void write_params(char *text, size_t size, const pdyn_constraint_type *ty
         bool given = p->required || (p->kind == PDYN_REAL && p->def >= p->min && p->def <= p->max);
         size_t length = strlen(text);
         double value = value_for(p);
-        if (given)
+        if (given && param_is_table(p)) write_table(text, size, p);
+        else if (given)
             snprintf(text + length, size - length, format_of[p->kind], p->name, value, value,
                      value);
     }
@@ -164,9 +179,41 @@ static pdyn_status disturb(struct trial *t, enum strain strain) {
     return status == PDYN_OK ? objective_local(objective, t->x, &energy, t->gradient) : status;
 }
 
+/* A number near `value` that the table may contain. */
+static double vary(const pdyn_param *p, double value, uint64_t *seed) {
+    double near = value + 0.2 * (1.0 + fabs(value)) * trial_random(seed);
+    return fmin(p->max, fmax(p->min, near));
+}
+
+static pdyn_status vary_table(pdyn_sim *sim, int constraint, const pdyn_param *p) {
+    pdyn_vector_info table = {0};
+    uint64_t seed = 13;
+    for (int k = 0; !table.name || strcmp(table.name, p->name); k++)
+        table = pdyn_get_vector(sim, constraint, k);
+    double *value = NEW_ARRAY(sim->context, table.count, double);
+    if (!value) return PDYN_NO_MEMORY;
+    for (int k = 0; k < table.count; k++) value[k] = vary(p, table.value[k], &seed);
+    pdyn_status status =
+        table.count ? pdyn_set_parameter(sim, constraint, p->name, value, table.count) : PDYN_OK;
+    FREE_ARRAY(sim->context, value, table.count);
+    return status == PDYN_BAD_INPUT ? PDYN_OK : status; /* other rows have other elements */
+}
+
+pdyn_status trial_vary_tables(pdyn_sim *sim) {
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < sim->constraints; k++) {
+        const pdyn_constraint_type *type = sim->objective.batch[k]->type;
+        for (const pdyn_param *p = type->params; p->name && status == PDYN_OK; p++)
+            if (param_is_table(p) && param_rows(p, 1, 1, 1) && parameter_is_changeable(type, p))
+                status = vary_table(sim, k, p);
+    }
+    return status;
+}
+
 static pdyn_status load(struct trial *t, enum strain strain, const char *scene) {
     pdyn_context *c = t->context;
     pdyn_status status = pdyn_load_text(c, scene, "a scene for this type", NULL, 0, &t->sim);
+    if (status == PDYN_OK) status = trial_vary_tables(t->sim);
     if (status != PDYN_OK) return status;
     t->batch = t->rows = t->sim->objective.batch[0];
     t->n = 3 * t->sim->objective.particles;

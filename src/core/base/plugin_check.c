@@ -23,13 +23,31 @@ static pdyn_status check_names(pdyn_context *context, const char *name, const ch
 
 /* ---- parameters ------------------------------------------------------------------------------ */
 
-static const size_t kind_size[] = {[PDYN_REAL] = sizeof(double),
-                                   [PDYN_INT] = sizeof(int),
-                                   [PDYN_BOOL] = sizeof(bool),
-                                   [PDYN_VECTOR] = 3 * sizeof(double),
-                                   [PDYN_VERTICES] = sizeof(pdyn_vertices),
-                                   [PDYN_PATH] = sizeof(pdyn_path),
-                                   [PDYN_OTHER] = sizeof(pdyn_other)};
+static const size_t sizes[] = {[PDYN_REAL] = sizeof(double),
+                               [PDYN_INT] = sizeof(int),
+                               [PDYN_BOOL] = sizeof(bool),
+                               [PDYN_VECTOR] = 3 * sizeof(double),
+                               [PDYN_VERTICES] = sizeof(pdyn_vertices),
+                               [PDYN_PATH] = sizeof(pdyn_path),
+                               [PDYN_OTHER] = sizeof(pdyn_other)};
+
+static bool is_known(unsigned kind) {
+    return kind < sizeof sizes / sizeof *sizes ||
+           (kind >= PDYN_ROWS && kind <= (PDYN_PER_TET | 0xFF));
+}
+
+static size_t size_of(const pdyn_param *p) {
+    return param_is_table(p) ? sizeof(pdyn_table) : sizes[p->kind];
+}
+
+/* Describes why no body of the type has rows for a table; NULL: they have. */
+static const char *table_fault(const pdyn_constraint_type *type, const pdyn_param *p) {
+    bool tets = type->flags & PDYN_ON_VOLUME, mesh = tets || type->flags & PDYN_ON_SURFACE;
+    if (!param_width(p)) return "its rows have no numbers";
+    if (param_rows(p, 0, 0, 1) && !tets) return "it needs PDYN_ON_VOLUME";
+    if (param_rows(p, 1, 1, 0) && !mesh) return "it needs PDYN_ON_SURFACE or PDYN_ON_VOLUME";
+    return NULL;
+}
 
 const char *const registry_common_keys[] = {"type", "from", "until", NULL};
 
@@ -42,16 +60,16 @@ static bool is_taken(const char *name) {
 /* Describes the first error in a parameter, compared with the parameters before it; NULL: none. */
 static const char *param_fault(const pdyn_constraint_type *type, const pdyn_param *p) {
     if (!is_name(p->name) || is_taken(p->name)) return "its name cannot be a key of a scene";
-    if ((unsigned)p->kind >= sizeof kind_size / sizeof *kind_size) return "its kind is unknown";
+    if (!is_known(p->kind)) return "its kind is unknown";
     if (!p->unit || !p->doc) return "it has no unit or no doc";
-    if (p->offset > type->params_size || kind_size[p->kind] > type->params_size - p->offset)
+    if (p->offset > type->params_size || size_of(p) > type->params_size - p->offset)
         return "it lies outside of params_size";
-    if (p->kind <= PDYN_VECTOR && p->kind != PDYN_BOOL && !(p->min <= p->max))
-        return "its bounds are not ordered";
+    bool bounded = (p->kind <= PDYN_VECTOR && p->kind != PDYN_BOOL) || param_is_table(p);
+    if (bounded && !(p->min <= p->max)) return "its bounds are not ordered";
+    if (param_is_table(p) && table_fault(type, p)) return table_fault(type, p);
     for (const pdyn_param *q = type->params; q < p; q++) {
         if (!strcmp(q->name, p->name)) return "its name is given twice";
-        if (p->offset < q->offset + kind_size[q->kind] &&
-            q->offset < p->offset + kind_size[p->kind])
+        if (p->offset < q->offset + size_of(q) && q->offset < p->offset + size_of(p))
             return "it overlaps another one";
     }
     return NULL;

@@ -5,6 +5,8 @@
 #include "context.h"
 #include "projdyn/module.h"
 
+#include <math.h>
+
 /* Largest number of doubles in the data of an element of a constraint with damping. */
 enum { DAMPED_DATA_MAX = 512 };
 
@@ -41,10 +43,28 @@ pdyn_status table_check_solver(pdyn_context *context, const pdyn_global_solver *
 extern const pdyn_param settings_solver_params[], settings_time_step_params[],
     settings_general_params[];
 
+/* A table (PDYN_TABLE): what its rows belong to, and the numbers in each row. */
+static inline bool param_is_table(const pdyn_param *param) { return param->kind >= PDYN_ROWS; }
+static inline int param_width(const pdyn_param *param) { return (int)(param->kind & 0xFF); }
+
+/* The rows of a table on a body of so many vertices, triangles and tetrahedra; 0: any number. */
+static inline int param_rows(const pdyn_param *param, int vertices, int triangles, int tets) {
+    unsigned per = param->kind & ~0xFFu;
+    return per == PDYN_PER_VERTEX     ? vertices
+           : per == PDYN_PER_TRIANGLE ? triangles
+           : per == PDYN_PER_TET      ? tets
+                                      : 0;
+}
+
+/* Whether a table may contain this number. */
+static inline bool param_allows(const pdyn_param *param, double value) {
+    return isfinite(value) && value >= param->min && value <= param->max;
+}
+
 /* Whether a parameter has a default. A default outside the bounds means: absent unless given. */
 static inline bool params_has_default(const pdyn_param *param) {
-    return !param->required && param->kind <= PDYN_VECTOR && param->def >= param->min &&
-           param->def <= param->max;
+    return !param->required && (param->kind <= PDYN_VECTOR || param_is_table(param)) &&
+           param->def >= param->min && param->def <= param->max;
 }
 
 #endif

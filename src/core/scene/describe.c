@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "choices.h"
 #include "params.h"
+#include "table.h"
 
 #include <stdio.h>
 
@@ -35,6 +36,14 @@ static void heading(const struct sink *to, const char *kind, const char *name,
     row(to, "parameter", "unit", "default", "value", "meaning");
 }
 
+/* Appends e.g. "3 numbers from 0 to 1 per tetrahedron". */
+static void describe_table(const pdyn_param *p, char *text, size_t size) {
+    char row[32] = "number";
+    if (param_width(p) > 1) snprintf(row, sizeof row, "%d numbers", param_width(p));
+    params_describe_bounds(text, size, row, p->min, p->max, "");
+    text_append(text, size, " per %s", table_part(p) ? table_part(p) : "row");
+}
+
 static void table(const struct sink *to, const pdyn_param *params) {
     static const char *const kinds[] = {[PDYN_REAL] = "number",
                                         [PDYN_INT] = "whole number",
@@ -50,7 +59,8 @@ static void table(const struct sink *to, const pdyn_param *params) {
         else if (p->kind == PDYN_BOOL)
             text_append(def, sizeof def, p->def != 0.0 ? "true" : "false");
         else text_append(def, sizeof def, "%.6g", p->def);
-        if (p->kind == PDYN_BOOL || p->kind > PDYN_VECTOR)
+        if (param_is_table(p)) describe_table(p, value, sizeof value);
+        else if (p->kind == PDYN_BOOL || p->kind > PDYN_VECTOR)
             text_append(value, sizeof value, "%s", kinds[p->kind]);
         else params_describe_bounds(value, sizeof value, kinds[p->kind], p->min, p->max, "");
         row(to, p->name, p->unit, def, value, p->doc);

@@ -2,6 +2,7 @@
 #include "params.h"
 
 #include "base/text.h"
+#include "table.h"
 #include "vertex_selection.h"
 
 #include <limits.h>
@@ -153,14 +154,14 @@ pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere)
 /* ---- reading by kind ------------------------------------------------------------------------- */
 
 static pdyn_status read_vertices(const struct json_at *at, const pdyn_param *param,
-                                 const struct mesh *surface, void *field) {
+                                 const struct scene_body *body, void *field) {
     (void)param;
-    return vertex_selection_read(at, surface, field);
+    return vertex_selection_read(at, body->has_mesh ? &body->mesh : NULL, field);
 }
 
 static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
-                             const struct mesh *surface, void *field) {
-    (void)surface;
+                             const struct scene_body *body, void *field) {
+    (void)body;
     char unit[WHAT] = "", expected[WHAT] = "";
     pdyn_path *path = field;
     size_t count = json_array_size(at->value);
@@ -184,8 +185,8 @@ static pdyn_status read_path(const struct json_at *at, const pdyn_param *param,
 
 /* Existence of the body is checked after all bodies were read (scene.c). */
 static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
-                              const struct mesh *surface, void *field) {
-    (void)param, (void)surface;
+                              const struct scene_body *body, void *field) {
+    (void)param, (void)body;
     if (!json_is_string(at->value)) return json_expected(at, "the name of another body");
     char *name = NEW_ARRAY(at->file->context, json_string_length(at->value) + 1, char);
     if (!name) return PDYN_NO_MEMORY;
@@ -195,27 +196,27 @@ static pdyn_status read_other(const struct json_at *at, const pdyn_param *param,
 }
 
 static pdyn_status read_real(const struct json_at *at, const pdyn_param *param,
-                             const struct mesh *surface, void *field) {
-    (void)surface;
+                             const struct scene_body *body, void *field) {
+    (void)body;
     return params_real(at, param->min, param->max, param->unit, field);
 }
 
 static pdyn_status read_int(const struct json_at *at, const pdyn_param *param,
-                            const struct mesh *surface, void *field) {
-    (void)surface;
+                            const struct scene_body *body, void *field) {
+    (void)body;
     return params_int(at, param->min, param->max, field);
 }
 
 static pdyn_status read_bool(const struct json_at *at, const pdyn_param *param,
-                             const struct mesh *surface, void *field) {
-    (void)param, (void)surface;
+                             const struct scene_body *body, void *field) {
+    (void)param, (void)body;
     *(bool *)field = json_is_true(at->value);
     return json_is_boolean(at->value) ? PDYN_OK : json_expected(at, "true or false");
 }
 
 static pdyn_status read_vector(const struct json_at *at, const pdyn_param *param,
-                               const struct mesh *surface, void *field) {
-    (void)surface;
+                               const struct scene_body *body, void *field) {
+    (void)body;
     return params_reals(at, 3, param->min, param->max, param->unit, field);
 }
 
@@ -241,11 +242,23 @@ static void default_other(const pdyn_param *param, void *field) {
     *(pdyn_other *)field = (pdyn_other){0};
 }
 
-static const struct {
+static pdyn_status read_table(const struct json_at *at, const pdyn_param *param,
+                              const struct scene_body *body, void *field) {
+    return table_read(at, param, body, field);
+}
+
+static void default_table(const pdyn_param *param, void *field) {
+    (void)param;
+    *(pdyn_table *)field = (pdyn_table){0};
+}
+
+struct kind {
     pdyn_status (*read)(const struct json_at *at, const pdyn_param *param,
-                        const struct mesh *surface, void *field);
+                        const struct scene_body *body, void *field);
     void (*set_default)(const pdyn_param *param, void *field);
-} kinds[] = {
+};
+
+static const struct kind kinds[] = {
     [PDYN_REAL] = {read_real, default_real},
     [PDYN_INT] = {read_int, default_int},
     [PDYN_BOOL] = {read_bool, default_bool},
@@ -254,16 +267,21 @@ static const struct {
     [PDYN_PATH] = {read_path, default_path},
     [PDYN_OTHER] = {read_other, default_other},
 };
+static const struct kind tables = {read_table, default_table};
+
+static const struct kind *kind_of(const pdyn_param *p) {
+    return param_is_table(p) ? &tables : &kinds[p->kind];
+}
 
 pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
-                        const struct mesh *surface, void *params) {
+                        const struct scene_body *body, void *params) {
     pdyn_status status = PDYN_OK;
     for (const pdyn_param *p = table; p->name; p++)
-        kinds[p->kind].set_default(p, (char *)params + p->offset);
+        kind_of(p)->set_default(p, (char *)params + p->offset);
     for (const pdyn_param *p = table; p->name && status == PDYN_OK; p++) {
         struct json_at at = json_member(object, p->name);
-        if (at.value || p->required)
-            status = kinds[p->kind].read(&at, p, surface, (char *)params + p->offset);
+        if (at.value || p->required || param_is_table(p))
+            status = kind_of(p)->read(&at, p, body, (char *)params + p->offset);
     }
     return status;
 }
@@ -281,8 +299,10 @@ void params_free(pdyn_context *context, const pdyn_param *table, void *params) {
         pdyn_vertices *vertices = p->kind == PDYN_VERTICES ? field : NULL;
         pdyn_path *path = p->kind == PDYN_PATH ? field : NULL;
         pdyn_other *other = p->kind == PDYN_OTHER ? field : NULL;
+        pdyn_table *rows = param_is_table(p) ? field : NULL;
         if (vertices) FREE_ARRAY(context, vertices->index, vertices->count);
         if (path) FREE_ARRAY(context, path->key, 4 * (size_t)path->count);
+        if (rows) table_free(context, p, rows);
         if (other && other->name) FREE_ARRAY(context, other->name, strlen(other->name) + 1);
     }
 }

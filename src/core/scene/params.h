@@ -16,11 +16,11 @@ pdyn_status params_check_keys(const struct json_at *object, const pdyn_param *ta
  * check). */
 pdyn_status params_check_alternatives(const struct json_at *object, const char *const *names);
 
-/* Fills `params` by the table; a missing object gives all defaults. Vertex selections, paths and
- * names are allocated: params_free frees them, after a failure, too. surface: the mesh whose
- * vertices are selected; NULL: a body of particles. */
+/* Fills `params` by the table; a missing object gives all defaults. Vertex selections, paths,
+ * tables and names are allocated: params_free frees them, after a failure, too. body: the one whose
+ * vertices are selected and whose parts have rows in tables; NULL: these kinds do not occur. */
 pdyn_status params_read(const struct json_at *object, const pdyn_param *table,
-                        const struct mesh *surface, void *params);
+                        const struct scene_body *body, void *params);
 /* Checks that `object` is an object with keys of the table only, and reads it. */
 pdyn_status params_read_object(const struct json_at *object, const pdyn_param *table, void *params);
 void params_free(pdyn_context *context, const pdyn_param *table, void *params);

@@ -8,6 +8,7 @@
 #include "overlap.h"
 #include "params.h"
 #include "reader.h"
+#include "table.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -180,6 +181,16 @@ static void ignore_keys(json_t *values, const char *member, const char *const *k
     else json_decref(part), json_object_del(values, member);
 }
 
+/* Tables may come from files, whose numbers are not in the values. */
+static uint64_t hash_tables(const struct scene *scene, uint64_t hash) {
+    for (int b = 0; b < scene->bodies; b++)
+        for (int k = 0; k < scene->body[b].constraints; k++) {
+            const struct scene_constraint *c = &scene->body[b].constraint[k];
+            hash = table_hash(hash, c->type->params, c->params);
+        }
+    return hash;
+}
+
 /* Hash of the values that a saved state belongs to (see scene.fingerprint). */
 static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
     static const char *const whole[] = {"$schema", "name", "duration"};
@@ -195,7 +206,7 @@ static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
     char *dump = values && !no_memory ? json_compose(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     json_decref(values);
     if (!dump) return context_no_memory(r->context);
-    r->scene->fingerprint = hash_bytes(HASH_BEGIN, dump, strlen(dump));
+    r->scene->fingerprint = hash_tables(r->scene, hash_bytes(HASH_BEGIN, dump, strlen(dump)));
     free(dump);
     return PDYN_OK;
 }

@@ -164,7 +164,7 @@ struct scene {
     char *file;           /* as given by the user, for messages and the report */
     char *name;           /* "name" of the scene; may be empty */
     uint64_t fingerprint; /* hash of the file's values, without "$schema", "name", "duration", step
-                             lengths, and tolerances and iterations of the solver */
+                             lengths, and tolerances and iterations of the solver; and of tables */
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;

@@ -273,7 +273,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     if (needs_neighbour_lists(type) && !r->listed) r->listed = body;
     constraint->params = context_array(r->context, type->params_size, 1);
     if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
-    return params_read(at, type->params, body->has_mesh ? &body->mesh : NULL, constraint->params);
+    return params_read(at, type->params, body, constraint->params);
 }
 
 static pdyn_status read_constraints(struct reader *r, const struct json_at *array) {

@@ -2,6 +2,8 @@
 
 #include "base/text.h"
 #include "forces.h"
+#include "scene/params.h"
+#include "scene/table.h"
 #include "sim.h"
 
 #include "projdyn/control.h"
@@ -13,7 +15,8 @@ enum { LARGEST = 3, NAMES = 64 }; /* numbers of a value other than a path; param
 
 bool parameter_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param) {
     if (param->kind == PDYN_PATH) return !type->matrix_free;
-    if (param->kind != PDYN_REAL && param->kind != PDYN_VECTOR) return false;
+    if (param->kind != PDYN_REAL && param->kind != PDYN_VECTOR && !param_is_table(param))
+        return false;
     for (const char *const *a = type->alternatives; a && *a; a++)
         if (!strcmp(*a, param->name)) return false;
     return !type->matrix_free || type->matrix_free->set_params;
@@ -98,23 +101,66 @@ static pdyn_status set_path(const struct batch *b, pdyn_path *path, const double
     return PDYN_OK;
 }
 
+/* Lets the constraint take changed parameters. damped: whether it was before. */
+static pdyn_status take(struct pdyn_sim *sim, int constraint, bool damped) {
+    const struct batch *b = sim->objective.batch[constraint];
+    if (is_damped(b) == damped) return refresh(sim, constraint);
+    return context_fail(b->context, PDYN_BAD_INPUT,
+                        "constraint \"%s\" on body \"%s\": damping must stay %s while the "
+                        "simulation runs",
+                        b->type->name, b->view.body->name, damped ? "above 0" : "0");
+}
+
 /* Sets one or three numbers; takes them back where the constraint does not accept them. */
 static pdyn_status set_value(struct pdyn_sim *sim, int constraint, double *field,
                              const double *value, int count) {
-    const struct batch *b = sim->objective.batch[constraint];
     double before[LARGEST];
     size_t size = (size_t)count * sizeof *field;
-    bool damped = is_damped(b);
+    bool damped = is_damped(sim->objective.batch[constraint]);
     memcpy(before, field, size), memcpy(field, value, size);
-    pdyn_status status = PDYN_OK;
-    if (is_damped(b) != damped)
-        status = context_fail(b->context, PDYN_BAD_INPUT,
-                              "constraint \"%s\" on body \"%s\": damping must stay %s while the "
-                              "simulation runs",
-                              b->type->name, b->view.body->name, damped ? "above 0" : "0");
-    else status = refresh(sim, constraint);
+    pdyn_status status = take(sim, constraint, damped);
     if (status == PDYN_OK) return PDYN_OK;
     memcpy(field, before, size);
+    return refresh(sim, constraint) == PDYN_NO_MEMORY ? PDYN_NO_MEMORY : status;
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static int rows_of(const struct batch *b, const pdyn_param *p) {
+    const pdyn_body *body = b->view.body;
+    return param_rows(p, body->count, body->triangles, body->tets);
+}
+
+/* Checks all rows, or one row for all. */
+static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const double *value,
+                               int count) {
+    char expected[192] = "";
+    int rows = rows_of(b, p), width = param_width(p);
+    bool good = count > 0 && count % width == 0;
+    if (good && rows) good = count == width || count / width == rows;
+    for (int k = 0; good && k < count; k++) good = param_allows(p, value[k]);
+    if (good) return PDYN_OK;
+    table_describe(p, rows, "rows", expected, sizeof expected);
+    params_describe_bounds(expected, sizeof expected, rows ? ", or one row for all," : ",", p->min,
+                           p->max, p->unit);
+    return fail_value(b, p, expected);
+}
+
+/* Sets all rows, or the same in each; takes them back where the constraint does not accept them. */
+static pdyn_status set_table(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
+                             const double *value, int count) {
+    const struct batch *b = sim->objective.batch[constraint];
+    pdyn_table *field = (pdyn_table *)((char *)b->params + p->offset), before = *field, next = {0};
+    int rows = rows_of(b, p), width = param_width(p);
+    bool damped = is_damped(b);
+    double *numbers = table_allocate(b->context, p, rows ? rows : count / width, &next);
+    if (!numbers) return PDYN_NO_MEMORY;
+    for (int k = 0; k < next.count * width; k++) numbers[k] = value[k % count];
+    *field = next;
+    pdyn_status status = take(sim, constraint, damped);
+    if (status == PDYN_OK) return table_free(b->context, p, &before), PDYN_OK;
+    *field = before;
+    table_free(b->context, p, &next);
     return refresh(sim, constraint) == PDYN_NO_MEMORY ? PDYN_NO_MEMORY : status;
 }
 
@@ -130,12 +176,15 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
     while (p->name && (strcmp(p->name, name) != 0 || !parameter_is_changeable(b->type, p))) p++;
     if (!p->name) return fail_unknown(b, name);
     void *field = (char *)b->params + p->offset;
-    bool path = p->kind == PDYN_PATH;
-    status = path ? check_path(b, p, value, count) : check_value(b, p, value, count);
+    bool path = p->kind == PDYN_PATH, table = param_is_table(p);
+    status = path    ? check_path(b, p, value, count)
+             : table ? check_table(b, p, value, count)
+                     : check_value(b, p, value, count);
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
-    return path ? set_path(b, field, value, count)
-                : set_value(sim, constraint, field, value, count);
+    return path    ? set_path(b, field, value, count)
+           : table ? set_table(sim, constraint, p, value, count)
+                   : set_value(sim, constraint, field, value, count);
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
@@ -191,6 +240,32 @@ static bool persist_value(const struct batch *b, const pdyn_param *p, double *fi
     return changed && valid;
 }
 
+/* Writes a table, or reads its rows; whether they have changed. */
+static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table *field,
+                          struct snapshot_file *a) {
+    int count = field->count, rows = rows_of(b, p), width = param_width(p);
+    size_t row = (size_t)width * sizeof(double);
+    snapshot_file_count(a, &count, row, "the number of rows is out of range");
+    bool absent = !count && !p->required && !params_has_default(p);
+    snapshot_file_require(a, absent || (rows ? count == rows : count > 0),
+                          "a table has other rows");
+    if (a->status != PDYN_OK) return false;
+    if (!a->view.reading)
+        return snapshot_file_bytes(a, (double *)field->value, (size_t)count * row), false;
+    pdyn_table read = {0};
+    double *value = table_allocate(b->context, p, count, &read);
+    if (count && !value) return a->status = PDYN_NO_MEMORY, false;
+    snapshot_file_bytes(a, value, (size_t)count * row);
+    bool valid = true;
+    for (int k = 0; k < count * width; k++) valid &= param_allows(p, value[k]);
+    snapshot_file_require(a, valid, "a number of a table is out of bounds");
+    bool same = count == field->count && !memcmp(value, field->value, (size_t)count * row);
+    pdyn_table dropped = a->status == PDYN_OK && !same ? *field : read;
+    if (a->status == PDYN_OK && !same) *field = read;
+    table_free(b->context, p, &dropped);
+    return a->status == PDYN_OK && !same;
+}
+
 static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *a) {
     struct batch *b = sim->objective.batch[constraint];
     bool off = b->off, changed = false, damped = is_damped(b);
@@ -200,6 +275,7 @@ static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snap
         void *field = (char *)b->params + p->offset;
         if (!parameter_is_changeable(b->type, p)) continue;
         if (p->kind == PDYN_PATH) persist_path(b, field, a);
+        else if (param_is_table(p)) changed |= persist_table(b, p, field, a);
         else changed |= persist_value(b, p, field, a);
     }
     snapshot_file_require(a, is_damped(b) == damped, "damping appears or disappears");

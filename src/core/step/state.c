@@ -1,4 +1,5 @@
 /* Public functions that read the state of a simulation. */
+#include "base/registry.h"
 #include "base/sized.h"
 #include "base/snapshot_file.h"
 #include "live_particles.h"
@@ -91,20 +92,29 @@ static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, in
     return (pdyn_parameter_info){0};
 }
 
+static bool is_vector(const pdyn_param *p) {
+    return p->kind == PDYN_VECTOR || p->kind == PDYN_PATH || param_is_table(p);
+}
+
 static pdyn_vector_info get_vector(const pdyn_sim *sim, int constraint, int vector) {
     if (!sim_has_constraint(sim, constraint)) return (pdyn_vector_info){0};
     const struct batch *b = sim->objective.batch[constraint];
     const pdyn_param *p = b->type->params;
-    while (p->name && ((p->kind != PDYN_VECTOR && p->kind != PDYN_PATH) || vector-- > 0)) p++;
+    while (p->name && (!is_vector(p) || vector-- > 0)) p++;
     if (!p->name) return (pdyn_vector_info){0};
     const void *field = (const char *)b->params + p->offset;
-    bool path = p->kind == PDYN_PATH;
-    return (pdyn_vector_info){.name = p->name,
-                              .unit = p->unit,
-                              .count = path ? 4 * ((const pdyn_path *)field)->count : 3,
-                              .value = path ? ((const pdyn_path *)field)->key : field,
-                              .changeable = parameter_is_changeable(b->type, p),
-                              .doc = p->doc};
+    pdyn_vector_info info = {.name = p->name,
+                             .unit = p->unit,
+                             .count = 3,
+                             .value = field,
+                             .changeable = parameter_is_changeable(b->type, p),
+                             .doc = p->doc};
+    const pdyn_path *path = p->kind == PDYN_PATH ? field : NULL;
+    const pdyn_table *table = param_is_table(p) ? field : NULL;
+    if (path) info.count = 4 * path->count, info.value = path->key;
+    if (table) info.width = param_width(p);
+    if (table) info.count = info.width * table->count, info.value = table->value;
+    return info;
 }
 
 static pdyn_warning get_warning(const pdyn_sim *sim, int warning) {

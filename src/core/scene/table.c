@@ -1,0 +1,136 @@
+/* Reading tables from a scene. */
+#include "table.h"
+
+#include "base/snapshot_file.h"
+#include "base/text.h"
+#include "file_ref.h"
+#include "params.h"
+#include "table_file.h"
+
+#include <limits.h>
+#include <string.h>
+
+enum { WHAT = 256 };
+
+/* ---- memory ---------------------------------------------------------------------------------- */
+
+double *table_allocate(pdyn_context *context, const pdyn_param *param, int rows, pdyn_table *out) {
+    double *value = NEW_ARRAY(context, (size_t)rows * (size_t)param_width(param), double);
+    if (value) *out = (pdyn_table){rows, value};
+    return value;
+}
+
+void table_free(pdyn_context *context, const pdyn_param *param, pdyn_table *table) {
+    FREE_ARRAY(context, table->value, (size_t)table->count * (size_t)param_width(param));
+    table->count = 0;
+}
+
+uint64_t table_hash(uint64_t hash, const pdyn_param *params, const void *values) {
+    for (const pdyn_param *p = params; p->name; p++) {
+        const pdyn_table *table = (const pdyn_table *)((const char *)values + p->offset);
+        if (!param_is_table(p)) continue;
+        size_t numbers = (size_t)table->count * (size_t)param_width(p);
+        hash = hash_bytes(hash, table->value, numbers * sizeof *table->value);
+    }
+    return hash;
+}
+
+/* ---- words ----------------------------------------------------------------------------------- */
+
+const char *table_part(const pdyn_param *param) {
+    static const char *const parts[] = {NULL, "vertex", "triangle", "tetrahedron"};
+    return parts[param_rows(param, 1, 2, 3)];
+}
+
+void table_describe(const pdyn_param *param, int rows, const char *lines, char *text, size_t size) {
+    int width = param_width(param);
+    if (rows) text_append(text, size, "%d ", rows);
+    if (lines || width > 1) text_append(text, size, "%s of %d ", lines ? lines : "rows", width);
+    text_append(text, size, "number%s", lines && width == 1 ? "" : "s");
+    if (rows) text_append(text, size, ", one per %s", table_part(param));
+}
+
+static pdyn_status expected_table(const struct json_at *at, const pdyn_param *param, int rows) {
+    char text[WHAT] = "an array of ";
+    table_describe(param, rows, NULL, text, sizeof text);
+    return json_expected(at, text);
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+
+static pdyn_status read_row(const struct json_at *at, const pdyn_param *param, double *row) {
+    int width = param_width(param);
+    return width == 1 ? params_real(at, param->min, param->max, param->unit, row)
+                      : params_reals(at, width, param->min, param->max, param->unit, row);
+}
+
+/* Whether the value is one row, which all parts of the body get, and not an array of rows. */
+static bool is_row(const json_t *value, int width) {
+    if (width == 1) return json_is_number(value);
+    return json_array_size(value) && !json_is_array(json_array_get(value, 0));
+}
+
+/* Allocates the rows; they must be as many numbers as an int counts. */
+static pdyn_status allocate(const struct json_at *at, const pdyn_param *param, size_t rows,
+                            pdyn_table *out) {
+    if (rows > (size_t)(INT_MAX / param_width(param)))
+        return json_fail(at, "more than %d numbers", INT_MAX);
+    return table_allocate(at->file->context, param, (int)rows, out) ? PDYN_OK : PDYN_NO_MEMORY;
+}
+
+/* Copies the first row to the others. */
+static void repeat_row(const pdyn_table *table, double *value, size_t width) {
+    for (size_t k = width; k < (size_t)table->count * width; k++) value[k] = value[k - width];
+}
+
+static pdyn_status read_one(const struct json_at *at, const pdyn_param *param, int rows,
+                            pdyn_table *out) {
+    pdyn_status status = allocate(at, param, rows ? (size_t)rows : 1, out);
+    if (status != PDYN_OK) return status;
+    double *value = (double *)out->value;
+    status = read_row(at, param, value);
+    repeat_row(out, value, (size_t)param_width(param));
+    return status;
+}
+
+static pdyn_status read_rows(const struct json_at *at, const pdyn_param *param, int rows,
+                             pdyn_table *out) {
+    size_t count = json_array_size(at->value), width = (size_t)param_width(param);
+    if (!count || (rows && count != (size_t)rows)) return expected_table(at, param, rows);
+    pdyn_status status = allocate(at, param, count, out);
+    for (size_t k = 0; k < count && status == PDYN_OK; k++) {
+        struct json_at row = json_element(at, k);
+        status = read_row(&row, param, (double *)out->value + k * width);
+    }
+    return status;
+}
+
+static pdyn_status read_file(const struct json_at *at, const pdyn_param *param, int rows,
+                             pdyn_table *out) {
+    char *path = NULL;
+    size_t size = 0;
+    pdyn_context *context = at->file->context;
+    pdyn_status status = file_ref_path(at, "the name of a file", &path, &size);
+    if (status == PDYN_OK) status = json_wrap(at, table_file_read(context, path, param, rows, out));
+    FREE_ARRAY(context, path, size);
+    return status;
+}
+
+static pdyn_status set_default(const struct json_at *at, const pdyn_param *param, int rows,
+                               pdyn_table *out) {
+    if (!params_has_default(param)) return PDYN_OK;
+    pdyn_status status = allocate(at, param, rows ? (size_t)rows : 1, out);
+    for (int k = 0; k < param_width(param) && status == PDYN_OK; k++)
+        ((double *)out->value)[k] = param->def;
+    if (status == PDYN_OK) repeat_row(out, (double *)out->value, (size_t)param_width(param));
+    return status;
+}
+
+pdyn_status table_read(const struct json_at *at, const pdyn_param *param,
+                       const struct scene_body *body, pdyn_table *out) {
+    int rows = param_rows(param, body->mesh.vertices, body->mesh.triangles, body->tets.count);
+    if (!at->value && !param->required) return set_default(at, param, rows, out);
+    if (json_is_string(at->value)) return read_file(at, param, rows, out);
+    return is_row(at->value, param_width(param)) ? read_one(at, param, rows, out)
+                                                 : read_rows(at, param, rows, out);
+}
