@@ -76,6 +76,14 @@ static void refuse_param(pdyn_param second, const char *why) {
     refuse_type(type, why);
 }
 
+/* In place of the parameters of a type without flags. */
+static void refuse_table(pdyn_param_kind kind, double min, const char *why) {
+    const pdyn_param params[] = {{"rows", kind, 0, false, 0, min, 1, "", ""}, {0}};
+    pdyn_constraint_type type = good;
+    type.params = params, type.params_size = sizeof(pdyn_table), type.flags = 0;
+    refuse_type(type, why);
+}
+
 static void test_plugins(void **state) {
     (void)state;
     refuse(&(pdyn_plugin){PDYN_ABI + 1, "p", NULL, NULL}, "expected abi");
@@ -141,6 +149,11 @@ static void test_parameters(void **state) {
     refuse_param((pdyn_param){"l", PDYN_REAL, length, false, 0, 2, 1, "", ""}, "not ordered");
     refuse_param((pdyn_param){"stiffness", PDYN_REAL, length, false, 0, 0, 1, "", ""}, "twice");
     refuse_param((pdyn_param){"l", PDYN_INT, 4, false, 0, 0, 1, "", ""}, "overlaps");
+    refuse_table(PDYN_TABLE(PDYN_PER_TET, 3), 0, "needs PDYN_ON_VOLUME");
+    refuse_table(PDYN_TABLE(PDYN_PER_VERTEX, 3), 0, "needs PDYN_ON_SURFACE or PDYN_ON_VOLUME");
+    refuse_table(PDYN_TABLE(PDYN_ROWS, 0), 0, "no numbers");
+    refuse_table(PDYN_TABLE(PDYN_ROWS, 1), 2, "not ordered");
+    refuse_table(PDYN_TABLE(PDYN_PER_TET, 256), 0, "kind");
 }
 
 /* ---- parameters computed from the scene ------------------------------------------------------ */

@@ -1,4 +1,5 @@
 """Changes between two steps."""
+import os
 import pathlib
 import tempfile
 import unittest
@@ -131,6 +132,23 @@ class Control(unittest.TestCase):
         with self.assertRaises(projdyn.InputError):
             spring["stretching_stiffness"] = -1
         self.assertEqual(spring["stretching_stiffness"], 500)
+
+    def test_tables(self):
+        scene = projdyn.Scene(threads=1, plugins=[os.environ["PROJDYN_MUSCLE"]],
+                              allow_plugins=True, gravity=[0, 0, 0])
+        fibre = np.tile([1.0, 0, 0], (6, 1))
+        fibre[4] = 0
+        scene.add_soft(grid={"size": [1, 1, 1], "cells": [1, 1, 1]}, density=1000, name="cube",
+                       tet={"stiffness": 1e4}, muscle={"fibre": fibre, "stiffness": 1e4})
+        muscle = scene.load().constraints["cube", "muscle"]
+        np.testing.assert_array_equal(muscle["fibre"], fibre)
+        fibre[2] = [0, 1, 0]
+        muscle["fibre"] = fibre
+        np.testing.assert_array_equal(muscle["fibre"], fibre)
+        muscle["fibre"] = [0, 0, 2]
+        np.testing.assert_array_equal(muscle["fibre"], np.tile([0.0, 0, 2], (6, 1)))
+        with self.assertRaisesRegex(projdyn.InputError, "6 rows of 3 numbers, one per tetra"):
+            muscle["fibre"] = fibre[:5]
 
     def test_vectors_and_paths(self):
         scene = hanging_sheet()

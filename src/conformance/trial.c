@@ -190,11 +190,11 @@ static pdyn_status vary_table(pdyn_sim *sim, int constraint, const pdyn_param *p
     uint64_t seed = 13;
     for (int k = 0; !table.name || strcmp(table.name, p->name); k++)
         table = pdyn_get_vector(sim, constraint, k);
+    if (!table.count) return PDYN_OK;
     double *value = NEW_ARRAY(sim->context, table.count, double);
     if (!value) return PDYN_NO_MEMORY;
     for (int k = 0; k < table.count; k++) value[k] = vary(p, table.value[k], &seed);
-    pdyn_status status =
-        table.count ? pdyn_set_parameter(sim, constraint, p->name, value, table.count) : PDYN_OK;
+    pdyn_status status = pdyn_set_parameter(sim, constraint, p->name, value, table.count);
     FREE_ARRAY(sim->context, value, table.count);
     return status == PDYN_BAD_INPUT ? PDYN_OK : status; /* other rows have other elements */
 }

@@ -140,7 +140,7 @@ static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const
     if (good && rows) good = count == width || count / width == rows;
     for (int k = 0; good && k < count; k++) good = param_allows(p, value[k]);
     if (good) return PDYN_OK;
-    table_describe(p, rows, "rows", expected, sizeof expected);
+    table_describe(p, rows, NULL, expected, sizeof expected);
     params_describe_bounds(expected, sizeof expected, rows ? ", or one row for all," : ",", p->min,
                            p->max, p->unit);
     return fail_value(b, p, expected);
