@@ -305,7 +305,11 @@ static pdyn_context *counting;
 static pdyn_status load_and_set(const void *text) {
     pdyn_sim *sim = NULL;
     pdyn_status status = pdyn_load_text(counting, quoted(text), "s", NULL, 0, &sim);
-    if (status == PDYN_OK) status = pdyn_set_parameter(sim, 0, "stiffness", four, 4);
+    if (status == PDYN_OK) assert_rows(params_of(sim)->share, 2, (double[]){1, 2}, 2);
+    if (status == PDYN_OK) status = pdyn_restore(sim, "state");
+    if (status == PDYN_OK) assert_rows(params_of(sim)->stiffness, 4, four, 4);
+    if (status == PDYN_OK) status = pdyn_set_parameter(sim, 0, "stiffness", (double[]){5}, 1);
+    if (status == PDYN_OK) assert_rows(params_of(sim)->stiffness, 4, (double[]){5, 5, 5, 5}, 4);
     if (status == PDYN_OK) status = pdyn_step(sim, NULL);
     pdyn_free(sim);
     return status;
@@ -317,8 +321,13 @@ static void test_failing_memory(void **state) {
     counting = test_counting_context(1, &counter);
     assert_int_equal(pdyn_register(counting, &plugin), PDYN_OK);
     test_write_text("f.txt", "1\n2\n");
-    test_failing_allocations(counting, &counter, load_and_set,
-                             POSE("'share': 'f.txt', 'target': [1, 2, 3], 'pair': [[1, 2]]"));
+    static const char scene[] = POSE("'share': 'f.txt', 'target': [1, 2, 3], 'pair': [[1, 2]]");
+    pdyn_sim *sim = test_load(counting, scene);
+    assert_int_equal(pdyn_set_parameter(sim, 0, "stiffness", four, 4), PDYN_OK);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    pdyn_free(sim);
+    test_failing_allocations(counting, &counter, load_and_set, scene);
+    test_remove_file("state");
     test_remove_file("f.txt");
     pdyn_destroy(counting);
 }
