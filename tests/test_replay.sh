@@ -96,13 +96,16 @@ grep -q "no report.json" "$folder/out" || fail "no word about the missing report
 mv "$folder/report.json" "$run/report.json"
 "$python" "$here/compare_pictures.py" "$folder"
 
-# A can, as a mesh, around water, and water that falls past it: the picture shows the water in the can.
+# A can, as a mesh, around water, water that falls past it, and a rod that rises: the picture shows the water in the
+# can and the rod, and the ground is not where the water falls to.
 cat >"$folder/can.json" <<'EOF'
 {"duration": 2, "frame_interval": 0.2,
  "bodies": [{"name": "water", "constraints": [{"type": "fluid"}], "particles": {"radius": 0.02, "fill": [
     {"box": {"minimum": [-0.16, 0, -0.16], "maximum": [0.16, 0.24, 0.16]}},
     {"box": {"minimum": [0.3, 0.2, 0], "maximum": [0.42, 0.32, 0.12]}}]}}],
- "solids": [{"name": "can", "mesh": "can.obj"}]}
+ "solids": [{"name": "can", "mesh": "can.obj"},
+   {"name": "rod", "capsule": {"from": [0.3, 0.3, -0.2], "to": [0.4, 0.3, -0.2], "radius": 0.02},
+    "motion": [{"time": 0}, {"time": 2, "translate": [0, 0.5, 0]}]}]}
 EOF
 cat >"$folder/can.obj" <<'EOF'
 v -0.16 0 -0.16
@@ -125,6 +128,8 @@ for name in all hide=water; do
     "$projdyn" render "$folder/can" -o "$folder/cans/$name.png" --size 480x300 --view "${name#all}" >/dev/null
 done
 "$python" "$here/compare_pictures.py" "$folder/cans"
+"$projdyn" replay "$folder/can" -o "$folder/can.html" >/dev/null
+"$python" "$here/first_view.py" "$folder/can.html" 0.82 -0.5
 
 # Numbered pictures and films.
 "$projdyn" render "$run" -o "$folder/n_%03d.png" --size 64x48 >/dev/null

@@ -41,7 +41,17 @@ function floorOfView() {
   return firm.length ? low - 0.5 * (high - low) : -Infinity;
 }
 
-/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40. Three pairs, m. */
+/* Extends the bounds by the boxes of parts that are not much larger. */
+function includeParts(bounds, parts) {
+  const largest = 3 * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
+  for (const { box: [low, high] } of parts)
+    if (high.every((v, k) => v - low[k] < largest))
+      bounds = bounds.map(([a, b], k) => [Math.min(a, low[k]), Math.max(b, high[k])]);
+  return bounds;
+}
+
+/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40, and moving solids. Three
+ * pairs, m. */
 function measureBounds() {
   const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frameCount() / 40));
   const floor = floorOfView();
@@ -51,7 +61,8 @@ function measureBounds() {
         const [low, high] = coordinateRange(body, f, k, floor);
         bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
       }
-  return bounds[0][0] <= bounds[0][1] ? bounds : [[0, 1], [0, 1], [0, 1]];
+  if (bounds[0][0] > bounds[0][1]) return [[0, 1], [0, 1], [0, 1]];
+  return includeParts(bounds, meta.solids.filter((solid) => !solid.rest));
 }
 
 /* Extends the bounds down to the ground unless it is far below (0.7 times their largest side). */
@@ -64,19 +75,17 @@ function includeGround(bounds, ground) {
 /* The solids, or their boundary points if none has a mesh. */
 const solidParts = () => meta.solids.length ? meta.solids : meta.boundary;
 
-/* Height of the ground: below all bodies and solids. m */
+/* Height of the ground: below all bodies and solids, but for particles that have fallen out of the scene. m */
 function groundHeight() {
-  return Math.min(...[...meta.bodies, ...solidParts()].map((part) => part.box[0][1]));
+  const floor = floorOfView();
+  return Math.min(...[...meta.bodies, ...solidParts()].map((part) => Math.max(floor, part.box[0][1])));
 }
 
 /* Bounds of a live view, whose later frames are not known: those of the first frame, with solids that are not much
  * larger than the bodies, and sides of at least 0.6 of the longest one; downwards, where things fall. */
 function guessBounds(bounds) {
-  const span = () => Math.max(...bounds.map(([a, b]) => b - a)) || 1, largest = 3 * span();
-  for (const { box: [low, high] } of [...meta.solids, ...meta.boundary])
-    if (high.every((v, k) => v - low[k] < largest))
-      bounds = bounds.map(([a, b], k) => [Math.min(a, low[k]), Math.max(b, high[k])]);
-  const least = 0.6 * span();
+  bounds = includeParts(bounds, [...meta.solids, ...meta.boundary]);
+  const least = 0.6 * (Math.max(...bounds.map(([a, b]) => b - a)) || 1);
   return bounds.map(([a, b], k) => {
     const more = Math.max(0, least - (b - a));
     return k === 1 ? [a - more, b] : [a - more / 2, b + more / 2];
