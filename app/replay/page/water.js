@@ -127,11 +127,13 @@ vec4 around(vec4 s, float z, vec2 scale) {
   return vec4(slope, alike * smoothstep(0.0, 0.5, near), alike * smoothstep(0.45, 0.95, near));
 }
 /* The point on the window where the refracted ray meets the scene; closer to uv where it meets what is just behind the
- * water's surface, and uv where that is in front of it. */
+ * water's surface, and uv where that is in front of it, or where it is so much farther away than what the ray at uv
+ * meets that it belongs to something else: the floor beside a cloth would appear as a hole in the cloth. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   float length = min(min(texture(thick, uv).r, 0.5 * clear), gap);
   vec2 there = clamp(uv - 0.16 * slope * length * scale / -z, vec2(0.002), vec2(0.998));
-  return mix(uv, there, smoothstep(0.0, 4.0 * radius, z - eyeDepth(texture(sceneDepth, there).r)));
+  float deep = z - eyeDepth(texture(sceneDepth, there).r), far = gap + 4.0 * radius;
+  return mix(uv, there, smoothstep(0.0, 4.0 * radius, deep) * (1.0 - smoothstep(far, 2.0 * far, deep)));
 }
 /* What liquids absorb, per "clear", and scatter: water, oil, wine. */
 const vec3 absorbed[3] = vec3[](vec3(2.2, 0.75, 0.45), vec3(0.5, 1.1, 4.0), vec3(0.9, 3.2, 2.2));
