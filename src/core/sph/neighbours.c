@@ -262,7 +262,10 @@ static pdyn_status reserve(struct neighbours *n) {
     if (capacity <= n->lists.capacity) return PDYN_OK;
     if (capacity > INT32_MAX)
         return context_fail(n->context, PDYN_DIVERGED,
-                            "more than 2^31 neighbours: the fluid has collapsed");
+                            "more than 2^31 neighbours, room for %d of each of %d particles: "
+                            "larger particles, inlets with a smaller \"budget\", or the fluid has "
+                            "collapsed",
+                            n->room / NEIGHBOURS_GRAIN, n->max_active);
     FREE_ARRAY(n->context, n->lists.index, n->lists.capacity);
     n->lists.capacity = capacity;
     n->lists.index = NEW_ARRAY(n->context, capacity, int);
