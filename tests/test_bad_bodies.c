@@ -9,7 +9,7 @@
 
 static const struct bad_scene bad_bodies[] = {
     /* bodies of particles */
-    {BODY("7"), "scene.json:2:3: bodies[0]: expected an object {name, particles, surface, volume, "
+    {BODY("7"), "scene.json:2:3: bodies[0]: expected an object {name, color, particles, surface, volume, "
                 "rigid, constraints, velocity}, found 7"},
     {BODY("{'name': 'a'}"),
      "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\", "
@@ -19,7 +19,10 @@ static const struct bad_scene bad_bodies[] = {
      "\"volume\" and \"rigid\", found more"},
     {BODY("{'partcles': {}}"),
      "scene.json:2:4: bodies[0]: unknown key \"partcles\"; did you mean \"particles\"?; "
-     "known: name, particles, surface, volume, rigid, constraints, velocity"},
+     "known: name, color, particles, surface, volume, rigid, constraints, velocity"},
+    {BODY("{'color': '#12345', 'surface': {}}"),
+     "scene.json:2:13: bodies[0].color: expected a color \"#rrggbb\" of six hexadecimal digits, "
+     "found \"#12345\""},
     {BODY("{'particles': {'raduis': 0.1}}"),
      "scene.json:2:18: bodies[0].particles: unknown key \"raduis\"; did you mean "
      "\"radius\"?; known: fill, inlets, overlap, radius, rest_density, budget"},
@@ -225,6 +228,9 @@ static const struct bad_scene bad_solids[] = {
     {TOP("'solids': [{'box': " BOX ", 'mesh': 'a.obj'}]"),
      "scene.json:2:13: solids[0]: expected exactly one of \"box\", \"mesh\", \"sphere\", "
      "\"capsule\" and \"plane\", found more"},
+    {TOP("'solids': [{'color': [1, 0, 0], 'box': " BOX "}]"),
+     "scene.json:2:23: solids[0].color: expected a color \"#rrggbb\" of six hexadecimal digits, "
+     "found an array of 3"},
     {TOP("'solids': [{'box': " BOX ", 'open': ['y']}]"),
      "scene.json:2:76: solids[0].open[0]: unknown side \"y\"; did you mean \"-y\"?; "
      "known: -x, +x, -y, +y, -z, +z"},

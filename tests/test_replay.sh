@@ -127,6 +127,8 @@ mkdir "$folder/cans"
 for name in all hide=water; do
     "$projdyn" render "$folder/can" -o "$folder/cans/$name.png" --size 480x300 --view "${name#all}" >/dev/null
 done
+"$projdyn" run "$folder/can.json" -o "$folder/colors" --quiet --set bodies.water.color='"#30c040"' --set solids.rod.color='"#d01010"'
+"$projdyn" render "$folder/colors" -o "$folder/cans/colors.png" --size 480x300 >/dev/null
 "$python" "$here/compare_pictures.py" "$folder/cans"
 "$projdyn" replay "$folder/can" -o "$folder/can.html" >/dev/null
 "$python" "$here/first_view.py" "$folder/can.html" 0.82 -0.5

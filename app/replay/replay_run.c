@@ -140,6 +140,19 @@ static int read_body_number(const struct run *run, int b, const char *key, doubl
                         run->directory, b, key);
 }
 
+/* Reads the "color" of an entry of report.json, which the page takes as it is; NULL without one. */
+static int read_color(const struct run *run, const struct part *part, const json_t *entry,
+                      const char **out) {
+    json_t *value = json_object_get(entry, "color");
+    const char *color = json_string_value(value);
+    *out = color;
+    if (!value || (color && color[0] == '#' && strlen(color) == 7 &&
+                   strspn(color + 1, "0123456789abcdefABCDEF") == 6))
+        return EXIT_GOOD;
+    return replay_error("%s/report.json: \"%s\": expected a \"color\" \"#rrggbb\"", run->directory,
+                        part->name);
+}
+
 /* Whether the report has a constraint of type fluid on the body; true without a report. */
 static bool is_fluid(const struct run *run, const char *body) {
     json_t *list = json_object_get(run->report, "parameters"), *one;
@@ -165,6 +178,7 @@ static int open_body(struct run *run, int b) {
     int code = read_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);
+    if (code == EXIT_GOOD) code = read_color(run, part, entry, &part->color);
     return code;
 }
 
@@ -182,6 +196,8 @@ static int open_solid(struct run *run, int s) {
                             "\"moving\", a name without '/'",
                             run->directory, s);
     part.rest = !moving;
+    int code = read_color(run, &part, entry, &part.color);
+    if (code != EXIT_GOOD) return code;
     run->part[run->parts] = part;
     return read_series(run, &run->part[run->parts++]);
 }

@@ -31,7 +31,7 @@ vec3 groundLight(vec3 n) {
   vec3 q = inLampView(at, n);
   if (any(greaterThan(abs(q - 0.5), vec3(0.5)))) return lampColour;
   float lit = unshadedWide(shadowMap, q, 0.012), dry = unshadedWide(waterMap, q, 0.012);
-  return lampColour * lit * mix(vec3(0.50, 0.74, 0.84), vec3(1), dry);
+  return lampColour * lit * mix(liquidShade(), vec3(1), dry);
 }
 void main() {
   float distance = length(away), grid = max(0.05 * lines(spacing), 0.085 * lines(5.0 * spacing));

@@ -9,7 +9,7 @@ const maps = {
 };
 
 /* Colours of sheets, of bodies with a volume and particles that are no fluid, and of the particles of several fluids,
- * sRGB. water.js has as many liquids. */
+ * sRGB, for parts without a colour of their own. */
 const palette = {
   sheet: ["e0c9a4", "d98e73", "a9b79a", "c3a3b5"], solid: ["c4553b", "d9a04a", "7c5c86", "6f8f5a"],
   liquid: ["3d8fb5", "d9a93a", "9c3350"],
@@ -27,6 +27,27 @@ const hexBytes = (hex) => [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16)
 
 /* Linear light of a colour, for the shaders, which take the gamma as 2. */
 const linearColour = (hex) => hexBytes(hex).map((v) => (v / 255) ** 2);
+
+/* The colour of a part, or `other` */
+const ownColour = (part, other) => linearColour(part.color ? part.color.slice(1) : other);
+
+/* What the liquids of `palette` absorb, per length "clear" (water.js), and scatter: water, oil, wine. */
+const liquids = [
+  { absorbed: [2.2, 0.75, 0.45], scattered: [0.012, 0.11, 0.19] },
+  { absorbed: [0.5, 1.1, 4.0], scattered: [0.42, 0.25, 0.02] },
+  { absorbed: [0.9, 3.2, 2.2], scattered: [0.22, 0.015, 0.04] },
+];
+
+/* The same for a colour, in linear light, so that it looks like those above. */
+function liquidOf(colour) {
+  return { absorbed: colour.map((c) => -1.2 * Math.log(Math.max(c, 0.02))), scattered: colour.map((c) => 0.5 * c) };
+}
+
+/* The uniforms `absorbed` and `scattered` of the shaders: three liquids. parts: the fluids */
+function liquidLooks(parts) {
+  const looks = liquids.map((look, k) => parts[k]?.color ? liquidOf(ownColour(parts[k])) : look);
+  return { absorbed: looks.flatMap((look) => look.absorbed), scattered: looks.flatMap((look) => look.scattered) };
+}
 
 /* 256 RGBA texels, interpolated between the equally spaced colours of a map. */
 function mapTexels(colours) {

@@ -10,7 +10,7 @@ vec3 behind(vec3 n, float z) {
   vec2 here = gl_FragCoord.xy / window, scale = vec2(projection[0][0], projection[1][1]);
   vec2 there = clamp(here + 1.25 * r * n.xy * scale / z, vec2(0.002), vec2(0.998));
   vec3 colour = texture(scene, eyeDepth(texture(sceneDepth, there).r) < z ? there : here).rgb;
-  vec3 tint = liquid > 1.5 ? vec3(0.9, 0.62, 0.7) : liquid > 0.5 ? vec3(0.95, 0.86, 0.6) : vec3(0.68, 0.88, 0.95);
+  vec3 tint = exp(-0.16 * absorbed[int(liquid)]);
   return colour * colour * tint * mix(1.0, 0.35, power4(1.0 - n.z * n.z));
 }
 void main() {

@@ -30,7 +30,7 @@ function use(gl, { program, uniforms }, values) {
   let unit = 0;
   gl.useProgram(program);
   for (const { name, type, location } of uniforms) {
-    const value = values[name];
+    const value = values[name.replace("[0]", "")]; /* of an array: all numbers */
     if (value === undefined) throw new Error(`no value for the uniform ${name}`);
     if (type === gl.SAMPLER_2D || type === gl.SAMPLER_2D_SHADOW) {
       gl.activeTexture(gl.TEXTURE0 + unit);

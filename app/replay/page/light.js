@@ -31,6 +31,7 @@ uniform mat4 lampView;  /* world to texture coordinates of the shadow maps */
 uniform float texel;    /* of the shadow map of what is opaque, m */
 uniform float soft;     /* 0: few samples of the shadow maps, for speed */
 uniform sampler2DShadow shadowMap, waterMap;
+uniform vec3 absorbed[3], scattered[3]; /* of three liquids, per length "clear" of water.js */
 const vec3 lampColour = vec3(1.16, 1.11, 1.04);
 float unshaded(sampler2DShadow map, vec3 q) {
   float sum = texture(map, q), step = 1.3 / float(textureSize(map, 0).x);
@@ -50,11 +51,13 @@ float unshadedWide(sampler2DShadow map, vec3 q, float width) {
   return sum / 32.0;
 }
 vec3 inLampView(vec3 p, vec3 n) { return (lampView * vec4(p + 2.0 * texel * n + 1.5 * texel * lamp, 1)).xyz; }
+/* What a shadow of the first liquid lets through */
+vec3 liquidShade() { return exp(-0.32 * absorbed[0]); }
 /* Light of the lamp that reaches a point: bodies and solids shade it, water tints it. */
 vec3 lampLight(vec3 p, vec3 n) {
   vec3 q = inLampView(p, n);
   if (any(greaterThan(abs(q - 0.5), vec3(0.5)))) return lampColour;
-  return lampColour * unshaded(shadowMap, q) * mix(vec3(0.50, 0.74, 0.84), vec3(1), unshaded(waterMap, q));
+  return lampColour * unshaded(shadowMap, q) * mix(liquidShade(), vec3(1), unshaded(waterMap, q));
 }
 vec3 skyLight(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * n.y); }
 /* Light from a direction: floor, horizon, sky, and a large soft box overhead. */

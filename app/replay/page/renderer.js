@@ -68,14 +68,14 @@ class Renderer {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, texels);
     return texture;
   }
-  /* Everything that is drawn: .part, and how. The order of meta.bodies gives the colours. */
+  /* Everything that is drawn: .part, and how. The order of meta.bodies gives colours to those without their own. */
   makeParts() {
     const gl = this.gl;
     this.parts = meta.bodies.map((part, k) => part.triangles ? new Surface(gl, part) : new Points(gl, part));
     this.tintBodies();
     for (const part of meta.solids) {
       const shape = this.isVessel(part) ? new Glass(gl, part) : new Surface(gl, part);
-      this.parts.push(Object.assign(shape, { tint: linearColour(clay), solid: true }));
+      this.parts.push(Object.assign(shape, { tint: ownColour(part, clay), solid: true }));
     }
     const vessel = this.parts.find((shape) => shape instanceof Glass && shape.part.rest && shape.part.kind === "box");
     const [vesselLow, vesselHigh] = vessel ? boxWalls(metres(vessel.part, 0), vessel.part.index, vessel.part.box)
@@ -89,11 +89,12 @@ class Renderer {
     const shapes = this.parts.filter((shape) => !shape.part.fluid), fluids = this.parts.filter((shape) => shape.part.fluid);
     fluids.forEach((shape, k) => {
       shape.liquid = k % palette.liquid.length;
-      if (fluids.length > 1) shape.tint = linearColour(palette.liquid[shape.liquid]);
+      if (fluids.length > 1 || shape.part.color) shape.tint = ownColour(shape.part, palette.liquid[shape.liquid]);
     });
+    this.liquids = liquidLooks(fluids.map((shape) => shape.part));
     for (const [kind, colours] of [["sheet", palette.sheet], ["solid", palette.solid]])
       shapes.filter((shape) => isSheet(shape) === (kind === "sheet"))
-        .forEach((shape, k) => { shape.tint = linearColour(colours[k % colours.length]); });
+        .forEach((shape, k) => { shape.tint = ownColour(shape.part, colours[k % colours.length]); });
   }
   /* Whether a solid is a container: a box with an open side, or around the middle of the bodies; a mesh around a body
    * that it hides from the first view at the start, in the middle or at the end. */
@@ -180,7 +181,7 @@ class Renderer {
     this.stage("upload");
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
-    const sorted = this.sort(), shared = { cut: cutPlane(this.camera), ...this.vessel };
+    const sorted = this.sort(), shared = { cut: cutPlane(this.camera), ...this.vessel, ...this.liquids };
     this.drawShadows(sorted, shared, level);
     this.stage("shadows");
     const values = {

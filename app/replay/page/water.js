@@ -135,9 +135,6 @@ vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   float deep = z - eyeDepth(texture(sceneDepth, there).r), far = gap + 4.0 * radius;
   return mix(uv, there, smoothstep(0.0, 4.0 * radius, deep) * (1.0 - smoothstep(far, 2.0 * far, deep)));
 }
-/* What liquids absorb, per "clear", and scatter: water, oil, wine. */
-const vec3 absorbed[3] = vec3[](vec3(2.2, 0.75, 0.45), vec3(0.5, 1.1, 4.0), vec3(0.9, 3.2, 2.2));
-const vec3 scattered[3] = vec3[](vec3(0.012, 0.11, 0.19), vec3(0.42, 0.25, 0.02), vec3(0.22, 0.015, 0.04));
 /* Light from behind that passes the liquid, and light that it scatters. kind: its number, or one between two */
 vec3 bodyColour(vec2 there, float thickness, float kind, vec3 light) {
   int k = int(min(kind, 1.0));

@@ -112,14 +112,18 @@ static json_t *particles(const struct report *report, const pdyn_sim *sim) {
                      (json_int_t)(e ? e->removed : 0));
 }
 
-static json_t *body(const pdyn_body_info *info, json_t *residual) {
+/* A "color" of the scene; NULL: none. */
+static const char *color_of(const char color[8]) { return color[0] ? color : NULL; }
+
+static json_t *body(const pdyn_body_info *info, const char *color, json_t *residual) {
     if (info->triangles)
-        return json_pack("{s:s, s:s, s:i, s:i, s:o}", "name", info->name, "kind", "surface",
-                         "count", info->count, "triangles", info->triangles, "step_residual",
-                         residual);
-    return json_pack("{s:s, s:s, s:i, s:o, s:o, s:o}", "name", info->name, "kind", "particles",
-                     "count", info->count, "radius_m", real(info->radius), "rest_density",
-                     real(info->rest_density), "step_residual", residual);
+        return json_pack("{s:s, s:s, s:i, s:i, s:s*, s:o}", "name", info->name, "kind", "surface",
+                         "count", info->count, "triangles", info->triangles, "color", color,
+                         "step_residual", residual);
+    return json_pack("{s:s, s:s, s:i, s:o, s:o, s:s*, s:o}", "name", info->name, "kind",
+                     "particles", "count", info->count, "radius_m", real(info->radius),
+                     "rest_density", real(info->rest_density), "color", color, "step_residual",
+                     residual);
 }
 
 static json_t *bodies(const struct report *report, const pdyn_sim *sim) {
@@ -127,7 +131,9 @@ static json_t *bodies(const struct report *report, const pdyn_sim *sim) {
     for (int b = 0; list && b < sim->bodies; b++) {
         pdyn_body_info info = pdyn_get_body(sim, b);
         json_t *residual = mean_max_of(report, &report->residual[b]);
-        if (json_array_append_new(list, body(&info, residual))) return json_decref(list), NULL;
+        const char *color = color_of(sim->scene.body[b].color);
+        if (json_array_append_new(list, body(&info, color, residual)))
+            return json_decref(list), NULL;
     }
     return list;
 }
@@ -243,10 +249,10 @@ static json_t *describe_result(const struct report *report, const pdyn_sim *sim)
 static json_t *solid(const struct scene_solid *s, const struct solid_load *load) {
     static const struct solid_load unknown = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
     if (!load) load = &unknown;
-    return json_pack("{s:s, s:s, s:b, s:s++, s:o, s:o}", "name", s->name, "kind",
+    return json_pack("{s:s, s:s, s:b, s:s++, s:s*, s:o, s:o}", "name", s->name, "kind",
                      scene_solid_kinds[s->kind], "moving", s->keys > 0, "file", SOLIDS_FOLDER,
-                     s->name, s->keys ? ".vtk.series" : ".vtk", "force_N", vector(load->force),
-                     "moment_Nm", vector(load->moment));
+                     s->name, s->keys ? ".vtk.series" : ".vtk", "color", color_of(s->color),
+                     "force_N", vector(load->force), "moment_Nm", vector(load->moment));
 }
 
 static json_t *solids(const pdyn_sim *sim) {

@@ -69,6 +69,17 @@ pdyn_status reader_name(struct reader *r, const struct json_at *owner, const cha
     return reader_copy_text(r->context, name, out);
 }
 
+pdyn_status reader_color(const struct json_at *owner, char out[8]) {
+    struct json_at at = json_member(owner, "color");
+    const char *color = json_string_value(at.value);
+    if (!at.value) return out[0] = '\0', PDYN_OK;
+    if (!color || color[0] != '#' || strlen(color) != 7 ||
+        strspn(color + 1, "0123456789abcdefABCDEF") != 6)
+        return json_expected(&at, "a color \"#rrggbb\" of six hexadecimal digits");
+    memcpy(out, color, 8);
+    return PDYN_OK;
+}
+
 pdyn_status reader_one_of(const struct json_at *at, const char *const *names, int count, int *out) {
     char list[HINT] = "";
     int found = 0;

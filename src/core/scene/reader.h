@@ -45,6 +45,9 @@ pdyn_status reader_one_of(const struct json_at *at, const char *const *names, in
 pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,
                         char **out);
 
+/* The "color" of a body or a solid; "" without one. */
+pdyn_status reader_color(const struct json_at *owner, char out[8]);
+
 /* Length of an array; 0 if it is missing. PDYN_BAD_INPUT: not an array; `what` was expected. */
 pdyn_status reader_count(const struct json_at *array, const char *what, int *out);
 /* Calls `read` for every element of an array; does nothing if it is missing. */

@@ -49,6 +49,7 @@ static inline bool needs_neighbour_lists(const pdyn_constraint_type *type) {
 }
 
 struct scene_body {
+    char color[8];    /* "#rrggbb", of pictures; "": none */
     char *name;       /* unique in the scene; letters, digits, '_', '-', because it names files */
     bool has_mesh;    /* a surface, volume or rigid body; otherwise a body of particles */
     struct mesh mesh; /* rest positions in world space, m: after scale, rotation and translation */
@@ -92,7 +93,8 @@ extern const char *const scene_solid_kinds[SOLID_KINDS]; /* "box", "mesh", ...: 
 
 struct scene_solid {
     char *name;
-    int kind; /* enum solid_kind */
+    char color[8]; /* "#rrggbb", of pictures; "": none */
+    int kind;      /* enum solid_kind */
     struct scene_box box;
     unsigned open;  /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
     bool is_vessel; /* a box with the fluid inside; any other solid has it on all sides */

@@ -292,8 +292,8 @@ static const pdyn_param body_params[] = {{"velocity", PDYN_VECTOR,
 typedef pdyn_status read_kind_fn(struct reader *r, const struct json_at *at);
 
 pdyn_status scene_read_body(struct reader *r, const struct json_at *at, int index) {
-    static const char *const others[] = {"name",  "particles",   "surface", "volume",
-                                         "rigid", "constraints", NULL};
+    static const char *const others[] = {"name",   "color", "particles",   "surface",
+                                         "volume", "rigid", "constraints", NULL};
     static const char *const kinds[] = {"particles", "surface", "volume", "rigid"};
     static read_kind_fn *const readers[] = {read_particles, read_surface, read_volume,
                                             scene_read_rigid};
@@ -302,6 +302,7 @@ pdyn_status scene_read_body(struct reader *r, const struct json_at *at, int inde
     struct json_at constraints = json_member(at, "constraints");
     pdyn_status status = params_check_keys(at, body_params, others);
     if (status == PDYN_OK) status = reader_name(r, at, "body", index, &body->name);
+    if (status == PDYN_OK) status = reader_color(at, body->color);
     if (status == PDYN_OK) status = reader_one_of(at, kinds, 4, &kind);
     if (status == PDYN_OK) status = params_read(at, body_params, NULL, body);
     if (status != PDYN_OK) return status;

@@ -119,12 +119,13 @@ static pdyn_status read_motion(struct reader *r, const struct json_at *owner) {
 }
 
 pdyn_status scene_read_solid(struct reader *r, const struct json_at *at, int index) {
-    static const char *const keys[] = {"name",   "box",   "mesh",  "sphere", "capsule",
-                                       "plane",  "open",  "scale", "rotate", "translate",
-                                       "motion", "pivot", NULL};
+    static const char *const keys[] = {"name",      "color",  "box",   "mesh",  "sphere",
+                                       "capsule",   "plane",  "open",  "scale", "rotate",
+                                       "translate", "motion", "pivot", NULL};
     r->solid = &r->scene->solid[index];
     pdyn_status status = params_check_keys(at, NULL, keys);
     if (status == PDYN_OK) status = reader_name(r, at, "solid", index, &r->solid->name);
+    if (status == PDYN_OK) status = reader_color(at, r->solid->color);
     if (status == PDYN_OK) status = read_shape(r, at);
     return status == PDYN_OK ? read_motion(r, at) : status;
 }
