@@ -9,8 +9,9 @@
 
 static const struct bad_scene bad_bodies[] = {
     /* bodies of particles */
-    {BODY("7"), "scene.json:2:3: bodies[0]: expected an object {name, color, particles, surface, volume, "
-                "rigid, constraints, velocity}, found 7"},
+    {BODY("7"),
+     "scene.json:2:3: bodies[0]: expected an object {name, color, particles, surface, volume, "
+     "rigid, constraints, velocity}, found 7"},
     {BODY("{'name': 'a'}"),
      "scene.json:2:3: bodies[0]: expected exactly one of \"particles\", \"surface\", "
      "\"volume\" and \"rigid\", found none"},
@@ -217,6 +218,10 @@ static const struct bad_scene bad_bodies[] = {
      "found 0"},
     {INLETS("'fill': [{'box': " BOX "}], 'budget': 5"),
      "scene.json:3:66: bodies[0].particles: \"budget\" needs \"inlets\""},
+    {BODY("{'constraints': [{'type': 'fluid'}],\n 'particles': {'radius': 0.1, 'inlets': [{" DISC
+          "'direction': [1, 0, 0], 'speed': 1}], 'budget': 40000000}}"),
+     "scene.json:2:29: bodies[0].constraints[0].type: \"fluid\" works on at most 33554432 "
+     "particles, budgets of inlets included, found 40000000"},
 };
 
 static const struct bad_scene bad_solids[] = {

@@ -12,9 +12,12 @@
 
 struct json_file;
 
-enum { RIGID_POINTS = 4 };        /* particles that carry a rigid body */
-enum { MAX_PARTICLES = 1 << 27 }; /* of a scene */
-#define SCENE_MAX_POSITION 1e6    /* m, largest coordinate of an object that a scene places */
+enum { RIGID_POINTS = 4 }; /* particles that carry a rigid body */
+enum {
+    MAX_PARTICLES = 1 << 27,      /* of a scene */
+    MAX_FLUID_PARTICLES = 1 << 25 /* of a fluid: lists have 2^31 entries, 64 for each particle */
+};
+#define SCENE_MAX_POSITION 1e6 /* m, largest coordinate of an object that a scene places */
 
 /* Bounds of a step: a coordinate beyond them, m, or one that changes faster, m/s, has diverged. The
  * formulas of the integrators stay below ten times them, which a saved state may have. */

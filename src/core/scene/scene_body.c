@@ -229,6 +229,11 @@ static pdyn_status check_type(struct reader *r, const struct json_at *at,
                          body->has_mesh ? "a surface" : "a body of particles");
     if (type->flags & PDYN_ON_PARTICLES && body->has_mesh)
         return json_fail(at, "\"%s\" works on a body of particles, found a surface", type->name);
+    if (needs_neighbour_lists(type) && body->start.count > MAX_FLUID_PARTICLES - body->budget)
+        return json_fail(at,
+                         "\"%s\" works on at most %d particles, budgets of inlets included, found "
+                         "%.0f",
+                         type->name, MAX_FLUID_PARTICLES, (double)body->start.count + body->budget);
     if (needs_neighbour_lists(type) && r->listed && r->listed->radius != body->radius)
         return json_fail(at,
                          "all fluids need the same particle radius: that of body \"%s\" is %g m, "
