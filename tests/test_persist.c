@@ -90,17 +90,21 @@ static void damage(long at, int by) {
     assert_int_equal(fclose(file), 0);
 }
 
-/* Step lengths, tolerances and iterations may be others than those of the state. */
+/* Step lengths, tolerances, iterations and colours may be others than those of the state. */
 static void test_other_settings(void **state) {
     (void)state;
-    static const char *const sets[] = {"solver.tolerance=0.01", "solver.outer_iterations=7",
-                                       "solver.linear_iterations=9", "time_step.maximum=0.001",
-                                       "duration=7"};
+    static const char *const sets[] = {"solver.tolerance=0.01",
+                                       "solver.outer_iterations=7",
+                                       "solver.linear_iterations=9",
+                                       "time_step.maximum=0.001",
+                                       "duration=7",
+                                       "bodies.sheet.color=\"#102030\""};
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, sheet), *other = NULL;
     step_often(context, sim, 3);
     assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
-    if (pdyn_load_text(context, quoted(sheet), "other", sets, 5, &other) != PDYN_OK)
+    if (pdyn_load_text(context, quoted(sheet), "other", sets, sizeof sets / sizeof *sets, &other) !=
+        PDYN_OK)
         fail_msg("%s", pdyn_last_error(context));
     if (pdyn_restore(other, "state") != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
     assert_true(pdyn_time(other) == pdyn_time(sim));

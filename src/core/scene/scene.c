@@ -181,6 +181,17 @@ static void ignore_keys(json_t *values, const char *member, const char *const *k
     else json_decref(part), json_object_del(values, member);
 }
 
+/* Removes colours from a list of bodies or solids of a copy of the scene. */
+static void ignore_colors(json_t *values, const char *list) {
+    json_t *copy = json_copy(json_object_get(values, list)), *one;
+    size_t k;
+    json_array_foreach(copy, k, one) {
+        json_t *part = json_copy(one);
+        if (part) json_object_del(part, "color"), json_array_set_new(copy, k, part);
+    }
+    if (copy) json_object_set_new(values, list, copy);
+}
+
 /* Tables may come from files, whose numbers are not in the values. */
 static uint64_t hash_tables(const struct scene *scene, uint64_t hash) {
     for (int b = 0; b < scene->bodies; b++)
@@ -202,6 +213,7 @@ static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
     for (size_t k = 0; values && k < sizeof whole / sizeof *whole; k++)
         json_object_del(values, whole[k]);
     if (values) ignore_keys(values, "time_step", step), ignore_keys(values, "solver", solver);
+    if (values) ignore_colors(values, "bodies"), ignore_colors(values, "solids");
     bool no_memory = errno == ENOMEM;
     char *dump = values && !no_memory ? json_compose(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
     json_decref(values);
