@@ -1,6 +1,6 @@
 /* Tables of plug-ins: rows of three numbers. */
-#include "fuzz.h"
 #include "scene/table.h"
+#include "fuzz.h"
 #include "scene/table_file.h"
 
 #include <unistd.h>

@@ -55,7 +55,7 @@ check "the same report then" same longer
 check "no run" refuses "no run to continue" "$program" run --resume nowhere
 check "not beside a scene" refuses "taken from the resumed run" "$program" run --resume whole "$scene"
 "$program" run "$scene" --quiet -o shorter --time 0.04 >/dev/null
-check "not with another scene" refuses "only the duration, step lengths" "$program" run --resume shorter --set gravity=[0,0,0]
+check "not with another scene" refuses "only the duration, colours, step lengths" "$program" run --resume shorter --set gravity=[0,0,0]
 check "not with an unknown key" refuses 'did you mean "solver"' "$program" run --resume shorter --set solvr.tolerance=1
 check "with other iterations" "$program" run --resume shorter --quiet --time 0.08 --set solver.outer_iterations=1 \
     --set solver.tolerance=1e-9 --set time_step.maximum=0.001

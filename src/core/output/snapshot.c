@@ -83,9 +83,10 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
 static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, PROJDYN_VERSION, strlen(PROJDYN_VERSION)),
                          "versions of projdyn");
-    snapshot_file_expect(a, sim->scene.fingerprint,
-                         "values in its scene; only the duration, step lengths, and tolerances and "
-                         "iterations of the solver may change");
+    snapshot_file_expect(
+        a, sim->scene.fingerprint,
+        "values in its scene; only the duration, colours, step lengths, and tolerances and "
+        "iterations of the solver may change");
     snapshot_file_expect(
         a, (uint64_t)sim->objective.particles,
         "numbers of particles (to resume for longer, inlets need a \"budget\" from the "
