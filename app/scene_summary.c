@@ -111,8 +111,9 @@ static void print_constraint(const pdyn_sim *sim, int k) {
     pdyn_constraint_info constraint = pdyn_get_constraint(sim, k);
     pdyn_parameter_info p;
     pdyn_vector_info v;
-    printf("constraint %s on %s: %d element%s", constraint.type, constraint.body,
-           constraint.elements, constraint.elements == 1 ? "" : "s");
+    const char *plural = constraint.elements == 1 ? "" : "s";
+    printf("constraint %s on %s: %d element%s%s", constraint.type, constraint.body,
+           constraint.elements, plural, constraint.elements ? "" : " at the start");
     for (int i = 0; (p = pdyn_get_parameter(sim, k, i)).name; i++)
         printf(", %s %.6g%s%s", p.name, p.value, strcmp(p.unit, "1") ? " " : "",
                strcmp(p.unit, "1") ? p.unit : "");

@@ -259,7 +259,8 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     bool valid = true;
     for (int k = 0; k < count * width; k++) valid &= param_allows(p, value[k]);
     snapshot_file_require(a, valid, "a number of a table is out of bounds");
-    bool same = count == field->count && !memcmp(value, field->value, (size_t)count * row);
+    bool same =
+        count == field->count && (!count || !memcmp(value, field->value, (size_t)count * row));
     pdyn_table dropped = a->status == PDYN_OK && !same ? *field : read;
     if (a->status == PDYN_OK && !same) *field = read;
     table_free(b->context, p, &dropped);
