@@ -5,7 +5,7 @@
 #include "sim.h"
 
 struct line_step {             /* a step along the direction */
-    double length;             /* part of the direction that was taken; 0: none */
+    double length;             /* in directions, at most 4; 0: no step was accepted */
     double slope, slope_after; /* of E along the direction, before and after */
 };
 
