@@ -20,7 +20,8 @@ function compile(gl, common, vertex, fragment) {
   const uniforms = [];
   for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); k++) {
     const { name, type } = gl.getActiveUniform(program, k);
-    uniforms.push({ name, type, location: gl.getUniformLocation(program, name) });
+    const location = gl.getUniformLocation(program, name);
+    uniforms.push({ name: name.replace("[0]", ""), type, location }); /* an array is named by its first entry */
   }
   return { program, uniforms };
 }
@@ -30,7 +31,7 @@ function use(gl, { program, uniforms }, values) {
   let unit = 0;
   gl.useProgram(program);
   for (const { name, type, location } of uniforms) {
-    const value = values[name.replace("[0]", "")]; /* of an array: all numbers */
+    const value = values[name];
     if (value === undefined) throw new Error(`no value for the uniform ${name}`);
     if (type === gl.SAMPLER_2D || type === gl.SAMPLER_2D_SHADOW) {
       gl.activeTexture(gl.TEXTURE0 + unit);

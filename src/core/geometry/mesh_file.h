@@ -1,5 +1,5 @@
-/* A mesh or particle file in memory, parsed from front to back, and the arrays built from it.
- * Private to mesh_file.c and the parsers of the formats. */
+/* A mesh or particle file, or one of rows of numbers, in memory, parsed from front to back, and the
+ * arrays built from it. Private to mesh_file.c and the parsers of the formats. */
 #ifndef PDYN_MESH_FILE_H
 #define PDYN_MESH_FILE_H
 

@@ -173,22 +173,26 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
 
+/* A copy of an object without some keys; NULL: no object, or no memory. */
+static json_t *without(const json_t *object, const char *const *keys) {
+    json_t *copy = json_copy((json_t *)object);
+    for (; copy && *keys; keys++) json_object_del(copy, *keys);
+    return copy;
+}
+
 /* Removes keys from a member of a copy of the scene, and the member if it becomes empty. */
 static void ignore_keys(json_t *values, const char *member, const char *const *keys) {
-    json_t *part = json_copy(json_object_get(values, member));
-    for (; part && *keys; keys++) json_object_del(part, *keys);
+    json_t *part = without(json_object_get(values, member), keys);
     if (part && json_object_size(part)) json_object_set_new(values, member, part);
     else json_decref(part), json_object_del(values, member);
 }
 
 /* Removes colours from a list of bodies or solids of a copy of the scene. */
 static void ignore_colors(json_t *values, const char *list) {
+    static const char *const color[] = {"color", NULL};
     json_t *copy = json_copy(json_object_get(values, list)), *one;
     size_t k;
-    json_array_foreach(copy, k, one) {
-        json_t *part = json_copy(one);
-        if (part) json_object_del(part, "color"), json_array_set_new(copy, k, part);
-    }
+    json_array_foreach(copy, k, one) json_array_set_new(copy, k, without(one, color));
     if (copy) json_object_set_new(values, list, copy);
 }
 
@@ -204,14 +208,12 @@ static uint64_t hash_tables(const struct scene *scene, uint64_t hash) {
 
 /* Hash of the values that a saved state belongs to (see scene.fingerprint). */
 static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
-    static const char *const whole[] = {"$schema", "name", "duration"};
+    static const char *const whole[] = {"$schema", "name", "duration", NULL};
     static const char *const step[] = {"fixed", "minimum", "maximum", "cfl", NULL};
     static const char *const solver[] = {
         "tolerance", "outer_iterations", "linear_tolerance", "linear_iterations", "retries", NULL};
     errno = 0;
-    json_t *values = json_copy((json_t *)root); /* without memory it may lack values */
-    for (size_t k = 0; values && k < sizeof whole / sizeof *whole; k++)
-        json_object_del(values, whole[k]);
+    json_t *values = without(root, whole); /* without memory it may lack values */
     if (values) ignore_keys(values, "time_step", step), ignore_keys(values, "solver", solver);
     if (values) ignore_colors(values, "bodies"), ignore_colors(values, "solids");
     bool no_memory = errno == ENOMEM;

@@ -58,8 +58,11 @@ static pdyn_status expected_table(const struct json_at *at, const pdyn_param *pa
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+/* A missing row has the default. */
 static pdyn_status read_row(const struct json_at *at, const pdyn_param *param, double *row) {
     int width = param_width(param);
+    for (int k = 0; !at->value && k < width; k++) row[k] = param->def;
+    if (!at->value) return PDYN_OK;
     return width == 1 ? params_real(at, param->min, param->max, param->unit, row)
                       : params_reals(at, width, param->min, param->max, param->unit, row);
 }
@@ -78,18 +81,15 @@ static pdyn_status allocate(const struct json_at *at, const pdyn_param *param, s
     return table_allocate(at->file->context, param, (int)rows, out) ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* Copies the first row to the others. */
-static void repeat_row(const pdyn_table *table, double *value, size_t width) {
-    for (size_t k = width; k < (size_t)table->count * width; k++) value[k] = value[k - width];
-}
-
+/* Reads one row for all parts of the body. */
 static pdyn_status read_one(const struct json_at *at, const pdyn_param *param, int rows,
                             pdyn_table *out) {
+    size_t width = (size_t)param_width(param);
     pdyn_status status = allocate(at, param, rows ? (size_t)rows : 1, out);
     if (status != PDYN_OK) return status;
     double *value = (double *)out->value;
     status = read_row(at, param, value);
-    repeat_row(out, value, (size_t)param_width(param));
+    for (size_t k = width; k < (size_t)out->count * width; k++) value[k] = value[k - width];
     return status;
 }
 
@@ -116,20 +116,11 @@ static pdyn_status read_file(const struct json_at *at, const pdyn_param *param, 
     return status;
 }
 
-static pdyn_status set_default(const struct json_at *at, const pdyn_param *param, int rows,
-                               pdyn_table *out) {
-    if (!params_has_default(param)) return PDYN_OK;
-    pdyn_status status = allocate(at, param, rows ? (size_t)rows : 1, out);
-    for (int k = 0; k < param_width(param) && status == PDYN_OK; k++)
-        ((double *)out->value)[k] = param->def;
-    if (status == PDYN_OK) repeat_row(out, (double *)out->value, (size_t)param_width(param));
-    return status;
-}
-
 pdyn_status table_read(const struct json_at *at, const pdyn_param *param,
                        const struct scene_body *body, pdyn_table *out) {
     int rows = param_rows(param, body->mesh.vertices, body->mesh.triangles, body->tets.count);
-    if (!at->value && !param->required) return set_default(at, param, rows, out);
+    if (!at->value && !param->required)
+        return params_has_default(param) ? read_one(at, param, rows, out) : PDYN_OK;
     if (json_is_string(at->value)) return read_file(at, param, rows, out);
     return is_row(at->value, param_width(param)) ? read_one(at, param, rows, out)
                                                  : read_rows(at, param, rows, out);

@@ -56,8 +56,7 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
     return last || !free || rule->uphill == 0.0 || step->slope_after <= -rule->uphill * step->slope;
 }
 
-/* A step is lengthened to this many directions at most. With 3 or 6 the iterations differ by 5 %.
- */
+/* Length to which a step is lengthened at most, in directions; 3 and 6 differ by 5 %. */
 static const double longest = 4.0;
 
 /* The other side of the curvature condition: where more than half of the slope is left at the end

@@ -101,24 +101,21 @@ static pdyn_status set_path(const struct batch *b, pdyn_path *path, const double
     return PDYN_OK;
 }
 
-/* Lets the constraint take changed parameters. damped: whether it was before. */
-static pdyn_status take(struct pdyn_sim *sim, int constraint, bool damped) {
+/* Writes `size` bytes into a parameter; writes the old ones back where the constraint does not
+ * accept them. */
+static pdyn_status exchange(struct pdyn_sim *sim, int constraint, void *field, const void *next,
+                            size_t size) {
     const struct batch *b = sim->objective.batch[constraint];
-    if (is_damped(b) == damped) return refresh(sim, constraint);
-    return context_fail(b->context, PDYN_BAD_INPUT,
-                        "constraint \"%s\" on body \"%s\": damping must stay %s while the "
-                        "simulation runs",
-                        b->type->name, b->view.body->name, damped ? "above 0" : "0");
-}
-
-/* Sets one or three numbers; takes them back where the constraint does not accept them. */
-static pdyn_status set_value(struct pdyn_sim *sim, int constraint, double *field,
-                             const double *value, int count) {
     double before[LARGEST];
-    size_t size = (size_t)count * sizeof *field;
-    bool damped = is_damped(sim->objective.batch[constraint]);
-    memcpy(before, field, size), memcpy(field, value, size);
-    pdyn_status status = take(sim, constraint, damped);
+    bool damped = is_damped(b);
+    pdyn_status status = PDYN_OK;
+    memcpy(before, field, size), memcpy(field, next, size);
+    if (is_damped(b) != damped)
+        status = context_fail(b->context, PDYN_BAD_INPUT,
+                              "constraint \"%s\" on body \"%s\": damping must stay %s while the "
+                              "simulation runs",
+                              b->type->name, b->view.body->name, damped ? "above 0" : "0");
+    else status = refresh(sim, constraint);
     if (status == PDYN_OK) return PDYN_OK;
     memcpy(field, before, size);
     return refresh(sim, constraint) == PDYN_NO_MEMORY ? PDYN_NO_MEMORY : status;
@@ -146,22 +143,18 @@ static pdyn_status check_table(const struct batch *b, const pdyn_param *p, const
     return fail_value(b, p, expected);
 }
 
-/* Sets all rows, or the same in each; takes them back where the constraint does not accept them. */
+/* Sets all rows, or the same in each. */
 static pdyn_status set_table(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
                              const double *value, int count) {
     const struct batch *b = sim->objective.batch[constraint];
     pdyn_table *field = (pdyn_table *)((char *)b->params + p->offset), before = *field, next = {0};
     int rows = rows_of(b, p), width = param_width(p);
-    bool damped = is_damped(b);
     double *numbers = table_allocate(b->context, p, rows ? rows : count / width, &next);
     if (!numbers) return PDYN_NO_MEMORY;
     for (int k = 0; k < next.count * width; k++) numbers[k] = value[k % count];
-    *field = next;
-    pdyn_status status = take(sim, constraint, damped);
-    if (status == PDYN_OK) return table_free(b->context, p, &before), PDYN_OK;
-    *field = before;
-    table_free(b->context, p, &next);
-    return refresh(sim, constraint) == PDYN_NO_MEMORY ? PDYN_NO_MEMORY : status;
+    pdyn_status status = exchange(sim, constraint, field, &next, sizeof next);
+    table_free(b->context, p, status == PDYN_OK ? &before : &next);
+    return status;
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */
@@ -184,7 +177,7 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
     sim->control.driven = true;
     return path    ? set_path(b, field, value, count)
            : table ? set_table(sim, constraint, p, value, count)
-                   : set_value(sim, constraint, field, value, count);
+                   : exchange(sim, constraint, field, value, (size_t)count * sizeof *value);
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
@@ -259,12 +252,13 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     bool valid = true;
     for (int k = 0; k < count * width; k++) valid &= param_allows(p, value[k]);
     snapshot_file_require(a, valid, "a number of a table is out of bounds");
-    bool same =
-        count == field->count && (!count || !memcmp(value, field->value, (size_t)count * row));
-    pdyn_table dropped = a->status == PDYN_OK && !same ? *field : read;
-    if (a->status == PDYN_OK && !same) *field = read;
+    bool changed =
+        a->status == PDYN_OK &&
+        (count != field->count || (count && memcmp(value, field->value, (size_t)count * row)));
+    pdyn_table dropped = changed ? *field : read;
+    if (changed) *field = read;
     table_free(b->context, p, &dropped);
-    return a->status == PDYN_OK && !same;
+    return changed;
 }
 
 static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *a) {
