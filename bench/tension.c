@@ -1,6 +1,6 @@
 /* Surface tension: pressure in a drop, period of its oscillation, a cube that becomes a sphere, and
  * contact angles. Rows of tables for docs/results/materials.md. Usage: tension
- * [pressure | period | cube | angle] */
+ * [pressure | period | cube | angle | all [KERNEL]] */
 #include "bench.h"
 
 #include <math.h>
@@ -8,6 +8,7 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846, density = 1000.0, d = 1e-3; /* kg/m^3, m */
+static const char *kernel = "cubic_spline";
 enum { TEXT = 2048 };
 
 struct drop {
@@ -24,12 +25,14 @@ static pdyn_sim *load(pdyn_context *context, const struct drop *drop) {
     pdyn_sim *sim;
     snprintf(
         text, sizeof text,
-        "{\"gravity\": [0, 0, 0], \"duration\": 100, \"time_step\": {\"maximum\": %g}, "
+        "{\"gravity\": [0, 0, 0], \"duration\": 100, \"kernel\": \"%s\", \"time_step\": "
+        "{\"maximum\": %g}, "
         "\"solver\": {\"linear_tolerance\": 0.1}, \"bodies\": [{\"particles\": {\"radius\": %g, "
         "\"fill\": [%s]}, \"constraints\": [{\"type\": \"fluid\", \"sound_speed\": 5, "
         "\"viscosity\": %g}, {\"type\": \"surface_tension\", \"tension\": %g, "
         "\"contact_angle\": %g}]}], \"solids\": [%s]}",
-        drop->step, 0.5 * d, drop->fill, drop->viscosity, drop->tension, drop->angle, drop->solids);
+        kernel, drop->step, 0.5 * d, drop->fill, drop->viscosity, drop->tension, drop->angle,
+        drop->solids);
     if (pdyn_load_text(context, text, "tension", NULL, 0, &sim) != PDYN_OK)
         die("%s", pdyn_last_error(context));
     return sim;
@@ -274,9 +277,11 @@ int main(int argc, char **argv) {
     pdyn_options options = pdyn_default_options();
     pdyn_context *context;
     options.threads = 1;
+    if (argc > 2) kernel = argv[2];
     if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
     for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
-        if (argc < 2 || !strcmp(argv[1], parts[k].name)) parts[k].run(context), printf("\n");
+        if (argc < 2 || !strcmp(argv[1], "all") || !strcmp(argv[1], parts[k].name))
+            parts[k].run(context), printf("\n");
     pdyn_destroy(context);
     return 0;
 }

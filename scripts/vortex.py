@@ -21,8 +21,8 @@ def vortex(x):
     return np.column_stack([sine[:, 0] * cosine[:, 2], 0 * x[:, 1], -cosine[:, 0] * sine[:, 2]])
 
 
-def tank(spacing, depth, h, integrator, xsph):
-    scene = projdyn.Scene(duration=100, threads=1, time_step={"fixed": h, "integrator": integrator})
+def tank(spacing, depth, h, integrator, xsph, kernel):
+    scene = projdyn.Scene(duration=100, threads=1, kernel=kernel, time_step={"fixed": h, "integrator": integrator})
     scene.add_fluid(box=([0, 0, 0], [SIDE, depth, SIDE]), radius=spacing / 2, name="water",
                     fluid={"sound_speed": 40, "viscosity": xsph})
     scene.add_solid(name="tank", box=([0, 0, 0], [SIDE, 2 * depth, SIDE]), open=["+y"])
@@ -62,21 +62,24 @@ def measure(speed, share, setting):
 
 
 def main():
-    usual = {"spacing": 0.03, "depth": 0.3, "h": 0.005, "integrator": "bdf2", "xsph": 0.0}
+    usual = {"spacing": 0.03, "depth": 0.3, "h": 0.005, "integrator": "bdf2", "xsph": 0.0, "kernel": "cubic_spline"}
+    smooth = {"kernel": "wendland"}
     rows = [(0.3, {}), (0.3, {"spacing": 0.02}), (0.3, {"depth": 0.15}), (0.3, {"depth": 0.6}), (0.1, {}), (0.6, {}),
-            (0.3, {"h": 0.001}), (0.3, {"integrator": "euler"}), (0.3, {"xsph": 0.02})]
+            (0.3, {"h": 0.001}), (0.3, {"integrator": "euler"}), (0.3, {"xsph": 0.02}), (0.3, smooth),
+            (0.3, {**smooth, "spacing": 0.02}), (0.3, {**smooth, "depth": 0.15}), (0.3, {**smooth, "depth": 0.6}),
+            (0.1, smooth), (0.6, smooth), (0.3, {**smooth, "xsph": 0.02})]
     share = 1.0
     if sys.argv[1:] == ["quick"]:
         rows, share = rows[:1], 0.1
     elif sys.argv[1:]:
         sys.exit(__doc__)
-    print("| d, mm | depth, m | vortex, m/s | h, ms | integrator | XSPH | viscosity, m²/s | Pa s | particles at rest, m/s |")
-    print("|---" * 9 + "|")
+    print("| d, mm | depth, m | vortex, m/s | h, ms | integrator | XSPH | kernel | viscosity, m²/s | Pa s | particles at rest, m/s |")
+    print("|---" * 11 + "|")
     for speed, changes in rows:
         setting = {**usual, **changes}
         viscosity, unrest = measure(speed, share, setting)
         print(f"| {1e3 * setting['spacing']:g} | {setting['depth']:g} | {speed:g} | {1e3 * setting['h']:g} | "
-              f"{setting['integrator']} | {setting['xsph']:g} | {viscosity:.4f} | {1e3 * viscosity:.0f} | {unrest:.2f} |",
+              f"{setting['integrator']} | {setting['xsph']:g} | {setting['kernel']} | {viscosity:.4f} | {1e3 * viscosity:.0f} | {unrest:.2f} |",
               flush=True)
 
 

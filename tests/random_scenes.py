@@ -86,6 +86,8 @@ class Scene:
         self.add_attachment()
         if r.random() < 0.1:
             self.json["boundary"] = "points"  # compresses water that begins close to a plane or a mesh
+        elif r.random() < 0.2:
+            self.json["kernel"] = "wendland"
         self.add_solver()
 
     def add_time(self):

@@ -6,7 +6,7 @@
 
 #define SCENE_KEYS                                                                                 \
     "$schema, name, gravity, time_step, solver, bodies, solids, outlets, contact, plugins, "       \
-    "boundary, probes, duration, frame_interval"
+    "boundary, kernel, probes, duration, frame_interval"
 
 /* ---- scenes --------------------------------------------------------------------------------- */
 
@@ -78,6 +78,11 @@ static const struct bad_scene bad_scenes[] = {
     {TOP("'solver': {'acceleration': 'anderson'}"),
      "scene.json:2:29: solver.acceleration: only \"step\": \"projective\" is accelerated, found "
      "\"newton\""},
+    {TOP("'boundary': 'points', 'kernel': 'wendland'"),
+     "scene.json:2:34: kernel: this kernel needs \"boundary\": \"surface\""},
+    {TOP("'kernel': 'cubic'"),
+     "scene.json:2:12: kernel: unknown kernel \"cubic\"; did you mean \"cubic_spline\"?; known: "
+     "cubic_spline, wendland"},
     {TOP("'solver': {'step': 'Newton'}"),
      "scene.json:2:21: solver.step: unknown step \"Newton\"; did you mean \"newton\"?; "
      "known: newton, projective"},

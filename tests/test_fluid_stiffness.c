@@ -4,6 +4,7 @@
 
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
+#include "scene/choices.h"
 
 #include <string.h>
 
@@ -42,7 +43,7 @@ static double parameter(const pdyn_sim *sim, const char *name) {
 
 /* |grad C|^2 d^2 of a particle in a cubic lattice of spacing d = 1 m, by summing the kernel. */
 static double lattice_squares(void) {
-    struct kernel kernel = kernel_make(2.0);
+    struct kernel kernel = kernel_make(choices_entry(&kernel_choices, 0), 2.0);
     double sum = 0.0;
     for (int k = 0; k < 125; k++) {
         double x[3] = {k % 5 - 2, k / 5 % 5 - 2, k / 25 - 2}, r = vec3_length(x);

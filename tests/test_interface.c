@@ -13,29 +13,39 @@
 
 static const double d = 0.1; /* particle spacing, m */
 
-/* lambda(z) = A (1 - q/d)^4, q^2 = z^2 + (d/10)^2. */
-static double plane_at(double z) { return 2.2 * pow(1.0 - sqrt(z * z + 0.01 * d * d) / d, 4.0); }
+static const struct kernel_model *model_at(int k) { return choices_entry(&kernel_choices, k); }
+
+/* lambda(z) = A (1 - q/s)^4, q^2 = z^2 + (s/10)^2. */
+static double plane_of(const struct kernel_model *model, double z) {
+    double s = model->reach * d;
+    return model->surface * pow(1.0 - sqrt(z * z + 0.01 * s * s) / s, 4.0);
+}
 
 /* A plane's sum is lambda(z), its slope the derivative, and surface_kernel_distance is its inverse.
  */
-static void test_kernel(void **state) {
-    (void)state;
-    struct surface_kernel kernel = surface_kernel_make(d);
-    for (double z = 0.01 * d; z < 0.99 * d; z += 0.049 * d) {
+static void check_kernel(const struct kernel_model *model) {
+    struct surface_kernel kernel = surface_kernel_make(model, d);
+    double s = model->reach * d;
+    for (double z = 0.01 * d; z < 0.99 * s; z += 0.049 * d) {
         double sum = 0.0, dr = 1e-4 * d;
-        for (double r = 0.5 * dr; r < d; r += dr) /* number of rings; areas times d */
+        for (double r = 0.5 * dr; r < s; r += dr) /* number of rings; areas times d */
             sum += surface_kernel_value(&kernel, z * z + r * r) * 2.0 * acos(-1.0) * r * dr * d;
-        assert_true(fabs(sum - plane_at(z)) < 1e-4 * plane_at(0.0));
+        assert_true(fabs(sum - plane_of(model, z)) < 1e-4 * plane_of(model, 0.0));
         double up = surface_kernel_value(&kernel, (z + 1e-6) * (z + 1e-6));
         double down = surface_kernel_value(&kernel, (z - 1e-6) * (z - 1e-6));
         double slope = surface_kernel_slope(&kernel, z * z) * z;
         assert_true(fabs((up - down) / 2e-6 / slope - 1.0) < 1e-5);
-        assert_true(fabs(surface_kernel_distance(plane_at(z), d) - z) < 1e-9 * d);
+        assert_true(fabs(surface_kernel_distance(&kernel, plane_of(model, z)) - z) < 1e-9 * d);
     }
-    assert_true(surface_kernel_value(&kernel, d * d) == 0.0);
-    double by = 0.1, near = 0.5 * d, far = 0.6 * d;
-    assert_true(fabs(pow(surface_kernel_farther(by), 2.0) * plane_at(far) / plane_at(near) - 1.0) <
-                1e-12);
+    assert_true(surface_kernel_value(&kernel, s * s) == 0.0);
+    double by = 0.1, near = plane_of(model, 0.5 * d), far = plane_of(model, 0.6 * d);
+    assert_true(fabs(pow(surface_kernel_farther(model, by), 2.0) * far / near - 1.0) < 1e-12);
+    assert_true(fabs(near / model->half_areas - 1.0) < 0.01);
+}
+
+static void test_kernel(void **state) {
+    (void)state;
+    for (int k = 0; k < kernel_choices.count; k++) check_kernel(model_at(k));
 }
 
 struct plane_sum { /* what sample points add at places at one height, relative to lambda */
@@ -43,8 +53,9 @@ struct plane_sum { /* what sample points add at places at one height, relative t
 };
 
 /* The points x with areas lie on a square of 2 m. */
-static struct plane_sum sum_over(int count, const double *x, const double *area, double height) {
-    struct surface_kernel kernel = surface_kernel_make(d);
+static struct plane_sum sum_over(const struct kernel_model *model, int count, const double *x,
+                                 const double *area, double height) {
+    struct surface_kernel kernel = surface_kernel_make(model, d);
     struct plane_sum s = {.least = INFINITY};
     double squares = 0.0;
     uint64_t seed = 11;
@@ -54,7 +65,7 @@ static struct plane_sum sum_over(int count, const double *x, const double *area,
         double all = 0.0;
         for (int k = 0; k < count; k++) {
             double r = vec3_distance(at, x + 3 * k);
-            all += area[k] * d * surface_kernel_value(&kernel, r * r) / plane_at(height);
+            all += area[k] * d * surface_kernel_value(&kernel, r * r) / plane_of(model, height);
         }
         s.mean += all / PLACES, squares += all * all / PLACES, s.least = fmin(s.least, all);
     }
@@ -62,10 +73,24 @@ static struct plane_sum sum_over(int count, const double *x, const double *area,
     return s;
 }
 
-/* A square of 2 m x 2 m, of strips of two triangles each. The areas of its points sum to its area,
- * and a plane's sum over them is nearly constant. On the surface the sum exceeds the 0.68 at which
- * a particle alone is compressed, at every place: there is no hole to pass through. Memory is spent
- * on points, not on places to choose from. */
+/* With either kernel, a plane's sum over points with areas is nearly constant. On the surface it
+ * exceeds 1 - W(0), at which a particle alone is compressed, at every place: there is no hole to
+ * pass through. */
+static void check_sums(const struct kernel_model *model, int count, const double *x,
+                       const double *area) {
+    struct plane_sum at_rest = sum_over(model, count, x, area, 0.5 * d),
+                     touching = sum_over(model, count, x, area, 0.0);
+    double alone = 1.0 - kernel_make(model, model->support).value,
+           least = touching.least * plane_of(model, 0.0);
+    print_message("%s: a plane's sum over points is %.4f of lambda, +- %.4f; on the surface at "
+                  "least %.2f, a particle alone is compressed by %.2f\n",
+                  model->name, at_rest.mean, at_rest.spread, least, alone);
+    assert_true(fabs(at_rest.mean - 1.0) < 0.01 && at_rest.spread < 0.03);
+    assert_true(least > alone + 0.1);
+}
+
+/* A square of 2 m x 2 m, of strips of two triangles each. The areas of its points sum to its area.
+ * Memory is spent on points, not on places to choose from. */
 static void check_areas(int strips) {
     enum { STRIPS = 40 };
     double vertex[6 * (STRIPS + 1)];
@@ -94,13 +119,7 @@ static void check_areas(int strips) {
         all += area[k] = points.point[k].area;
     }
     assert_true(fabs(all - 4.0) < 1e-9);
-    struct plane_sum at_rest = sum_over(points.count, x, area, 0.5 * d),
-                     touching = sum_over(points.count, x, area, 0.0);
-    print_message(
-        "a plane's sum over points: %.4f of lambda, +- %.4f; on the surface at least %.2f\n",
-        at_rest.mean, at_rest.spread, touching.least * plane_at(0.0));
-    assert_true(fabs(at_rest.mean - 1.0) < 0.01 && at_rest.spread < 0.03);
-    assert_true(touching.least * plane_at(0.0) > 0.85);
+    for (int k = 0; k < kernel_choices.count; k++) check_sums(model_at(k), points.count, x, area);
     free(x), free(area);
     surface_points_free(context, &points);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
@@ -164,14 +183,14 @@ static void test_large_surface(void **state) {
 }
 
 /* A lattice of particles that touches the walls of a box is at rest. */
-static void test_lattice(void **state) {
-    (void)state;
+static void check_lattice(const char *kernel) {
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(
-        context,
+    pdyn_sim *sim = NULL;
+    const char *scene =
         SCENE("'duration': 1", FLUID_BOX("", "0.05", "0, 0, 0", "0.8, 0.8, 0.8", ""),
-              ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.8, 0.8, 0.8]}}]"));
+              ", 'solids': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.8, 0.8, 0.8]}}]");
     double energy;
+    assert_int_equal(pdyn_load_text(context, quoted(scene), "test", &kernel, 1, &sim), PDYN_OK);
     sim->objective.h = 0.01;
     assert_int_equal(objective_local(&sim->objective, sim->x, &energy, sim->gradient), PDYN_OK);
     sim->objective.batch[0]->type->matrix_free->density(sim->objective.batch[0]->op, sim->density);
@@ -179,6 +198,12 @@ static void test_lattice(void **state) {
         assert_true(sim->density[i] > 990.0 && sim->density[i] < 1001.0);
     pdyn_free(sim);
     pdyn_destroy(context);
+}
+
+static void test_lattice(void **state) {
+    (void)state;
+    check_lattice("kernel=\"cubic_spline\"");
+    check_lattice("kernel=\"wendland\"");
 }
 
 static const char held[] = SCENE(
@@ -212,9 +237,11 @@ static double displaced(const char *set) {
  * handling more than one layer. */
 static void test_displaced(void **state) {
     (void)state;
-    double exact = displaced(""), published = displaced(", 'boundary': 'points'");
-    print_message("a sheet displaces %.3f layers of water, published %.3f\n", exact, published);
-    assert_true(fabs(exact) < 0.4);
+    double exact = displaced(""), published = displaced(", 'boundary': 'points'"),
+           wendland = displaced(", 'kernel': 'wendland'");
+    print_message("a sheet displaces %.3f layers of water, with wendland %.3f, published %.3f\n",
+                  exact, wendland, published);
+    assert_true(fabs(exact) < 0.4 && fabs(wendland) < 0.4);
     assert_true(published > 1.0);
 }
 

@@ -4,6 +4,7 @@
 
 #include "geometry/compress.h"
 #include "projdyn/kernel.h"
+#include "scene/choices.h"
 
 #include "projdyn/vec3.h"
 
@@ -20,18 +21,50 @@ static double spline(double r, double H) {
     return q <= 1.0 ? k * 2.0 * pow(1.0 - q, 3.0) : 0.0;
 }
 
+/* phi_3,1 of Wendland 1995, normalised to an integral of 1. */
+static double wendland(double r, double H) {
+    double q = r / H, k = 21.0 / (2.0 * acos(-1.0) * H * H * H);
+    return q < 1.0 ? k * pow(1.0 - q, 4.0) * (4.0 * q + 1.0) : 0.0;
+}
+
+/* sum of f(r) over a cubic lattice of spacing 1 around a particle of it */
+static double lattice_sum(double (*f)(double, double), double H) {
+    enum { SIDE = 7 };
+    double sum = 0.0;
+    for (int k = 0; k < SIDE * SIDE * SIDE; k++) {
+        double x[3] = {k % SIDE - 3, k / SIDE % SIDE - 3, k / SIDE / SIDE - 3};
+        sum += f(vec3_length(x), H);
+    }
+    return sum;
+}
+
+static const struct kernel_model *model_at(int k) { return choices_entry(&kernel_choices, k); }
+
+/* Value and slope of kernel `which` are those of the reference, over its sum in a lattice. */
+static void check_kernel(int which, double (*reference)(double, double), double lattice) {
+    const struct kernel_model *model = model_at(which);
+    struct kernel k = kernel_make(model, 0.4);
+    double dr = 1e-4;
+    assert_true(fabs(lattice_sum(reference, model->support) / lattice - 1.0) < 1e-4);
+    for (double r = 0.5 * dr; r < 0.4; r += dr) {
+        double value = reference(r, 0.4) / lattice;
+        double slope = (reference(r + 1e-7, 0.4) - reference(r - 1e-7, 0.4)) / 2e-7 / lattice;
+        assert_true(fabs(kernel_value(&k, r) - value) <= (which ? 1e-5 : 1e-12) * k.value);
+        assert_true(fabs(kernel_slope(&k, r) * r - slope) <= 1e-5 * k.slope * 0.4);
+    }
+    assert_true(kernel_value(&k, 0.4) == 0.0 && kernel_slope(&k, 0.5) == 0.0);
+}
+
 static void test_kernel(void **state) {
     (void)state;
-    struct kernel k = kernel_make(0.4);
     double integral = 0.0, dr = 1e-4;
-    for (double r = 0.5 * dr; r < 0.4; r += dr) {
-        assert_true(fabs(kernel_value(&k, r) - spline(r, 0.4)) <= 1e-12 * k.value);
-        double slope = (spline(r + 1e-7, 0.4) - spline(r - 1e-7, 0.4)) / 2e-7;
-        assert_true(fabs(kernel_slope(&k, r) * r - slope) <= 1e-6 * k.slope * 0.4);
+    struct kernel k = kernel_make(model_at(0), 0.4);
+    for (double r = 0.5 * dr; r < 0.4; r += dr)
         integral += 4.0 * acos(-1.0) * r * r * kernel_value(&k, r) * dr;
-    }
     assert_true(fabs(integral - 1.0) < 1e-6);
-    assert_true(kernel_value(&k, 0.4) == 0.0 && kernel_slope(&k, 0.5) == 0.0);
+    check_kernel(0, spline, 1.0);
+    check_kernel(1, wendland, lattice_sum(wendland, 2.5));
+    assert_int_equal(kernel_choices.count, 2);
 }
 
 struct cloud {
@@ -141,13 +174,20 @@ static void test_surface_volumes(void **state) {
     double x[3 * 60], volume[60];
     uint64_t seed = 5;
     for (int k = 0; k < 180; k++) x[k] = 0.1 * test_random(&seed);
-    assert_int_equal(neighbours_surface_volumes(context, 60, x, 0.08, volume), PDYN_OK);
+    struct kernel kernel = kernel_make(model_at(0), 0.08);
+    assert_int_equal(neighbours_surface_volumes(context, 60, x, &kernel, volume), PDYN_OK);
     for (int i = 0; i < 60; i++) {
         double sum = 0.0;
         for (int j = 0; j < 60; j++) sum += spline(vec3_distance(x + 3 * i, x + 3 * j), 0.08);
         assert_true(fabs(volume[i] * sum - 1.0) < 1e-12);
     }
     pdyn_destroy(context);
+}
+
+/* W of the lists, with the density 1 in a cubic lattice */
+static double density_kernel(const pdyn_neighbours *l, double r) {
+    if (!l->kernel->wendland) return spline(r, l->support);
+    return wendland(r, l->support) / lattice_sum(wendland, l->kernel->support);
 }
 
 static const char *block =
@@ -163,7 +203,7 @@ static double density_error(const pdyn_sim *sim, int i, const double *p) {
     double sum = -1.0;
     for (int j = 0; j < l->points; j++) {
         const double *y = j < l->particles ? p + 3 * j : l->boundary_x + 3 * (j - l->particles);
-        sum += l->volume[j] * spline(vec3_distance(p + 3 * i, y), l->support);
+        sum += l->volume[j] * density_kernel(l, vec3_distance(p + 3 * i, y));
     }
     return sum;
 }
@@ -176,7 +216,7 @@ static void density_gradient(const pdyn_sim *sim, int i, const double *p, double
         const double *y = j < l->particles ? p + 3 * j : l->boundary_x + 3 * (j - l->particles);
         double r = vec3_distance(p + 3 * i, y), dr = 1e-6 * l->support;
         if (j == i || r >= l->support) continue;
-        double slope = (spline(r + dr, l->support) - spline(r - dr, l->support)) / (2.0 * dr);
+        double slope = (density_kernel(l, r + dr) - density_kernel(l, r - dr)) / (2.0 * dr);
         for (int a = 0; a < 3; a++) {
             double part = l->volume[j] * slope * (p[3 * i + a] - y[a]) / r;
             g[3 * i + a] += part;
@@ -186,9 +226,10 @@ static void density_gradient(const pdyn_sim *sim, int i, const double *p, double
 }
 
 /* k_i by definition: w over |grad C|^2 clamped to 1 to 4 times its lattice value. */
-static double energy_stiffness(double w, const double *g, int n, double d) {
+static double energy_stiffness(const struct kernel_model *model, double w, const double *g, int n,
+                               double d) {
     double squares = 0.0, inside = 0.0, r[3], h = 1e-6 * d;
-    struct kernel kernel = kernel_make(2.0 * d);
+    struct kernel kernel = kernel_make(model, model->support * d);
     for (int k = 0; k < 125; k++) {
         for (int a = 0; a < 3; a++) r[a] = d * (k / (a == 0 ? 1 : a == 1 ? 5 : 25) % 5 - 2);
         double at = vec3_length(r),
@@ -201,10 +242,10 @@ static double energy_stiffness(double w, const double *g, int n, double d) {
 
 /* Every compressed constraint has the energy k/2 C^2 and the projection u - (k / w) C grad C; the
  * others have p = u. */
-static void test_energy(void **state) {
-    (void)state;
+static void check_energy(const char *kernel) {
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = test_load(context, block);
+    pdyn_sim *sim = NULL;
+    assert_int_equal(pdyn_load_text(context, block, "block", &kernel, 1, &sim), PDYN_OK);
     int n = sim->objective.particles, compressed = 0;
     size_t bytes = (3 * (size_t)n + 1) * sizeof(double);
     double *x = malloc(bytes), *p = malloc(bytes), *q = malloc(bytes), *g = malloc(bytes), energy;
@@ -226,7 +267,7 @@ static void test_energy(void **state) {
         for (int r = rows->view.element_row[i]; r < rows->view.element_row[i + 1]; r++)
             memcpy(p + 3 * rows->view.column[r], rows->view.p + 3 * r, 3 * sizeof *p);
         density_gradient(sim, i, x, g);
-        double k = energy_stiffness(w, g, 3 * n, 0.1);
+        double k = energy_stiffness(neighbours_view(sim->neighbours)->kernel, w, g, 3 * n, 0.1);
         for (int a = 0; a < 3 * n && c > 0.0; a++) q[a] -= k / w * c * g[a];
         assert_true(test_distance(p, q, 3 * n) <= 1e-6 * fmax(0.0, c) * 0.1);
         compressed += c > 0.0, sum += c > 0.0 ? 0.5 * k * c * c : 0.0;
@@ -237,6 +278,12 @@ static void test_energy(void **state) {
     free(x), free(p), free(q), free(g);
     pdyn_free(sim);
     pdyn_destroy(context);
+}
+
+static void test_energy(void **state) {
+    (void)state;
+    check_energy("kernel=\"cubic_spline\"");
+    check_energy("kernel=\"wendland\"");
 }
 
 /* Densities use the current positions of moving boundary points. */

@@ -175,7 +175,7 @@ static void check_table(const json_t *object, const pdyn_param *table, size_t ot
 
 static void test_schema(void **state) {
     (void)state;
-    check_table(schema, settings_general_params, 12);
+    check_table(schema, settings_general_params, 13);
     check_table(definition("time_step"), settings_time_step_params, 1);
     check_table(definition("solver"), settings_solver_params, 3);
     check_table(definition("motion_key"), scene_key_params, 0);

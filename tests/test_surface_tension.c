@@ -82,7 +82,41 @@ static void test_wetting(void **state) {
     assert_true(height[0] < 0.9 * height[1] && height[1] < 0.9 * height[2] && height[2] < 5.0);
 }
 
+/* Mean pressure of the particles closer than `reach` to the origin, Pa. */
+static double inner_pressure(const pdyn_sim *sim, double reach) {
+    pdyn_state state = pdyn_get_state(sim);
+    double sum = 0.0;
+    int count = 0;
+    for (int i = 0; i < pdyn_get_body(sim, 0).count; i++)
+        if (vec3_length(state.x + 3 * i) < reach) sum += state.pressure[i], count++;
+    return sum / count;
+}
+
+/* Laplace: 2 tension / R, with the kernel "wendland". */
+static void test_pressure(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context, "{'gravity': [0, 0, 0], 'duration': 1, 'kernel': 'wendland', 'time_step': "
+                 "{'maximum': 5e-4}, 'solver': {'linear_tolerance': 0.1}, 'bodies': [{'particles': "
+                 "{'radius': 5e-4, 'fill': [{'sphere': {'center': [0, 0, 0], 'radius': 7e-3}}]}, "
+                 "'constraints': [{'type': 'fluid', 'sound_speed': 5, 'viscosity': 0.2}" TENSION(
+                     "90") "]}]}");
+    double radius = d * cbrt(3.0 * pdyn_get_body(sim, 0).count / (4.0 * acos(-1.0))), sum = 0.0;
+    int steps = 0;
+    while (pdyn_time(sim) < 0.25) {
+        test_step(context, sim);
+        if (pdyn_time(sim) > 0.12) sum += inner_pressure(sim, radius - 3.0 * d), steps++;
+    }
+    double expected = 2.0 * 0.072 / radius;
+    print_message("pressure in a drop: %.2f Pa, 2 tension / R: %.2f Pa\n", sum / steps, expected);
+    assert_true(fabs(sum / steps / expected - 1.0) < 0.08);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_drop), cmocka_unit_test(test_wetting)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_drop), cmocka_unit_test(test_wetting),
+                                       cmocka_unit_test(test_pressure)};
     return cmocka_run_group_tests_name("surface_tension", tests, NULL, NULL);
 }

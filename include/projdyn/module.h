@@ -91,6 +91,7 @@ typedef struct pdyn_scene_info {
                             start; height is measured along gravity from the lowest point of all
                             bodies and solids. Beside other fluids: so that rest_density |gravity|
                             head is the largest pressure of all at rest. 0 without gravity */
+    const struct kernel_model *kernel; /* of the scene (kernel.h) */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {
@@ -268,11 +269,12 @@ typedef struct pdyn_neighbours {
      * volumes from there to patch_start[i], boundary points with areas from there to end[i]. The
      * list of a sample has fluid particles only. All five: particles. */
     const int *start, *surface_start, *boundary_start, *patch_start, *end;
-    const int *index;           /* numbers of points */
-    const double *granted;      /* particles: C may exceed 0 by this; NULL: by nothing */
-    unsigned revision;          /* changes when the lists do */
-    unsigned volume_revision;   /* changes when volumes do */
-    unsigned boundary_revision; /* changes when boundary points do */
+    const int *index;                  /* numbers of points */
+    const double *granted;             /* particles: C may exceed 0 by this; NULL: by nothing */
+    unsigned revision;                 /* changes when the lists do */
+    unsigned volume_revision;          /* changes when volumes do */
+    unsigned boundary_revision;        /* changes when boundary points do */
+    const struct kernel_model *kernel; /* of the scene (kernel.h) */
 } pdyn_neighbours;
 
 /* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i is

@@ -81,8 +81,8 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
  * 3, 1/m. Gradients of pairs are rounded to float, as the operator stores them. */
 static double row_density(const pdyn_batch *b, int e, const double *p, double *g) {
     const pdyn_neighbours *l = b->neighbours;
-    struct kernel kernel = fluid_kernel(b->body);
-    struct surface_kernel surface = fluid_surface_kernel(b->body);
+    struct kernel kernel = fluid_kernel(l->kernel, 2.0 * b->body->radius);
+    struct surface_kernel surface = fluid_surface_kernel(l->kernel, 2.0 * b->body->radius);
     double unit = fluid_particle_volume(b->body);
     int i = b->body->first + e, moving = l->boundary_start[i] - l->start[i];
     int fluid = l->surface_start[i] - l->start[i], walls = l->patch_start[i] - l->start[i];
@@ -122,9 +122,9 @@ static double linearise(const struct fluid_params *par, const pdyn_batch *b, int
                         double *g) {
     int row = b->element_row[e], n = 3 * (b->element_row[e + 1] - row);
     *c = n > 3 * MAX_ROWS ? 0.0 : row_density(b, e, b->u + 3 * row, g);
-    return *c > 0.0
-               ? fluid_energy_stiffness(par->stiffness, squares_of(g, n), 2.0 * b->body->radius)
-               : 0.0;
+    return *c > 0.0 ? fluid_energy_stiffness(b->neighbours->kernel, par->stiffness,
+                                             squares_of(g, n), 2.0 * b->body->radius)
+                    : 0.0;
 }
 
 static void project(const void *par, const pdyn_batch *b, int first, int last) {

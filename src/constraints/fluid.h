@@ -28,28 +28,26 @@ static inline double fluid_particle_volume(const pdyn_body *body) {
 
 /* The kernel W and the surface kernel times the volume of a particle. With volumes relative to that
  * volume, C is a sum of numbers near 1 at any length scale of the scene. */
-static inline struct kernel fluid_kernel(const pdyn_body *body) {
-    struct kernel kernel = kernel_make(4.0 * body->radius);
-    kernel.value *= fluid_particle_volume(body), kernel.slope *= fluid_particle_volume(body);
+static inline struct kernel fluid_kernel(const struct kernel_model *model, double spacing) {
+    double volume = spacing * spacing * spacing;
+    struct kernel kernel = kernel_make(model, model->support * spacing);
+    kernel.value *= volume, kernel.slope *= volume;
     return kernel;
 }
 
-static inline struct surface_kernel fluid_surface_kernel(const pdyn_body *body) {
-    struct surface_kernel kernel = surface_kernel_make(2.0 * body->radius);
-    kernel.value *= fluid_particle_volume(body);
+static inline struct surface_kernel fluid_surface_kernel(const struct kernel_model *model,
+                                                         double spacing) {
+    struct surface_kernel kernel = surface_kernel_make(model, spacing);
+    kernel.value *= spacing * spacing * spacing;
     return kernel;
 }
-
-/* |grad C|^2 d^2 inside a cubic lattice of spacing d: the cubic spline of support 2 d over
- * neighbours at d, sqrt(2) d and sqrt(3) d,
- * (6 * 1.5^2 + 12 * 36 (1 - sqrt(1/2))^4 + 8 * 36 (1 - sqrt(3/4))^4) / (2 pi)^2 */
-static const double fluid_lattice_squares = 0.42484;
 
 /* k of the energy k/2 C^2, N m: w / |grad C|^2, so that k/2 C^2 = w/2 |u - p|^2 to first order.
  * squares = |grad C|^2 is clamped to 1 to 4 times its value inside the liquid: a particle with few
  * neighbours is not stiffer than others, and a compressed particle not much softer. */
-static inline double fluid_energy_stiffness(double w, double squares, double spacing) {
-    const double inside = fluid_lattice_squares / (spacing * spacing), upper = 4.0;
+static inline double fluid_energy_stiffness(const struct kernel_model *model, double w,
+                                            double squares, double spacing) {
+    const double inside = model->squares / (spacing * spacing), upper = 4.0;
     return w / fmin(fmax(squares, inside), upper * inside);
 }
 

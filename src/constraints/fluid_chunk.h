@@ -83,10 +83,7 @@ INLINE void load_near(const struct fluid *f, const v4 *at, int inside, struct ch
 /* Sets value and slope of the selected points, 0 from `inside` to the next multiple of four. */
 typedef void evaluate_fn(const struct fluid *f, int inside, struct chunk *near);
 
-/* The cubic spline, kernel.h */
-INLINE void evaluate_particles(const struct fluid *f, int inside, struct chunk *near) {
-    const struct kernel *kernel = &f->kernel;
-    int padded = (inside + 3) / 4 * 4;
+INLINE void evaluate_spline(const struct kernel *kernel, int padded, struct chunk *near) {
     for (int k = 0; k < padded; k++) {
         double q = sqrt(near->squared[k]) * kernel->inverse, rest = 1.0 - q;
         double value = q <= 0.5 ? 1.0 - 6.0 * q * q * rest : 2.0 * rest * rest * rest;
@@ -94,6 +91,22 @@ INLINE void evaluate_particles(const struct fluid *f, int inside, struct chunk *
         near->value[k] = kernel->value * value;
         near->slope[k] = kernel->slope * slope;
     }
+}
+
+INLINE void evaluate_wendland(const struct kernel *kernel, int padded, struct chunk *near) {
+    for (int k = 0; k < padded; k++) {
+        double q = sqrt(near->squared[k]) * kernel->inverse, rest = 1.0 - q;
+        double cube = rest * rest * rest;
+        near->value[k] = kernel->value * cube * rest * (1.0 + 4.0 * q);
+        near->slope[k] = -kernel->slope * cube;
+    }
+}
+
+/* The density kernel, kernel.h */
+INLINE void evaluate_particles(const struct fluid *f, int inside, struct chunk *near) {
+    int padded = (inside + 3) / 4 * 4;
+    if (f->kernel.wendland) evaluate_wendland(&f->kernel, padded, near);
+    else evaluate_spline(&f->kernel, padded, near);
     for (int k = inside; k < padded; k++) near->value[k] = near->slope[k] = 0.0;
 }
 

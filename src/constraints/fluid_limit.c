@@ -63,7 +63,7 @@ WIDE static void limit_block(void *arg, int first, int last, int block) {
         if (samples < l->boundary_start[i] || l->patch_start[i] < l->end[i]) {
             double sum = add_areas(f, c->x, at, samples, l->boundary_start[i]) +
                          add_areas(f, c->x, at, l->patch_start[i], l->end[i]);
-            limit = fmin(limit, distance_fraction * surface_kernel_distance(sum, c->spacing));
+            limit = fmin(limit, distance_fraction * surface_kernel_distance(&f->surface, sum));
         }
         c->max_step[i] = fmin(c->max_step[i], fmax(limit, min_limit * c->spacing));
     }
@@ -94,7 +94,7 @@ void fluid_limit(void *self, const double *x, double *max_step) {
     struct limit_call call = {.f = f,
                               .x = x,
                               .max_step = max_step,
-                              .spacing = 0.5 * l->support,
+                              .spacing = f->spacing,
                               .fluid = box_around(f, x, f->first, samples ? f->count : 0),
                               .samples = box_around(f, x, l->particles - samples, samples)};
     f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, limit_block, &call);

@@ -52,7 +52,6 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
     if (!f) return NULL;
     f->services = services;
     f->params = *(const struct fluid_params *)par;
-    f->kernel = fluid_kernel(body), f->surface = fluid_surface_kernel(body);
     f->spacing = 2.0 * body->radius, f->particle_volume = fluid_particle_volume(body);
     f->first = body->first, f->count = body->count;
     f->rest_density = body->rest_density;
@@ -98,6 +97,8 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     struct fluid *f = self;
     f->lists = lists;
     if (!f->x) {
+        f->kernel = fluid_kernel(lists->kernel, f->spacing);
+        f->surface = fluid_surface_kernel(lists->kernel, f->spacing);
         f->particles = lists->particles, f->points = lists->points;
         if (!resize_particles(f, true)) return false;
     }
@@ -158,8 +159,10 @@ static void accept(void *self) {
 /* Stiffness is 0 before the first step. */
 static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct fluid *f = self;
-    const double low = fluid_energy_stiffness(f->params.stiffness, INFINITY, f->spacing);
-    const double high = fluid_energy_stiffness(f->params.stiffness, 0.0, f->spacing);
+    const double low =
+        fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, INFINITY, f->spacing);
+    const double high =
+        fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, 0.0, f->spacing);
     bool valid = true;
     snapshot->bytes(snapshot, f->stiffness + f->first, (size_t)f->count * sizeof *f->stiffness);
     for (int i = f->first; i < f->first + f->count; i++)

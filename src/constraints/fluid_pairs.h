@@ -69,7 +69,7 @@ static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, 
 }
 
 static inline double fluid_stiffness_at(const struct fluid *f, int i) {
-    return fluid_energy_stiffness(f->params.stiffness, f->squares[i], f->spacing);
+    return fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, f->squares[i], f->spacing);
 }
 
 /* True for a block of particles with fluid or pairs: most samples of a large surface have none. */

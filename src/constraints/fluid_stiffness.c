@@ -6,14 +6,14 @@
  *     compression      rho g D / K                D: head of the fluid
  *
  * c = |grad C|^2 d^2 on a cubic lattice. Settled particles away from walls have the same value
- * within 1 % (measured in a tank of 20 x 20 x 20 particles). */
+ * within 1 % (cubic spline, measured in a tank of 20 x 20 x 20 particles). */
 #include "fluid.h"
 
 #include "projdyn/vec3.h"
 
 pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
     struct fluid_params *p = params;
-    double length = fluid_lattice_squares * 2.0 * scene->radius, rho = scene->rest_density;
+    double length = scene->kernel->squares * 2.0 * scene->radius, rho = scene->rest_density;
     double pressure = rho * vec3_length(scene->gravity) * scene->head;
     const char *given = p->compression > 0.0 ? "compression" : "sound_speed";
     if (p->compression > 0.0 && !(pressure > 0.0))

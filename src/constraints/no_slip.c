@@ -34,10 +34,6 @@ struct dashpot {
 
 static struct dashpot *dashpots(const pdyn_batch *b) { return b->data; }
 
-/* lambda at half a spacing, of a plane of areas and of a plane of volumes (projdyn/kernel.h,
- * src/core/sph/boundary.c) */
-static const double of_areas = 0.127, of_volumes = 0.150;
-
 struct surfaces { /* what the points of surfaces add to the density of particles */
     struct kernel volume;
     struct surface_kernel area;
@@ -48,15 +44,16 @@ static double share_of(const struct surfaces *s, const pdyn_neighbours *l, int i
                        const double r[3]) {
     double volume = l->volume[l->index[k]];
     return listed_has_area(l, i, k)
-               ? volume * surface_kernel_value(&s->area, vec3_dot(r, r)) / of_areas
-               : volume * kernel_value(&s->volume, vec3_length(r)) / of_volumes;
+               ? volume * surface_kernel_value(&s->area, vec3_dot(r, r)) / l->kernel->half_areas
+               : volume * kernel_value(&s->volume, vec3_length(r)) / l->kernel->half_volumes;
 }
 
 static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
                   int room) {
     const pdyn_neighbours *l = b->neighbours;
     double mu = ((const struct params *)par)->viscosity, spacing = 2.0 * b->body->radius;
-    const struct surfaces surfaces = {kernel_make(l->support), surface_kernel_make(spacing)};
+    const struct surfaces surfaces = {kernel_make(l->kernel, l->support),
+                                      surface_kernel_make(l->kernel, spacing)};
     int count = 0;
     (void)v;
     for (int i = b->body->first; mu > 0.0 && i < b->body->first + b->body->count; i++)

@@ -29,10 +29,9 @@ static const pdyn_param params[] = {
      "degrees", "angle in the fluid between its surface and walls, sheets and solids"},
     {0}};
 
-static const double amplitude = 1.6; /* A: measured */
 /* Measured on drops on a plate: the work of adhesion is done within 1/2.5 of a spacing; the pull
- * along the contact line is line/2 tension (cos angle + line_offset). */
-static const double reach = 2.5, line = 2.1, line_offset = 0.75;
+ * along the contact line is line/2 tension (cos angle + line_offset), both of the kernel. */
+static const double reach = 2.5;
 
 struct site {         /* a particle */
     double normal[3]; /* n, with walls, 1/m: into the fluid */
@@ -57,7 +56,7 @@ static double is_surface(double slope) {
 
 static void add_fluid(const pdyn_batch *b, const double *x, int i, struct site *site) {
     const pdyn_neighbours *l = b->neighbours;
-    struct kernel kernel = fluid_kernel(b->body);
+    struct kernel kernel = fluid_kernel(l->kernel, 2.0 * b->body->radius);
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
         if (!body_has(b->body, j)) continue;
@@ -70,8 +69,8 @@ static void add_fluid(const pdyn_batch *b, const double *x, int i, struct site *
 /* Without "points" the density of walls is twice as steep as that of a layer of fluid. */
 static void add_walls(const pdyn_batch *b, const double *x, int i, struct site *site) {
     const pdyn_neighbours *l = b->neighbours;
-    struct kernel kernel = fluid_kernel(b->body);
-    struct surface_kernel surface = fluid_surface_kernel(b->body);
+    struct kernel kernel = fluid_kernel(l->kernel, 2.0 * b->body->radius);
+    struct surface_kernel surface = fluid_surface_kernel(l->kernel, 2.0 * b->body->radius);
     double share = (l->has_volumes ? 1.0 : 0.5) / fluid_particle_volume(b->body),
            nearest = HUGE_VAL;
     for (int k = l->surface_start[i]; k < l->end[i]; k++) {
@@ -147,6 +146,7 @@ static int add_pairs(const pdyn_batch *b, const double *x, int i, const struct s
  * wall. A spring to a point one spacing away; its force changes little in a step. */
 static int add_pull(const struct params *p, const pdyn_batch *b, const double *x, int i,
                     const struct site *site, int count, int room) {
+    const struct kernel_model *kernel = b->neighbours->kernel;
     double d = 2.0 * b->body->radius, steep = vec3_length(site->wall), along[3], pull[3] = {0};
     if (!(steep > 0.0)) return count;
     double wetting = cos(p->contact_angle / 180.0 * 3.14159265358979323846);
@@ -154,7 +154,9 @@ static int add_pull(const struct params *p, const pdyn_batch *b, const double *x
     memcpy(along, site->normal, sizeof along);
     vec3_add(along, -vec3_dot(along, site->wall) / (steep * steep), site->wall);
     vec3_add(pull, wet * reach * (1.0 + wetting) / steep, site->wall);
-    vec3_add(pull, -wet * line * d * (wetting + line_offset) * is_surface(d * vec3_length(along)),
+    vec3_add(pull,
+             -wet * kernel->line * d * (wetting + kernel->line_offset) *
+                 is_surface(d * vec3_length(along)),
              along);
     double force = vec3_length(pull);
     if (!(force > 0.0)) return count;
@@ -173,11 +175,12 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     (void)v;
     const struct params *p = par;
     int count = 0, first = b->body->first, last = first + b->body->count;
+    double factor = 4.0 * b->neighbours->kernel->tension * p->tension;
     struct site *site = (struct site *)b->scratch - first;
     for (int i = first; i < last; i++) find_site(b, x, i, &site[i]);
     for (int i = first; i < last; i++) {
         double sum = site[i].area > 0.0 ? sum_bonds(b, x, i, site) : 0.0;
-        site[i].rate = sum > 0.0 ? 4.0 * amplitude * p->tension * site[i].area / sum : 0.0;
+        site[i].rate = sum > 0.0 ? factor * site[i].area / sum : 0.0;
     }
     for (int i = first; i < last; i++) {
         if (site[i].area > 0.0) count = add_pairs(b, x, i, site, count, room);

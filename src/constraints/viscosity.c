@@ -49,7 +49,7 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
             if (j <= i || !body_has(b->body, j)) continue;
             vec3_subtract(u, x + 3 * (size_t)i, x + 3 * (size_t)j);
             double distance = vec3_length(u);
-            if (distance >= l->support || count++ >= room) continue;
+            if (distance >= 2.0 * spacing || count++ >= room) continue;
             dashpots(b)[count - 1] =
                 (struct dashpot){.coefficient = coefficient_at(mu, spacing, distance),
                                  .start = {u[0], u[1], u[2]},

@@ -32,7 +32,7 @@ static void normal_of(const struct wet_sides *d, int sample, double n[3]) {
 /* The normal of a sample and the fluid on its two sides; the normal points to the second side. */
 static void find_fluid(const struct wet_sides *d, int sample, double n[3], struct side side[2]) {
     const pdyn_neighbours *l = d->lists;
-    struct kernel kernel = kernel_make(l->surface_support);
+    struct kernel kernel = kernel_make(l->kernel, l->surface_support);
     int at = d->samples->particles + sample;
     const double *x = d->x + 3 * (size_t)at;
     normal_of(d, sample, n);

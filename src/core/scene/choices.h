@@ -12,6 +12,7 @@ struct choices {
 };
 
 extern const struct choices boundary_choices;     /* struct boundary_model (boundary.c) */
+extern const struct choices kernel_choices;       /* struct kernel_model (kernels.c) */
 extern const struct choices integrator_choices;   /* struct integrator (integrator.c) */
 extern const struct choices acceleration_choices; /* struct acceleration_type (accelerate.c) */
 

@@ -80,6 +80,10 @@ static void describe_all(const pdyn_context *context, const struct sink *to) {
     for (int k = 0; k < boundary_choices.count; k++)
         line(to, "  %-16s %s\n", choices_text(&boundary_choices, k, 0),
              choices_text(&boundary_choices, k, 1));
+    line(to, "\nkernels of fluids, \"kernel\" of a scene\n");
+    for (int k = 0; k < kernel_choices.count; k++)
+        line(to, "  %-16s %s\n", choices_text(&kernel_choices, k, 0),
+             choices_text(&kernel_choices, k, 1));
 }
 
 static void alternatives(const struct sink *to, const char *const *names) {

@@ -56,7 +56,8 @@ static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                            const struct scene_body *body, const struct scene_constraint *c) {
     pdyn_scene_info info = {.radius = body->radius,
                             .rest_density = body->rest_density,
-                            .head = scene_head(r->scene, body)};
+                            .head = scene_head(r->scene, body),
+                            .kernel = r->scene->settings.kernel};
     memcpy(info.gravity, r->scene->settings.gravity, sizeof info.gravity);
     pdyn_param_fault fault = c->type->resolve(c->params, &info);
     if (!fault.message) return PDYN_OK;
@@ -156,7 +157,7 @@ static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
 static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     static const char *const others[] = {"$schema",  "name",   "gravity", "time_step", "solver",
                                          "bodies",   "solids", "outlets", "contact",   "plugins",
-                                         "boundary", "probes", NULL};
+                                         "boundary", "kernel", "probes",  NULL};
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
     struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
     struct json_at plugins = json_member(root, "plugins"), probes = json_member(root, "probes");

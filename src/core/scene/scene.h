@@ -155,6 +155,7 @@ struct scene_settings {    /* "time_step", "solver" and general values of a scen
     double cfl;            /* particle radii that a particle may travel in a step */
     const struct integrator *integrator;
     const struct boundary_model *boundary;
+    const struct kernel_model *kernel;
     int retries;             /* attempts with shorter steps after one that diverged */
     double tolerance;        /* step residual (residual.h) at which a step is solved */
     int outer_iterations;    /* largest number per step */

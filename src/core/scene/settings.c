@@ -128,12 +128,25 @@ static pdyn_status read_solver(struct reader *r, const struct json_at *at) {
     return status == PDYN_OK ? read_acceleration(at, settings) : status;
 }
 
+static pdyn_status read_kernel(const struct json_at *root, struct scene_settings *settings) {
+    struct json_at at = json_member(root, "kernel");
+    const void *chosen;
+    pdyn_status status = read_named(root, "kernel", &kernel_choices, &chosen);
+    settings->kernel = chosen;
+    if (status == PDYN_OK && chosen != choices_entry(&kernel_choices, 0) &&
+        settings->boundary != choices_entry(&boundary_choices, 0))
+        return json_fail(&at, "this kernel needs \"boundary\": \"%s\"",
+                         choices_text(&boundary_choices, 0, 0));
+    return status;
+}
+
 pdyn_status settings_read(struct reader *r, const struct json_at *root) {
     const void *chosen;
     struct json_at time_step = json_member(root, "time_step"), solver = json_member(root, "solver");
     pdyn_status status = read_general(r, root);
     if (status == PDYN_OK) status = read_named(root, "boundary", &boundary_choices, &chosen);
     if (status == PDYN_OK) r->scene->settings.boundary = chosen;
+    if (status == PDYN_OK) status = read_kernel(root, &r->scene->settings);
     if (status == PDYN_OK) status = read_time_step(r, &time_step);
     return status == PDYN_OK ? read_solver(r, &solver) : status;
 }

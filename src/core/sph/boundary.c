@@ -18,30 +18,31 @@ static const struct boundary_model boundary_models[] = {
     {.name = "surface",
      .summary = "surface integral: fluid rests at half a spacing from the surface",
      .grid = 1.0,
-     .outside = 1.01,
-     .beyond = 0.35,
-     .layer = 12.95,
-     .mesh_spacing = 0.43,
-     .support = 0.99498743710662}, /* q = d */
+     .mesh_spacing = 0.43},
     {.name = "points",
      .summary = "boundary particles (Akinci et al. 2012): fluid rests at 0.7 spacings",
      .grid = 1.0,
      .outside = 0.6,
-     .beyond = 0.6,
      .mesh_spacing = 0.9,
-     .support = 2.0,
      .volumes = true},
 };
 const struct choices boundary_choices = {boundary_models, sizeof *boundary_models,
                                          sizeof boundary_models / sizeof *boundary_models};
 
+double boundary_support(const struct boundary_model *model, const struct kernel_model *kernel) {
+    return model->volumes ? kernel->support : 0.99498743710662 * kernel->reach; /* q = s */
+}
+
 pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
                              const double *x, const double *area, double *volume) {
     const struct boundary_model *model = sampling->model;
+    const struct kernel_model *kernel = sampling->kernel;
     double spacing = sampling->spacing;
-    double factor = surface_kernel_farther(fmin(0.5 * sampling->thickness / spacing, 0.3));
-    if (model->volumes)
-        return neighbours_surface_volumes(context, count, x, model->support * spacing, volume);
+    double factor = surface_kernel_farther(kernel, fmin(0.5 * sampling->thickness / spacing, 0.3));
+    if (model->volumes) {
+        struct kernel w = kernel_make(kernel, kernel->support * spacing);
+        return neighbours_surface_volumes(context, count, x, &w, volume);
+    }
     for (int k = 0; k < count; k++) volume[k] = factor * area[k] * spacing;
     return PDYN_OK;
 }

@@ -116,6 +116,7 @@ pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_poi
     n->view = (pdyn_neighbours){.support = points->support,
                                 .surface_support = points->surface_support,
                                 .has_volumes = points->has_volumes,
+                                .kernel = points->kernel,
                                 .particles = points->particles,
                                 .points = points->particles + points->boundary};
     pdyn_status status = resize_arrays(n, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
@@ -343,11 +344,10 @@ static pdyn_status list_near(pdyn_context *context, const struct grid *grid,
 }
 
 pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
-                                       double support, double *volume) {
+                                       const struct kernel *kernel, double *volume) {
     struct grid grid;
     struct grid_cells cells = {0};
-    struct kernel kernel = kernel_make(support);
-    pdyn_status status = grid_create(context, points, support, &grid);
+    pdyn_status status = grid_create(context, points, kernel->support, &grid);
     if (status != PDYN_OK) return status;
     size_t capacity = 0;
     int found = 0, *list = context_grow(context, NULL, &capacity, 1, sizeof *list);
@@ -356,7 +356,7 @@ pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const 
         status = list_near(context, &grid, &cells, x, i, &list, &capacity, &found);
         double sum = 0.0;
         for (int k = 0; status == PDYN_OK && k < found; k++)
-            sum += kernel_value(&kernel, vec3_distance(x + 3 * (size_t)i, x + 3 * (size_t)list[k]));
+            sum += kernel_value(kernel, vec3_distance(x + 3 * (size_t)i, x + 3 * (size_t)list[k]));
         volume[i] = 1.0 / sum;
     }
     FREE_ARRAY(context, list, capacity);

@@ -16,6 +16,9 @@
  * built are no pair: nothing passes through a surface, so it stays between them. */
 struct neighbours;
 
+struct kernel;
+struct kernel_model;
+
 struct neighbours_points { /* input of neighbours_create; all arrays are copied */
     int particles; /* particles of the system, then the surface samples, which are active but no
                       centres */
@@ -28,7 +31,8 @@ struct neighbours_points { /* input of neighbours_create; all arrays are copied 
     double support, surface_support; /* m, see pdyn_neighbours */
     double skin;                     /* m */
     bool has_volumes;                /* see pdyn_neighbours */
-    struct occlusion *occlusion;     /* surfaces that separate pairs, or NULL; not copied */
+    const struct kernel_model *kernel;
+    struct occlusion *occlusion; /* surfaces that separate pairs, or NULL; not copied */
 };
 
 /* Creates neighbour lists. samples: the last particles, or NULL; must stay valid. Memory: 129 bytes
@@ -78,6 +82,6 @@ const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
 
 /* Rest volumes of points on a surface, 1 / sum_k W (Akinci et al. 2012), m^3. x: points x 3, m. */
 pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
-                                       double support, double *volume);
+                                       const struct kernel *kernel, double *volume);
 
 #endif

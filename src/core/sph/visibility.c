@@ -114,7 +114,7 @@ static bool was_covered(const struct neighbours *n, int i) {
 static double density_change(const struct neighbours *n, int i, int j, bool visible) {
     double r = vec3_distance(frozen_position(n, i), frozen_position(n, j));
     if (r >= n->view.support || !was_covered(n, j) || visible == was_listed(n, i, j)) return 0.0;
-    struct kernel kernel = kernel_make(n->view.support);
+    struct kernel kernel = kernel_make(n->view.kernel, n->view.support);
     return (visible ? 1.0 : -1.0) * n->centre_volume * kernel_value(&kernel, r);
 }
 

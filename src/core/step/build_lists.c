@@ -6,10 +6,12 @@
 #include "solid_points.h"
 #include "sph/boundary.h"
 
+#include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 
-/* Skin of the lists, in supports: lists have 1.7 times the pairs and are rebuilt less often. */
-static const double skin_size = 0.2;
+/* Skin of the lists, in particle spacings: lists have 1.7 times the pairs of the cubic spline and
+ * are rebuilt less often. */
+static const double skin_size = 0.4;
 
 /* The number of particles and samples. */
 static int extended_count(const struct pdyn_sim *sim) {
@@ -32,7 +34,8 @@ static pdyn_status fill_volumes(struct pdyn_sim *sim, double spacing, int partic
 
 static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
     int n = extended_count(sim);
-    double support = 2.0 * spacing, skin = skin_size * support;
+    const struct kernel_model *kernel = sim->scene.settings.kernel;
+    double support = kernel->support * spacing, skin = skin_size * spacing;
     const struct boundary_model *model = sim->scene.settings.boundary;
     double *volume = NEW_ARRAY(sim->context, n + sim->boundary.at.count, double);
     bool *centre = NEW_ARRAY(sim->context, n, bool);
@@ -52,8 +55,9 @@ static pdyn_status create_neighbours(struct pdyn_sim *sim, double spacing) {
                                        .volume = volume,
                                        .support = support,
                                        .is_wall = is_wall,
-                                       .surface_support = model->support * spacing,
+                                       .surface_support = boundary_support(model, kernel) * spacing,
                                        .has_volumes = model->volumes,
+                                       .kernel = kernel,
                                        .skin = skin,
                                        .occlusion = sim->occlusion};
     if (status == PDYN_OK)
@@ -99,6 +103,7 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
     if (spacing == 0.0) return PDYN_OK;
     const struct sampling sampling = {
         .model = sim->scene.settings.boundary,
+        .kernel = sim->scene.settings.kernel,
         .spacing = spacing,
         .thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0};
     pdyn_status status = solid_points_sample(sim, spacing);

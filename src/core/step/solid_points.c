@@ -5,11 +5,16 @@
 #include "sim.h"
 #include "sph/boundary.h"
 
+#include "projdyn/kernel.h"
+
 static pdyn_status sample_shape(struct pdyn_sim *sim, const struct scene_solid *solid,
                                 double spacing) {
     const struct boundary_model *model = sim->scene.settings.boundary;
-    const struct face_grid grid = {solid->open, model->grid * spacing, model->outside * spacing,
-                                   model->beyond * spacing};
+    const struct kernel_model *kernel = sim->scene.settings.kernel;
+    double outside = model->volumes ? model->outside : kernel->outside;
+    double beyond = model->volumes ? model->outside : kernel->beyond;
+    const struct face_grid grid = {solid->open, model->grid * spacing, outside * spacing,
+                                   beyond * spacing};
     if (!solid->is_vessel)
         return sample_mesh_surface(sim->context, solid->name, &solid->mesh,
                                    model->mesh_spacing * spacing, &sim->boundary);
@@ -41,9 +46,10 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
 
 static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count, double spacing,
                                      double *volume) {
-    double support = sim->scene.settings.boundary->support * spacing;
+    const struct kernel_model *model = sim->scene.settings.kernel;
+    struct kernel kernel = kernel_make(model, model->support * spacing);
     return neighbours_surface_volumes(sim->context, count, sim->boundary.at.x + 3 * (size_t)first,
-                                      support, volume + first);
+                                      &kernel, volume + first);
 }
 
 /* Computes the volumes 1 / sum W: of all solids at rest together, and of each moving solid alone,
@@ -65,7 +71,8 @@ pdyn_status solid_points_compute_volumes(struct pdyn_sim *sim, double spacing, d
     for (int k = 0; k < points->at.count; k++) {
         const struct boundary_point *point = &points->point[k];
         is_wall[k] = model->volumes || point->of_box;
-        volume[k] = (point->of_box ? model->layer : 1.0) * point->area * spacing;
+        volume[k] =
+            (point->of_box ? sim->scene.settings.kernel->layer : 1.0) * point->area * spacing;
     }
     return model->volumes ? compute_published_volumes(sim, spacing, volume) : PDYN_OK;
 }
