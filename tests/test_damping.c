@@ -150,6 +150,27 @@ static void test_balance(void **state) {
     }
 }
 
+/* The extrapolated rest length of an element that shrinks to nothing is 0, not negative. */
+static void test_vanishing(void **state) {
+    (void)state;
+    static const char *const constraints[] = {
+        "{'type': 'spring', 'stretching_stiffness': 10, 'damping': 1}",
+        "{'type': 'bending', 'bending_rigidity': 10, 'damping': 1}"};
+    for (int c = 0; c < 2; c++) {
+        pdyn_sim *sim =
+            load("bdf2", "'grid': {'size': [1, 1], 'vertices': [5, 5]}", 0.01, constraints[c]);
+        struct batch *damper = sim->objective.batch[1];
+        double at_one_place[76] = {0};
+        uint64_t seed = 17;
+        for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
+        damper->view.extrapolation = 0.5;
+        batch_set_damper_rest(damper, at_one_place, sim->x);
+        for (int e = 0; e < damper->view.elements; e++)
+            assert_true(((const double *)damper->view.data)[e] == 0.0);
+        pdyn_free(sim);
+    }
+}
+
 /* A sheet of 1 kg/m^2 that rotates in its plane with 5 rad/s, h = 0.02 s. The centrifugal force
  * stretches a side by some rho L^2 omega^2 / (12 Y), 0.2 %; a damper adds nothing to it. */
 static void test_rotation(void **state) {
@@ -176,6 +197,7 @@ int main(void) {
         cmocka_unit_test(test_breathing),
         cmocka_unit_test(test_folding),
         cmocka_unit_test(test_balance),
+        cmocka_unit_test(test_vanishing),
         cmocka_unit_test(test_rotation),
     };
     return cmocka_run_group_tests_name("damping", tests, set_up, tear_down);

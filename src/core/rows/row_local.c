@@ -81,10 +81,10 @@ static void set_rest_at(struct batch *b, int first, int last, const double *x) {
     b->type->damping_rest(b->params, &b->view, first, last);
 }
 
-/* value + part (value - before), not beyond 0 */
+/* value + part (value - before), of the sign of value: a length stays one */
 static double extrapolate(double value, double before, double part) {
     double next = value + part * (value - before);
-    return next * value < 0.0 ? 0.0 : next;
+    return next * value > 0.0 ? next : 0.0;
 }
 
 /* in: x; out: x of the step before; number: extrapolation of the integrator. Rest shapes are
