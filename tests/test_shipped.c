@@ -86,7 +86,7 @@ static const struct shipped shipped[] = {
      .seconds = 0.05,
      .kinetic = {1e-6, 5e-6},
      .lowest = {-0.0095, -0.006},
-     .compression = 6.0e-3},
+     .compression = 4.2e-3},
     {.name = "flag", .seconds = 0.28, .kinetic = {0.22, 0.52}, .lowest = {1.05, 1.28}},
     {.name = "flag",
      .seconds = 0.3,
