@@ -7,13 +7,9 @@
 
 /* Walls of a box have fluid on one side only, so their points lie behind the faces: the force then
  * grows monotonically while a particle approaches, and continues to grow behind the face.
- * "surface": at the distance `outside` and with the volume per area `layer`, a plane of points adds
- * 0.150 at half a spacing in front of the face, with slope -1.15 per spacing; the lowest layer of
- * water at rest then has hydrostatic pressure. A particle lattice that touches the faces is at rest
- * (density ratio 1.00 at walls, edges and corners); for that, grids extend past the edges by
- * `beyond`. The sum of a plane varies by 3 % over the grid, the sum of the surface kernel by 2 %
- * over a mesh (test_interface.c). "points": with the published distance such a lattice has density
- * ratios 0.999, 1.000 and 1.004. */
+ * "surface": distance and volumes of the points depend on the kernel (kernels.c). "points": with
+ * the published distance, a lattice that touches the faces has density ratios 0.999 at walls, 1.000
+ * at edges and 1.004 in corners. */
 static const struct boundary_model boundary_models[] = {
     {.name = "surface",
      .summary = "surface integral: fluid rests at half a spacing from the surface",
