@@ -1,4 +1,5 @@
-"""Opens a run in ParaView with colours of its own: water by speed, sheets by body, tanks as glass.
+"""Opens a run in ParaView with the colours of its scene, or colours of its own: water by speed, sheets by body, tanks
+as glass.
 
     pvpython scripts/paraview_run.py DIR [-o picture.png] [--size 1280x800]
 
@@ -42,12 +43,12 @@ def show(part, number, view, simple):
     if part.radius:
         display.SetRepresentationType("Point Gaussian")
         display.GaussianRadius, display.ShaderPreset = part.radius, "Sphere"
-    if part.role in ("water", "particles", "grains"):
+    if part.role in ("water", "particles", "grains") and not part.color:
         colour_by_speed(display, view, simple)
         return
     display.ColorArrayName = ("POINTS", "")
     solid = part.role in ("tank", "obstacle")
-    display.DiffuseColor = (0.75, 0.77, 0.80) if solid else PALETTE[number % len(PALETTE)]
+    display.DiffuseColor = part.color or ((0.75, 0.77, 0.80) if solid else PALETTE[number % len(PALETTE)])
     display.Opacity = 0.15 if part.role == "tank" else 1.0
 
 

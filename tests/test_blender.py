@@ -76,7 +76,8 @@ class Blender(unittest.TestCase):
         done = subprocess.run(
             [PROJDYN, "run", SCENE, "-o", cls.directory, "--quiet", "--time", "0.1",
              "--set", f"solids={json.dumps(SOLIDS)}",
-             "--set", f"bodies.sheet.surface={json.dumps(surface)}"],
+             "--set", f"bodies.sheet.surface={json.dumps(surface)}",
+             "--set", 'solids.ball.color="#336699"', "--set", 'bodies.water.color="#d08a14"'],
             capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         cls.particles, cls.arrays = cls.dump("particles")
@@ -133,8 +134,11 @@ class Blender(unittest.TestCase):
 
     def test_materials(self):
         told = {name: thing["material"] for name, thing in self.surface["objects"].items()}
-        self.assertEqual(told, {"water": "projdyn water", "sheet": "projdyn cloth 0",
-                                "tank": "projdyn tank", "ball": "projdyn obstacle"})
+        self.assertEqual(told, {"water": "projdyn water #d08a14", "sheet": "projdyn cloth 0",
+                                "tank": "projdyn tank", "ball": "projdyn obstacle #336699"})
+        ball, water = (self.surface["objects"][name]["color"] for name in ("ball", "water"))
+        for found, srgb in zip(ball + water, (0x33, 0x66, 0x99, 0xd0, 0x8a, 0x14)):
+            self.assertAlmostEqual(found, ((srgb / 255 + 0.055) / 1.055) ** 2.4, 4)
         self.assertTrue(self.surface["objects"]["sheet"]["smooth"])
 
     def test_cycles_blurs_by_the_velocity(self):

@@ -139,7 +139,7 @@ def add_part(collection, part, frame, uv, number):
     item = bpy.data.objects.new(part.name, mesh)
     collection.objects.link(item)
     size = float(np.linalg.norm(np.ptp(frame.points, axis=0))) if len(frame.points) else 1.0
-    material = material_of(part.role, number, size)
+    material = material_of(part.role, number, size, part.color)
     mesh.materials.append(material)
     show_frame(mesh, frame)
     if uv is not None:

@@ -24,6 +24,7 @@ class Part:
     file: pathlib.Path  # NAME.vtk.series, or the one NAME.vtk of a solid at rest
     radius: float = 0  # m, of particles; 0: the files hold triangles
     uv: pathlib.Path | None = None  # NAME.obj, which may have texture coordinates of a surface
+    color: tuple | None = None  # sRGB, 0 to 1, of the scene
 
 
 def read_json(path):
@@ -56,19 +57,26 @@ def frame_interval(frames):
     return (frames[-1][0] - frames[0][0]) / (len(frames) - 1) if len(frames) > 1 else 1 / 30
 
 
+def color_of(entry):
+    """The "color" of a body or a solid, "#rrggbb", as three numbers; None without one."""
+    text = entry.get("color")
+    return tuple(int(text[k:k + 2], 16) / 255 for k in (1, 3, 5)) if text else None
+
+
 def bodies(directory, report, use_mesh):
     constraints = {(c["body"], c["type"]) for c in report["parameters"]}
     for body in report["bodies"]:
+        color = color_of(body)
         name, file = body["name"], directory / f"{body['name']}.vtk.series"
         if body["kind"] == "surface":
             role = "soft" if (name, "tet") in constraints else "cloth"
-            yield Part(name, role, file, uv=directory / f"{name}.obj")
+            yield Part(name, role, file, uv=directory / f"{name}.obj", color=color)
             continue
         mesh, fluid = directory / "mesh" / f"{name}.vtk.series", (name, "fluid") in constraints
         if use_mesh and mesh.exists():
-            yield Part(name, "water", mesh)
+            yield Part(name, "water", mesh, color=color)
         else:
-            yield Part(name, "particles" if fluid else "grains", file, body["radius_m"])
+            yield Part(name, "particles" if fluid else "grains", file, body["radius_m"], color=color)
 
 
 def read_run(directory, use_mesh=True):
@@ -79,5 +87,5 @@ def read_run(directory, use_mesh=True):
     parts = list(bodies(directory, report, use_mesh))
     for solid in report["solids"]:
         role = "tank" if solid["kind"] == "box" else "obstacle"
-        parts.append(Part(solid["name"], role, directory / solid["file"]))
+        parts.append(Part(solid["name"], role, directory / solid["file"], color=color_of(solid)))
     return parts
