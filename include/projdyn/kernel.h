@@ -69,8 +69,8 @@ static inline double kernel_slope(const struct kernel *k, double r) {
  * 0.150 and, because a surface has no density constraint that pushes back, twice the slope of a
  * layer of particles, -1.02/d. Water at rest is less regular and keeps the distance d/2 with s = d,
  * A = 2.2 (lambda = 0.127, slope -1.02/d). A and s of the other kernel were measured to do the same
- * with its particles. Close to the surface lambda and W(0) exceed
- * 1, so that a single particle is compressed and cannot pass. */
+ * with its particles. Close to the surface lambda and W(0) exceed 1, so that a single particle is
+ * compressed and cannot pass. */
 struct surface_kernel {
     double amplitude; /* A */
     double reach;     /* s, m */
