@@ -194,10 +194,8 @@ static void test_rotation(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_breathing),
-        cmocka_unit_test(test_folding),
-        cmocka_unit_test(test_balance),
-        cmocka_unit_test(test_vanishing),
+        cmocka_unit_test(test_breathing), cmocka_unit_test(test_folding),
+        cmocka_unit_test(test_balance),   cmocka_unit_test(test_vanishing),
         cmocka_unit_test(test_rotation),
     };
     return cmocka_run_group_tests_name("damping", tests, set_up, tear_down);
