@@ -36,7 +36,8 @@ def dump(name, mesh):
 
 def describe(item):
     mesh = item.data
-    return {"material": mesh.materials[0].name, "color": list(mesh.materials[0].diffuse_color)[:3], "modifiers": [m.type for m in item.modifiers],
+    return {"material": mesh.materials[0].name, "color": list(mesh.materials[0].diffuse_color)[:3],
+            "modifiers": [m.type for m in item.modifiers],
             "smooth": all(p.use_smooth for p in mesh.polygons)}
 
 

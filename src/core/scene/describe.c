@@ -67,6 +67,13 @@ static void table(const struct sink *to, const pdyn_param *params) {
     }
 }
 
+static void describe_choices(const struct sink *to, const char *title,
+                             const struct choices *choices) {
+    line(to, "\n%s\n", title);
+    for (int k = 0; k < choices->count; k++)
+        line(to, "  %-16s %s\n", choices_text(choices, k, 0), choices_text(choices, k, 1));
+}
+
 static void describe_all(const pdyn_context *context, const struct sink *to) {
     const pdyn_constraint_type *constraint;
     const pdyn_global_solver *solver;
@@ -76,14 +83,8 @@ static void describe_all(const pdyn_context *context, const struct sink *to) {
     line(to, "\nsolvers\n");
     for (int k = 0; (solver = registry_solver_at(context, k)); k++)
         line(to, "  %-16s %s\n", solver->name, solver->summary);
-    line(to, "\nboundary models, \"boundary\" of a scene\n");
-    for (int k = 0; k < boundary_choices.count; k++)
-        line(to, "  %-16s %s\n", choices_text(&boundary_choices, k, 0),
-             choices_text(&boundary_choices, k, 1));
-    line(to, "\nkernels of fluids, \"kernel\" of a scene\n");
-    for (int k = 0; k < kernel_choices.count; k++)
-        line(to, "  %-16s %s\n", choices_text(&kernel_choices, k, 0),
-             choices_text(&kernel_choices, k, 1));
+    describe_choices(to, "boundary models, \"boundary\" of a scene", &boundary_choices);
+    describe_choices(to, "kernels of fluids, \"kernel\" of a scene", &kernel_choices);
 }
 
 static void alternatives(const struct sink *to, const char *const *names) {

@@ -35,10 +35,9 @@ pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampl
     const struct kernel_model *kernel = sampling->kernel;
     double spacing = sampling->spacing;
     double factor = surface_kernel_farther(kernel, fmin(0.5 * sampling->thickness / spacing, 0.3));
-    if (model->volumes) {
-        struct kernel w = kernel_make(kernel, kernel->support * spacing);
-        return neighbours_surface_volumes(context, count, x, &w, volume);
-    }
+    if (model->volumes)
+        return neighbours_surface_volumes(context, count, x, kernel, kernel->support * spacing,
+                                          volume);
     for (int k = 0; k < count; k++) volume[k] = factor * area[k] * spacing;
     return PDYN_OK;
 }

@@ -1,11 +1,12 @@
 /* The density kernels that a scene can choose (projdyn/kernel.h).
  *
- * Walls of a box: at the distance `outside` and with the volume per area `layer`, a plane of points
- * adds what a lattice lacks at half a spacing in front of the face, with 2.26 (cubic spline) or 2.7
- * times the slope of what is missing: the lowest layer of water at rest then has hydrostatic
- * pressure. Grids extend past the edges by `beyond`, so that a lattice that touches the faces is at
- * rest (density ratio 0.99 to 1.001 at walls, edges and corners). The sum of a plane varies by 3 %
- * over the grid, the sum of the surface kernel by 2 % over a mesh (test_interface.c). */
+ * Walls of a box: a plane of points at the distance `outside`, with the volume per area `layer`,
+ * adds what a lattice lacks at half a spacing in front of the face. The slope of that sum is 2.26
+ * (cubic spline) or 2.7 times the slope of what the lattice lacks, which gives the lowest layer of
+ * water at rest its hydrostatic pressure. Grids extend past the edges by `beyond`, so that a
+ * lattice that touches the faces is at rest (density ratio 0.99 to 1.001 at walls, edges and
+ * corners). The sum of a plane varies by 3 % over the grid, the sum of the surface kernel by 2 %
+ * over a mesh (test_interface.c). */
 #include "projdyn/kernel.h"
 #include "scene/choices.h"
 

@@ -344,10 +344,12 @@ static pdyn_status list_near(pdyn_context *context, const struct grid *grid,
 }
 
 pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
-                                       const struct kernel *kernel, double *volume) {
+                                       const struct kernel_model *model, double support,
+                                       double *volume) {
+    struct kernel kernel = kernel_make(model, support);
     struct grid grid;
     struct grid_cells cells = {0};
-    pdyn_status status = grid_create(context, points, kernel->support, &grid);
+    pdyn_status status = grid_create(context, points, support, &grid);
     if (status != PDYN_OK) return status;
     size_t capacity = 0;
     int found = 0, *list = context_grow(context, NULL, &capacity, 1, sizeof *list);
@@ -356,7 +358,7 @@ pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const 
         status = list_near(context, &grid, &cells, x, i, &list, &capacity, &found);
         double sum = 0.0;
         for (int k = 0; status == PDYN_OK && k < found; k++)
-            sum += kernel_value(kernel, vec3_distance(x + 3 * (size_t)i, x + 3 * (size_t)list[k]));
+            sum += kernel_value(&kernel, vec3_distance(x + 3 * (size_t)i, x + 3 * (size_t)list[k]));
         volume[i] = 1.0 / sum;
     }
     FREE_ARRAY(context, list, capacity);

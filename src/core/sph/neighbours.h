@@ -16,7 +16,6 @@
  * built are no pair: nothing passes through a surface, so it stays between them. */
 struct neighbours;
 
-struct kernel;
 struct kernel_model;
 
 struct neighbours_points { /* input of neighbours_create; all arrays are copied */
@@ -80,8 +79,10 @@ void neighbours_visit(const struct neighbours *neighbours, const double *at, dou
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
 
-/* Rest volumes of points on a surface, 1 / sum_k W (Akinci et al. 2012), m^3. x: points x 3, m. */
+/* Rest volumes of points on a surface, 1 / sum_k W (Akinci et al. 2012), m^3. x: points x 3, m;
+ * support: of W, m. */
 pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
-                                       const struct kernel *kernel, double *volume);
+                                       const struct kernel_model *model, double support,
+                                       double *volume);
 
 #endif

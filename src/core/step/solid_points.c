@@ -46,10 +46,9 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
 
 static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count, double spacing,
                                      double *volume) {
-    const struct kernel_model *model = sim->scene.settings.kernel;
-    struct kernel kernel = kernel_make(model, model->support * spacing);
+    const struct kernel_model *kernel = sim->scene.settings.kernel;
     return neighbours_surface_volumes(sim->context, count, sim->boundary.at.x + 3 * (size_t)first,
-                                      &kernel, volume + first);
+                                      kernel, kernel->support * spacing, volume + first);
 }
 
 /* Computes the volumes 1 / sum W: of all solids at rest together, and of each moving solid alone,
