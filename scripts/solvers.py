@@ -209,7 +209,6 @@ THREADED = [
     ("`dam_break`", "dam_break", 0.2),
     ("`soft_ball`", "soft_ball", 0.1),
     ("`rafts`", "rafts", 0.2),
-    ("`honey`", "honey", 0.6),
     ("`hanging_cloth`, 129 x 129 vertices", "hanging_cloth", 0.2, "bodies.sheet.surface.grid.vertices=[129,129]"),
     ("`cloth_on_sphere`, 65 x 65 vertices", "cloth_on_sphere", 0.18, "bodies.sheet.surface.grid.vertices=[65,65]"),
 ]

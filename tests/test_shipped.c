@@ -113,6 +113,7 @@ static const struct shipped shipped[] = {
      .lowest = {-0.344, -0.282},
      .compression = 1.6e-3},
     {.name = "hanging_cloth", .seconds = 1, .kinetic = {0.0284, 0.071}, .lowest = {1.21, 1.48}},
+    {.name = "honey", .seconds = 0.4, .kinetic = {0, 1}, .lowest = {-1, 1}, .compression = 1},
     {.name = "inlet",
      .seconds = 0.5,
      .kinetic = {3.46, 8.66},
