@@ -212,7 +212,7 @@ static const struct bad_scene bad_bodies[] = {
      "scene.json:3:93: bodies[0].particles.inlets[0]: unknown key \"stop\"*"},
     {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1e6, 'start': 0.5}]"),
      "scene.json:3:11: bodies[0].particles.inlets: expected at most 134217728 particles in the "
-     "scene, found 202500000 so far"},
+     "scene, found 202500162 so far"},
     {INLETS("'inlets': [{" DISC "'direction': [1, 0, 0], 'speed': 1}], 'budget': 0"),
      "scene.json:3:105: bodies[0].particles.budget: expected a whole number from 1 to 134217728, "
      "found 0"},

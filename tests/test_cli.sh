@@ -230,19 +230,19 @@ cat >"$dir/jet.json" <<EOF
    [{"rectangle": {"center": [0, 0, 0], "size": [0.3, 0.2]}, "direction": [1, 0, 0], "speed": 1, "start": 0.05}]}}],
  "outlets": [{"box": {"minimum": [0.14, -1, -1], "maximum": [9, 1, 1]}}]}
 EOF
-expect "capacity for a jet" 0 "0 particles of radius 0.05 m, capacity for 18 more" "$program" check "$dir/jet.json"
+expect "capacity for a jet" 0 "0 particles of radius 0.05 m, capacity for 24 more" "$program" check "$dir/jet.json"
 expect "jet" 0 "unconstrained" "$program" run "$dir/jet.json" -o "$dir/jet" --ply --quiet
-for frame in 0:0 1:6 2:6 3:6; do # entering at 0.05, 0.15 and 0.25 s, leaving 0.14 s later
+for frame in 0:0 1:12 2:12 3:12; do # passing the opening at 0.05, 0.15, ... s, leaving 0.14 s later
     expect "points of the jet, frame $frame" 0 "POINTS ${frame#*:} float" \
         grep -a POINTS "$dir/jet/jet_00000${frame%:*}.vtk"
     expect "vertices of the jet, frame $frame" 0 "element vertex ${frame#*:}" \
         grep -a "element vertex" "$dir/jet/jet_00000${frame%:*}.ply"
 done
-expect "the jet's particles" 0 '"peak": 12' cat "$dir/jet/report.json"
-expect "emitted" 0 '"emitted": 18' cat "$dir/jet/report.json"
+expect "the jet's particles" 0 '"peak": 18' cat "$dir/jet/report.json"
+expect "emitted" 0 '"emitted": 24' cat "$dir/jet/report.json"
 expect "removed" 0 '"removed": 12' cat "$dir/jet/report.json"
 expect "replay of a jet" 0 "4 frames" "$program" replay "$dir/jet"
-expect "its particles come and go" 0 '"points":[0,6,6,6]' cat "$dir/jet/replay.html"
+expect "its particles come and go" 0 '"points":[0,12,12,12]' cat "$dir/jet/replay.html"
 expect "nothing yet" 0 "frames" "$program" run "$dir/jet.json" -o "$dir/jet" --time 0.04 --quiet
 expect "replay of nothing yet" 2 "at least one particle in some frame" "$program" replay "$dir/jet"
 "$program" run "$scene" -o "$dir/busy" --time 100 --quiet 2>"$dir/busy_said" &

@@ -165,7 +165,7 @@ static void test_steps(void **state) {
         check_list(t.contact);
     }
     for (int i = t.contact->vertices; i < t.contact->free; i++) live += exists(t.contact, i);
-    assert_in_range(live, 9, 37);
+    assert_in_range(live, 9, 46);
     finish(&t);
 }
 

@@ -166,7 +166,7 @@ static void test_inlets(void **state) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = test_load(context, filling);
     assert_int_equal(live_particles_count(sim, 0), 10 * 5 * 10);
-    assert_int_equal(live_particles_count(sim, 1), 16); /* of the upper inlet */
+    assert_int_equal(live_particles_count(sim, 1), 32); /* two layers of the upper inlet */
     while (pdyn_time(sim) < 0.2) test_step(context, sim);
     assert_int_equal(live_particles_count(sim, 1), 64);
     for (int i = sim->body[1].first; i < sim->objective.particles; i++)

@@ -468,7 +468,7 @@ typedef enum pdyn_part { PDYN_WHOLE, PDYN_DYNAMIC } pdyn_part;
 typedef struct pdyn_model {
     const pdyn_services *services;
     int particles;
-    const double *mass;  /* particles, kg */
+    const double *mass;  /* particles, kg; more for particles that an inlet moves */
     double h;            /* s, effective length of the step: H contains mass / h^2; 0 before the
                             first step */
     double eps;          /* of H: 0 newton, 1 projective */

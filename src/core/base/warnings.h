@@ -33,6 +33,7 @@
     X(SHORT_STEP, "short-step")                                                                    \
     X(LONG_STEP, "long-step")                                                                      \
     X(BUDGET, "budget")                                                                            \
+    X(BLOCKED, "blocked")                                                                          \
     X(SOLID_WAITS, "solid-waits")                                                                  \
     X(CONTACT_STIFFNESS, "contact-stiffness")
 

@@ -27,15 +27,16 @@ struct objective_body { /* residual: |grad E| / (weight + load) over its particl
 struct objective {
     pdyn_context *context;
     int particles;
-    double *mass;         /* particles, kg */
-    double *s;            /* the inertial prediction, m */
-    double h;             /* s, effective length of the current step (integrator.h) */
-    double length;        /* s, of the current step */
-    double extrapolation; /* its base is x^ = x_n + extrapolation (x_n - x_(n-1)) */
-    unsigned weights;     /* counter of changes of weights for another reason than h */
-    double time;          /* s, at the end of the step */
-    const double *x;      /* of the last local step */
-    double eps;           /* damping of the current linearisation: 0 newton, 1 projective */
+    double *mass;          /* particles, kg */
+    const double *inertia; /* particles, kg: mass, or more where a particle moves as given */
+    double *s;             /* the inertial prediction, m */
+    double h;              /* s, effective length of the current step (integrator.h) */
+    double length;         /* s, of the current step */
+    double extrapolation;  /* its base is x^ = x_n + extrapolation (x_n - x_(n-1)) */
+    unsigned weights;      /* counter of changes of weights for another reason than h */
+    double time;           /* s, at the end of the step */
+    const double *x;       /* of the last local step */
+    double eps;            /* damping of the current linearisation: 0 newton, 1 projective */
     int batches, capacity;
     struct batch **batch;            /* capacity */
     struct contact *contact;         /* NULL in a scene without contact */
@@ -152,9 +153,9 @@ static inline size_t objective_bytes(const struct objective *objective) {
     return 3 * (size_t)objective->particles * sizeof(double);
 }
 
-/* The inertia of particle i on the diagonal of H, m/h^2, N/m. */
+/* The inertia of particle i on the diagonal of H, N/m. */
 static inline double objective_inertia(const struct objective *objective, int i) {
-    return objective->mass[i] / (objective->h * objective->h);
+    return objective->inertia[i] / (objective->h * objective->h);
 }
 
 /* y += scale x */

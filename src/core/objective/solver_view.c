@@ -181,7 +181,7 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
     }
     view->model = (pdyn_model){.services = services,
                                .particles = o->particles,
-                               .mass = o->mass,
+                               .mass = o->inertia,
                                .newton = newton,
                                .dynamic = o->dynamic_rows,
                                .in_rows = view->in_rows,

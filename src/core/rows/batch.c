@@ -177,8 +177,8 @@ static void find_acceleration(struct batch *b, const struct velocity_change *cha
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     one_sided_rate_acceleration(&b->one_sided, extend(b, change->scratch));
     one_sided_rate_slowed(&b->one_sided, extend(b, change->slowed));
-    int count = one_sided_impacts(&b->one_sided, change->mass[b->view.body->first], change->h,
-                                  begin_output(b, force));
+    int count =
+        one_sided_impacts(&b->one_sided, b->view.body->mass[0], change->h, begin_output(b, force));
     end_output(b, force);
     return count;
 }

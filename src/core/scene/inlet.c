@@ -125,12 +125,17 @@ static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
 
 /* ---- inlets and outlets ---------------------------------------------------------------------- */
 
-/* Number of layers until the end: the first enters at `start`, the next ones each time the previous
- * layer has travelled one spacing. */
+double inlet_layers_beyond(const struct scene_inlet *inlet, double time, double spacing,
+                           double distance) {
+    double travelled = (time - inlet->start) * inlet->speed / spacing + 1e-9;
+    return travelled < 0.0 ? 0.0 : floor(fmax(-1.0, travelled - distance)) + 1.0;
+}
+
+/* Number of layers that appear until the end, or pass the opening within the duration. */
 static double count_layers(const struct scene_inlet *inlet, double spacing, double end) {
-    double left = end - inlet->start;
-    double duration = inlet->duration > 0.0 ? fmin(inlet->duration, left) : left;
-    return fmax(0.0, ceil(duration * inlet->speed / spacing - 1e-9));
+    double layers = inlet_layers_beyond(inlet, end, spacing, -INLET_BEHIND);
+    if (!(inlet->duration > 0.0)) return layers;
+    return fmin(layers, ceil(inlet->duration * inlet->speed / spacing - 1e-9));
 }
 
 pdyn_status inlet_read(const struct json_at *at, double radius, double end,

@@ -34,6 +34,7 @@ struct neighbours {
     double reach, surface_reach; /* m: support plus skin */
     double skin;                 /* m */
     bool *centre;                /* particles: is a fluid particle */
+    const int *apart;            /* of neighbours_set_live */
     double centre_volume;        /* m^3 */
     int system;                  /* particles of the system, surface samples not included */
     int max_active;              /* largest number of active particles */

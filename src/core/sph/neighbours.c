@@ -148,7 +148,8 @@ void neighbours_free(struct neighbours *n) {
 const pdyn_neighbours *neighbours_view(const struct neighbours *n) { return &n->view; }
 
 /* Inactive particles get an empty list. */
-void neighbours_set_live(struct neighbours *n, const bool *live) {
+void neighbours_set_live(struct neighbours *n, const bool *live, const int *apart) {
+    n->apart = apart;
     for (int i = 0; i < n->view.particles; i++) {
         if (n->centre[i]) n->volume[i] = live[i] ? n->centre_volume : 0.0;
         if (n->volume[i] > 0.0) continue;
@@ -242,15 +243,15 @@ static void fill_lists(void *arg, int first, int last, int block) {
     for (int k = first; k < last; k++) {
         int i = point_in_slot(n, k);
         const double *at = c->x + 3 * (size_t)i;
-        bool centre = n->centre[i];
+        bool centre = n->centre[i], near_surfaces = centre && !(n->apart && n->apart[i]);
         n->lists.start[i] = begin + w.used;
         append(n, &w, &n->fluid, &w.fluid, at, i, centre ? n->reach : n->surface_reach, 0);
         n->lists.surface_start[i] = begin + w.used;
-        if (centre) append(n, &w, &n->surface, &w.surface, at, -1, n->surface_reach, 0);
+        if (near_surfaces) append(n, &w, &n->surface, &w.surface, at, -1, n->surface_reach, 0);
         n->lists.boundary_start[i] = begin + w.used;
-        if (centre) append(n, &w, &n->walls, &w.walls, at, -1, n->reach, n->view.particles);
+        if (near_surfaces) append(n, &w, &n->walls, &w.walls, at, -1, n->reach, n->view.particles);
         n->lists.patch_start[i] = begin + w.used;
-        if (centre)
+        if (near_surfaces)
             append(n, &w, &n->patches, &w.patches, at, -1, n->surface_reach, n->view.particles);
         n->lists.end[i] = begin + w.used;
     }

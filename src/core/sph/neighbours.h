@@ -43,8 +43,9 @@ void neighbours_free(struct neighbours *neighbours);
 
 /* Makes the centres with live[i] active and the others inactive; the lists must be built again. All
  * centres must have the same volume; the centres with a volume at creation are the most that can be
- * active at once. */
-void neighbours_set_live(struct neighbours *neighbours, const bool *live);
+ * active at once. apart: particles, or NULL; must stay valid: where it is not 0, a particle has no
+ * neighbours on surfaces and solids. */
+void neighbours_set_live(struct neighbours *neighbours, const bool *live, const int *apart);
 /* Copies the volumes of the surface samples. */
 void neighbours_set_sample_volumes(struct neighbours *neighbours,
                                    const struct surface_samples *samples);

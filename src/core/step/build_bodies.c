@@ -70,6 +70,7 @@ static pdyn_status start_state(struct pdyn_sim *sim, const struct point_list *al
     if (!resize_state(sim, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     memcpy(sim->x, all->x, objective_bytes(&sim->objective));
     memcpy(sim->rest, all->x, objective_bytes(&sim->objective));
+    sim->objective.inertia = sim->objective.mass;
     return PDYN_OK;
 }
 

@@ -34,11 +34,16 @@ static pdyn_status make_solvers(struct pdyn_sim *sim) {
     return status;
 }
 
+void control_find_anchored(struct pdyn_sim *sim) {
+    sim->anchored =
+        sim->control.anchored || sim->control.holds || (sim->live && sim->live->held > 0);
+}
+
 pdyn_status control_settle(struct pdyn_sim *sim) {
     if (!sim->control.stale) return PDYN_OK;
     solver_choice_free(sim); /* solvers keep what they found out about the constraints */
     pdyn_status status = holds_make_batches(sim);
-    sim->anchored = sim->control.anchored || sim->control.holds;
+    control_find_anchored(sim);
     if (status == PDYN_OK) status = make_solvers(sim);
     /* a failed simulation can be saved, which tries again */
     sim->control.stale = status != PDYN_OK;

@@ -9,7 +9,7 @@
 struct control {
     bool driven;   /* something was changed: nothing bounds the energy of the scene */
     bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
-    bool anchored; /* sim->anchored without holds */
+    bool anchored; /* sim->anchored without holds and inlets */
     double *force; /* particles x 3, N; NULL: none was ever set */
     struct hold **hold;
     size_t holds, room;
@@ -24,6 +24,9 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
 /* After changes of constraints: makes the batches of holds and the linear solvers anew. After a
  * failure the simulation takes no further step. */
 pdyn_status control_settle(struct pdyn_sim *sim);
+
+/* Updates sim->anchored, after changes of holds and of particles that inlets move. */
+void control_find_anchored(struct pdyn_sim *sim);
 
 /* Writes or reads what was changed; settles it after reading. */
 void control_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);

@@ -82,7 +82,7 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     struct velocity_change change = {.slowed = slowed,
                                      .particles = objective->particles,
                                      .mass = objective->rigid ? objective->rigid->mass
-                                                              : objective->mass,
+                                                              : objective->inertia,
                                      .rigid = objective->rigid,
                                      .h = H,
                                      .scratch = sim->direction};
@@ -96,7 +96,7 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     double excess[2][3];
     objective_pull(objective, force);
     for (int k = 0; k < 3 * objective->particles; k++)
-        force[k] = -H * force[k] / objective->mass[k / 3];
+        force[k] = -H * force[k] / objective->inertia[k / 3];
     shift_velocities(sim, h, force, excess);
     for (int k = 0; !sim->anchored && k < 3 * objective->particles; k++) {
         if (!particle_is_live(sim, k / 3)) continue;

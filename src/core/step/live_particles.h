@@ -11,7 +11,9 @@
 struct live_inlet {
     const struct scene_inlet *from;
     int number, body; /* `number`: index in the body */
-    double layers;    /* layers emitted so far, an integer */
+    double layers;    /* layers that were due so far, an integer */
+    double free;      /* of them, those that the inlet has let go, an integer */
+    double left_out;  /* particles of them that did not enter, an integer */
     bool closed;      /* the budget is used up */
 };
 
@@ -21,21 +23,28 @@ struct live_particles {
     int *slot;   /* particles: for every body, from its first particle on, a stack of particles that
                     are not live */
     int *near;   /* particles: scratch, particles close to a layer */
+    int *holder; /* particles: which layer of which inlet it is held in (inlets.c); 0: none. NULL:
+                    there are no inlets */
+    double *inertia; /* particles, kg: of the objective. NULL: no inlets */
+    int held;        /* number of particles that inlets move */
     int inlets;
     struct live_inlet *inlet;
     long emitted, removed; /* totals */
 };
 
 /* Makes the particles of "fill" live and emits the layers due at time 0. Does nothing in a scene
- * without inlets and outlets. Memory: 9 bytes per particle. */
+ * without inlets and outlets. Memory: 9 bytes per particle, 21 with inlets. */
 pdyn_status live_particles_create(struct pdyn_sim *sim);
 void live_particles_free(struct pdyn_sim *sim);
 
 /* Informs the neighbour lists which particles are live. */
 void live_particles_update_lists(struct pdyn_sim *sim);
 
-/* Sets s = x for particles that are not live: they do not move. */
-void live_particles_fix_inactive(struct pdyn_sim *sim);
+/* Makes a vacant particle of the body live, at rest at the origin, and returns its index. */
+int live_particles_add(struct pdyn_sim *sim, int body);
+
+/* Sets s of particles that do not move freely: s = x for those that are not live. */
+void live_particles_predict(struct pdyn_sim *sim);
 
 /* Call at the end of a step: removes particles in outlets, then emits the layers that are due. */
 void live_particles_step(struct pdyn_sim *sim);
@@ -48,6 +57,11 @@ int live_particles_count(const struct pdyn_sim *sim, int body);
 
 static inline bool particle_is_live(const struct pdyn_sim *sim, int i) {
     return !sim->live || sim->live->live[i];
+}
+
+/* Whether an inlet moves the particle. */
+static inline bool particle_is_held(const struct pdyn_sim *sim, int i) {
+    return sim->live && sim->live->inlets && sim->live->holder[i];
 }
 
 #endif

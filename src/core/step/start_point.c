@@ -1,6 +1,7 @@
 #include "start_point.h"
 
 #include "iterate.h"
+#include "live_particles.h"
 
 #include <math.h>
 #include <string.h>
@@ -31,11 +32,13 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
-/* The local step at a part of the path from the state to s. */
+/* The local step at a part of the path from the state to s, at whose end held particles are always.
+ */
 static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
     double least;
     for (int k = 0; k < 3 * sim->objective.particles; k++)
-        sim->x_next[k] = sim->x[k] + part * (sim->objective.s[k] - sim->x[k]);
+        sim->x_next[k] = sim->x[k] + (particle_is_held(sim, k / 3) ? 1.0 : part) *
+                                         (sim->objective.s[k] - sim->x[k]);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
@@ -44,7 +47,8 @@ static double inertial_energy_at_rest(const struct pdyn_sim *sim) {
     double sum = 0.0;
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
         double moved = sim->objective.s[k] - sim->x[k];
-        sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
+        if (!particle_is_held(sim, k / 3))
+            sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
     }
     return sum;
 }

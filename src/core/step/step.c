@@ -31,7 +31,7 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         sim->objective.s[k] =
             sim->x_base[k] + H * sim->v_base[k] + H * H * applied_acceleration(sim, k);
-    live_particles_fix_inactive(sim);
+    live_particles_predict(sim);
     rigid_bodies_predict(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));
     return objective_begin(&sim->objective, &(struct step_start){sim->x, sim->v, sim->x_before,

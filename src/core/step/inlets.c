@@ -1,0 +1,285 @@
+#include "inlets.h"
+
+#include "scene/inlet.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* Smallest distance, in spacings, from an entering particle to others. The layers of an inlet are
+ * one spacing apart; in fluid in front of the inlet there is hardly a gap of that size. Particles
+ * closer than this would burst apart. */
+static const double min_gap = 0.9;
+
+/* How far in front of the opening an inlet lets a layer go, in spacings. One layer is always at or
+ * behind the opening, so that nothing gets between the layers and a wall around it. */
+static const double in_front = 0.5;
+
+/* Inertia of a held particle, in masses. Rounding of positions makes larger ones inexact. */
+static const double held_inertia = 1e7;
+
+/* A layer that is compressed by more than this, on average, has nowhere to go. */
+static const double max_compression = 0.05;
+
+/* More particles left out than this share of at least so many layers are worth a warning. */
+static const double max_left_out = 0.1;
+enum { MANY_LAYERS = 10 };
+
+/* ---- held particles -------------------------------------------------------------------------- */
+
+static void set_holder(struct pdyn_sim *sim, int i, int holder) {
+    struct live_particles *p = sim->live;
+    p->held += (holder != 0) - (p->holder[i] != 0);
+    p->holder[i] = holder;
+    p->inertia[i] = (holder ? held_inertia : 1.0) * sim->objective.mass[i];
+    sim->objective.weights++;
+    control_find_anchored(sim);
+}
+
+/* The holder of particles in a layer: an inlet holds at most two at once. */
+static int holder_of(const struct pdyn_sim *sim, const struct live_inlet *inlet, double layer) {
+    return 1 + 2 * (int)(inlet - sim->live->inlet) + (fmod(layer, 2.0) > 0.0);
+}
+
+static const struct live_inlet *inlet_of(const struct pdyn_sim *sim, int i) {
+    return &sim->live->inlet[(sim->live->holder[i] - 1) / 2];
+}
+
+/* The particle moves with the velocity of the inlet, and seems to have done so before. */
+static void hold(struct pdyn_sim *sim, const struct live_inlet *inlet, int i) {
+    const struct scene_inlet *from = inlet->from;
+    set_holder(sim, i, holder_of(sim, inlet, inlet->layers));
+    for (int a = 0; a < 3; a++) {
+        int k = 3 * i + a;
+        sim->v[k] = from->speed * from->direction[a];
+        sim->constraint_acceleration[k] = 0.0;
+        if (!sim->x_before) continue;
+        sim->v_before[k] = sim->v[k];
+        sim->x_before[k] = sim->x[k] - sim->history * sim->v[k];
+    }
+}
+
+void inlets_predict(struct pdyn_sim *sim) {
+    for (int i = 0; sim->live && sim->live->held && i < sim->objective.particles; i++)
+        for (int k = 3 * i; particle_is_held(sim, i) && k < 3 * i + 3; k++)
+            sim->objective.s[k] = sim->x_base[k] + sim->objective.h * sim->v_base[k];
+}
+
+/* Others have moved held particles a little, as their inertia is finite. */
+static void put_back(struct pdyn_sim *sim) {
+    for (int i = 0; sim->live->held && i < sim->objective.particles; i++) {
+        if (!particle_is_held(sim, i)) continue;
+        const struct scene_inlet *from = inlet_of(sim, i)->from;
+        memcpy(sim->x + 3 * i, sim->objective.s + 3 * i, 3 * sizeof *sim->x);
+        for (int a = 0; a < 3; a++) sim->v[3 * i + a] = from->speed * from->direction[a];
+        if (sim->v_before) memcpy(sim->v_before + 3 * i, sim->v + 3 * i, 3 * sizeof *sim->v);
+    }
+}
+
+/* ---- layers ---------------------------------------------------------------------------------- */
+
+static double spacing_of(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    return 2.0 * sim->body[inlet->body].radius;
+}
+
+static double layers_without_end(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    return inlet_layers_beyond(inlet->from, sim->time, spacing_of(sim, inlet), -INLET_BEHIND);
+}
+
+static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    return fmin(inlet->from->layers, layers_without_end(sim, inlet));
+}
+
+/* Lists the live particles of fluids close to a plane `distance` in front of the opening. */
+static int find_near(const struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
+    const struct scene_inlet *from = inlet->from;
+    double plane = vec3_dot(from->layer.x, from->direction) + distance;
+    double reach = min_gap * spacing_of(sim, inlet);
+    int count = 0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
+            if (sim->live->live[i] &&
+                fabs(vec3_dot(sim->x + 3 * i, from->direction) - plane) < reach)
+                sim->live->near[count++] = i;
+    }
+    return count;
+}
+
+/* The place of particle k of a layer `distance` in front of the opening. */
+static void place(const struct live_inlet *inlet, int k, double distance, double x[3]) {
+    memcpy(x, inlet->from->layer.x + 3 * (size_t)k, 3 * sizeof *x);
+    vec3_add(x, distance, inlet->from->direction);
+}
+
+static bool is_close(const struct pdyn_sim *sim, const struct live_inlet *inlet, int i,
+                     const double x[3]) {
+    return vec3_distance(x, sim->x + 3 * (size_t)i) < min_gap * spacing_of(sim, inlet);
+}
+
+/* Whether the fluid in front of the opening is compressed, on average: it does not flow off. */
+static bool is_blocked(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    double distance = spacing_of(sim, inlet), sum = 0.0, x[3];
+    int near = find_near(sim, inlet, distance), count = 0;
+    for (int k = 0; k < inlet->from->layer.count; k++) {
+        place(inlet, k, distance, x);
+        for (int n = 0; n < near; n++) {
+            int i = sim->live->near[n];
+            if (!is_close(sim, inlet, i, x)) continue;
+            double rest = sim->body[objective_body_of(&sim->objective, i)].rest_density;
+            sum += sim->density[i] / rest - 1.0, count++;
+        }
+    }
+    return sum > max_compression * count;
+}
+
+/* Holds the particles that are in the way of one at x. Returns whether there are any. */
+static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, const double x[3],
+                      int near) {
+    bool any = false;
+    for (int n = 0; n < near; n++) {
+        int i = sim->live->near[n];
+        if (!is_close(sim, inlet, i, x)) continue;
+        if (!sim->live->holder[i]) hold(sim, inlet, i);
+        any = true;
+    }
+    return any;
+}
+
+/* Emits the next layer at its current position: it may have entered within the step. Particles
+ * that are in its way, as those of a pool in which the inlet begins, become part of it. */
+static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
+    const struct scene_inlet *from = inlet->from;
+    double distance =
+        (sim->time - from->start) * from->speed - inlet->layers * spacing_of(sim, inlet);
+    int near = find_near(sim, inlet, distance);
+    for (int k = 0; k < from->layer.count; k++) {
+        double x[3];
+        place(inlet, k, distance, x);
+        if (hold_near(sim, inlet, x, near)) {
+            inlet->left_out++;
+            continue;
+        }
+        int i = live_particles_add(sim, inlet->body);
+        memcpy(sim->x + 3 * i, x, sizeof x);
+        hold(sim, inlet, i);
+    }
+}
+
+/* Lets go of layers that are far enough in front. */
+static void let_go_of_layers(struct pdyn_sim *sim, struct live_inlet *inlet) {
+    double free = inlet_layers_beyond(inlet->from, sim->time, spacing_of(sim, inlet), in_front);
+    for (; inlet->free < fmin(free, inlet->layers); inlet->free++) {
+        int holder = holder_of(sim, inlet, inlet->free);
+        for (int i = 0; i < sim->objective.particles; i++)
+            if (sim->live->holder[i] == holder) set_holder(sim, i, 0);
+    }
+}
+
+static void warn_of_left_out(struct pdyn_sim *sim, const struct live_inlet *inlet, double count) {
+    double share = inlet->left_out / (inlet->layers * inlet->from->layer.count);
+    if (!(count > 0.0) || inlet->layers < MANY_LAYERS || !(share > max_left_out)) return;
+    struct warning *w = warnings_count(&sim->warnings, WARNING_BLOCKED, sim->body[inlet->body].name,
+                                       sim->time, (long)count, share);
+    warnings_say(sim->context, w,
+                 "%.0f of %.0f particles of inlet %d did not enter: others were in their way, and "
+                 "less flows in than its speed says",
+                 inlet->left_out, inlet->layers * inlet->from->layer.count, inlet->number);
+}
+
+static void enter_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
+    double before = inlet->left_out;
+    if (is_blocked(sim, inlet)) inlet->left_out += inlet->from->layer.count;
+    else emit_layer(sim, inlet);
+    inlet->layers++;
+    warn_of_left_out(sim, inlet, inlet->left_out - before);
+}
+
+static void close_inlet(struct pdyn_sim *sim, struct live_inlet *inlet) {
+    inlet->closed = true;
+    struct warning *w = warnings_count(&sim->warnings, WARNING_BUDGET, sim->body[inlet->body].name,
+                                       sim->time, 1, 0.0);
+    warnings_say(sim->context, w,
+                 "its budget of %d particles is used up at %g s; inlet %d is closed",
+                 sim->scene.body[inlet->body].budget, sim->time, inlet->number);
+}
+
+static void enter_due_layers(struct pdyn_sim *sim) {
+    struct live_particles *p = sim->live;
+    for (int k = 0; k < p->inlets; k++) {
+        struct live_inlet *inlet = &p->inlet[k];
+        double due = layers_due(sim, inlet);
+        let_go_of_layers(sim, inlet);
+        while (!inlet->closed && inlet->layers < due)
+            if (inlet->from->layer.count <= p->vacant[inlet->body]) enter_layer(sim, inlet);
+            else close_inlet(sim, inlet);
+    }
+}
+
+bool inlets_step(struct pdyn_sim *sim) {
+    unsigned before = sim->objective.weights;
+    put_back(sim);
+    enter_due_layers(sim);
+    return sim->objective.weights != before;
+}
+
+/* ---- creation, saving ------------------------------------------------------------------------ */
+
+void inlets_create(struct pdyn_sim *sim) {
+    struct live_inlet *inlet = sim->live->inlet;
+    if (!sim->live->inlets) return;
+    for (int b = 0; b < sim->bodies; b++)
+        for (int k = 0; k < sim->scene.body[b].inlets; k++)
+            *inlet++ =
+                (struct live_inlet){.from = &sim->scene.body[b].inlet[k], .number = k, .body = b};
+    memcpy(sim->live->inertia, sim->objective.mass,
+           (size_t)sim->objective.particles * sizeof *sim->live->inertia);
+    sim->objective.inertia = sim->live->inertia;
+    enter_due_layers(sim);
+}
+
+/* At an open inlet the layers that are due have entered. The duration of the simulation, and with
+ * it the number of layers, may differ from that of the saved one. */
+static bool is_valid(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    double layers = inlet->layers, particles = layers * inlet->from->layer.count;
+    if (!(layers >= 0.0 && layers == floor(layers))) return false;
+    if (!(inlet->free >= 0.0 && inlet->free <= layers && inlet->free == floor(inlet->free)))
+        return false;
+    if (!(inlet->left_out >= 0.0 && inlet->left_out <= particles)) return false;
+    if (layers > layers_without_end(sim, inlet)) return false;
+    return inlet->closed || layers >= layers_due(sim, inlet);
+}
+
+/* Only live particles have a holder, which is one of the inlets. */
+static bool holders_are_valid(const struct pdyn_sim *sim, const int *holder) {
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (holder[i] < 0 || holder[i] > 2 * sim->live->inlets ||
+            (holder[i] && !sim->live->live[i]))
+            return false;
+    return true;
+}
+
+static void persist_holders(struct pdyn_sim *sim, struct snapshot_file *a) {
+    struct live_particles *p = sim->live;
+    int *holder = a->view.reading ? p->near : p->holder;
+    snapshot_file_bytes(a, holder, (size_t)sim->objective.particles * sizeof *holder);
+    if (!a->view.reading || a->status != PDYN_OK) return;
+    bool valid = holders_are_valid(sim, holder);
+    snapshot_file_require(a, valid, "an inlet moves a particle that does not belong to it");
+    for (int i = 0; valid && i < sim->objective.particles; i++) set_holder(sim, i, holder[i]);
+}
+
+void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    struct live_particles *p = sim->live;
+    if (!p->inlets) return;
+    for (int k = 0; k < p->inlets; k++) {
+        SNAPSHOT(a, p->inlet[k].layers);
+        SNAPSHOT(a, p->inlet[k].free);
+        SNAPSHOT(a, p->inlet[k].left_out);
+        snapshot_file_flags(a, &p->inlet[k].closed, 1, "the flag of an inlet is neither 0 nor 1");
+        if (a->view.reading && a->status == PDYN_OK)
+            snapshot_file_require(a, is_valid(sim, &p->inlet[k]),
+                                  "the number of layers of an inlet does not belong to its time");
+    }
+    persist_holders(sim, a);
+}

@@ -1,0 +1,24 @@
+/* Inlets. A layer of particles appears half a spacing behind the opening, and the inlet moves it
+ * with its velocity, whatever stands in front of it, until the next layer appears: it is the piston
+ * of the nozzle, and the flow is the area times the speed. Particles of this layer are held: they
+ * act on others, have so much inertia in the minimisation that others do not act on them, and have
+ * no neighbours on the wall around the opening. */
+#ifndef PDYN_INLETS_H
+#define PDYN_INLETS_H
+
+#include "live_particles.h"
+
+/* Lists the inlets of sim->live and emits the layers due at time 0. */
+void inlets_create(struct pdyn_sim *sim);
+
+/* Sets s of held particles: they move on straight, without gravity. */
+void inlets_predict(struct pdyn_sim *sim);
+
+/* At the end of a step: puts held particles exactly where they are to be, and emits the layers that
+ * are due. Returns whether other particles are held now. */
+bool inlets_step(struct pdyn_sim *sim);
+
+/* Saves or reads the state of the inlets. */
+void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
+
+#endif
