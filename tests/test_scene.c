@@ -200,11 +200,11 @@ static void test_good_overrides(void **state) {
     struct scene scene;
     static const char *const set[] = {
         "bodies.sheet.constraints.spring.stretching_stiffness=2000",
-        "bodies.1.velocity=[0, 0, 1]",
+        "bodies[1].velocity=[0, 0, 1]",
         "solver.type=hybrid",
         "solver.step=projective",
         "time_step={\"fixed\": 0.25}",
-        "bodies.water.particles.fill.0.box.maximum.1=3",
+        "bodies.water.particles.fill[0].box.maximum[1]=3",
         "name=a=b",
         "duration=5",
         "duration=6",

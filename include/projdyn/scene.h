@@ -38,12 +38,12 @@ PDYN_API pdyn_status pdyn_scene_parse(pdyn_context *context, const char *name, c
 PDYN_API void pdyn_scene_free(pdyn_scene *scene); /* NULL: does nothing */
 
 /* Sets a value. path: keys with dots between them; an element of an array by its name, its type or
- * its index. What is missing is made: an object of a key, and of an element of "bodies", "solids",
- * "probes" or "constraints" with this name or type; an index as large as the array appends to it,
- * and the index 0 makes the array. The value is printed like printf: a JSON value; or, if the text
- * is no JSON, a string; null removes the value or element. Checks are made by pdyn_scene_load.
- * PDYN_BAD_INPUT: a key leads into a number or string, an index is beyond the array, or there is
- * nothing to remove. */
+ * its index, [0] or .0. What is missing is made: an object of a key, and of an element of "bodies",
+ * "solids", "probes" or "constraints" with this name or type; an index as large as the array
+ * appends to it, and the index 0 makes the array. The value is printed like printf: a JSON value;
+ * or, if the text is no JSON, a string; null removes the value or element. Checks are made by
+ * pdyn_scene_load. PDYN_BAD_INPUT: a key leads into a number or string, an index is beyond the
+ * array, or there is nothing to remove. */
 PDYN_API pdyn_status pdyn_scene_set(pdyn_scene *scene, const char *path, const char *value, ...)
     PDYN_PRINTF(3, 4);
 /* Applies `count` overrides "path=value" as pdyn_load does: an element of an array must exist.

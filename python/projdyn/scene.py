@@ -83,7 +83,7 @@ class Scene:
     def __getitem__(self, path: str) -> Any:
         """A copy of a value. KeyError: it was not given."""
         value: Any = self.to_dict()
-        for key in path.split("."):
+        for key in path.replace("[", ".").replace("]", "").split("."):
             try:
                 value = value[key] if isinstance(value, dict) else _element(value, key)
             except (KeyError, IndexError, TypeError, ValueError):

@@ -1,7 +1,8 @@
-/* Changing values of a JSON text by their path: keys with dots between them. The keys of a
- * path that exist are followed; the values of the others are built on their own and attached last,
- * with one call, so that a failure changes nothing. The value null removes what the path leads to,
- * as in a JSON merge patch (RFC 7386), but a path that leads to nothing is an error. */
+/* Changing values of a JSON text by their path: keys with dots between them; [k] stands for .k as
+ * in other languages. The keys of a path that exist are followed; the values of the others are
+ * built on their own and attached last, with one call, so that a failure changes nothing. The value
+ * null removes what the path leads to, as in a JSON merge patch (RFC 7386), but a path that leads
+ * to nothing is an error. */
 #include "base/text.h"
 #include "json_file.h"
 
@@ -254,8 +255,16 @@ static pdyn_status take_out(const struct edit *e) {
     return next ? detach(e, at, e->key[k], index) : fail_missing(e, at, e->key[k]);
 }
 
+static void replace_brackets(char *path) {
+    char *to = path;
+    for (char *from = path; *from; from++)
+        if (*from != ']') *to++ = *from == '[' ? '.' : *from;
+    *to = '\0';
+}
+
 /* Splits the path and sets the value, a JSON text or else a string; null removes it. */
 static pdyn_status put_text(struct edit *e, char *path, const char *text) {
+    replace_brackets(path);
     for (char *next = path; next;) {
         char *key = next;
         next = strchr(key, '.');
