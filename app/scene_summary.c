@@ -186,10 +186,30 @@ static void print_seconds(double seconds) {
     else printf("%.0f h", seconds / 3600.0);
 }
 
+/* Vertices, and particles that are in the scene. */
+static double count_points(const pdyn_sim *sim) {
+    double count = 0.0;
+    for (int b = 0; b < pdyn_get_state(sim).bodies; b++) count += pdyn_get_body(sim, b).live;
+    return count;
+}
+
+/* The mean number of points in a run whose inlets go on as in the time since the start, until there
+ * are no more particles. */
+static double mean_points(const pdyn_sim *sim, double at_start) {
+    double duration = pdyn_duration(sim), rate = (count_points(sim) - at_start) / pdyn_time(sim);
+    double vacant = 0.0;
+    for (int b = 0; b < pdyn_get_state(sim).bodies; b++)
+        vacant += pdyn_get_body(sim, b).count - pdyn_get_body(sim, b).live;
+    double full = fmin(duration, pdyn_time(sim) + vacant / fmax(rate, 1e-300));
+    return at_start + fmax(rate, 0.0) * full * (1.0 - 0.5 * full / duration);
+}
+
 int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
     double start = wall_seconds(), spent = 0.0, duration = pdyn_duration(sim);
+    double at_start = count_points(sim), points = 0.0;
     int steps = 0;
     do {
+        points += count_points(sim);
         pdyn_status status = pdyn_step(sim, NULL);
         if (status != PDYN_OK) return report_status(context, status);
         steps++;
@@ -201,7 +221,9 @@ int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
            "about ",
            h, ceil(pdyn_frame_interval(sim) / h - 1e-6), duration / h, 1e3 * spent / steps,
            pdyn_thread_count(context), pdyn_thread_count(context) == 1 ? "" : "s");
-    print_seconds(spent / steps * duration / h);
+    double growth = points > 0.0 ? mean_points(sim, at_start) * steps / points : 1.0;
+    print_seconds(spent / steps * duration / h * growth);
+    if (growth > 1.0) printf(", with %.2g times as many particles by inlets,", growth);
     if (pdyn_time(sim) < duration)
         printf(" if all is like the first %.2g s: impacts and contacts take longer",
                pdyn_time(sim));

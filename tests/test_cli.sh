@@ -231,6 +231,7 @@ cat >"$dir/jet.json" <<EOF
  "outlets": [{"box": {"minimum": [0.14, -1, -1], "maximum": [9, 1, 1]}}]}
 EOF
 expect "capacity for a jet" 0 "0 particles of radius 0.05 m, capacity for 24 more" "$program" check "$dir/jet.json"
+expect "estimate with an inlet" 0 "times as many particles by inlets" "$program" check "$root/scenes/honey.json"
 expect "jet" 0 "unconstrained" "$program" run "$dir/jet.json" -o "$dir/jet" --ply --quiet
 for frame in 0:0 1:12 2:12 3:12; do # passing the opening at 0.05, 0.15, ... s, leaving 0.14 s later
     expect "points of the jet, frame $frame" 0 "POINTS ${frame#*:} float" \

@@ -20,6 +20,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual(scene["time_step"], {"maximum": 0.002})
         self.assertEqual(scene["bodies.sheet.constraints.pin.vertices.vertices.1"], 8)
         self.assertEqual(scene["bodies.0.name"], "sheet")
+        self.assertEqual(scene["bodies[0].name"], "sheet")
         with self.assertRaises(KeyError):
             scene["bodies.water"]
         sim = scene.load()
