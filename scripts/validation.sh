@@ -11,7 +11,7 @@ rm -rf "$out"
 mkdir -p "$out"
 case ${1:-} in
 quick) cells="8 12" deep=16x8 wide="16x8" rest=2 along=20 swing=3 python=quick docs=$out ;;
-"") cells="8 16 32" deep=40x24 wide="24x8 24x16 24x32" rest=2 along=32 swing=6 python= docs=docs/results ;;
+"") cells="8 16 32" deep=40x24 wide="24x8 24x16 24x32" rest=2 along=32 swing=6 python='' docs=docs/results ;;
 *) echo "usage: scripts/validation.sh [quick]" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
