@@ -273,9 +273,9 @@ static void test_full(void **state) {
     (void)state;
     struct warnings warnings = {"particles of inlet 0 did not enter", 0};
     pdyn_context *context = test_warned_context(1, &warnings);
-    pdyn_sim *sim = test_load(context, NOZZLE("1", "", "", "0.1", ""));
-    const int room = 16 * 16 * 5;
-    pdyn_step_info info = run_nozzle(context, sim, 1.9);
+    pdyn_sim *sim = test_load(context, NOZZLE("1", "", "", "0.06", ""));
+    const int room = 16 * 16 * 3;
+    pdyn_step_info info = run_nozzle(context, sim, 1.2);
     assert_in_range(pdyn_get_body(sim, 0).live, (int)(0.95 * room), (int)(1.15 * room));
     assert_true(info.density_error_mean < 0.1);
     assert_int_equal(warnings.count, 1);

@@ -66,6 +66,27 @@ static double mass_of_two(double size, double at, int flips, int warnings) {
     return mass;
 }
 
+/* A mesh has the same mass whichever way its triangles face. */
+static void test_mixed(void **state) {
+    (void)state;
+    static const int face[4][3] = {{1, 3, 2}, {1, 2, 4}, {2, 3, 4}, {1, 4, 3}};
+    pdyn_context *context = test_context(1);
+    for (int flips = 0; flips < 16; flips++) {
+        char text[256];
+        int used = snprintf(text, sizeof text, "%s", corners);
+        for (int f = 0; f < 4; f++)
+            used += snprintf(text + used, sizeof text - (size_t)used, "f %d %d %d\n", face[f][0],
+                             face[f][flips >> f & 1 ? 2 : 1], face[f][flips >> f & 1 ? 1 : 2]);
+        test_write_text("mixed.obj", text);
+        pdyn_sim *sim = test_load(context, "{'duration': 1, 'bodies': [{'rigid': {'mesh': "
+                                           "'mixed.obj', 'density': 6}}]}");
+        assert_true(fabs(sim->scene.body[0].mass - 1.0) < 1e-12);
+        pdyn_free(sim);
+    }
+    test_remove_file("mixed.obj");
+    pdyn_destroy(context);
+}
+
 /* Pieces of a mesh have the same mass whichever way they face; a piece inside another is a hollow.
  */
 static void test_pieces(void **state) {
@@ -356,32 +377,33 @@ static void test_errors(void **state) {
     pdyn_context *context = test_context(1);
     snprintf(text, sizeof text, "%sf 1 3 2\nf 1 2 4\nf 2 3 4\n", corners);
     test_write_text("open.obj", text);
-    snprintf(text, sizeof text, "%sf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", corners);
-    test_write_text("mixed.obj", text);
+    test_write_text("one_sided.obj", /* the projective plane */
+                    "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 2\nv 2 1 1\nf 1 2 3\nf 1 3 4\nf 1 4 "
+                    "5\nf 1 5 6\nf 1 6 2\nf 2 3 5\nf 3 4 6\nf 4 5 2\nf 5 6 3\nf 6 2 4\n");
     test_write_text("flat.obj",
                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 "
                     "3\n");
     refuse(context, "'mesh': 'flat.obj', 'density': 1000", "encloses no volume");
     refuse(context, "'mesh': 'open.obj', 'density': 1000", "not closed");
-    refuse(context, "'mesh': 'mixed.obj', 'density': 1000", "face opposite sides");
+    refuse(context, "'mesh': 'one_sided.obj', 'density': 1000", "face opposite sides");
     refuse(context, "'sphere': {'center': [0, 0, 0], 'radius': 1}", "density");
     refuse(context, "'sphere': {'center': [0, 0, 0], 'radius': 1}, 'density': 1, 'mass': 1",
            "mass");
     refuse(context, "'density': 1000", "mesh");
     refuse(context, "'box': {'minimum': [0, 0, 0], 'maximum': [1, 1e-6, 1]}, 'density': 1000",
            "too flat");
-    test_remove_file("open.obj"), test_remove_file("flat.obj"), test_remove_file("mixed.obj");
+    test_remove_file("open.obj"), test_remove_file("flat.obj"), test_remove_file("one_sided.obj");
     pdyn_destroy(context);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inward),     cmocka_unit_test(test_pieces),
-        cmocka_unit_test(test_mass),       cmocka_unit_test(test_flight),
-        cmocka_unit_test(test_pendulum),   cmocka_unit_test(test_forces),
-        cmocka_unit_test(test_water_long), cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_threads),    cmocka_unit_test(test_pair),
-        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_inward), cmocka_unit_test(test_mixed),
+        cmocka_unit_test(test_pieces), cmocka_unit_test(test_mass),
+        cmocka_unit_test(test_flight), cmocka_unit_test(test_pendulum),
+        cmocka_unit_test(test_forces), cmocka_unit_test(test_water_long),
+        cmocka_unit_test(test_poses),  cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_pair),   cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }

@@ -79,12 +79,15 @@ pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, 
  * triangles of every edge have the same orientation. */
 pdyn_status mesh_check_oriented(pdyn_context *context, const struct mesh *mesh, const char *name);
 
-/* Turns the pieces of a closed, oriented mesh (mesh_check_oriented) that face another way than the
- * rest: afterwards all pieces face outwards, except hollows, which lie inside another piece and
- * face inwards (mesh_pieces.c); or all the other way round, if no piece was turned. */
+/* Turns triangles of a closed mesh that face another way than most of their piece, then pieces that
+ * face another way than the rest: afterwards all pieces face outwards, except hollows, which lie
+ * inside another piece and face inwards (mesh_pieces.c); or all the other way round, if no piece
+ * was turned. A surface with one side, as a Klein bottle, stays without orientation
+ * (mesh_check_oriented). */
 struct mesh_turned {
-    int pieces;   /* turned */
-    int crossing; /* pieces that are partly inside another one */
+    int triangles; /* turned, in their piece */
+    int pieces;    /* turned */
+    int crossing;  /* pieces that are partly inside another one */
 };
 pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
                                struct mesh_turned *turned);

@@ -3,7 +3,8 @@
  * at an odd depth, the hollows, face inwards:
  *
  *     [ depth 0: outwards  ( depth 1, a hollow: inwards  { depth 2: outwards } ) ]
- */
+ *
+ * Before, the triangles of a piece that face another way than most of it are turned. */
 #include "mesh.h"
 #include "mesh_query.h"
 
@@ -15,9 +16,10 @@ static const double flat = 1e-9;
 static const double sample_depth = 1e-4;
 
 struct pieces {
-    const struct mesh *mesh;
+    struct mesh *mesh;
     int count;
     int *of;                   /* triangles: the piece of each */
+    bool *other;               /* triangles: faces another way than the first one of its piece */
     int *stack;                /* triangles: scratch of the search */
     double *volume, *area;     /* count: m^3, negative where a piece faces inwards; m^2 */
     int *samples, *surrounded; /* count: of samples inside a piece, those inside an odd number of
@@ -37,35 +39,64 @@ static bool resize_pieces(pdyn_context *context, struct pieces *p, enum array_ac
 static void free_pieces(pdyn_context *context, struct pieces *p) {
     if (p->volume) resize_pieces(context, p, ARRAYS_FREE);
     FREE_ARRAY(context, p->of, p->mesh->triangles);
+    FREE_ARRAY(context, p->other, p->mesh->triangles);
     FREE_ARRAY(context, p->stack, p->mesh->triangles);
 }
 
-/* Numbers the triangles of the piece of triangle `first`. */
-static void number_piece(struct pieces *p, const struct topology *topology, int first) {
-    int waiting = 0;
+/* Where the side opposite of a corner begins. */
+static int side_start(const struct mesh *mesh, int corner) {
+    return mesh->triangle[corner / 3 * 3 + (corner + 1) % 3];
+}
+
+/* Numbers the triangles of the piece of triangle `first`. Returns how many there are; *others: how
+ * many of them face another way than `first`. */
+static int number_piece(struct pieces *p, const struct topology *topology, int first, int *others) {
+    int waiting = 0, count = 0;
     p->stack[waiting++] = first, p->of[first] = p->count;
+    *others = 0;
     while (waiting) {
         int t = p->stack[--waiting];
-        for (int k = 0; k < 3; k++) {
-            int across = topology->across[3 * (size_t)t + (size_t)k];
+        count++, *others += p->other[t];
+        for (int corner = 3 * t; corner < 3 * t + 3; corner++) {
+            int across = topology->across[corner];
             if (across < 0 || p->of[across / 3] >= 0) continue;
             p->of[across / 3] = p->count;
+            bool opposed = side_start(p->mesh, corner) == side_start(p->mesh, across);
+            p->other[across / 3] = p->other[t] != opposed;
             p->stack[waiting++] = across / 3;
         }
     }
+    return count;
 }
 
-static pdyn_status number_pieces(pdyn_context *context, struct pieces *p) {
+static void turn(struct mesh *mesh, int t) {
+    int *corner = mesh->triangle + 3 * (size_t)t, second = corner[1];
+    corner[1] = corner[2], corner[2] = second;
+}
+
+/* Numbers a piece and turns the smaller part of its triangles, so that all face the same way. */
+static void orient_piece(struct pieces *p, const struct topology *topology, int first,
+                         struct mesh_turned *turned) {
+    int others, count = number_piece(p, topology, first, &others);
+    bool most = 2 * others > count; /* face another way than `first` */
+    turned->triangles += most ? count - others : others;
+    for (int t = first; others && t < p->mesh->triangles; t++)
+        if (p->of[t] == p->count && p->other[t] != most) turn(p->mesh, t);
+}
+
+static pdyn_status number_pieces(pdyn_context *context, struct pieces *p,
+                                 struct mesh_turned *turned) {
     int triangles = p->mesh->triangles;
     struct topology topology;
     p->of = NEW_ARRAY(context, triangles, int);
     p->stack = NEW_ARRAY(context, triangles, int);
-    if (!p->of || !p->stack) return PDYN_NO_MEMORY;
+    p->other = NEW_ARRAY(context, triangles, bool);
+    if (!p->of || !p->stack || !p->other) return PDYN_NO_MEMORY;
     pdyn_status status = topology_build(context, p->mesh, &topology);
     if (status != PDYN_OK) return status;
     for (int t = 0; t < triangles; t++) p->of[t] = -1;
     for (int t = 0; t < triangles; t++)
-        if (p->of[t] < 0) number_piece(p, &topology, t), p->count++;
+        if (p->of[t] < 0) orient_piece(p, &topology, t, turned), p->count++;
     topology_free(context, &topology);
     return PDYN_OK;
 }
@@ -107,7 +138,7 @@ static bool faces_wrong(const struct pieces *p, int k) {
 }
 
 /* Turns the pieces that face the wrong way, unless all of them do. */
-static void turn_pieces(const struct pieces *p, int *triangle, struct mesh_turned *turned) {
+static void turn_pieces(const struct pieces *p, struct mesh_turned *turned) {
     int solid = 0, wrong = 0;
     for (int k = 0; k < p->count; k++) {
         solid += p->volume[k] != 0.0, wrong += faces_wrong(p, k);
@@ -116,10 +147,8 @@ static void turn_pieces(const struct pieces *p, int *triangle, struct mesh_turne
     }
     if (wrong == solid) return;
     turned->pieces = wrong;
-    for (int t = 0; t < p->mesh->triangles; t++) {
-        int *corner = triangle + 3 * (size_t)t, second = corner[1];
-        if (faces_wrong(p, p->of[t])) corner[1] = corner[2], corner[2] = second;
-    }
+    for (int t = 0; t < p->mesh->triangles; t++)
+        if (faces_wrong(p, p->of[t])) turn(p->mesh, t);
 }
 
 pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
@@ -127,7 +156,7 @@ pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
     struct pieces pieces = {.mesh = mesh};
     struct mesh_query query = {0};
     *turned = (struct mesh_turned){0};
-    pdyn_status status = number_pieces(context, &pieces);
+    pdyn_status status = number_pieces(context, &pieces, turned);
     if (status == PDYN_OK && pieces.count > 1) {
         bool ready = resize_pieces(context, &pieces, ARRAYS_ALLOCATE);
         status = ready ? mesh_query_create(context, mesh, &query) : PDYN_NO_MEMORY;
@@ -135,7 +164,7 @@ pdyn_status mesh_orient_pieces(pdyn_context *context, struct mesh *mesh,
     if (status == PDYN_OK && pieces.count > 1) {
         sum_volumes(&pieces);
         find_surrounded(&pieces, &query);
-        turn_pieces(&pieces, mesh->triangle, turned);
+        turn_pieces(&pieces, turned);
         mesh_query_free(context, &query);
     }
     free_pieces(context, &pieces);

@@ -131,6 +131,12 @@ pdyn_status reader_orient_pieces(struct reader *r) {
     struct mesh_turned turned;
     pdyn_status status = mesh_orient_pieces(r->context, &r->body->mesh, &turned);
     r->body->crossing = turned.crossing;
+    if (status == PDYN_OK && turned.triangles)
+        context_log(
+            r->context, PDYN_LOG_INFO,
+            "body \"%s\": %d triangle%s of its mesh face%s another way than the rest, turned",
+            r->body->name, turned.triangles, turned.triangles == 1 ? "" : "s",
+            turned.triangles == 1 ? "s" : "");
     if (status == PDYN_OK && turned.pieces)
         context_log(r->context, PDYN_LOG_INFO,
                     "body \"%s\": %d piece%s of its mesh face%s another way than the rest, turned",

@@ -198,14 +198,14 @@ static pdyn_status find_type(const struct json_at *at, const pdyn_constraint_typ
     return *out ? PDYN_OK : reader_fail_word(at, "constraint", names, count);
 }
 
-/* Checks a surface that encloses a volume; turns its pieces to face the same way. */
+/* Checks a surface that encloses a volume; turns its triangles and pieces to face the same way. */
 static pdyn_status check_enclosing(struct reader *r, const struct json_at *at, const char *type) {
     const struct mesh *mesh = &r->body->mesh;
     char name[64];
     snprintf(name, sizeof name, "\"%.40s\"", type);
     pdyn_status status = mesh_check_closed(r->context, mesh, name);
-    if (status == PDYN_OK) status = mesh_check_oriented(r->context, mesh, name);
     if (status == PDYN_OK) status = reader_orient_pieces(r);
+    if (status == PDYN_OK) status = mesh_check_oriented(r->context, mesh, name);
     if (status == PDYN_OK) status = mesh_check_encloses(r->context, mesh, name);
     return status == PDYN_OK ? PDYN_OK : json_wrap(at, status);
 }

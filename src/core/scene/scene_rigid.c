@@ -43,8 +43,8 @@ static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
     pdyn_status status = mesh_check(context, mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_cloth(context, mesh, "as placed");
     if (status == PDYN_OK) status = mesh_check_closed(context, mesh, "as placed");
-    if (status == PDYN_OK) status = mesh_check_oriented(context, mesh, "as placed");
-    return status == PDYN_OK ? reader_orient_pieces(r) : status;
+    if (status == PDYN_OK) status = reader_orient_pieces(r);
+    return status == PDYN_OK ? mesh_check_oriented(context, mesh, "as placed") : status;
 }
 
 static pdyn_status read_shape(struct reader *r, const struct json_at *at) {

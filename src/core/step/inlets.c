@@ -6,9 +6,8 @@
 
 #include <string.h>
 
-/* Smallest distance, in spacings, from an entering particle to others. The layers of an inlet are
- * one spacing apart; in fluid in front of the inlet there is hardly a gap of that size. Particles
- * closer than this would burst apart. */
+/* Smallest distance, in spacings, from an entering particle to others: closer ones would burst
+ * apart. */
 static const double min_gap = 0.9;
 
 /* How far in front of the opening an inlet lets a layer go, in spacings. One layer is always at or
