@@ -288,12 +288,33 @@ static void test_beside_pressures(void **state) {
     pdyn_destroy(context);
 }
 
+/* Two particles that come so close in a step that the length of their dashpot, extrapolated, would
+ * be negative: the steps are solved all the same. */
+static void test_approach(void **state) {
+    (void)state;
+    static const char *const more[] = {"time_step.fixed", "0.001",
+                                       "bodies.honey.constraints.fluid.sound_speed", "1e-3", NULL};
+    static struct block b;
+    pdyn_context *context = test_context(1);
+    add_block(&b, 2, 1, 1);
+    b.x[1][0] = b.x[0][0] + 1.9 * spacing;
+    b.v[0][0] = 1500 * spacing;
+    pdyn_sim *sim = load(context, &b, "1e-9", more);
+    for (int n = 0; n < 3; n++) {
+        assert_true(test_step(context, sim).step_residual <= 1e-9);
+        if (n == 0) assert_true(fabs(sim->x[3] - sim->x[0] - 0.4 * spacing) < 1e-6);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_stress),           cmocka_unit_test(test_rotation),
         cmocka_unit_test(test_couette),          cmocka_unit_test(test_sheet),
         cmocka_unit_test(test_beside_pressures), cmocka_unit_test(test_zero),
-        cmocka_unit_test(test_threads),          cmocka_unit_test(test_warning)};
+        cmocka_unit_test(test_threads),          cmocka_unit_test(test_warning),
+        cmocka_unit_test(test_approach)};
     return cmocka_run_group_tests_name("viscosity", tests, test_enter_directory,
                                        test_leave_directory);
 }

@@ -76,7 +76,7 @@ static void begin(const void *par, const pdyn_batch *b, int first, int last) {
         double before[3], length = vec3_length(d->start);
         for (int a = 0; a < 3; a++)
             before[a] = d->start[a] - (part > 0.0 ? (b->u[3 * e + a] - d->start[a]) / part : 0.0);
-        d->length = length + part * (length - vec3_length(before));
+        d->length = fmax(0.0, length + part * (length - vec3_length(before)));
     }
 }
 
