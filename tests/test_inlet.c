@@ -310,6 +310,46 @@ static void test_held(void **state) {
     pdyn_destroy(context);
 }
 
+static pdyn_sim *load_paste(pdyn_context *context) {
+    return test_load(
+        context,
+        NOZZLE("1",
+               ", 'fill': [{'box': {'minimum': [-0.1, 0, -0.1], 'maximum': [0.1, 0.06, 0.1]}}]",
+               ", {'type': 'viscosity', 'viscosity': 100}", "0.4", TOP_OPEN));
+}
+
+/* The inlet is at the flag. */
+static pdyn_sim *load_stream(pdyn_context *context) {
+    static const char *const set[] = {"bodies.water.particles.inlets[0].rectangle.center[0]=0.1"};
+    char path[1024];
+    pdyn_sim *sim = NULL;
+    snprintf(path, sizeof path, "%s/scenes/flag_in_stream.json", getenv("PROJDYN_SOURCE_ROOT"));
+    assert_int_equal(pdyn_load(context, path, set, 1, &sim), PDYN_OK);
+    return sim;
+}
+
+/* A state that is saved after any step, whether a layer has just come or gone or not, is followed
+ * by the same steps. */
+static void test_saved(void **state) {
+    (void)state;
+    static pdyn_sim *(*const load[])(pdyn_context *) = {load_paste, load_stream};
+    pdyn_context *context = test_context(1);
+    for (int k = 0; k < 2; k++) {
+        pdyn_sim *sim = load[k](context);
+        for (int n = 0; n < 15; n++) {
+            pdyn_sim *resumed = load[k](context);
+            assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+            assert_int_equal(pdyn_restore(resumed, "state"), PDYN_OK);
+            test_step(context, sim), test_step(context, resumed);
+            assert_true(pdyn_state_hash(sim) == pdyn_state_hash(resumed));
+            pdyn_free(resumed);
+        }
+        pdyn_free(sim);
+    }
+    test_remove_file("state");
+    pdyn_destroy(context);
+}
+
 static void test_failing_allocator(void **state) {
     (void)state;
     test_failing_scene(fountain);
@@ -329,6 +369,7 @@ int main(void) {
         cmocka_unit_test(test_flow),
         cmocka_unit_test(test_full),
         cmocka_unit_test(test_held),
+        cmocka_unit_test(test_saved),
         cmocka_unit_test(test_failing_allocator),
     };
     return cmocka_run_group_tests_name("inlet", tests, NULL, NULL);

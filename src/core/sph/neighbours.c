@@ -157,7 +157,7 @@ void neighbours_set_live(struct neighbours *n, const bool *live, const int *apar
         n->lists.boundary_start[i] = n->lists.patch_start[i] = n->lists.end[i] = 0;
     }
     list_active(n);
-    n->built = false;
+    n->built = n->visibility.complete = false;
     n->view.volume_revision++;
 }
 

@@ -38,16 +38,18 @@ static pdyn_status predict(struct pdyn_sim *sim, double h) {
                                                                  sim->x_base, sim->v_base});
 }
 
-/* Updates volumes and friction of the surface samples to the start of the step; they are constant
- * within the step. */
-static pdyn_status prepare_samples(struct pdyn_sim *sim) {
+/* Updates neighbour lists, after particles have come or gone, and volumes and friction of the
+ * surface samples to the start of the step. Volumes and friction are constant within the step. */
+static pdyn_status prepare_lists(struct pdyn_sim *sim) {
+    struct wet_sides *wet = sim->objective.wet_sides;
     const double *extended;
-    if (!sim->samples) return PDYN_OK;
-    samples_update_volumes(sim->samples, sim->x);
-    neighbours_set_sample_volumes(sim->neighbours, sim->samples);
-    if (!sim->objective.wet_sides) return PDYN_OK;
+    if (sim->samples) {
+        samples_update_volumes(sim->samples, sim->x);
+        neighbours_set_sample_volumes(sim->neighbours, sim->samples);
+    }
+    if (!sim->neighbours || !(sim->live || wet)) return PDYN_OK;
     pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &extended);
-    return status == PDYN_OK ? wet_sides_find(sim->objective.wet_sides, extended) : status;
+    return status == PDYN_OK && wet ? wet_sides_find(wet, extended) : status;
 }
 
 /* Removes the momentum error of a solve that ended early: the mass-weighted mean of x - s. Without
@@ -94,7 +96,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     *progress = (struct progress){0};
     if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
-    pdyn_status status = prepare_samples(sim);
+    pdyn_status status = prepare_lists(sim);
     if (status == PDYN_OK && contact) status = contact_begin(contact, sim->x, sim->time + h);
     if (status == PDYN_OK) status = predict(sim, h);
     if (status != PDYN_OK) return status;
