@@ -197,17 +197,22 @@ static void test_momentum(void **state) {
     pdyn_destroy(context);
 }
 
+/* A scene of scenes/ with one override. */
+static pdyn_sim *load_shipped(pdyn_context *context, const char *name, const char *set) {
+    char path[1024];
+    pdyn_sim *sim = NULL;
+    snprintf(path, sizeof path, "%s/scenes/%s.json", getenv("PROJDYN_SOURCE_ROOT"), name);
+    assert_int_equal(pdyn_load(context, path, &set, 1, &sim), PDYN_OK);
+    return sim;
+}
+
 /* With implicit Euler, the scene of a jet satisfies the claim of Weiler et al. 2016 for w = 1e6: in
  * steps of 6 ms and more, no particle's density error exceeds 0.01 %. Particles go beyond the walls
  * only by the compliance of the walls' samples. */
 static void test_stiff_jet(void **state) {
     (void)state;
-    char path[1024];
     pdyn_context *context = test_context(1);
-    pdyn_sim *sim = NULL;
-    snprintf(path, sizeof path, "%s/scenes/inlet.json", getenv("PROJDYN_SOURCE_ROOT"));
-    const char *const euler = "time_step.integrator=euler";
-    assert_int_equal(pdyn_load(context, path, &euler, 1, &sim), PDYN_OK);
+    pdyn_sim *sim = load_shipped(context, "inlet", "time_step.integrator=euler");
     const pdyn_state s = pdyn_get_state(sim);
     const double high[3] = {0.8, 0.5, 0.4}, beyond = 0.003;
     for (int n = 0; n < 100; n++) { /* the jet has reached the opposite wall */
@@ -320,12 +325,8 @@ static pdyn_sim *load_paste(pdyn_context *context) {
 
 /* The inlet is at the flag. */
 static pdyn_sim *load_stream(pdyn_context *context) {
-    static const char *const set[] = {"bodies.water.particles.inlets[0].rectangle.center[0]=0.1"};
-    char path[1024];
-    pdyn_sim *sim = NULL;
-    snprintf(path, sizeof path, "%s/scenes/flag_in_stream.json", getenv("PROJDYN_SOURCE_ROOT"));
-    assert_int_equal(pdyn_load(context, path, set, 1, &sim), PDYN_OK);
-    return sim;
+    return load_shipped(context, "flag_in_stream",
+                        "bodies.water.particles.inlets[0].rectangle.center[0]=0.1");
 }
 
 /* A state that is saved after any step, whether a layer has just come or gone or not, is followed

@@ -204,7 +204,7 @@ static void test_good_overrides(void **state) {
         "solver.type=hybrid",
         "solver.step=projective",
         "time_step={\"fixed\": 0.25}",
-        "bodies.water.particles.fill[0].box.maximum[1]=3",
+        "bodies.water.particles.fill.0.box.maximum[1]=3",
         "name=a=b",
         "duration=5",
         "duration=6",

@@ -127,20 +127,19 @@ pdyn_status reader_array(struct reader *r, const struct json_at *array, const ch
     return reader_each(r, array, read);
 }
 
+static void log_turned(const struct reader *r, int count, const char *what) {
+    if (count)
+        context_log(r->context, PDYN_LOG_INFO,
+                    "body \"%s\": %d %s%s of its mesh face%s another way than the rest, turned",
+                    r->body->name, count, what, count == 1 ? "" : "s", count == 1 ? "s" : "");
+}
+
 pdyn_status reader_orient_pieces(struct reader *r) {
     struct mesh_turned turned;
     pdyn_status status = mesh_orient_pieces(r->context, &r->body->mesh, &turned);
     r->body->crossing = turned.crossing;
-    if (status == PDYN_OK && turned.triangles)
-        context_log(
-            r->context, PDYN_LOG_INFO,
-            "body \"%s\": %d triangle%s of its mesh face%s another way than the rest, turned",
-            r->body->name, turned.triangles, turned.triangles == 1 ? "" : "s",
-            turned.triangles == 1 ? "s" : "");
-    if (status == PDYN_OK && turned.pieces)
-        context_log(r->context, PDYN_LOG_INFO,
-                    "body \"%s\": %d piece%s of its mesh face%s another way than the rest, turned",
-                    r->body->name, turned.pieces, turned.pieces == 1 ? "" : "s",
-                    turned.pieces == 1 ? "s" : "");
-    return status;
+    if (status != PDYN_OK) return status;
+    log_turned(r, turned.triangles, "triangle");
+    log_turned(r, turned.pieces, "piece");
+    return PDYN_OK;
 }

@@ -205,7 +205,6 @@ static pdyn_status check_enclosing(struct reader *r, const struct json_at *at, c
     snprintf(name, sizeof name, "\"%.40s\"", type);
     pdyn_status status = mesh_check_closed(r->context, mesh, name);
     if (status == PDYN_OK) status = reader_orient_pieces(r);
-    if (status == PDYN_OK) status = mesh_check_oriented(r->context, mesh, name);
     if (status == PDYN_OK) status = mesh_check_encloses(r->context, mesh, name);
     return status == PDYN_OK ? PDYN_OK : json_wrap(at, status);
 }

@@ -43,7 +43,8 @@ void live_particles_update_lists(struct pdyn_sim *sim);
 /* Makes a vacant particle of the body live, at rest at the origin, and returns its index. */
 int live_particles_add(struct pdyn_sim *sim, int body);
 
-/* Sets s of particles that do not move freely: s = x for those that are not live. */
+/* Sets the prediction s of particles that are not live, which stay where they are, and of those
+ * that inlets move. */
 void live_particles_predict(struct pdyn_sim *sim);
 
 /* Call at the end of a step: removes particles in outlets, then emits the layers that are due. */
