@@ -112,12 +112,12 @@ static void check_full(const struct scene *scene) {
     assert_string_equal(scene->solid[1].name, "solid1");
     assert_int_equal(scene->solid[1].mesh.triangles, 1);
     assert_true(scene->solid[1].mesh.vertex[7] == -2.0);
-    const struct scene_key *key = scene->solid[0].key;
-    assert_int_equal(scene->solid[0].keys, 2);
+    const struct scene_key *key = scene->solid[0].motion.key;
+    assert_int_equal(scene->solid[0].motion.keys, 2);
     assert_true(key[1].time == 2.0 && key[1].translate[0] == 1.0 && key[1].rotate[1] == 720.0);
     assert_true(key[0].translate[0] == 0.0 && key[0].rotate[1] == 0.0);
-    assert_true(scene->solid[0].pivot[0] == 0.5 && scene->solid[0].pivot[1] == 1.0);
-    assert_true(scene->solid[1].pivot[2] == 5.0 && scene->solid[2].pivot[2] == 6.0);
+    assert_true(scene->solid[0].motion.pivot[0] == 0.5 && scene->solid[0].motion.pivot[1] == 1.0);
+    assert_true(scene->solid[1].motion.pivot[2] == 5.0 && scene->solid[2].motion.pivot[2] == 6.0);
 }
 
 /* The parameter at `name` in the struct of a constraint. */

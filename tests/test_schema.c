@@ -195,8 +195,9 @@ static void test_schema(void **state) {
     others = json_object_get(json_object_get(json_object_get(others, "type"), "not"), "enum");
     for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++)
         assert_true(is_listed(others, (*t)->name));
-    check_table(definition("inlet_rectangle"), inlet_params, 2);
-    check_table(definition("inlet_disc"), inlet_params, 2);
+    check_table(definition("inlet_rectangle"), inlet_params, 5);
+    check_table(definition("inlet_disc"), inlet_params, 5);
+    check_table(definition("speed_key"), scene_speed_params, 0);
     check_table(definition("outlet"), outlet_params, 1);
     check_table(definition("probe"), scene_probe_params, 11);
     static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};

@@ -1,7 +1,7 @@
 /* projdyn: changes to a simulation while it runs, between two steps. What is set stays until it is
  * set again, and saved states contain it. Every function checks its numbers before it changes
- * anything: PDYN_BAD_CALL: no such particle, constraint or solid, or the simulation has failed;
- * PDYN_BAD_INPUT: a number that is not finite or out of range, with an error text.
+ * anything: PDYN_BAD_CALL: no such particle, constraint, solid or inlet, or the simulation has
+ * failed; PDYN_BAD_INPUT: a number that is not finite or out of range, with an error text.
  *
  * Cost of the next step, beside that of the call: "nothing", or "solvers": the linear solvers are
  * made anew, which costs an analysis and a factorisation (cholesky, hybrid) or little (cg, dual).
@@ -60,6 +60,20 @@ PDYN_API pdyn_status pdyn_release(pdyn_sim *sim, int particle); /* not held: doe
  * afterwards. PDYN_BAD_INPUT: a solid that has no "motion" in the scene (one key is enough). */
 PDYN_API pdyn_status pdyn_move_solid(pdyn_sim *sim, int solid, double time,
                                      const double translate[3], const double rotate[3]);
+
+/* ---- inlets: nothing ------------------------------------------------------------------------- */
+
+/* Number of inlets of a body; 0: none, or no such body. */
+PDYN_API int pdyn_inlets(const pdyn_sim *sim, int body);
+/* Moves an inlet of a body, from 0, as pdyn_move_solid moves a solid. PDYN_BAD_INPUT: an inlet that
+ * has no "motion" in the scene. */
+PDYN_API pdyn_status pdyn_move_inlet(pdyn_sim *sim, int body, int inlet, double time,
+                                     const double translate[3], const double rotate[3]);
+/* Changes the speed of its flow evenly, so that it is `speed`, m/s, at `time`; at once, if that is
+ * not after the current time. 0 shuts the inlet. The "budget" of the scene stays as it is.
+ * PDYN_BAD_INPUT: an inlet whose "duration" has ended. */
+PDYN_API pdyn_status pdyn_set_inlet_speed(pdyn_sim *sim, int body, int inlet, double time,
+                                          double speed);
 
 /* ---- steps ----------------------------------------------------------------------------------- */
 

@@ -19,11 +19,13 @@ from ._structs import StepInfo
 from .body import Body
 from .constraint import Constraint, Parameter
 from .errors import Error, InputError, StepError
+from .inlet import Inlet
 from .probe import Probe
 from .scene import Scene, load
 from .simulation import Simulation, Warning
 from .solid import Load, Solid
 from .writer import Writer
 
-__all__ = ["Body", "Constraint", "Error", "InputError", "Load", "Parameter", "Probe", "Scene",
-           "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load", "version"]
+__all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Probe",
+           "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
+           "version"]

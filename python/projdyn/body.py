@@ -12,6 +12,7 @@ from ._handles import Handle
 from ._library import lib
 from ._structs import BodyInfo
 from .errors import InputError
+from .inlet import Inlet
 
 
 class Body(Fixed):
@@ -32,6 +33,7 @@ class Body(Fixed):
                     body has none
     radius          m, of a particle; 0 for a surface
     rest_density    kg/m^3, of a body of particles; 0 for a surface
+    inlets          list of Inlet, in the order of the scene
     """
 
     def __init__(self, handle: Handle, index: int, state: dict) -> None:
@@ -53,6 +55,8 @@ class Body(Fixed):
         self._total = state["mass"][info.first:self._end(len(state["mass"]))]
         self.radius: float = info.radius
         self.rest_density: float = info.rest_density
+        inlets = lib.pdyn_inlets(handle.pointer, index)
+        self.inlets = [Inlet(handle, index, k) for k in range(inlets)]
         self.fix()
 
     def __len__(self) -> int:

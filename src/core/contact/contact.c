@@ -40,9 +40,9 @@ static void move_solids(struct contact *c) {
 static void set_goals(struct contact *c, double time) {
     for (int s = 0; s < c->groups - c->bodies; s++) {
         const struct contact_solid *solid = &c->solid[s];
-        if (solid->solid->keys)
-            pose_place(solid->solid, c->rest + 3 * (size_t)solid->first, solid->count, time,
-                       c->goal + 3 * (size_t)(solid->first - c->free));
+        if (solid->solid->motion.keys)
+            pose_place(&solid->solid->motion, c->rest + 3 * (size_t)solid->first, solid->count,
+                       time, c->goal + 3 * (size_t)(solid->first - c->free));
     }
 }
 

@@ -27,7 +27,7 @@ static struct part part_of_frame(const pdyn_writer *writer, int part) {
     if (part < sim->bodies) return (struct part){"", pdyn_get_body(sim, part).name, part, -1};
     if (solid < 0) return (struct part){"", sim->motion.points ? "boundary" : NULL, -1, -1};
     const struct scene_solid *s = &sim->scene.solid[solid];
-    return (struct part){SOLIDS_FOLDER, s->keys ? s->name : NULL, -1, solid};
+    return (struct part){SOLIDS_FOLDER, s->motion.keys ? s->name : NULL, -1, solid};
 }
 
 static pdyn_status write_series(pdyn_writer *writer, struct part part, int frames) {

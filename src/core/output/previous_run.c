@@ -32,12 +32,12 @@ static void print_list(struct file_out *file, const pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++)
         if (sim->body[b].triangles) print_element(file, &files, "", sim->body[b].name, ".obj");
     for (int s = 0; s < scene->solids; s++)
-        if (!scene->solid[s].keys)
+        if (!scene->solid[s].motion.keys)
             print_element(file, &files, SOLIDS_FOLDER, scene->solid[s].name, ".vtk");
     file_out_print(file, "],\n \"series\": [");
     for (int b = 0; b < sim->bodies; b++) print_element(file, &series, "", sim->body[b].name, "");
     for (int s = 0; s < scene->solids; s++)
-        if (scene->solid[s].keys)
+        if (scene->solid[s].motion.keys)
             print_element(file, &series, SOLIDS_FOLDER, scene->solid[s].name, "");
     file_out_print(file, "]}\n");
 }

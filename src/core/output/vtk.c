@@ -104,7 +104,7 @@ static pdyn_status write_solid(const pdyn_sim *sim, const struct scene_solid *so
 pdyn_status vtk_write_solid(const pdyn_sim *sim, int k, const char *path) {
     const struct scene_solid *solid = &sim->scene.solid[k];
     size_t n = 3 * (size_t)solid->mesh.vertices;
-    if (!solid->keys) return write_solid(sim, solid, solid->mesh.vertex, path);
+    if (!solid->motion.keys) return write_solid(sim, solid, solid->mesh.vertex, path);
     double *x = NEW_ARRAY(sim->context, n, double);
     if (!x) return PDYN_NO_MEMORY;
     pdyn_solid_vertices(sim, k, x);

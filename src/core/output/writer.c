@@ -147,7 +147,7 @@ static pdyn_status begin_solid(pdyn_writer *writer, int s) {
     const struct scene_solid *solid = &writer->sim->scene.solid[s];
     pdyn_status status = frames_remove_listed(writer, SOLIDS_FOLDER, solid->name);
     if (status != PDYN_OK) return status;
-    if (solid->keys)
+    if (solid->motion.keys)
         return frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk", solid->name));
     status =
         frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk.series", solid->name));

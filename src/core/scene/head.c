@@ -1,9 +1,12 @@
 /* The head of a body (see head.h). */
 #include "head.h"
 
+#include "inlet_motion.h"
+
 #include "projdyn/vec3.h"
 
 #include <math.h>
+#include <string.h>
 
 struct heights {            /* range of heights of a set of points */
     double up[3], gravity;  /* unit vector against gravity; |gravity|, m/s^2 */
@@ -20,6 +23,18 @@ static void add_mesh(struct heights *h, const struct mesh *mesh, double speed) {
     for (int i = 0; i < mesh->vertices; i++) add(h, mesh->vertex + 3 * (size_t)i, 0.0, speed);
 }
 
+/* At a time, s. */
+static void add_inlet(struct heights *h, const struct scene_inlet *inlet, double radius,
+                      double time) {
+    double speed = inlet_top_speed(inlet, -INFINITY, INFINITY);
+    for (int i = 0; i < inlet->layer.count; i++) {
+        double x[3];
+        memcpy(x, inlet->layer.x + 3 * (size_t)i, sizeof x);
+        inlet_place(inlet, time, x);
+        add(h, x, radius, speed);
+    }
+}
+
 static void add_body(struct heights *h, const struct scene_body *body) {
     const struct point_list *start = &body->start, *v = &body->start_v;
     if (body->has_mesh) add_mesh(h, &body->mesh, vec3_length(body->velocity));
@@ -27,9 +42,9 @@ static void add_body(struct heights *h, const struct scene_body *body) {
         add(h, start->x + 3 * (size_t)i, body->radius,
             i < v->count ? vec3_length(v->x + 3 * (size_t)i) : 0.0);
     for (int k = 0; k < body->inlets; k++) {
-        const struct scene_inlet *inlet = &body->inlet[k];
-        for (int i = 0; i < inlet->layer.count; i++)
-            add(h, inlet->layer.x + 3 * (size_t)i, body->radius, inlet->speed);
+        add_inlet(h, &body->inlet[k], body->radius, -INFINITY);
+        for (int m = 0; m < body->inlet[k].motion.keys; m++)
+            add_inlet(h, &body->inlet[k], body->radius, body->inlet[k].motion.key[m].time);
     }
 }
 

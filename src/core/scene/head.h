@@ -15,7 +15,7 @@
  * For a surface, and where there is one fluid, head is its top. rho g head is the hydrostatic
  * pressure at the bottom of layers at rest and, by Bernoulli's equation, the largest pressure in a
  * steady flow that starts from the bodies. Heights of particles include their radius; solids are at
- * their initial placement. */
+ * their initial placement, moving inlets at all of their keys. */
 double scene_head(const struct scene *scene, const struct scene_body *body);
 
 #endif

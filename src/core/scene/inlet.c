@@ -3,19 +3,27 @@
 
 #include "fill.h"
 #include "geometry/sampling.h"
+#include "inlet_motion.h"
+#include "motion.h"
 #include "params.h"
 #include "reader.h"
 
 #include "projdyn/vec3.h"
 
 #include <math.h>
+#include <string.h>
 
 const pdyn_param inlet_params[] = {
     {"direction", PDYN_VECTOR, offsetof(struct scene_inlet, direction), true, 0, -1e6, 1e6, "1",
      ""},
-    {"speed", PDYN_REAL, offsetof(struct scene_inlet, speed), true, 0, 1e-6, 1e6, "m/s", ""},
     {"start", PDYN_REAL, offsetof(struct scene_inlet, start), false, 0, 0, 1e6, "s", ""},
     {"duration", PDYN_REAL, offsetof(struct scene_inlet, duration), false, 0, 1e-9, 1e6, "s", ""},
+    {0}};
+
+const pdyn_param scene_speed_params[] = {
+    {"time", PDYN_REAL, offsetof(struct scene_speed, time), true, 0, -1e6, 1e6, "s", ""},
+    {"speed", PDYN_REAL, offsetof(struct scene_speed, speed), true, 0, 0, INLET_MAX_SPEED, "m/s",
+     ""},
     {0}};
 
 const pdyn_param outlet_params[] = {{"outside", PDYN_BOOL, offsetof(struct scene_outlet, outside),
@@ -125,34 +133,48 @@ static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
 
 /* ---- inlets and outlets ---------------------------------------------------------------------- */
 
-double inlet_layers_beyond(const struct scene_inlet *inlet, double time, double spacing,
-                           double distance) {
-    double travelled = (time - inlet->start) * inlet->speed / spacing + 1e-9;
-    return travelled < 0.0 ? 0.0 : floor(fmax(-1.0, travelled - distance)) + 1.0;
-}
-
-/* Number of layers that appear until the end, or pass the opening within the duration. */
-static double count_layers(const struct scene_inlet *inlet, double spacing, double end) {
-    double layers = inlet_layers_beyond(inlet, end, spacing, -INLET_BEHIND);
-    if (!(inlet->duration > 0.0)) return layers;
-    return fmin(layers, ceil(inlet->duration * inlet->speed / spacing - 1e-9));
-}
-
-pdyn_status inlet_read(const struct json_at *at, double radius, double end,
-                       struct scene_inlet *out) {
-    static const char *const others[] = {"rectangle", "disc", "up", NULL};
-    struct opening opening = {.spacing = 2.0 * radius, .layer = &out->layer};
-    pdyn_status status = params_check_keys(at, inlet_params, others);
-    if (status == PDYN_OK) status = params_read(at, inlet_params, NULL, out);
-    if (status == PDYN_OK) status = read_direction(at, out->direction);
-    if (status == PDYN_OK) status = read_axes(at, out->direction, &opening);
-    if (status == PDYN_OK) status = read_opening(at, &opening);
-    out->layers = count_layers(out, opening.spacing, end);
+/* Without keys the speed is constant. */
+static pdyn_status read_speeds(const struct json_at *at, struct scene_inlet *out) {
+    bool constant = !json_is_array(at->value);
+    pdyn_status status = PDYN_OK;
+    if (!at->value || (constant && !json_is_number(at->value)))
+        return json_expected(at, "a number, or an array of keys");
+    if (!constant && !json_array_size(at->value)) return json_expected(at, "at least one key");
+    int count = constant ? 1 : (int)json_array_size(at->value);
+    out->speed = NEW_ARRAY(at->file->context, count, struct scene_speed);
+    if (!out->speed) return PDYN_NO_MEMORY;
+    out->speeds = count;
+    if (constant) return params_real(at, 1e-6, INLET_MAX_SPEED, "m/s", &out->speed->speed);
+    for (int k = 0; k < count && status == PDYN_OK; k++) {
+        struct json_at key = json_element(at, (size_t)k);
+        struct scene_speed *speed = &out->speed[k];
+        status = params_read_object(&key, scene_speed_params, speed);
+        if (status == PDYN_OK && k) status = motion_check_time(&key, speed[-1].time, speed->time);
+    }
     return status;
 }
 
-double inlet_total(const struct scene_inlet *inlet) {
-    return inlet->layers * (double)inlet->layer.count;
+pdyn_status inlet_read(const struct json_at *at, double radius, struct scene_inlet *out) {
+    static const char *const others[] = {"rectangle", "disc",  "up", "speed",
+                                         "motion",    "pivot", NULL};
+    struct opening opening = {.spacing = 2.0 * radius, .layer = &out->layer};
+    struct json_at speed = json_member(at, "speed");
+    pdyn_status status = params_check_keys(at, inlet_params, others);
+    if (status == PDYN_OK) status = params_read(at, inlet_params, NULL, out);
+    if (status == PDYN_OK) status = read_speeds(&speed, out);
+    if (status == PDYN_OK) status = read_direction(at, out->direction);
+    if (status == PDYN_OK) status = read_axes(at, out->direction, &opening);
+    if (status == PDYN_OK) status = read_opening(at, &opening);
+    memcpy(out->motion.pivot, opening.center, sizeof opening.center);
+    if (status == PDYN_OK) status = motion_read(at, &out->motion);
+    out->end = out->duration > 0.0 ? out->start + out->duration : INFINITY;
+    return status;
+}
+
+void inlet_free(pdyn_context *context, struct scene_inlet *inlet) {
+    FREE_ARRAY(context, inlet->speed, inlet->speeds);
+    motion_free(context, &inlet->motion);
+    point_list_free(context, &inlet->layer);
 }
 
 pdyn_status outlet_read(const struct json_at *at, struct scene_outlet *out) {

@@ -1,6 +1,7 @@
 #include "overlap.h"
 
 #include "geometry/mesh_query.h"
+#include "inlet_motion.h"
 #include "poses.h"
 
 #include <string.h>
@@ -35,7 +36,7 @@ struct search {
 static bool is_behind_wall(const struct scene_solid *vessel, const double x[3], double distance) {
     double at[3];
     bool behind = false;
-    pose_to_rest(vessel, 0.0, x, at);
+    pose_to_rest(&vessel->motion, 0.0, x, at);
     for (int side = 0; side < 6; side++) {
         int a = side / 2;
         double beyond = side % 2 ? at[a] - vessel->box.max[a] : vessel->box.min[a] - at[a];
@@ -158,7 +159,7 @@ static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *bo
     pdyn_context *context = at->file->context;
     struct obstacle o = {"solid", solid->name, solid->mesh, false, solid->is_vessel ? solid : NULL};
     size_t size = 3 * (size_t)solid->mesh.vertices;
-    if (!solid->keys) return resolve_obstacle(at, body, &o);
+    if (!solid->motion.keys) return resolve_obstacle(at, body, &o);
     o.mesh.vertex = NEW_ARRAY(context, size, double);
     if (!o.mesh.vertex) return PDYN_NO_MEMORY;
     pose_place_mesh(solid, 0.0, o.mesh.vertex);
@@ -167,15 +168,28 @@ static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *bo
     return status;
 }
 
-/* Whether most of the points are in the box of a solid as it stands at time 0. */
+/* Whether the point is in the box of a solid as it stands at time 0. */
+static bool contains(const struct scene_solid *solid, const double x[3]) {
+    double at[3];
+    pose_to_rest(&solid->motion, 0.0, x, at);
+    return scene_box_contains(&solid->box, at);
+}
+
 static bool contains_most(const struct scene_solid *solid, const struct point_list *points) {
     int inside = 0;
-    for (int i = 0; i < points->count; i++) {
-        double at[3];
-        pose_to_rest(solid, 0.0, points->x + 3 * (size_t)i, at);
-        inside += scene_box_contains(&solid->box, at);
-    }
+    for (int i = 0; i < points->count; i++) inside += contains(solid, points->x + 3 * (size_t)i);
     return 2 * inside > points->count;
+}
+
+static bool contains_inlet(const struct scene_solid *solid, const struct scene_inlet *inlet) {
+    int inside = 0;
+    for (int i = 0; i < inlet->layer.count; i++) {
+        double x[3];
+        memcpy(x, inlet->layer.x + 3 * (size_t)i, sizeof x);
+        inlet_place(inlet, 0.0, x);
+        inside += contains(solid, x);
+    }
+    return 2 * inside > inlet->layer.count;
 }
 
 static bool holds_fluid(const struct scene *scene, const struct scene_solid *solid) {
@@ -183,7 +197,7 @@ static bool holds_fluid(const struct scene *scene, const struct scene_solid *sol
         const struct scene_body *body = &scene->body[b];
         if (contains_most(solid, &body->start)) return true;
         for (int k = 0; k < body->inlets; k++)
-            if (contains_most(solid, &body->inlet[k].layer)) return true;
+            if (contains_inlet(solid, &body->inlet[k])) return true;
     }
     return false;
 }

@@ -1,4 +1,4 @@
-/* Poses of moving solids: interpolation of keys, positions, angular velocity. */
+/* Poses: interpolation of keys, positions, velocities. */
 #include "poses.h"
 
 #include "projdyn/vec3.h"
@@ -6,15 +6,15 @@
 #include <math.h>
 #include <string.h>
 
-struct pose pose_between(const struct scene_solid *solid, int k, double time) {
-    const struct scene_key *a = &solid->key[k < 0 ? 0 : k];
-    const struct scene_key *b = &solid->key[k + 1 < solid->keys ? k + 1 : k];
+struct pose pose_between(const struct scene_motion *motion, int k, double time) {
+    const struct scene_key *a = &motion->key[k < 0 ? 0 : k];
+    const struct scene_key *b = &motion->key[k + 1 < motion->keys ? k + 1 : k];
     double span = b->time - a->time, part = span > 0.0 ? (time - a->time) / span : 0.0;
     double rate = span > 0.0 ? 1.0 / span : 0.0;
     struct pose pose = {.at.scale = {1.0, 1.0, 1.0}};
     for (int c = 0; c < 3; c++) {
         double way = b->translate[c] - a->translate[c], turn = b->rotate[c] - a->rotate[c];
-        pose.at.translate[c] = solid->pivot[c] + a->translate[c] + part * way;
+        pose.at.translate[c] = motion->pivot[c] + a->translate[c] + part * way;
         pose.at.rotate[c] = a->rotate[c] + part * turn;
         pose.velocity[c] = rate * way;
         pose.turning[c] = rate * turn * (acos(-1.0) / 180.0);
@@ -22,9 +22,9 @@ struct pose pose_between(const struct scene_solid *solid, int k, double time) {
     return pose;
 }
 
-int pose_key_before(const struct scene_solid *solid, double time) {
+int pose_key_before(const struct scene_motion *motion, double time) {
     int k = -1;
-    while (k + 1 < solid->keys && solid->key[k + 1].time <= time) k++;
+    while (k + 1 < motion->keys && motion->key[k + 1].time <= time) k++;
     return k;
 }
 
@@ -35,9 +35,9 @@ static void rotated_axes(const struct transform *t, double axes[9]) {
     transform_directions(t, axes, 3);
 }
 
-void pose_place(const struct scene_solid *solid, const double *placed, int count, double time,
+void pose_place(const struct scene_motion *motion, const double *placed, int count, double time,
                 double *x) {
-    struct pose pose = pose_between(solid, pose_key_before(solid, time), time);
+    struct pose pose = pose_between(motion, pose_key_before(motion, time), time);
     double axes[9];
     rotated_axes(&pose.at, axes);
     for (int i = 0; i < count; i++, x += 3, placed += 3) {
@@ -49,21 +49,25 @@ void pose_place(const struct scene_solid *solid, const double *placed, int count
 
 void pose_place_mesh(const struct scene_solid *solid, double time, double *x) {
     const struct mesh *mesh = &solid->mesh;
-    for (int k = 0; k < 3 * mesh->vertices; k++) x[k] = mesh->vertex[k] - solid->pivot[k % 3];
-    pose_place(solid, x, mesh->vertices, time, x);
+    for (int k = 0; k < 3 * mesh->vertices; k++)
+        x[k] = mesh->vertex[k] - solid->motion.pivot[k % 3];
+    pose_place(&solid->motion, x, mesh->vertices, time, x);
 }
 
-void pose_to_rest(const struct scene_solid *solid, double time, const double x[3], double rest[3]) {
+void pose_to_rest(const struct scene_motion *motion, double time, const double x[3],
+                  double rest[3]) {
     memcpy(rest, x, 3 * sizeof *rest);
-    if (!solid->keys) return;
-    struct pose pose = pose_between(solid, pose_key_before(solid, time), time);
+    if (!motion->keys) return;
+    struct pose pose = pose_between(motion, pose_key_before(motion, time), time);
     double axes[9], from_pivot[3];
     rotated_axes(&pose.at, axes);
     vec3_subtract(from_pivot, x, pose.at.translate);
-    for (int a = 0; a < 3; a++) rest[a] = solid->pivot[a] + vec3_dot(axes + 3 * a, from_pivot);
+    for (int a = 0; a < 3; a++) rest[a] = motion->pivot[a] + vec3_dot(axes + 3 * a, from_pivot);
 }
 
-void pose_turning_axis(const struct pose *pose, double axis[3]) {
+/* Angular velocity, rad/s, from the rates of the three angles: a later rotation turns the axis of
+ * an earlier one. */
+static void turning_axis(const struct pose *pose, double axis[3]) {
     const double *angle = pose->at.rotate, *rate = pose->turning;
     struct transform y_z = {.rotate = {0.0, angle[1], angle[2]}},
                      z = {.rotate = {0.0, 0.0, angle[2]}};
@@ -72,4 +76,38 @@ void pose_turning_axis(const struct pose *pose, double axis[3]) {
     transform_directions(&z, about_y, 1);
     for (int a = 0; a < 3; a++) axis[a] = about_x[a] + about_y[a];
     axis[2] += rate[2];
+}
+
+void pose_velocity(const struct pose *pose, const double arm[3], double v[3]) {
+    double axis[3], turning[3];
+    turning_axis(pose, axis);
+    vec3_cross(turning, axis, arm);
+    for (int a = 0; a < 3; a++) v[a] = pose->velocity[a] + turning[a];
+}
+
+/* Largest speed of the corners of a box around the pivot; no point is faster. */
+static double max_corner_speed(const struct box *box, const struct pose *pose) {
+    double speed = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        double arm[3], v[3];
+        for (int a = 0; a < 3; a++) arm[a] = corner >> a & 1 ? box->max[a] : box->min[a];
+        transform_directions(&pose->at, arm, 1);
+        pose_velocity(pose, arm, v);
+        speed = fmax(speed, vec3_length(v));
+    }
+    return speed;
+}
+
+/* Evaluated at both ends of every interval between keys. */
+double pose_top_speed(const struct scene_motion *motion, const struct box *box, double from,
+                      double to) {
+    double speed = 0.0;
+    for (int k = pose_key_before(motion, from); k < motion->keys; k++) {
+        double begin = k < 0 ? from : fmax(from, motion->key[k].time);
+        double end = k + 1 < motion->keys ? fmin(to, motion->key[k + 1].time) : to;
+        if (begin >= to) break;
+        struct pose first = pose_between(motion, k, begin), last = pose_between(motion, k, end);
+        speed = fmax(speed, fmax(max_corner_speed(box, &first), max_corner_speed(box, &last)));
+    }
+    return speed;
 }

@@ -1,7 +1,8 @@
-/* The pose of a moving solid at a time, interpolated between the keys of its motion. */
+/* The pose of a moving solid or inlet at a time, interpolated between the keys of its motion. */
 #ifndef PDYN_POSES_H
 #define PDYN_POSES_H
 
+#include "geometry/grid.h"
 #include "scene.h"
 #include "transform.h"
 
@@ -12,24 +13,29 @@ struct pose {
 
 /* The pose between key k and key k + 1 at `time`, s; constant before the first and after the last
  * key. */
-struct pose pose_between(const struct scene_solid *solid, int k, double time);
+struct pose pose_between(const struct scene_motion *motion, int k, double time);
 
 /* Index of the last key at or before `time`, s; -1: none. */
-int pose_key_before(const struct scene_solid *solid, double time);
+int pose_key_before(const struct scene_motion *motion, double time);
 
 /* Computes the positions x, count x 3, m, at `time`, s, of points given relative to the pivot in
  * the initial placement. x may be `placed`. */
-void pose_place(const struct scene_solid *solid, const double *placed, int count, double time,
+void pose_place(const struct scene_motion *motion, const double *placed, int count, double time,
                 double *x);
 
 /* Computes the positions x, 3 per vertex, m, of a solid's mesh at `time`, s. */
 void pose_place_mesh(const struct scene_solid *solid, double time, double *x);
 
 /* Computes where the point x of the world, m, at `time`, s, lies in the initial placement. */
-void pose_to_rest(const struct scene_solid *solid, double time, const double x[3], double rest[3]);
+void pose_to_rest(const struct scene_motion *motion, double time, const double x[3],
+                  double rest[3]);
 
-/* Angular velocity, rad/s, from the rates of the three angles: a later rotation turns the axis of
- * an earlier one. */
-void pose_turning_axis(const struct pose *pose, double axis[3]);
+/* Velocity v, m/s, of a point; arm: from the pivot to it, m. */
+void pose_velocity(const struct pose *pose, const double arm[3], double v[3]);
+
+/* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of
+ * a bounding box, m, relative to the pivot at rest, and slightly too large. */
+double pose_top_speed(const struct scene_motion *motion, const struct box *box, double from,
+                      double to);
 
 #endif

@@ -5,6 +5,7 @@
 #include "file_ref.h"
 #include "head.h"
 #include "inlet.h"
+#include "motion.h"
 #include "overlap.h"
 #include "params.h"
 #include "reader.h"
@@ -256,7 +257,7 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
         context_resize(context, constraint->params, constraint->type->params_size, 0);
     }
     FREE_ARRAY(context, body->constraint, body->constraints);
-    for (int k = 0; k < body->inlets; k++) point_list_free(context, &body->inlet[k].layer);
+    for (int k = 0; k < body->inlets; k++) inlet_free(context, &body->inlet[k]);
     FREE_ARRAY(context, body->inlet, body->inlets);
     point_list_free(context, &body->start);
     point_list_free(context, &body->start_v);
@@ -270,7 +271,7 @@ void scene_free(pdyn_context *context, struct scene *scene) {
     for (int b = 0; b < scene->bodies; b++) free_body(context, &scene->body[b]);
     for (int s = 0; s < scene->solids; s++) {
         mesh_free(context, &scene->solid[s].mesh);
-        FREE_ARRAY(context, scene->solid[s].key, scene->solid[s].keys);
+        motion_free(context, &scene->solid[s].motion);
         free_text(context, &scene->solid[s].name);
     }
     FREE_ARRAY(context, scene->body, scene->bodies);

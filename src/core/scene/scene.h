@@ -26,12 +26,36 @@ enum {
 #define STATE_MAX_POSITION (10.0 * STEP_MAX_POSITION)
 #define STATE_MAX_SPEED    (10.0 * STEP_MAX_SPEED)
 
-struct scene_inlet {         /* an inlet of particles: it emits layers one particle spacing apart */
-    double direction[3];     /* unit vector of the flow */
-    double speed;            /* m/s */
-    double start, duration;  /* s; duration 0: until the end of the scene */
-    double layers;           /* number of layers in all, an integer */
-    struct point_list layer; /* positions of the particles of one layer, m */
+struct scene_key {       /* a key of a motion, relative to the place at rest */
+    double time;         /* s */
+    double translate[3]; /* m */
+    double rotate[3];    /* degrees about x, then y, then z, through the pivot */
+};
+
+extern const pdyn_param scene_key_params[]; /* ends with a NULL name */
+
+struct scene_motion {      /* the pose over time: linear between keys, constant outside */
+    int keys;              /* 0: at rest */
+    struct scene_key *key; /* times ascending */
+    double pivot[3];       /* m, world space */
+};
+
+struct scene_speed { /* a key of the speed of an inlet */
+    double time;     /* s */
+    double speed;    /* m/s */
+};
+
+extern const pdyn_param scene_speed_params[]; /* ends with a NULL name */
+
+struct scene_inlet {           /* an inlet of particles: it emits layers one spacing apart */
+    double direction[3];       /* unit vector of the flow */
+    int speeds;                /* at least 1 */
+    struct scene_speed *speed; /* times ascending; linear between keys, constant outside */
+    double start, duration;    /* s; duration 0: until the end of the scene */
+    double end;                /* s; INFINITY: that of the scene */
+    double travelled;          /* m, by the first layer until `start` */
+    struct scene_motion motion;
+    struct point_list layer; /* positions of the particles of one layer at rest, m */
 };
 
 struct scene_outlet { /* an outlet: a region in which particles are removed */
@@ -83,14 +107,6 @@ struct scene_body {
     struct scene_constraint *constraint; /* each type at most once, unless it has PDYN_SEVERAL */
 };
 
-struct scene_key {       /* a key of the motion of a solid, relative to its initial placement */
-    double time;         /* s */
-    double translate[3]; /* m */
-    double rotate[3];    /* degrees about x, then y, then z, through the pivot */
-};
-
-extern const pdyn_param scene_key_params[]; /* ends with a NULL name */
-
 enum solid_kind { SOLID_BOX, SOLID_MESH, SOLID_SPHERE, SOLID_CAPSULE, SOLID_PLANE, SOLID_KINDS };
 extern const char *const scene_solid_kinds[SOLID_KINDS]; /* "box", "mesh", ...: keys of a scene */
 
@@ -101,10 +117,8 @@ struct scene_solid {
     struct scene_box box;
     unsigned open;  /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
     bool is_vessel; /* a box with the fluid inside; any other solid has it on all sides */
-    struct mesh mesh;      /* world space, m; for solids of every shape */
-    int keys;              /* 0: the solid is at rest */
-    struct scene_key *key; /* times ascending; linear between keys, constant outside */
-    double pivot[3];       /* m, world space */
+    struct mesh mesh; /* world space, m; for solids of every shape */
+    struct scene_motion motion;
 };
 
 enum probe_kind { /* what a probe measures; keys of a scene: scene_probe.c */

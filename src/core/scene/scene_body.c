@@ -3,6 +3,7 @@
 #include "file_ref.h"
 #include "fill.h"
 #include "inlet.h"
+#include "inlet_motion.h"
 #include "params.h"
 #include "reader.h"
 #include "scene_rigid.h"
@@ -27,7 +28,7 @@ static pdyn_status read_fill(struct reader *r, const struct json_at *at, int ind
 }
 
 static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int index) {
-    return inlet_read(at, r->body->radius, r->scene->settings.duration, &r->body->inlet[index]);
+    return inlet_read(at, r->body->radius, &r->body->inlet[index]);
 }
 
 /* Reads the number of particles that inlets may add. Default: all that they emit, and at least 1,
@@ -36,8 +37,10 @@ static pdyn_status read_budget(struct reader *r, const struct json_at *owner,
                                const struct json_at *inlets) {
     struct scene_body *body = r->body;
     struct json_at at = json_member(owner, "budget");
-    double total = 0.0;
-    for (int k = 0; k < body->inlets; k++) total += inlet_total(&body->inlet[k]);
+    double total = 0.0, end = r->scene->settings.duration;
+    for (int k = 0; k < body->inlets; k++)
+        total +=
+            inlet_layers(&body->inlet[k], end, 2.0 * body->radius) * body->inlet[k].layer.count;
     if (body->inlets) total = fmax(total, 1.0);
     if (at.value && !body->inlets) return json_fail_at_key(&at, "\"budget\" needs \"inlets\"");
     pdyn_status status =

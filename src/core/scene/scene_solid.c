@@ -1,5 +1,6 @@
 /* Reading a solid: its shape, placement and motion. */
 #include "file_ref.h"
+#include "motion.h"
 #include "params.h"
 #include "primitive_mesh.h"
 #include "reader.h"
@@ -30,7 +31,7 @@ static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
     int sides;
     struct scene_box *walls = &r->solid->box;
     pdyn_status status = params_box(box, walls);
-    for (int a = 0; a < 3; a++) r->solid->pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
+    for (int a = 0; a < 3; a++) r->solid->motion.pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
     if (status == PDYN_OK) status = reader_count(&open, "an array of sides like \"+y\"", &sides);
     if (status == PDYN_OK) status = reader_each(r, &open, read_open_side);
     if (status == PDYN_OK && r->solid->open == 0x3F)
@@ -46,26 +47,26 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
     if (status == PDYN_OK) status = file_ref_mesh(mesh, &r->solid->mesh, NULL);
     if (status != PDYN_OK) return status;
     transform_points(&transform, r->solid->mesh.vertex, r->solid->mesh.vertices);
-    memcpy(r->solid->pivot, transform.translate, sizeof transform.translate);
+    memcpy(r->solid->motion.pivot, transform.translate, sizeof transform.translate);
     return json_wrap(mesh, mesh_check(r->context, &r->solid->mesh, "as placed"));
 }
 
 static pdyn_status read_sphere(struct reader *r, const struct json_at *owner,
                                const struct json_at *sphere) {
     (void)owner;
-    return primitive_read_sphere(sphere, &r->solid->mesh, r->solid->pivot);
+    return primitive_read_sphere(sphere, &r->solid->mesh, r->solid->motion.pivot);
 }
 
 static pdyn_status read_capsule(struct reader *r, const struct json_at *owner,
                                 const struct json_at *capsule) {
     (void)owner;
-    return primitive_read_capsule(capsule, &r->solid->mesh, r->solid->pivot);
+    return primitive_read_capsule(capsule, &r->solid->mesh, r->solid->motion.pivot);
 }
 
 static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
                               const struct json_at *plane) {
     (void)owner;
-    return primitive_read_plane(plane, &r->solid->mesh, r->solid->pivot);
+    return primitive_read_plane(plane, &r->solid->mesh, r->solid->motion.pivot);
 }
 
 const char *const scene_solid_kinds[SOLID_KINDS] = {"box", "mesh", "sphere", "capsule", "plane"};
@@ -86,38 +87,6 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
     return shape_readers[*kind](r, owner, &shape);
 }
 
-const pdyn_param scene_key_params[] = {
-    {"time", PDYN_REAL, offsetof(struct scene_key, time), true, 0, -1e6, 1e6, "s", ""},
-    {"translate", PDYN_VECTOR, offsetof(struct scene_key, translate), false, 0, -1e6, 1e6, "m", ""},
-    {"rotate", PDYN_VECTOR, offsetof(struct scene_key, rotate), false, 0, -1e6, 1e6, "degrees", ""},
-    {0}};
-
-static pdyn_status read_key(struct reader *r, const struct json_at *at, int index) {
-    struct scene_key *key = &r->solid->key[index];
-    struct json_at time = json_member(at, "time");
-    pdyn_status status = params_read_object(at, scene_key_params, key);
-    if (status != PDYN_OK || !index || key->time > key[-1].time) return status;
-    return json_fail(&time, "expected a time after %.10g s, found %.10g s", key[-1].time,
-                     key->time);
-}
-
-static pdyn_status read_motion(struct reader *r, const struct json_at *owner) {
-    struct scene_solid *solid = r->solid;
-    struct json_at motion = json_member(owner, "motion"), pivot = json_member(owner, "pivot");
-    int count;
-    if (!motion.value && pivot.value)
-        return json_fail_at_key(&pivot, "\"pivot\" needs a \"motion\"");
-    pdyn_status status = reader_count(&motion, "an array of keys", &count);
-    if (status != PDYN_OK || !motion.value) return status;
-    if (!count) return json_expected(&motion, "at least one key");
-    if (pivot.value) status = params_reals(&pivot, 3, -1e6, 1e6, "m", solid->pivot);
-    if (status != PDYN_OK) return status;
-    solid->key = NEW_ARRAY(r->context, count, struct scene_key);
-    if (!solid->key) return PDYN_NO_MEMORY;
-    solid->keys = count;
-    return reader_each(r, &motion, read_key);
-}
-
 pdyn_status scene_read_solid(struct reader *r, const struct json_at *at, int index) {
     static const char *const keys[] = {"name",      "color",  "box",   "mesh",  "sphere",
                                        "capsule",   "plane",  "open",  "scale", "rotate",
@@ -127,5 +96,5 @@ pdyn_status scene_read_solid(struct reader *r, const struct json_at *at, int ind
     if (status == PDYN_OK) status = reader_name(r, at, "solid", index, &r->solid->name);
     if (status == PDYN_OK) status = reader_color(at, r->solid->color);
     if (status == PDYN_OK) status = read_shape(r, at);
-    return status == PDYN_OK ? read_motion(r, at) : status;
+    return status == PDYN_OK ? motion_read(at, &r->solid->motion) : status;
 }

@@ -103,11 +103,11 @@ static void add_solids(struct contact *c, const struct pdyn_sim *sim) {
         c->name[c->bodies + s] = solid->name;
         c->thickness[c->bodies + s] = c->settings->thickness;
         c->solid[s] = (struct contact_solid){solid, points, mesh->vertices};
-        c->moving |= solid->keys > 0;
+        c->moving |= solid->motion.keys > 0;
         for (int i = 0; i < mesh->vertices; i++) {
             c->group[points + i] = -1;
             memcpy(c->rest + 3 * (points + i), mesh->vertex + 3 * i, 3 * sizeof *c->rest);
-            if (solid->keys) vec3_add(c->rest + 3 * (points + i), -1.0, solid->pivot);
+            if (solid->motion.keys) vec3_add(c->rest + 3 * (points + i), -1.0, solid->motion.pivot);
         }
         for (int k = 0; k < 3 * mesh->triangles; k++) {
             c->face[3 * faces + k] = points + mesh->triangle[k];
@@ -188,7 +188,8 @@ static pdyn_status place(struct pdyn_sim *sim) {
         const struct contact_solid *solid = &c->solid[s];
         const double *from = c->rest + 3 * (size_t)solid->first;
         double *goal = c->goal + 3 * (size_t)(solid->first - c->free);
-        if (solid->solid->keys) pose_place(solid->solid, from, solid->count, 0.0, goal);
+        if (solid->solid->motion.keys)
+            pose_place(&solid->solid->motion, from, solid->count, 0.0, goal);
         else memcpy(goal, from, 3 * (size_t)solid->count * sizeof *from);
     }
     if (c->goal)

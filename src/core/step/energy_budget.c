@@ -2,6 +2,7 @@
 
 #include "live_particles.h"
 #include "measure.h"
+#include "scene/inlet_motion.h"
 #include "sim.h"
 
 #include "projdyn/path.h"
@@ -60,7 +61,8 @@ static double drive(const struct pdyn_sim *sim) {
     double speed = jet_speed * kinematic_top_speed(sim);
     for (int b = 0; b < sim->bodies; b++)
         for (int k = 0; k < sim->scene.body[b].inlets; k++)
-            speed = fmax(speed, sim->scene.body[b].inlet[k].speed);
+            speed = fmax(speed, inlet_top_speed(&sim->scene.body[b].inlet[k], 0.0,
+                                                sim->scene.settings.duration));
     return 0.5 * sim->energy.mass * speed * speed;
 }
 

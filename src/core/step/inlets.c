@@ -1,6 +1,7 @@
 #include "inlets.h"
 
-#include "scene/inlet.h"
+#include "inlet_control.h"
+#include "scene/inlet_motion.h"
 
 #include "projdyn/vec3.h"
 
@@ -44,24 +45,25 @@ static const struct live_inlet *inlet_of(const struct pdyn_sim *sim, int i) {
     return &sim->live->inlet[(sim->live->holder[i] - 1) / 2];
 }
 
-/* The particle moves with the velocity of the inlet, and seems to have done so before. */
+/* The particle moves with the inlet, and seems to have done so before. */
 static void hold(struct pdyn_sim *sim, const struct live_inlet *inlet, int i) {
-    const struct scene_inlet *from = inlet->from;
+    double before = sim->time - sim->history, *x = sim->x + 3 * i;
     set_holder(sim, i, holder_of(sim, inlet, inlet->layers));
-    for (int a = 0; a < 3; a++) {
-        int k = 3 * i + a;
-        sim->v[k] = from->speed * from->direction[a];
-        sim->constraint_acceleration[k] = 0.0;
-        if (!sim->x_before) continue;
-        sim->v_before[k] = sim->v[k];
-        sim->x_before[k] = sim->x[k] - sim->history * sim->v[k];
-    }
+    inlet_velocity(inlet->from, sim->time, x, sim->v + 3 * i);
+    memset(sim->constraint_acceleration + 3 * i, 0, 3 * sizeof *sim->constraint_acceleration);
+    if (!sim->x_before) return;
+    memcpy(sim->x_before + 3 * i, x, 3 * sizeof *x);
+    inlet_carry(inlet->from, sim->time, before, sim->x_before + 3 * i);
+    inlet_velocity(inlet->from, before, sim->x_before + 3 * i, sim->v_before + 3 * i);
 }
 
 void inlets_predict(struct pdyn_sim *sim) {
-    for (int i = 0; sim->live && sim->live->held && i < sim->objective.particles; i++)
-        for (int k = 3 * i; particle_is_held(sim, i) && k < 3 * i + 3; k++)
-            sim->objective.s[k] = sim->x_base[k] + sim->objective.h * sim->v_base[k];
+    for (int i = 0; sim->live && sim->live->held && i < sim->objective.particles; i++) {
+        if (!particle_is_held(sim, i)) continue;
+        double *s = sim->objective.s + 3 * i;
+        memcpy(s, sim->x + 3 * i, 3 * sizeof *s);
+        inlet_carry(inlet_of(sim, i)->from, sim->time, sim->objective.time, s);
+    }
 }
 
 /* Others have moved held particles a little, as their inertia is finite. */
@@ -69,9 +71,11 @@ static void put_back(struct pdyn_sim *sim) {
     for (int i = 0; sim->live->held && i < sim->objective.particles; i++) {
         if (!particle_is_held(sim, i)) continue;
         const struct scene_inlet *from = inlet_of(sim, i)->from;
+        double begin = sim->time - sim->last_h;
         memcpy(sim->x + 3 * i, sim->objective.s + 3 * i, 3 * sizeof *sim->x);
-        for (int a = 0; a < 3; a++) sim->v[3 * i + a] = from->speed * from->direction[a];
-        if (sim->v_before) memcpy(sim->v_before + 3 * i, sim->v + 3 * i, 3 * sizeof *sim->v);
+        inlet_velocity(from, sim->time, sim->x + 3 * i, sim->v + 3 * i);
+        if (sim->v_before)
+            inlet_velocity(from, begin, sim->x_before + 3 * i, sim->v_before + 3 * i);
     }
 }
 
@@ -81,34 +85,32 @@ static double spacing_of(const struct pdyn_sim *sim, const struct live_inlet *in
     return 2.0 * sim->body[inlet->body].radius;
 }
 
-static double layers_without_end(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
-    return inlet_layers_beyond(inlet->from, sim->time, spacing_of(sim, inlet), -INLET_BEHIND);
+static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+    return inlet_layers(inlet->from, sim->time, spacing_of(sim, inlet));
 }
 
-static double layers_due(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
-    return fmin(inlet->from->layers, layers_without_end(sim, inlet));
+/* The place of particle k of a layer `distance` in front of the opening. */
+static void place(const struct pdyn_sim *sim, const struct live_inlet *inlet, int k,
+                  double distance, double x[3]) {
+    memcpy(x, inlet->from->layer.x + 3 * (size_t)k, 3 * sizeof *x);
+    vec3_add(x, distance, inlet->from->direction);
+    inlet_place(inlet->from, sim->time, x);
 }
 
 /* Lists the live particles of fluids close to a plane `distance` in front of the opening. */
 static int find_near(const struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
-    const struct scene_inlet *from = inlet->from;
-    double plane = vec3_dot(from->layer.x, from->direction) + distance;
-    double reach = min_gap * spacing_of(sim, inlet);
+    double reach = min_gap * spacing_of(sim, inlet), origin[3], normal[3];
     int count = 0;
+    place(sim, inlet, 0, distance, origin);
+    inlet_direction(inlet->from, sim->time, normal);
+    double plane = vec3_dot(origin, normal);
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
-            if (sim->live->live[i] &&
-                fabs(vec3_dot(sim->x + 3 * i, from->direction) - plane) < reach)
+            if (sim->live->live[i] && fabs(vec3_dot(sim->x + 3 * i, normal) - plane) < reach)
                 sim->live->near[count++] = i;
     }
     return count;
-}
-
-/* The place of particle k of a layer `distance` in front of the opening. */
-static void place(const struct live_inlet *inlet, int k, double distance, double x[3]) {
-    memcpy(x, inlet->from->layer.x + 3 * (size_t)k, 3 * sizeof *x);
-    vec3_add(x, distance, inlet->from->direction);
 }
 
 static bool is_close(const struct pdyn_sim *sim, const struct live_inlet *inlet, int i,
@@ -121,7 +123,7 @@ static bool is_blocked(const struct pdyn_sim *sim, const struct live_inlet *inle
     double distance = spacing_of(sim, inlet), sum = 0.0, x[3];
     int near = find_near(sim, inlet, distance), count = 0;
     for (int k = 0; k < inlet->from->layer.count; k++) {
-        place(inlet, k, distance, x);
+        place(sim, inlet, k, distance, x);
         for (int n = 0; n < near; n++) {
             int i = sim->live->near[n];
             if (!is_close(sim, inlet, i, x)) continue;
@@ -149,12 +151,11 @@ static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, cons
  * that are in its way, as those of a pool in which the inlet begins, become part of it. */
 static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
     const struct scene_inlet *from = inlet->from;
-    double distance =
-        (sim->time - from->start) * from->speed - inlet->layers * spacing_of(sim, inlet);
+    double distance = inlet_travelled(from, sim->time) - inlet->layers * spacing_of(sim, inlet);
     int near = find_near(sim, inlet, distance);
     for (int k = 0; k < from->layer.count; k++) {
         double x[3];
-        place(inlet, k, distance, x);
+        place(sim, inlet, k, distance, x);
         if (hold_near(sim, inlet, x, near)) {
             inlet->left_out++;
             continue;
@@ -215,6 +216,13 @@ static void enter_due_layers(struct pdyn_sim *sim) {
     }
 }
 
+double inlets_top_speed(const struct pdyn_sim *sim, double h) {
+    double speed = 0.0;
+    for (int k = 0; sim->live && k < sim->live->inlets; k++)
+        speed = fmax(speed, inlet_top_speed(sim->live->inlet[k].from, sim->time, sim->time + h));
+    return speed;
+}
+
 bool inlets_step(struct pdyn_sim *sim) {
     unsigned before = sim->objective.weights;
     put_back(sim);
@@ -241,12 +249,13 @@ void inlets_create(struct pdyn_sim *sim) {
  * it the number of layers, may differ from that of the saved one. */
 static bool is_valid(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
     double layers = inlet->layers, particles = layers * inlet->from->layer.count;
+    double most =
+        inlet_layers_beyond(inlet->from, sim->time, spacing_of(sim, inlet), -INLET_BEHIND);
     if (!(layers >= 0.0 && layers == floor(layers))) return false;
     if (!(inlet->free >= 0.0 && inlet->free <= layers && inlet->free == floor(inlet->free)))
         return false;
     if (!(inlet->left_out >= 0.0 && inlet->left_out <= particles)) return false;
-    if (layers > layers_without_end(sim, inlet)) return false;
-    return inlet->closed || layers >= layers_due(sim, inlet);
+    return layers <= most && (inlet->closed || layers >= layers_due(sim, inlet));
 }
 
 /* Only live particles have a holder, which is one of the inlets. */
@@ -272,6 +281,7 @@ void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct live_particles *p = sim->live;
     if (!p->inlets) return;
     for (int k = 0; k < p->inlets; k++) {
+        inlet_control_persist(sim, k, a);
         SNAPSHOT(a, p->inlet[k].layers);
         SNAPSHOT(a, p->inlet[k].free);
         SNAPSHOT(a, p->inlet[k].left_out);

@@ -11,12 +11,15 @@
 /* Lists the inlets of sim->live and emits the layers due at time 0. */
 void inlets_create(struct pdyn_sim *sim);
 
-/* Sets s of held particles: they move on straight, without gravity. */
+/* Sets s of held particles: they move on with the inlet, without gravity. */
 void inlets_predict(struct pdyn_sim *sim);
 
 /* At the end of a step: puts held particles exactly where they are to be, and emits the layers that
  * are due. Returns whether other particles are held now. */
 bool inlets_step(struct pdyn_sim *sim);
+
+/* Upper bound of the speed of held particles in a step of length h, s: m/s. */
+double inlets_top_speed(const struct pdyn_sim *sim, double h);
 
 /* Saves or reads the state of the inlets. */
 void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);

@@ -9,7 +9,7 @@
 #include "sim.h"
 
 struct live_inlet {
-    const struct scene_inlet *from;
+    struct scene_inlet *from;
     int number, body; /* `number`: index in the body */
     double layers;    /* layers that were due so far, an integer */
     double free;      /* of them, those that the inlet has let go, an integer */

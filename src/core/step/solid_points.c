@@ -34,10 +34,10 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
     const struct scene *scene = &sim->scene;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < scene->solids && status == PDYN_OK; k++)
-        if (!scene->solid[k].keys) status = sample_solid(sim, k, spacing);
+        if (!scene->solid[k].motion.keys) status = sample_solid(sim, k, spacing);
     for (int k = 0; k < scene->solids && status == PDYN_OK; k++) {
         int first = sim->boundary.at.count;
-        if (!scene->solid[k].keys) continue;
+        if (!scene->solid[k].motion.keys) continue;
         status = sample_solid(sim, k, spacing);
         if (status == PDYN_OK) status = kinematic_add(sim, &scene->solid[k], first);
     }

@@ -29,10 +29,10 @@ static pdyn_status add_solid(struct pdyn_sim *sim, struct swept_surface *s,
                                 .vertices = mesh->vertices,
                                 .begin = mesh->vertex,
                                 .end = mesh->vertex,
-                                .moves = solid->keys ? solid : NULL};
+                                .moves = solid->motion.keys ? solid : NULL};
     if (!resize_solid(sim->context, s, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     for (int k = 0; s->moves && k < 3 * s->vertices; k++)
-        s->placed[k] = mesh->vertex[k] - solid->pivot[k % 3];
+        s->placed[k] = mesh->vertex[k] - solid->motion.pivot[k % 3];
     if (s->moves) s->begin = s->pose[0], s->end = s->pose[1];
     return PDYN_OK;
 }
@@ -111,7 +111,8 @@ void swept_surfaces_step(const struct pdyn_sim *sim, struct swept_surfaces *swep
     for (int k = 0; k < swept->count; k++) {
         const struct swept_surface *s = &swept->surface[k];
         for (int end = 0; s->moves && end < 2; end++)
-            pose_place(s->moves, s->placed, s->vertices, sim->time + end * h, s->pose[end]);
+            pose_place(&s->moves->motion, s->placed, s->vertices, sim->time + end * h,
+                       s->pose[end]);
     }
     build_tree(swept, &swept->moving);
 }

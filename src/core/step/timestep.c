@@ -1,6 +1,8 @@
 /* Choice of the step length, and warnings about steps that are too long. */
 #include "timestep.h"
 
+#include "inlets.h"
+
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -76,14 +78,15 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
     return limit;
 }
 
-/* CFL condition (Weiler et al. 2016): no particle and no solid travels more than `cfl` radii per
- * step. The step length may shrink at once and grows by at most 10 % per step. */
+/* CFL condition (Weiler et al. 2016): no particle, solid and inlet travels more than `cfl` radii
+ * per step. The step length may shrink at once and grows by at most 10 % per step. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
     double radius,
         h = sim->last_h > 0.0 ? fmin(settings->h_max, 1.1 * sim->last_h) : settings->h_max;
     double speed = fmax(max_particle_speed(sim, h, &radius),
                         kinematic_speed(&sim->motion, sim->time, sim->time + h));
+    speed = fmax(speed, inlets_top_speed(sim, h));
     if (radius > 0.0 && speed * h > settings->cfl * radius) h = settings->cfl * radius / speed;
     return fmax(fmin(h, rearrangement_limit(sim)), settings->h_min);
 }

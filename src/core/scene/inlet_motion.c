@@ -1,0 +1,109 @@
+#include "inlet_motion.h"
+
+#include "poses.h"
+
+#include "projdyn/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the flow -------------------------------------------------------------------------------- */
+
+double inlet_speed(const struct scene_inlet *inlet, double time) {
+    const struct scene_speed *before = NULL, *after = inlet->speed;
+    const struct scene_speed *past = inlet->speed + inlet->speeds;
+    while (after < past && after->time <= time) before = after++;
+    if (!before) return after->speed;
+    if (after == past) return before->speed;
+    double part = (time - before->time) / (after->time - before->time);
+    return before->speed + part * (after->speed - before->speed);
+}
+
+/* The integral of the speed between two times, m. */
+static double way(const struct scene_inlet *inlet, double from, double to) {
+    double sum = 0.0;
+    if (to < from) return -way(inlet, to, from);
+    for (int k = -1; k < inlet->speeds; k++) {
+        double begin = k < 0 ? from : fmax(from, inlet->speed[k].time);
+        double end = k + 1 < inlet->speeds ? fmin(to, inlet->speed[k + 1].time) : to;
+        if (end > begin)
+            sum += 0.5 * (inlet_speed(inlet, begin) + inlet_speed(inlet, end)) * (end - begin);
+    }
+    return sum;
+}
+
+static double top_flow(const struct scene_inlet *inlet, double from, double to) {
+    double top = fmax(inlet_speed(inlet, from), inlet_speed(inlet, to));
+    for (const struct scene_speed *key = inlet->speed; key < inlet->speed + inlet->speeds; key++)
+        if (key->time > from && key->time < to) top = fmax(top, key->speed);
+    return top;
+}
+
+/* Times that differ by rounding alone are equal. */
+static bool has_started(const struct scene_inlet *inlet, double time) {
+    return time >= inlet->start * (1.0 - 1e-12);
+}
+
+double inlet_travelled(const struct scene_inlet *inlet, double time) {
+    if (!has_started(inlet, time)) return -INFINITY;
+    return inlet->travelled + way(inlet, inlet->start, time);
+}
+
+double inlet_layers_beyond(const struct scene_inlet *inlet, double time, double spacing,
+                           double distance) {
+    double travelled = inlet_travelled(inlet, time) / spacing + 1e-9;
+    return travelled < 0.0 ? 0.0 : floor(fmax(-1.0, travelled - distance)) + 1.0;
+}
+
+double inlet_layers(const struct scene_inlet *inlet, double time, double spacing) {
+    double layers = inlet_layers_beyond(inlet, time, spacing, -INLET_BEHIND);
+    if (isinf(inlet->end)) return layers;
+    return fmin(layers, ceil(inlet_travelled(inlet, inlet->end) / spacing - 1e-9));
+}
+
+/* ---- the pose -------------------------------------------------------------------------------- */
+
+static struct pose pose_at(const struct scene_inlet *inlet, double time) {
+    return pose_between(&inlet->motion, pose_key_before(&inlet->motion, time), time);
+}
+
+void inlet_place(const struct scene_inlet *inlet, double time, double x[3]) {
+    if (!inlet->motion.keys) return;
+    vec3_add(x, -1.0, inlet->motion.pivot);
+    pose_place(&inlet->motion, x, 1, time, x);
+}
+
+void inlet_carry(const struct scene_inlet *inlet, double from, double to, double x[3]) {
+    double rest[3];
+    pose_to_rest(&inlet->motion, from, x, rest);
+    vec3_add(rest, way(inlet, from, to), inlet->direction);
+    inlet_place(inlet, to, rest);
+    memcpy(x, rest, sizeof rest);
+}
+
+void inlet_direction(const struct scene_inlet *inlet, double time, double direction[3]) {
+    memcpy(direction, inlet->direction, sizeof inlet->direction);
+    if (!inlet->motion.keys) return;
+    struct pose pose = pose_at(inlet, time);
+    transform_directions(&pose.at, direction, 1);
+}
+
+void inlet_velocity(const struct scene_inlet *inlet, double time, const double x[3], double v[3]) {
+    double direction[3], arm[3], speed = inlet_speed(inlet, time);
+    inlet_direction(inlet, time, direction);
+    memset(v, 0, 3 * sizeof *v);
+    if (inlet->motion.keys) {
+        struct pose pose = pose_at(inlet, time);
+        vec3_subtract(arm, x, pose.at.translate);
+        pose_velocity(&pose, arm, v);
+    }
+    vec3_add(v, speed, direction);
+}
+
+double inlet_top_speed(const struct scene_inlet *inlet, double from, double to) {
+    double top = top_flow(inlet, from, to);
+    if (!inlet->motion.keys) return top;
+    struct box box = box_around(inlet->layer.x, inlet->layer.count);
+    vec3_add(box.min, -1.0, inlet->motion.pivot), vec3_add(box.max, -1.0, inlet->motion.pivot);
+    return top + pose_top_speed(&inlet->motion, &box, from, to);
+}
