@@ -6,7 +6,9 @@
 #include "geometry/grid.h"
 #include "neighbours.h"
 
-enum { NEIGHBOURS_GRAIN = 128 }; /* particles per block of a parallel loop */
+#include <stdatomic.h>
+
+enum { NEIGHBOURS_GRAIN = 128, BOUNDARY_GRAIN = 4096 }; /* points per block of a parallel loop */
 
 struct lists {
     /* particles, as in pdyn_neighbours */
@@ -26,7 +28,11 @@ struct visibility {
     bool complete;          /* the current lists do */
     bool frozen;            /* frozen_x is set */
     double *granted;        /* particles, see pdyn_neighbours */
+    atomic_bool *doubtful;  /* boundary points: scratch */
 };
+
+/* Boundary points with volumes and with areas; those that rest are sorted once. */
+enum { WALLS, MOVING_WALLS, PATCHES, MOVING_PATCHES, BOUNDARY_PARTS };
 
 struct neighbours {
     pdyn_context *context;
@@ -44,13 +50,13 @@ struct neighbours {
     double *volume, *boundary_x; /* points; boundary points x 3, m */
     double *built_x;             /* particles x 3, m: positions at the last build */
     struct grid fluid, surface;  /* centres; surface samples */
-    struct grid walls, patches;  /* boundary points with volumes; with areas */
-    int wall_points;             /* number of boundary points with volumes */
-    int *boundary_id;       /* boundary points: those with volumes first, then those with areas */
-    int moving;             /* number of boundary points that may move: the last ones */
-    double *built_moving_x; /* moving x 3, m: their positions at the last build */
-    double boundary_shift;  /* m, largest displacement of a moving boundary point since the last
-                               build */
+    struct grid boundary[BOUNDARY_PARTS]; /* boundary points */
+    int part[BOUNDARY_PARTS + 1]; /* first entry of each part in boundary_id; their number */
+    int *boundary_id;             /* boundary points, by parts */
+    int moving;                   /* number of boundary points that may move: the last ones */
+    double *built_moving_x;       /* moving x 3, m: their positions at the last build */
+    double boundary_shift; /* m, largest displacement of a moving boundary point since the last
+                              build */
     struct lists lists;
     int room;        /* capacity of a block, in neighbours */
     int *used;       /* blocks: neighbours used */

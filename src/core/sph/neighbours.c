@@ -41,15 +41,23 @@ static double *moving_x(const struct neighbours *n) {
     return n->boundary_x + 3 * (size_t)(n->view.points - n->view.particles - n->moving);
 }
 
-static pdyn_status sort_boundary(struct neighbours *n) {
-    if (n->moving) memcpy(n->built_moving_x, moving_x(n), 3 * (size_t)n->moving * sizeof(double));
+static pdyn_status sort_part(struct neighbours *n, int part) {
+    return grid_sort(n->context, &n->boundary[part], n->part[part + 1] - n->part[part],
+                     n->boundary_id + n->part[part], n->boundary_x);
+}
+
+static pdyn_status sort_moving(struct neighbours *n) {
+    if (!n->moving) return PDYN_OK;
+    memcpy(n->built_moving_x, moving_x(n), 3 * (size_t)n->moving * sizeof(double));
     n->boundary_shift = 0.0;
-    int walls = n->wall_points, boundary = n->view.points - n->view.particles;
-    if (!boundary) return PDYN_OK;
-    pdyn_status status = grid_sort(n->context, &n->walls, walls, n->boundary_id, n->boundary_x);
-    if (status != PDYN_OK) return status;
-    return grid_sort(n->context, &n->patches, boundary - walls, n->boundary_id + walls,
-                     n->boundary_x);
+    pdyn_status status = sort_part(n, MOVING_WALLS);
+    return status == PDYN_OK ? sort_part(n, MOVING_PATCHES) : status;
+}
+
+static pdyn_status sort_boundary(struct neighbours *n) {
+    pdyn_status status = sort_part(n, WALLS);
+    if (status == PDYN_OK) status = sort_part(n, PATCHES);
+    return status == PDYN_OK ? sort_moving(n) : status;
 }
 
 /* Lists the active particles, centres first. */
@@ -62,14 +70,20 @@ static void list_active(struct neighbours *n) {
         if (n->volume[i] > 0.0 && !n->centre[i]) n->id[n->active++] = i;
 }
 
-/* Lists the boundary points, those with volumes first. */
+static int part_of(const struct neighbours_points *points, int b) {
+    bool moves = b >= points->boundary - points->moving;
+    return points->is_wall[b] ? WALLS + moves : PATCHES + moves;
+}
+
+/* Lists the boundary points by parts. */
 static void list_boundary(struct neighbours *n, const struct neighbours_points *points) {
     int count = 0;
-    for (int b = 0; b < points->boundary; b++)
-        if (points->is_wall[b]) n->boundary_id[count++] = b;
-    n->wall_points = count;
-    for (int b = 0; b < points->boundary; b++)
-        if (!points->is_wall[b]) n->boundary_id[count++] = b;
+    for (int part = 0; part < BOUNDARY_PARTS; part++) {
+        n->part[part] = count;
+        for (int b = 0; b < points->boundary; b++)
+            if (part_of(points, b) == part) n->boundary_id[count++] = b;
+    }
+    n->part[BOUNDARY_PARTS] = count;
 }
 
 /* Copies the points and initialises the public view. */
@@ -93,14 +107,17 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     n->view.sample_vertex = samples->vertex, n->view.sample_weight = samples->weight;
 }
 
+static double boundary_reach(const struct neighbours *n, int part) {
+    return part < PATCHES ? n->reach : n->surface_reach;
+}
+
 static pdyn_status create_grids(struct neighbours *n) {
-    int boundary = n->view.points - n->view.particles;
     pdyn_status status = grid_create(n->context, n->centres, n->reach, &n->fluid);
     if (status == PDYN_OK)
         status = grid_create(n->context, n->active - n->centres, n->surface_reach, &n->surface);
-    if (status == PDYN_OK) status = grid_create(n->context, n->wall_points, n->reach, &n->walls);
-    if (status == PDYN_OK)
-        status = grid_create(n->context, boundary - n->wall_points, n->surface_reach, &n->patches);
+    for (int part = 0; part < BOUNDARY_PARTS && status == PDYN_OK; part++)
+        status = grid_create(n->context, n->part[part + 1] - n->part[part], boundary_reach(n, part),
+                             &n->boundary[part]);
     return status;
 }
 
@@ -137,8 +154,7 @@ void neighbours_free(struct neighbours *n) {
     pdyn_context *c = n->context;
     grid_free(c, &n->fluid);
     grid_free(c, &n->surface);
-    grid_free(c, &n->walls);
-    grid_free(c, &n->patches);
+    for (int part = 0; part < BOUNDARY_PARTS; part++) grid_free(c, &n->boundary[part]);
     resize_arrays(n, ARRAYS_FREE);
     FREE_ARRAY(c, n->lists.index, n->lists.capacity);
     visibility_free(n);
@@ -211,7 +227,7 @@ bool neighbours_are_valid(struct neighbours *n, const double *x) {
 /* State of a search: the last neighbourhood in each grid. Particles are processed in the order of
  * their cells, so that the neighbourhood is computed once per cell. */
 struct search {
-    struct grid_cells fluid, surface, walls, patches;
+    struct grid_cells fluid, surface, boundary[BOUNDARY_PARTS];
     int *list; /* the block's part of `index` */
     int used;  /* number of entries */
 };
@@ -227,6 +243,11 @@ static void append(struct neighbours *n, struct search *w, const struct grid *gr
     int found = grid_query(grid, cells, at, reach, i, list, room);
     for (int k = 0; first && k < found && k < room; k++) list[k] += first;
     w->used += found;
+}
+
+static void append_boundary(struct neighbours *n, struct search *w, const double *at, int part) {
+    append(n, w, &n->boundary[part], &w->boundary[part], at, -1, boundary_reach(n, part),
+           n->view.particles);
 }
 
 /* The particle of a slot: slots are particles in the order of their cells, centres first. */
@@ -249,10 +270,11 @@ static void fill_lists(void *arg, int first, int last, int block) {
         n->lists.surface_start[i] = begin + w.used;
         if (near_surfaces) append(n, &w, &n->surface, &w.surface, at, -1, n->surface_reach, 0);
         n->lists.boundary_start[i] = begin + w.used;
-        if (near_surfaces) append(n, &w, &n->walls, &w.walls, at, -1, n->reach, n->view.particles);
+        for (int part = WALLS; near_surfaces && part < PATCHES; part++)
+            append_boundary(n, &w, at, part);
         n->lists.patch_start[i] = begin + w.used;
-        if (near_surfaces)
-            append(n, &w, &n->patches, &w.patches, at, -1, n->surface_reach, n->view.particles);
+        for (int part = PATCHES; near_surfaces && part < BOUNDARY_PARTS; part++)
+            append_boundary(n, &w, at, part);
         n->lists.end[i] = begin + w.used;
     }
     n->used[block] = w.used;
@@ -293,7 +315,7 @@ static pdyn_status fill(struct neighbours *n, const double *x) {
 
 pdyn_status neighbours_build(struct neighbours *n, const double *x) {
     n->built = false;
-    pdyn_status status = n->boundary_shift > 0.0 ? sort_boundary(n) : PDYN_OK;
+    pdyn_status status = n->boundary_shift > 0.0 ? sort_moving(n) : PDYN_OK;
     if (status == PDYN_OK) status = grid_sort(n->context, &n->fluid, n->centres, n->id, x);
     if (status == PDYN_OK)
         status = grid_sort(n->context, &n->surface, n->active - n->centres, n->id + n->centres, x);
@@ -317,7 +339,7 @@ void neighbours_persist(struct neighbours *n, struct snapshot_file *a) {
     visibility_persist(n, a);
     if (!a->view.reading || !n->built || a->status != PDYN_OK) return;
     if (n->moving) memcpy(moving_x(n), n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
-    a->status = sort_boundary(n);
+    a->status = sort_moving(n);
     if (a->status == PDYN_OK) a->status = neighbours_build(n, n->built_x);
 }
 

@@ -100,10 +100,9 @@ static void update_nearest(void *user, int id) {
     q->box = inflate(q->from, q->from, sqrt(squared));
 }
 
-void occlusion_compute_clearance(struct occlusion *s, int i, const double *at) {
-    double far = 0.5 * s->reach;
+void occlusion_compute_clearance(struct occlusion *s, int i, const double *at, double most) {
     struct query q = {
-        .occlusion = s, .from = at, .box = inflate(at, at, far), .nearest = far * far};
+        .occlusion = s, .from = at, .box = inflate(at, at, most), .nearest = most * most};
     bvh_visit(&s->tree, &q.box, 0, update_nearest, &q);
     s->clearance[i] = sqrt(q.nearest);
 }
@@ -144,6 +143,10 @@ static void test_blocking(void *user, int id) {
     q->blocked |= segment_meets_triangle(d, c);
 }
 
+bool occlusion_is_clear(const struct occlusion *s, int i, double distance) {
+    return s->clearance[i] >= distance;
+}
+
 bool occlusion_is_near(const struct occlusion *s, int i) {
     return s->clearance[i] < 0.5 * s->reach;
 }
@@ -152,8 +155,9 @@ bool occlusion_is_near(const struct occlusion *s, int i) {
  * no search is needed. */
 bool occlusion_blocks(const struct occlusion *s, int i, const double *a, int j, const double *b) {
     struct query q = {.occlusion = s, .from = i < j ? a : b, .to = i < j ? b : a};
-    double room = s->clearance[i] + s->clearance[j];
-    if (room >= vec3_distance(q.from, q.to)) return false;
+    double distance = vec3_distance(q.from, q.to);
+    if (occlusion_is_clear(s, i, distance) || s->clearance[i] + s->clearance[j] >= distance)
+        return false;
     q.box = box_empty;
     box_add(&q.box, q.from), box_add(&q.box, q.to);
     bvh_visit(&s->tree, &q.box, 0, test_blocking, &q);

@@ -18,7 +18,7 @@ struct occlusion {
     struct bvh tree;    /* hierarchy of these boxes */
     const double *x;    /* positions of the particles of the system, m; not copied */
     double reach;       /* m, largest distance of a pair */
-    double *clearance;  /* points, m: distance to the nearest triangle, at most reach / 2 */
+    double *clearance;  /* points, m: distance to the nearest triangle, at most reach */
 };
 
 /* Creates the state for pairs up to `reach`, m, apart. *out is NULL if no body has a surface. */
@@ -30,9 +30,14 @@ void occlusion_free(struct occlusion *occlusion);
  * contains at least one point of every pair tested. */
 void occlusion_update(struct occlusion *occlusion, const double *x, const struct box *around);
 
-/* Computes the clearance of point i at `position`, m. Needed for both points of a pair before
- * occlusion_blocks. */
-void occlusion_compute_clearance(struct occlusion *occlusion, int i, const double *position);
+/* Computes the clearance of point i at `position`, m, at most `most`: half of the reach, so that
+ * two far points see each other, or all of it, so that one is enough. Needed for both points of a
+ * pair before occlusion_blocks, but not for the second one if the first is clear. */
+void occlusion_compute_clearance(struct occlusion *occlusion, int i, const double *position,
+                                 double most);
+
+/* Whether no surface is closer to point i, measured before, than `distance`, m. */
+bool occlusion_is_clear(const struct occlusion *occlusion, int i, double distance);
 
 /* Whether point i, measured before, is within reach / 2 of a surface. */
 bool occlusion_is_near(const struct occlusion *occlusion, int i);

@@ -23,6 +23,7 @@ static bool resize_arrays(struct neighbours *n, enum array_action action) {
         ARRAY(v->previous.start, n->view.particles),
         ARRAY(v->previous.surface_start, n->view.particles),
         ARRAY(v->granted, n->view.particles),
+        ARRAY(v->doubtful, n->view.points - n->view.particles),
     };
     return context_arrays(n->context, table, ARRAY_ROWS(table), action);
 }
@@ -129,9 +130,38 @@ static void find_clearances(void *arg, int first, int last, int block) {
     (void)block;
     const struct neighbours *n = arg;
     for (int k = first; k < last; k++) {
-        int i = k < n->active ? n->id[k] : n->view.particles + k - n->active;
-        if (can_hide(n, i))
-            occlusion_compute_clearance(n->visibility.occlusion, i, frozen_position(n, i));
+        int i = n->id[k];
+        bool alone = n->lists.boundary_start[i] == n->lists.end[i];
+        occlusion_compute_clearance(n->visibility.occlusion, i, frozen_position(n, i),
+                                    alone ? 0.5 * n->reach : n->reach);
+    }
+}
+
+/* Marks the boundary points that a surface may hide from a centre: few of those of a large room. */
+static void mark_doubtful(void *arg, int first, int last, int block) {
+    (void)block;
+    struct neighbours *n = arg;
+    for (int k = first; k < last; k++) {
+        int i = n->id[k];
+        for (int s = n->lists.boundary_start[i]; s < n->lists.end[i]; s++) {
+            int j = n->lists.index[s];
+            double r = vec3_distance(frozen_position(n, i), frozen_position(n, j));
+            if (!occlusion_is_clear(n->visibility.occlusion, i, r))
+                atomic_store_explicit(&n->visibility.doubtful[j - n->view.particles], true,
+                                      memory_order_relaxed);
+        }
+    }
+}
+
+static void find_doubtful_clearances(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct neighbours *n = arg;
+    for (int b = first; b < last; b++) {
+        int j = n->view.particles + b;
+        if (!n->visibility.doubtful[b]) continue;
+        occlusion_compute_clearance(n->visibility.occlusion, j, frozen_position(n, j),
+                                    0.5 * n->reach);
+        n->visibility.doubtful[b] = false;
     }
 }
 
@@ -182,7 +212,9 @@ void visibility_filter_lists(struct neighbours *n) {
     if (!v->occlusion) return;
     for (int k = 0; k < n->centres; k++) box_add(&centres, frozen_position(n, n->id[k]));
     occlusion_update(v->occlusion, v->frozen_x, &centres);
-    pool_for(n->context->pool, n->active + boundary, NEIGHBOURS_GRAIN, find_clearances, n);
+    pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, find_clearances, n);
+    pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, mark_doubtful, n);
+    pool_for(n->context->pool, boundary, BOUNDARY_GRAIN, find_doubtful_clearances, n);
     pool_for(n->context->pool, n->centres, NEIGHBOURS_GRAIN, hide, n);
     v->frozen = v->complete = true;
 }
