@@ -227,7 +227,12 @@ static void project_to_nan(const void *par, const pdyn_batch *b, int first, int 
     for (int k = 3 * first; k < 3 * last; k++) b->p[k] = NAN;
 }
 
-static const char sheet[] = SCENE("'duration': 1",
+static void tangent_to_nan(const void *par, const pdyn_batch *b, int first, int last, double *J) {
+    (void)par, (void)b;
+    for (int k = 0; k < 9 * (last - first); k++) J[k] = NAN;
+}
+
+static const char sheet[] = SCENE("'duration': 1, 'solver': {'retries': 0}",
                                   GRID_SHEET("'name': 'b', ", "1, 1", "3, 3", "'area_density': 1",
                                              "{'type': 'mine', 'stiffness': 1}"),
                                   "");
@@ -240,7 +245,9 @@ static pdyn_status load_rows(pdyn_context *context, int count, int column, doubl
     elements_of_all = count, column_of_all = column;
     coefficient_of_all = coefficient, weight_of_all = weight;
     type = good, type.elements = some_elements, type.select = some_select;
-    type.weight = some_weight, type.project = project_to_nan;
+    type.weight = some_weight;
+    if (coefficient_of_all == 1.0) type.project = project_to_nan;
+    else type.tangent = tangent_to_nan;
     assert_int_equal(pdyn_register(context, &plugin), PDYN_OK);
     return pdyn_load_text(context, quoted(sheet), "sheet", NULL, 0, sim);
 }
@@ -265,17 +272,23 @@ static void test_rows(void **state) {
     refuse_rows(2, 0, 1.0, NAN, "expected a finite one of at least 0");
 }
 
-/* A projection that is not finite ends the run with a message. */
+/* A projection (coefficient 1) or a tangent (2) that is not finite ends the run with a message. */
 static void test_not_finite(void **state) {
     (void)state;
-    pdyn_context *context = test_context(1);
-    pdyn_sim *sim;
-    assert_int_equal(load_rows(context, 2, 0, 1.0, 1.0, &sim), PDYN_OK);
-    assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
-    assert_non_null(strstr(pdyn_last_error(context),
-                           "the energy of constraint \"mine\" on body \"b\" is not finite"));
-    pdyn_free(sim);
-    pdyn_destroy(context);
+    static const char *const what[] = {"energy", "tangent"};
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim;
+        char expected[128];
+        assert_int_equal(load_rows(context, 2, 0, 1.0 + k, 1e6, &sim), PDYN_OK);
+        assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+        snprintf(expected, sizeof expected,
+                 "the %s of constraint \"mine\" on body \"b\" is not finite", what[k]);
+        if (!strstr(pdyn_last_error(context), expected))
+            fail_msg("expected \"%s\" in \"%s\"", expected, pdyn_last_error(context));
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
 }
 
 /* ---- what a solver is given ------------------------------------------------------------------ */

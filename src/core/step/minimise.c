@@ -10,6 +10,39 @@
 #include "start_point.h"
 
 #include <math.h>
+#include <string.h>
+
+/* ---- failures ---------------------------------------------------------------------------- */
+
+static pdyn_status fail_not_finite(const struct pdyn_sim *sim, const char *what,
+                                   const struct batch *b) {
+    if (!b) return context_fail(sim->context, PDYN_DIVERGED, "the %s is not finite", what);
+    return context_fail(sim->context, PDYN_DIVERGED,
+                        "the %s of constraint \"%s\" on body \"%s\" is not finite", what,
+                        b->type->name, b->view.body->name);
+}
+
+/* The error names the constraint whose energy is not finite. */
+static pdyn_status fail_energy(const struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->objective.batches; b++)
+        if (!isfinite(sim->objective.batch[b]->energy))
+            return fail_not_finite(sim, "energy", sim->objective.batch[b]);
+    return fail_not_finite(sim, "energy", NULL);
+}
+
+/* Looks for a constraint with a tangent that is not finite: no solver finds a direction then. */
+static pdyn_status check_tangents(struct pdyn_sim *sim) {
+    struct objective *objective = &sim->objective;
+    const double *u = objective_extended(objective, sim->gradient);
+    double *product = sim->trial_gradient;
+    for (int b = 0; b < objective->batches; b++) {
+        memset(product, 0, objective_bytes(objective));
+        batch_apply(objective->batch[b], u, product);
+        if (!isfinite(objective_dot(objective, product, product)))
+            return fail_not_finite(sim, "tangent", objective->batch[b]);
+    }
+    return PDYN_OK;
+}
 
 /* ---- one iteration ----------------------------------------------------------------------- */
 
@@ -51,6 +84,8 @@ static pdyn_status iteration(struct pdyn_sim *sim, struct progress *p, bool *mov
     pdyn_status status = iterate_update_limits(sim, sim->x_next);
     if (status == PDYN_OK)
         status = global_step(sim, first ? 0.0 : sim->eps, first_solve, &p->linear);
+    if (status == PDYN_OK && !(objective_norm(&sim->objective, sim->direction) > 0.0))
+        status = check_tangents(sim);
     if (status == PDYN_OK) status = line_search(sim, p->before, &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
@@ -88,18 +123,6 @@ static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {
            !(sim->objective.contact && sim->objective.contact->lagging);
 }
 
-/* The error names the constraint whose energy is not finite. */
-static pdyn_status fail_not_finite(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->objective.batches; b++) {
-        const struct batch *batch = sim->objective.batch[b];
-        if (!isfinite(batch->energy))
-            return context_fail(sim->context, PDYN_DIVERGED,
-                                "the energy of constraint \"%s\" on body \"%s\" is not finite",
-                                batch->type->name, batch->view.body->name);
-    }
-    return context_fail(sim->context, PDYN_DIVERGED, "the energy is not finite");
-}
-
 /* Local and global steps in turn until the step residual is small enough. */
 pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *settings = &sim->scene.settings;
@@ -112,7 +135,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
         p->residual = objective_residual(&sim->objective, sim->gradient);
-        if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_not_finite(sim);
+        if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_energy(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (is_solved(sim, p) || p->outer >= settings->outer_iterations) break;
