@@ -174,8 +174,12 @@ class Scene:
         if r.random() < 0.05:
             water["overlap"] = "keep"
         if r.random() < 0.12:
-            water["inlets"] = [{"rectangle": {"center": [0, y, 0], "size": [4 * radius, 4 * radius]},
-                                "direction": direction(r), "speed": log_uniform(r, 0.1, 10)}]
+            inlet = {"rectangle": {"center": [0, y, 0], "size": [4 * radius, 4 * radius]},
+                     "direction": direction(r), "speed": log_uniform(r, 0.1, 10)}
+            if r.random() < 0.3:
+                inlet["speed"] = [{"time": self.json["duration"] * t, "speed": r.choice([0, 1]) * inlet["speed"]}
+                                  for t in (0, r.uniform(0.1, 0.5), r.uniform(0.6, 1))]
+            water["inlets"] = [inlet | self.motion()]
             water["budget"] = r.randint(5, 200)
             self.open_system = self.streams = True
         if r.random() < 0.1:

@@ -186,6 +186,27 @@ class Control(unittest.TestCase):
             pass
         self.assertGreater(sim.bodies["sheet"].x[:, 1].min(), 0.05)
 
+    def test_an_inlet_opens_moves_and_shuts(self):
+        scene = projdyn.Scene(threads=1, gravity=[0, 0, 0])
+        scene.add_fluid(name="jet", radius=0.01, budget=2000, fluid={"sound_speed": 20}, inlets=[
+            {"rectangle": {"center": [0, 0, 0], "size": [0.06, 0.06]}, "direction": [1, 0, 0],
+             "speed": [{"time": 0, "speed": 0}], "motion": [{"time": 0}]}])
+        sim = scene.load()
+        jet = sim.bodies["jet"]
+        inlet, = jet.inlets
+        inlet.set_speed(2)
+        for _ in sim.run(until=0.1):
+            pass
+        inlet.move(0.2, translate=[0, 0.05, 0])
+        inlet.set_speed(0, time=0.2)
+        for info in sim.run(until=0.4):
+            pass
+        self.assertEqual(info.particles, 9 * (2 + 0.3 / 0.02))
+        x = jet.x[jet.live]
+        self.assertAlmostEqual(x[x[:, 0] < 0.011, 1].mean(), 0.05)  # the plug in the opening
+        with self.assertRaisesRegex(projdyn.InputError, "inlet 0 of body \"jet\": expected a speed"):
+            inlet.set_speed(-1)
+
     def test_what_cannot_be_assigned(self):
         sim = hanging_sheet().load()
         spring = sim.constraints["sheet", "spring"]
