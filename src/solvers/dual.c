@@ -20,7 +20,7 @@
  * Bounds: multipliers may become negative during the iteration, up to a share of the step. Beyond
  * it they are clipped, and conjugate directions start again. */
 #include "memory.h"
-#include "projdyn/module.h"
+#include "multipliers.h"
 #include "rest_solve.h"
 
 #include <math.h>
@@ -29,13 +29,7 @@
 /* Share of a step, in the norm of S's diagonal, that may lie beyond the bounds. */
 static const double max_beyond = 0.05;
 
-/* Constraints below minus this (a relative density, for a fluid) stay out of a solve; the next
- * local step evaluates them again. */
-static const double max_room = 0.1;
-
-/* GRAIN: constraints or particles of a parallel block. SUMS: partial sums of a block.
- * MAX_PER_PARTICLE: a saved state has at most so many multipliers for each particle. */
-enum { GRAIN = 2048, SUMS = 4, MAX_PER_PARTICLE = 16 };
+enum { GRAIN = 2048 }; /* particles of a parallel block */
 
 /* Beside rows: reduction of the residual of A at the ends of a solve and within it; beside cloth
  * and solids, too, reduction of the gradient's estimate in a solve, at least, and the largest
@@ -59,72 +53,16 @@ struct dual {
     int products;    /* with A in this solve */
     int parts;       /* matrix-free constraints of the model; theirs follow each other below */
     struct part *part;
-    int count;
-    double *multiplier; /* count: lambda, kept from step to step */
-    double *value;      /* count: C at the last local step */
-    double *stiffness;  /* count: K of the damped model, N/m */
-    double *squares;    /* count: |grad C|^2 */
-    double *g;          /* count: C + G d - lambda / k: the residual */
-    double *p, *q;      /* count: direction; S times it */
-    double *inverse;    /* count: of S's diagonal */
-    bool *in;           /* count: takes part in the solve */
-    double *d;          /* particles x 3: the displacement by the multipliers */
-    double *sums;       /* SUMS partial sums for each parallel block */
-    double target;      /* of the gradient's estimate, N */
+    struct multipliers m;
+    struct multipliers_step last; /* what is known after the last step of lambda */
+    double *d;                    /* particles x 3: the displacement by the multipliers */
+    double target;                /* of the gradient's estimate, N */
 };
-
-struct call {
-    struct dual *s;
-    const struct part *part;
-    double scale;
-    const double *in;
-    double *out;
-};
-
-/* Allocates or frees the arrays of `count` constraints. */
-static bool resize_constraints(struct dual *s, bool allocate) {
-    const pdyn_services *services = s->model->services;
-    size_t count = (size_t)s->count, sums = SUMS * (size_t)block_count(s->count, GRAIN);
-    struct {
-        void **array;
-        size_t bytes;
-    } all[] = {
-        {(void **)&s->multiplier, count * sizeof *s->multiplier},
-        {(void **)&s->value, count * sizeof *s->value},
-        {(void **)&s->stiffness, count * sizeof *s->stiffness},
-        {(void **)&s->squares, count * sizeof *s->squares},
-        {(void **)&s->g, count * sizeof *s->g},
-        {(void **)&s->p, count * sizeof *s->p},
-        {(void **)&s->q, count * sizeof *s->q},
-        {(void **)&s->inverse, count * sizeof *s->inverse},
-        {(void **)&s->in, count * sizeof *s->in},
-        {(void **)&s->sums, sums * sizeof *s->sums},
-    };
-    bool good = true;
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k].array =
-            services->allocate(services->core, *all[k].array, allocate ? 0 : all[k].bytes,
-                               allocate ? all[k].bytes : 0);
-        good &= *all[k].array != NULL;
-    }
-    return good;
-}
-
-/* The number of constraints is known after the first local step. After a failure there are none. */
-static pdyn_status reserve(struct dual *s, int count) {
-    if (count == s->count) return PDYN_OK;
-    resize_constraints(s, false);
-    s->count = count;
-    if (!count || resize_constraints(s, true)) return PDYN_OK;
-    resize_constraints(s, false);
-    s->count = 0;
-    return PDYN_NO_MEMORY;
-}
 
 static void release(void *self) {
     struct dual *s = self;
     if (!s->model) return;
-    reserve(s, 0);
+    multipliers_reserve(&s->m, 0);
     FREE(s->model->services, s->part, s->parts);
     FREE(s->model->services, s->u, vector_size(s->model));
     FREE(s->model->services, s->rhs, vector_size(s->model));
@@ -143,7 +81,7 @@ static int suits(const pdyn_model *model, const char **reason) {
 
 static pdyn_status create(void *self, pdyn_model *model) {
     struct dual *s = self;
-    s->model = model, s->parts = model->one_sided_count;
+    s->model = model, s->parts = model->one_sided_count, s->m.services = model->services;
     s->part = NEW(model->services, s->parts, struct part);
     if (!s->part) return PDYN_NO_MEMORY;
     pdyn_status status = rest_solve_create(&s->rest, model);
@@ -154,22 +92,21 @@ static pdyn_status create(void *self, pdyn_model *model) {
     return s->u && s->rhs ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* ---- loops over constraints and particles ---------------------------------------------------- */
+/* ---- products with G and A ------------------------------------------------------------------- */
 
-static void for_all(struct dual *s, int count, pdyn_range_fn *fn, double scale, const double *in,
-                    double *out) {
-    struct call call = {s, NULL, scale, in, out};
-    s->model->services->parallel_for(s->model->services->core, count, GRAIN, fn, &call);
+struct call {
+    const struct dual *s;
+    double scale;
+    const double *in;
+    double *out;
+};
+
+static void for_particles(struct dual *s, pdyn_range_fn *fn, double scale, const double *in,
+                          double *out) {
+    struct call call = {s, scale, in, out};
+    s->model->services->parallel_for(s->model->services->core, s->model->particles, GRAIN, fn,
+                                     &call);
 }
-
-static double sum_of(const struct dual *s, int which) {
-    double sum = 0.0;
-    for (int b = 0; b < block_count(s->count, GRAIN); b++) sum += s->sums[SUMS * b + which];
-    return sum;
-}
-
-/* fmax without its rules for NaN, which make it a function call. */
-static double larger(double a, double b) { return a > b ? a : b; }
 
 /* y += G' multiplier */
 static void add_force(struct dual *s, const double *multiplier, double *y) {
@@ -181,7 +118,7 @@ static void add_force(struct dual *s, const double *multiplier, double *y) {
 static void compute_rate(struct dual *s, const double *u) {
     for (int k = 0; k < s->parts; k++) {
         int first = s->part[k].first;
-        s->model->rate(s->model, k, s->in + first, u, s->q + first);
+        s->model->rate(s->model, k, s->m.in + first, u, s->m.q + first);
     }
 }
 
@@ -203,7 +140,7 @@ static void add_scaled(void *arg, int first, int last, int block) {
 static void compute_force(struct dual *s, const double *b, const double *multiplier, double *out) {
     memset(out, 0, 3 * (size_t)s->model->particles * sizeof *out);
     add_force(s, multiplier, out);
-    for_all(s, s->model->particles, subtract_from, 0.0, b, out);
+    for_particles(s, subtract_from, 0.0, b, out);
 }
 
 /* d = A^-1 (b - G' multiplier), to rel_tol */
@@ -226,158 +163,59 @@ static void clear_free(void *arg, int first, int last, int block) {
 static void correct_displacement(struct dual *s, const double *b, const double *multiplier) {
     pdyn_model *rest = s->rest.model;
     compute_force(s, b, multiplier, s->rhs);
-    for_all(s, s->model->particles, clear_free, 0.0, NULL, s->d);
+    for_particles(s, clear_free, 0.0, NULL, s->d);
     rest->product(rest, s->d, s->u);
-    rest->for_particles(rest, GRAIN, add_scaled, &(struct call){s, NULL, -1.0, s->u, s->rhs});
+    rest->for_particles(rest, GRAIN, add_scaled, &(struct call){s, -1.0, s->u, s->rhs});
     s->products += rest_solve_apply(&s->rest, s->rhs, s->u, end_tolerance);
-    for_all(s, s->model->particles, add_scaled, 1.0, s->u, s->d);
+    for_particles(s, add_scaled, 1.0, s->u, s->d);
 }
 
-/* lambda - K max(0, C): the change of the force of constraint i relative to the last local step. */
-static double multiplier_change(const struct dual *s, int i) {
-    return s->multiplier[i] - s->stiffness[i] * larger(0.0, s->value[i]);
-}
-
-static void start_constraints(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct dual *s = c->s;
-    const struct part *part = c->part;
-    const pdyn_body *body = part->body;
-    for (int k = first; k < last; k++) {
-        int i = part->first + k, particle = body->first + (k < body->count ? k : 0);
-        double w = (1.0 - s->model->eps) * part->at.stiffness[k];
-        s->value[i] = part->at.value[k], s->squares[i] = part->at.squares[k];
-        s->stiffness[i] = w, s->in[i] = w > 0.0;
-        if (!s->in[i]) s->multiplier[i] = 0.0;
-        s->inverse[i] =
-            s->in[i] ? 1.0 / (1.0 / w + s->rest.mobility[particle] * s->squares[i]) : 0.0;
-        s->p[i] = multiplier_change(s, i);
-    }
-}
-
-/* g at the start, where q = G d. Constraints far below 0 are left out of the solve. */
-static void compute_residual(void *arg, int first, int last, int block) {
-    (void)block;
-    struct dual *s = ((const struct call *)arg)->s;
-    for (int i = first; i < last; i++) {
-        s->g[i] = s->value[i] + s->q[i];
-        if (s->in[i]) s->g[i] -= s->multiplier[i] / s->stiffness[i];
-        s->in[i] = s->in[i] && (s->multiplier[i] > 0.0 || s->g[i] > -max_room);
-        s->p[i] = 0.0;
-    }
-}
-
-/* lambda += scale p, g -= scale q. Partial sums, squared: the part of the step beyond the bounds,
- * the step, the estimate of the model's gradient; and g . z. */
-static void step_along_direction(void *arg, int first, int last, int block) {
-    const struct call *c = arg;
-    struct dual *s = c->s;
-    double beyond = 0.0, all = 0.0, gradient = 0.0, gz = 0.0;
-    for (int i = first; i < last; i++) {
-        if (!s->in[i]) continue;
-        double step = c->scale * s->p[i], D = s->inverse[i];
-        double l = s->multiplier[i] += step, g = s->g[i] -= c->scale * s->q[i];
-        if (l < 0.0) beyond += l * l / D;
-        all += step * step / D;
-        if (l == 0.0 && g <= 0.0) continue;
-        double missing = larger(s->stiffness[i] * g, -l);
-        gradient += missing * missing * s->squares[i];
-        gz += g * g * D;
-    }
-    double *sums = s->sums + SUMS * block;
-    sums[0] = beyond, sums[1] = all, sums[2] = gradient, sums[3] = gz;
-}
-
-/* p = z + scale p; 0 where lambda = 0 and C < 0 stays so */
-static void update_direction(void *arg, int first, int last, int block) {
-    (void)block;
-    const struct call *c = arg;
-    struct dual *s = c->s;
-    for (int i = first; i < last; i++) {
-        bool allowed = s->in[i] && (s->multiplier[i] != 0.0 || s->g[i] > 0.0);
-        s->p[i] = allowed ? s->g[i] * s->inverse[i] + c->scale * s->p[i] : 0.0;
-    }
-}
-
-/* q, which is -G A^-1 G' p, becomes S p. Partial sums: g . p, p . q */
-static void add_compliance(void *arg, int first, int last, int block) {
-    struct dual *s = ((const struct call *)arg)->s;
-    double gp = 0.0, pq = 0.0;
-    for (int i = first; i < last; i++) {
-        s->q[i] = s->in[i] ? s->p[i] / s->stiffness[i] - s->q[i] : 0.0;
-        gp += s->g[i] * s->p[i], pq += s->p[i] * s->q[i];
-    }
-    s->sums[SUMS * block] = gp, s->sums[SUMS * block + 1] = pq;
-}
-
-/* q = S p */
-static void multiply(struct dual *s) {
+/* q = S p. Returns p . q and, in *gp, g . p. */
+static double multiply(struct dual *s, double *gp) {
     double *u = s->rest.exact ? s->d : s->u;
-    compute_displacement(s, NULL, s->p, inner_tolerance, u);
+    compute_displacement(s, NULL, s->m.p, inner_tolerance, u);
     compute_rate(s, u);
-    for_all(s, s->count, add_compliance, 0.0, NULL, NULL);
+    return multipliers_add_compliance(&s->m, gp);
 }
 
 /* lambda += scale p, and what follows from it. */
 static void advance(struct dual *s, double scale) {
-    for_all(s, s->count, step_along_direction, scale, NULL, NULL);
-    if (!s->rest.exact) for_all(s, s->model->particles, add_scaled, scale, s->u, s->d);
+    s->last = multipliers_advance(&s->m, scale);
+    if (!s->rest.exact) for_particles(s, add_scaled, scale, s->u, s->d);
 }
 
-/* p = the step from lambda to the bounds */
-static void compute_clipping(void *arg, int first, int last, int block) {
-    (void)block;
-    struct dual *s = ((const struct call *)arg)->s;
-    for (int i = first; i < last; i++) s->p[i] = larger(0.0, -s->multiplier[i]);
-}
-
-/* Clips negative multipliers, and updates g. */
+/* Clips negative multipliers. */
 static void clip_multipliers(struct dual *s) {
-    for_all(s, s->count, compute_clipping, 0.0, NULL, NULL);
-    multiply(s);
+    double unused;
+    multipliers_find_clipping(&s->m);
+    multiply(s, &unused);
     advance(s, 1.0);
-}
-
-/* p = change of the multipliers, clipped */
-static void compute_change(void *arg, int first, int last, int block) {
-    (void)block;
-    struct dual *s = ((const struct call *)arg)->s;
-    for (int i = first; i < last; i++) {
-        s->multiplier[i] = larger(0.0, s->multiplier[i]);
-        s->p[i] = multiplier_change(s, i);
-    }
 }
 
 /* ---- the solve ------------------------------------------------------------------------------- */
 
 static void start(struct dual *s, const double *b) {
-    const pdyn_services *services = s->model->services;
-    for (int k = 0; k < s->parts; k++) {
-        struct call call = {.s = s, .part = &s->part[k]};
-        services->parallel_for(services->core, s->part[k].at.count, GRAIN, start_constraints,
-                               &call);
-    }
-    compute_displacement(s, b, s->p, end_tolerance, s->d);
+    for (int k = 0; k < s->parts; k++)
+        multipliers_start(&s->m, s->part[k].first, &s->part[k].at, s->part[k].body, s->model->eps,
+                          s->rest.mobility);
+    compute_displacement(s, b, s->m.p, end_tolerance, s->d);
     compute_rate(s, s->d);
-    for_all(s, s->count, compute_residual, 0.0, NULL, NULL);
-    memset(s->q, 0, (size_t)s->count * sizeof *s->q);
-    for_all(s, s->count, step_along_direction, 0.0, NULL, NULL);
-    if (s->limited) s->target = fmin(s->target, max_reduction * sqrt(sum_of(s, 2)));
+    multipliers_compute_residual(&s->m);
+    s->last = multipliers_advance(&s->m, 0.0);
+    if (s->limited) s->target = fmin(s->target, max_reduction * sqrt(s->last.gradient));
 }
 
 static void iterate(struct dual *s, int max_iterations, int *iterations) {
-    double before = 0.0;
-    while (sum_of(s, 2) > s->target * s->target && *iterations < max_iterations) {
-        double gz = sum_of(s, 3);
-        for_all(s, s->count, update_direction, before > 0.0 ? gz / before : 0.0, NULL, NULL);
+    double before = 0.0, gp;
+    while (s->last.gradient > s->target * s->target && *iterations < max_iterations) {
+        double gz = s->last.gz;
+        multipliers_update_direction(&s->m, before > 0.0 ? gz / before : 0.0);
         before = gz;
-        multiply(s);
-        double curvature = sum_of(s, 1);
+        double curvature = multiply(s, &gp);
         if (!(curvature > 0.0)) return; /* g is 0, or not finite */
-        advance(s, sum_of(s, 0) / curvature);
+        advance(s, gp / curvature);
         ++*iterations;
-        if (sum_of(s, 0) > max_beyond * sum_of(s, 1)) clip_multipliers(s), before = 0.0;
+        if (s->last.beyond > max_beyond * s->last.all) clip_multipliers(s), before = 0.0;
     }
 }
 
@@ -394,7 +232,7 @@ static int find_parts(struct dual *s) {
 
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct dual *s = self;
-    pdyn_status status = reserve(s, find_parts(s));
+    pdyn_status status = multipliers_reserve(&s->m, find_parts(s));
     if (status != PDYN_OK) return status;
     s->d = y;
     s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));
@@ -404,38 +242,21 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     int most =
         s->limited && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
     iterate(s, most, iterations);
-    for_all(s, s->count, compute_change, 0.0, NULL, NULL);
-    if (s->rest.exact) compute_displacement(s, b, s->p, 0.0, s->d);
-    else correct_displacement(s, b, s->p);
+    multipliers_find_change(&s->m);
+    if (s->rest.exact) compute_displacement(s, b, s->m.p, 0.0, s->d);
+    else correct_displacement(s, b, s->m.p);
     *iterations += s->products;
     return PDYN_OK;
 }
 
 static void forget(void *self) {
-    struct dual *s = self;
-    if (s->multiplier) memset(s->multiplier, 0, (size_t)s->count * sizeof *s->multiplier);
-}
-
-static pdyn_status fail_invalid(const struct dual *s, const char *message) {
-    const pdyn_services *services = s->model->services;
-    return services->set_error(services->core, PDYN_BAD_INPUT, message);
+    struct multipliers *m = &((struct dual *)self)->m;
+    if (m->lambda) memset(m->lambda, 0, (size_t)m->count * sizeof *m->lambda);
 }
 
 static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct dual *s = self;
-    int count = s->count;
-    bool valid = true;
-    snapshot->bytes(snapshot, &count, sizeof count);
-    if (snapshot->reading && (count < 0 || count / MAX_PER_PARTICLE > s->model->particles))
-        return fail_invalid(s, "not a saved state of this scene: the number of multipliers is out "
-                               "of range");
-    if (snapshot->reading && reserve(s, count) != PDYN_OK) return PDYN_NO_MEMORY;
-    if (count) snapshot->bytes(snapshot, s->multiplier, (size_t)count * sizeof *s->multiplier);
-    if (!snapshot->reading) return PDYN_OK;
-    for (int i = 0; i < count; i++) valid &= s->multiplier[i] >= 0.0 && isfinite(s->multiplier[i]);
-    return valid ? PDYN_OK
-                 : fail_invalid(s, "not a saved state of this scene: a multiplier is negative or "
-                                   "not finite");
+    return multipliers_persist(&s->m, s->model->particles, snapshot);
 }
 
 const pdyn_global_solver pdyn_solver_dual = {
