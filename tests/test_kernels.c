@@ -5,6 +5,7 @@
 #include "geometry/compress.h"
 #include "projdyn/kernel.h"
 #include "scene/choices.h"
+#include "sph/point_volumes.h"
 
 #include "projdyn/vec3.h"
 
@@ -174,8 +175,7 @@ static void test_surface_volumes(void **state) {
     double x[3 * 60], volume[60];
     uint64_t seed = 5;
     for (int k = 0; k < 180; k++) x[k] = 0.1 * test_random(&seed);
-    assert_int_equal(neighbours_surface_volumes(context, 60, x, model_at(0), 0.08, volume),
-                     PDYN_OK);
+    assert_int_equal(point_volumes(context, 60, x, model_at(0), 0.08, volume), PDYN_OK);
     for (int i = 0; i < 60; i++) {
         double sum = 0.0;
         for (int j = 0; j < 60; j++) sum += spline(vec3_distance(x + 3 * i, x + 3 * j), 0.08);

@@ -1,7 +1,7 @@
 /* The boundary models "surface" and "points". */
 #include "boundary.h"
 
-#include "neighbours.h"
+#include "point_volumes.h"
 #include "projdyn/kernel.h"
 #include "scene/choices.h"
 
@@ -36,8 +36,7 @@ pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampl
     double spacing = sampling->spacing;
     double factor = surface_kernel_farther(kernel, fmin(0.5 * sampling->thickness / spacing, 0.3));
     if (model->volumes)
-        return neighbours_surface_volumes(context, count, x, kernel, kernel->support * spacing,
-                                          volume);
+        return point_volumes(context, count, x, kernel, kernel->support * spacing, volume);
     for (int k = 0; k < count; k++) volume[k] = factor * area[k] * spacing;
     return PDYN_OK;
 }

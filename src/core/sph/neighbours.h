@@ -36,7 +36,8 @@ struct neighbours_points { /* input of neighbours_create; all arrays are copied 
 
 /* Creates neighbour lists. samples: the last particles, or NULL; must stay valid. Memory: 129 bytes
  * per particle, 108 per boundary point, 24 more if it may move, and 5 per neighbour (about 55 per
- * particle); with surfaces 40 more per particle and 4 more per neighbour. */
+ * particle); with surfaces 40 more per particle, 1 more per boundary point and 4 more per
+ * neighbour. */
 pdyn_status neighbours_create(pdyn_context *context, const struct neighbours_points *points,
                               const struct surface_samples *samples, struct neighbours **out);
 void neighbours_free(struct neighbours *neighbours);
@@ -79,11 +80,5 @@ void neighbours_visit(const struct neighbours *neighbours, const double *at, dou
                       grid_visit_fn *visit, void *user);
 
 const pdyn_neighbours *neighbours_view(const struct neighbours *neighbours);
-
-/* Rest volumes of points on a surface, 1 / sum_k W (Akinci et al. 2012), m^3. x: points x 3, m;
- * support: of W, m. */
-pdyn_status neighbours_surface_volumes(pdyn_context *context, int points, const double *x,
-                                       const struct kernel_model *model, double support,
-                                       double *volume);
 
 #endif

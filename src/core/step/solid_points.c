@@ -4,6 +4,7 @@
 #include "kinematic_solids.h"
 #include "sim.h"
 #include "sph/boundary.h"
+#include "sph/point_volumes.h"
 
 #include "projdyn/kernel.h"
 
@@ -47,8 +48,8 @@ pdyn_status solid_points_sample(struct pdyn_sim *sim, double spacing) {
 static pdyn_status published_volumes(struct pdyn_sim *sim, int first, int count, double spacing,
                                      double *volume) {
     const struct kernel_model *kernel = sim->scene.settings.kernel;
-    return neighbours_surface_volumes(sim->context, count, sim->boundary.at.x + 3 * (size_t)first,
-                                      kernel, kernel->support * spacing, volume + first);
+    return point_volumes(sim->context, count, sim->boundary.at.x + 3 * (size_t)first, kernel,
+                         kernel->support * spacing, volume + first);
 }
 
 /* Computes the volumes 1 / sum W: of all solids at rest together, and of each moving solid alone,
