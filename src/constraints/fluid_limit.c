@@ -39,7 +39,11 @@ static struct box box_around(const struct fluid *f, const double *x, int first, 
 /* Limit for a point without listed neighbours among the points in a box, m. */
 static double limit_outside(const struct box *box, const double *at, double spacing) {
     double d[3];
-    for (int a = 0; a < 3; a++) d[a] = fmax(0.0, fmax(box->min[a] - at[a], at[a] - box->max[a]));
+    for (int a = 0; a < 3; a++) {
+        double below = box->min[a] - at[a], above = at[a] - box->max[a];
+        double out = below > above ? below : above; /* fmax would be a function call */
+        d[a] = out > 0.0 ? out : 0.0;
+    }
     return distance_fraction * fmax(spacing, vec3_length(d));
 }
 
