@@ -2,13 +2,15 @@
 #include "support.h"
 
 /* A block of 8 x 5 x 8 particles falls on a sheet that is held at its border. */
-#define POUR(solver, stiffness)                                                                    \
+#define POUR(solver, stiffness) POUR_ON(solver, stiffness, "0.3", "3000")
+#define POUR_ON(solver, stiffness, area_density, stretching)                                       \
     SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'solver': "     \
           "{" solver "}",                                                                          \
           PAIR(FLUID_BOX("'name': 'water', 'velocity': [0, -0.5, 0], ", "0.02",                    \
                          "-0.16, 0.03, -0.16", "0.16, 0.23, 0.16", ", 'stiffness': " stiffness),   \
-               GRID_SHEET("'name': 'sheet', ", "0.5, 0.5", "17, 17", "'area_density': 0.3",        \
-                          PAIR(SPRINGS("3000"), PINS("'border': true")))),                         \
+               GRID_SHEET("'name': 'sheet', ", "0.5, 0.5", "17, 17",                               \
+                          "'area_density': " area_density,                                         \
+                          PAIR(SPRINGS(stretching), PINS("'border': true")))),                     \
           "")
 
 #define ROUGH "'tolerance': 0.3, 'outer_iterations': 100"
@@ -64,6 +66,15 @@ static void test_stiff(void **state) {
     assert_true(fabs(stiff.kinetic - soft.kinetic) < 0.05 * soft.kinetic);
 }
 
+/* Nearly incompressible water, beside a light and soft sheet. */
+static void test_very_stiff(void **state) {
+    (void)state;
+    struct run run = pour(POUR_ON("'outer_iterations': 100", "1e7", "0.05", "1000"),
+                          "solver.type=auto", 1, 0.15);
+    assert_int_equal(run.unsolved, 0);
+    assert_true(run.dual_steps > 0);
+}
+
 /* A step in positions that takes many times the iterations of the last one goes on in pressures. */
 static void test_surprise(void **state) {
     (void)state;
@@ -92,9 +103,8 @@ static void test_threads(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_motion),
-        cmocka_unit_test(test_stiff),
-        cmocka_unit_test(test_surprise),
+        cmocka_unit_test(test_same_motion), cmocka_unit_test(test_stiff),
+        cmocka_unit_test(test_very_stiff),  cmocka_unit_test(test_surprise),
         cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests_name("pressures", tests, NULL, NULL);

@@ -38,6 +38,11 @@ enum { GRAIN = 2048 }; /* particles of a parallel block */
 static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 0.1;
 enum { MAX_COUPLED = 10 };
 
+/* Factor of these tolerances: 1 in the first solves of a step, then less from solve to solve, down
+ * to `finest`. Beside a stiff fluid what a rough solve leaves outweighs what it gains. */
+enum { ROUGH_SOLVES = 7 };
+static const double refinement = 0.5, finest = 0.03;
+
 struct part { /* the scalar constraints of one matrix-free constraint */
     pdyn_one_sided at;
     const pdyn_body *body;
@@ -51,6 +56,8 @@ struct dual {
     double *u, *rhs; /* particles x 3: displacement by p; right side of a solve with A. NULL: not
                         coupled */
     int products;    /* with A in this solve */
+    int solves;      /* in this step, this one included */
+    double rough;    /* factor of the tolerances beside rows in this solve */
     int parts;       /* matrix-free constraints of the model; theirs follow each other below */
     struct part *part;
     struct multipliers m;
@@ -166,14 +173,14 @@ static void correct_displacement(struct dual *s, const double *b, const double *
     for_particles(s, clear_free, 0.0, NULL, s->d);
     rest->product(rest, s->d, s->u);
     rest->for_particles(rest, GRAIN, add_scaled, &(struct call){s, -1.0, s->u, s->rhs});
-    s->products += rest_solve_apply(&s->rest, s->rhs, s->u, end_tolerance);
+    s->products += rest_solve_apply(&s->rest, s->rhs, s->u, s->rough * end_tolerance);
     for_particles(s, add_scaled, 1.0, s->u, s->d);
 }
 
 /* q = S p. Returns p . q and, in *gp, g . p. */
 static double multiply(struct dual *s, double *gp) {
     double *u = s->rest.exact ? s->d : s->u;
-    compute_displacement(s, NULL, s->m.p, inner_tolerance, u);
+    compute_displacement(s, NULL, s->m.p, s->rough * inner_tolerance, u);
     compute_rate(s, u);
     return multipliers_add_compliance(&s->m, gp);
 }
@@ -198,11 +205,11 @@ static void start(struct dual *s, const double *b) {
     for (int k = 0; k < s->parts; k++)
         multipliers_start(&s->m, s->part[k].first, &s->part[k].at, s->part[k].body, s->model->eps,
                           s->rest.mobility);
-    compute_displacement(s, b, s->m.p, end_tolerance, s->d);
+    compute_displacement(s, b, s->m.p, s->rough * end_tolerance, s->d);
     compute_rate(s, s->d);
     multipliers_compute_residual(&s->m);
     s->last = multipliers_advance(&s->m, 0.0);
-    if (s->limited) s->target = fmin(s->target, max_reduction * sqrt(s->last.gradient));
+    if (s->limited) s->target = fmin(s->target, s->rough * max_reduction * sqrt(s->last.gradient));
 }
 
 static void iterate(struct dual *s, int max_iterations, int *iterations) {
@@ -237,10 +244,12 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     s->d = y;
     s->target = stop->rel_tol * sqrt(s->model->dot(s->model, b, b));
     *iterations = s->products = 0;
+    s->solves = stop->first_of_step ? 1 : s->solves + 1;
+    s->rough = fmax(finest, pow(refinement, fmax(0.0, s->solves - ROUGH_SOLVES)));
     rest_solve_update(&s->rest, stop->first_of_step);
     start(s, b);
-    int most =
-        s->limited && stop->max_iterations > MAX_COUPLED ? MAX_COUPLED : stop->max_iterations;
+    int most = stop->max_iterations;
+    if (s->limited) most = (int)fmin(most, MAX_COUPLED / s->rough);
     iterate(s, most, iterations);
     multipliers_find_change(&s->m);
     if (s->rest.exact) compute_displacement(s, b, s->m.p, 0.0, s->d);
