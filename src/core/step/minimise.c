@@ -67,11 +67,11 @@ static double adapt_to_length(double eps, const struct line_step *step) {
     return step->length < 1.0 ? more_damping(eps, 10.0) : less_damping(eps, 10.0);
 }
 
-/* Of a fluid alone it falls from step to step; beside rows every step of a dual solver begins
+/* With a dual solver it falls from step to step; beside rows a step after an unsolved one begins
  * undamped. */
 static double damping_at_start(const struct pdyn_sim *sim) {
     if (!sim->solver->dual) return sim->eps;
-    if (!solves_fluid_alone(sim)) return 0.0;
+    if (!solves_fluid_alone(sim) && sim->unsolved) return 0.0;
     return sim->scene.settings.newton ? less_damping(sim->eps, 4.0) : sim->eps;
 }
 
