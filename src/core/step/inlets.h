@@ -1,8 +1,8 @@
-/* Inlets. A layer of particles appears half a spacing behind the opening, and the inlet moves it
- * with its velocity, whatever stands in front of it, until the next layer appears: it is the piston
- * of the nozzle, and the flow is the area times the speed. Particles of this layer are held: they
- * act on others, have so much inertia in the minimisation that others do not act on them, and have
- * no neighbours on the wall around the opening. */
+/* Inlets. A layer of particles appears one spacing behind the opening, and the inlet moves it with
+ * its velocity, whatever stands in front of it, to half a spacing in front: it is the piston of the
+ * nozzle, and the flow is the area times the speed. Particles of such layers are held: they act on
+ * others, have so much inertia in the minimisation that others do not act on them, and have no
+ * neighbours on the wall around the opening. */
 #ifndef PDYN_INLETS_H
 #define PDYN_INLETS_H
 
