@@ -41,8 +41,9 @@ static double *moving_x(const struct neighbours *n) {
 }
 
 static pdyn_status sort_part(struct neighbours *n, int part) {
-    return grid_sort(n->context, &n->boundary[part], n->part[part + 1] - n->part[part],
-                     n->boundary_id + n->part[part], n->boundary_x);
+    int first = n->part[part], count = n->part[part + 1] - first;
+    if (!count) return PDYN_OK;
+    return grid_sort(n->context, &n->boundary[part], count, n->boundary_id + first, n->boundary_x);
 }
 
 static pdyn_status sort_moving(struct neighbours *n) {
