@@ -61,7 +61,7 @@ struct dual {
     int parts;       /* matrix-free constraints of the model; theirs follow each other below */
     struct part *part;
     struct multipliers m;
-    struct multipliers_step last; /* what is known after the last step of lambda */
+    struct multipliers_step last; /* what the last multipliers_advance returned */
     double *d;                    /* particles x 3: the displacement by the multipliers */
     double target;                /* of the gradient's estimate, N */
 };
