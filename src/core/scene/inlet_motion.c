@@ -103,7 +103,6 @@ void inlet_velocity(const struct scene_inlet *inlet, double time, const double x
 double inlet_top_speed(const struct scene_inlet *inlet, double from, double to) {
     double top = top_flow(inlet, from, to);
     if (!inlet->motion.keys) return top;
-    struct box box = box_around(inlet->layer.x, inlet->layer.count);
-    vec3_add(box.min, -1.0, inlet->motion.pivot), vec3_add(box.max, -1.0, inlet->motion.pivot);
+    struct box box = pose_box(&inlet->motion, inlet->layer.x, inlet->layer.count);
     return top + pose_top_speed(&inlet->motion, &box, from, to);
 }

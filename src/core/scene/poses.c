@@ -98,6 +98,12 @@ static double max_corner_speed(const struct box *box, const struct pose *pose) {
     return speed;
 }
 
+struct box pose_box(const struct scene_motion *motion, const double *x, int count) {
+    struct box box = box_around(x, count);
+    vec3_add(box.min, -1.0, motion->pivot), vec3_add(box.max, -1.0, motion->pivot);
+    return box;
+}
+
 /* Evaluated at both ends of every interval between keys. */
 double pose_top_speed(const struct scene_motion *motion, const struct box *box, double from,
                       double to) {

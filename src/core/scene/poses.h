@@ -2,7 +2,7 @@
 #ifndef PDYN_POSES_H
 #define PDYN_POSES_H
 
-#include "geometry/grid.h"
+#include "geometry/point_list.h"
 #include "scene.h"
 #include "transform.h"
 
@@ -32,6 +32,9 @@ void pose_to_rest(const struct scene_motion *motion, double time, const double x
 
 /* Velocity v, m/s, of a point; arm: from the pivot to it, m. */
 void pose_velocity(const struct pose *pose, const double arm[3], double v[3]);
+
+/* Bounding box, m, of points x, count x 3, at rest, relative to the pivot. */
+struct box pose_box(const struct scene_motion *motion, const double *x, int count);
 
 /* Upper bound of the speed of a point between two times, s: m/s. It is the speed of the corners of
  * a bounding box, m, relative to the pivot at rest, and slightly too large. */

@@ -67,19 +67,12 @@ double kinematic_speed(const struct kinematic_solids *motion, double from, doubl
     return speed;
 }
 
-/* Of its mesh, relative to the pivot. */
-static struct box box_of(const struct scene_solid *solid) {
-    struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
-    vec3_add(box.min, -1.0, solid->motion.pivot), vec3_add(box.max, -1.0, solid->motion.pivot);
-    return box;
-}
-
 double kinematic_top_speed(const struct pdyn_sim *sim) {
     double speed = 0.0;
     for (int s = 0; s < sim->scene.solids; s++) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         if (!solid->motion.keys) continue;
-        const struct box box = box_of(solid);
+        const struct box box = pose_box(&solid->motion, solid->mesh.vertex, solid->mesh.vertices);
         speed =
             fmax(speed, pose_top_speed(&solid->motion, &box, 0.0, sim->scene.settings.duration));
     }
