@@ -34,6 +34,16 @@ pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def
     return status;
 }
 
+/* Counts passes over all rows and over all one-sided constraints. */
+static void count_work(struct objective *o, int rows, int one_sided) {
+    for (int k = 0; k < o->batches; k++) {
+        const struct batch *b = o->batch[k];
+        int64_t entries = b->op ? (int64_t)one_sided * NEIGHBOURHOOD * b->one_sided.at.count
+                                : (int64_t)rows * b->entries;
+        o->work += entries;
+    }
+}
+
 /* ---- energy and gradient --------------------------------------------------------------------- */
 
 static void inertia(void *arg, int first, int last, int block) {
@@ -97,6 +107,7 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     if (status == PDYN_OK && o->contact) status = contact_local(o->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
+    count_work(o, 1, 1);
     o->x = x;
     *energy = objective_partial_sum(o, for_particles(o, inertia, x, NULL, gradient, 0.0));
     residual_forget_loads(o);
@@ -179,6 +190,7 @@ void objective_pull(const struct objective *o, double *y) {
 
 void objective_apply(struct objective *o, const double *u, double *y) {
     u = objective_extended(o, u);
+    count_work(o, 1, 2); /* of one-sided constraints the rates, then the forces */
     for_particles(o, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < o->batches; b++) batch_apply(o->batch[b], u, y);
     objective_pull(o, y);
@@ -186,6 +198,7 @@ void objective_apply(struct objective *o, const double *u, double *y) {
 
 void objective_apply_rest(struct objective *o, int first, int last, const double *u, double *y) {
     u = objective_extended(o, u);
+    count_work(o, 1, 0);
     struct call call = {.objective = o, .a = u, .out = y};
     pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
     for (int b = 0; b < o->batches; b++) batch_apply_rest(o->batch[b], u, y);

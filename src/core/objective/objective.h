@@ -14,7 +14,10 @@
 #include "rows/rigid_matrix.h"
 #include "sph/neighbours.h"
 
+#include <stdint.h>
+
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
+enum { NEIGHBOURHOOD = 15 };    /* entries of rows visited in the time of a density's gradient */
 
 struct objective_body { /* residual: |grad E| / (weight + load) over its particles (residual.h) */
     const pdyn_body *of;
@@ -51,6 +54,8 @@ struct objective {
     double *before;              /* particles x 3: scratch of residual.h; NULL: no loads */
     double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
+    int64_t work; /* entries of G that local steps and products have visited so far; a pass over a
+                     one-sided constraint counts as NEIGHBOURHOOD entries */
 };
 
 /* Makes a batch, the last one of the objective, which has the capacity for it. */

@@ -124,13 +124,19 @@ static pdyn_one_sided one_sided(pdyn_model *model, int k, const pdyn_body **body
     return b->one_sided.at;
 }
 
+/* Constraint k, whose gradients are visited once. */
+static struct batch *visit(pdyn_model *model, int k) {
+    struct batch *b = batch_at(model, is_matrix_free, k);
+    objective_of(model)->work += (int64_t)NEIGHBOURHOOD * b->one_sided.at.count;
+    return b;
+}
+
 static void rate(pdyn_model *model, int k, const bool *which, const double *u, double *out) {
-    batch_rate(batch_at(model, is_matrix_free, k), which,
-               objective_extended(objective_of(model), u), out);
+    batch_rate(visit(model, k), which, objective_extended(objective_of(model), u), out);
 }
 
 static void force(pdyn_model *model, int k, const double *multiplier, double *out) {
-    batch_force(batch_at(model, is_matrix_free, k), multiplier, out);
+    batch_force(visit(model, k), multiplier, out);
     objective_pull(objective_of(model), out);
 }
 

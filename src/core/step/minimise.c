@@ -128,6 +128,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     const struct scene_settings *settings = &sim->scene.settings;
     int linear = 0; /* of the iterations before this one */
     bool moved = true;
+    solver_choice_open(sim);
     measure_weights(sim);
     pdyn_status status = start_point(sim, &p->energy);
     sim->eps = damping_at_start(sim);

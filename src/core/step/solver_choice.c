@@ -8,20 +8,17 @@
 #include <string.h>
 
 enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
-enum { SHORTEST_WAIT = 32, LONGEST_WAIT = 512 }; /* steps between trials */
+enum { SHORTEST_WAIT = 8, LONGEST_WAIT = 512 }; /* steps between trials */
 
-/* Steps with fewer products are not worth a trial. */
-static const double cheap = 30.0;
+/* Steps with fewer linear iterations are not worth a trial. */
+enum { CHEAP = 30 };
 
-/* Time of an iteration of a dual solver, relative to one in positions: it multiplies with the rows
- * or with the constraints, which are parts of H, but has as many vectors. Measured: 0.7 to 1.3. */
-static const double dual_share = 0.9;
+/* A step in positions with more linear iterations than these, and so many times the work of the
+ * last one, goes on in pressures: an impact begins. */
+enum { MANY = 200 };
+static const double surprise = 4.0;
 
-/* A step in positions with more products than these, and so many times those of the last one, goes
- * on in pressures: an impact begins. */
-static const double many = 200.0, surprise = 4.0;
-
-/* An unsolved step counts as so many times its iterations. */
+/* An unsolved step counts as so many times its work. */
 static const double unsolved_penalty = 4.0;
 
 /* ---- which solvers --------------------------------------------------------------------------- */
@@ -144,8 +141,10 @@ static void end_trial(struct pdyn_sim *sim) {
     c->reference = c->slot[c->active].cost;
 }
 
-static double cost_of(const struct solver_choice *c, int iterations) {
-    return iterations * (c->active ? dual_share : 1.0);
+void solver_choice_open(struct pdyn_sim *sim) { sim->choice.opened = sim->objective.work; }
+
+static double work_of_step(const struct pdyn_sim *sim) {
+    return (double)(sim->objective.work - sim->choice.opened);
 }
 
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
@@ -154,11 +153,13 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     if (c->handed_over) activate(sim, !c->active);
     c->handed_over = false;
     struct solver_slot *now = &c->slot[c->active];
-    now->cost = cost_of(c, iterations) * (solved ? 1.0 : unsolved_penalty);
+    double cost = work_of_step(sim) * (solved ? 1.0 : unsolved_penalty);
+    bool alone = c->trial || now->cost == 0.0;
+    now->cost = alone ? cost : 0.5 * (now->cost + cost);
     c->dual_steps += c->active;
     if (c->trial) {
         end_trial(sim);
-    } else if (now->cost > cheap && (sim->steps >= c->next || now->cost > 3.0 * c->reference)) {
+    } else if (iterations > CHEAP && (sim->steps >= c->next || now->cost > 3.0 * c->reference)) {
         c->trial = true;
         activate(sim, !c->active);
     }
@@ -166,10 +167,10 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
 
 bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations) {
     const struct solver_choice *c = &sim->choice;
-    double cost = cost_of(c, iterations);
+    double work = work_of_step(sim);
     if (c->count < 2 || c->handed_over) return false;
-    if (c->trial) return cost > c->slot[!c->active].cost;
-    return !c->active && cost > fmax(many, surprise * c->slot[c->active].cost);
+    if (c->trial) return work > c->slot[!c->active].cost;
+    return !c->active && iterations > MANY && work > surprise * c->slot[c->active].cost;
 }
 
 bool solver_choice_hand_over(struct pdyn_sim *sim) {

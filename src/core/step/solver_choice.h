@@ -3,22 +3,24 @@
  * costs less depends on the scene and on the moment: an impact of stiff water takes thousands of
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
- * Where the scene asks for "auto", steps are counted: the solver in use is the one whose last step
- * took fewer products with H. The other one is tried for a step when the cost has tripled since
+ * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
+ * whose last step took less. The other one is tried for a step when the cost has tripled since
  * the last trial, or after a number of steps, which grows with every trial that it loses. A step in
- * positions that takes many times the products of the last one goes on in pressures. Counts decide,
+ * positions that takes many times the work of the last one goes on in pressures. Counts decide,
  * never times, so that results are the same on every machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
 #include "base/snapshot_file.h"
 
+#include <stdint.h>
+
 struct pdyn_sim;
 
 struct solver_slot {
     const pdyn_global_solver *solver;
     void *state; /* solver->state_size bytes */
-    double cost; /* products with H in its last step */
+    double cost; /* work of its last trial, or the running mean of its steps, half of it the last */
 };
 
 struct solver_choice {
@@ -30,6 +32,7 @@ struct solver_choice {
     bool handed_over;           /* this step goes on with the solver that did not begin it */
     long wait, next;            /* steps between two trials; step of the next trial */
     double reference;           /* cost after the last trial */
+    int64_t opened;             /* objective.work at the beginning of this attempt at a step */
     long dual_steps;            /* accepted steps with the second one */
 };
 
@@ -43,11 +46,14 @@ void solver_choice_free(struct pdyn_sim *sim);
 /* Warns where a direct solver factors a matrix that changes. */
 void solver_choice_warn(struct pdyn_sim *sim);
 
+/* An attempt at a step begins: its work is counted from here. */
+void solver_choice_open(struct pdyn_sim *sim);
+
 /* Chooses the solver of the next step after a step that took so many linear iterations. */
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 
-/* Whether the solver on trial has taken more products than the other one took in its last step, or
- * the one in positions many times more than in its own last step. */
+/* Whether the solver on trial has taken more work than the other one took for its last step, or the
+ * one in positions many times more than for its own last step. */
 bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations);
 
 /* The other solver continues the step: after a lost trial, in an impact, or where a dual solver
