@@ -36,12 +36,8 @@ pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def
 
 /* Counts passes over all rows and over all one-sided constraints. */
 static void count_work(struct objective *o, int rows, int one_sided) {
-    for (int k = 0; k < o->batches; k++) {
-        const struct batch *b = o->batch[k];
-        int64_t entries = b->op ? (int64_t)one_sided * NEIGHBOURHOOD * b->one_sided.at.count
-                                : (int64_t)rows * b->entries;
-        o->work += entries;
-    }
+    for (int b = 0; b < o->batches; b++)
+        objective_count(o, o->batch[b], o->batch[b]->op ? one_sided : rows);
 }
 
 /* ---- energy and gradient --------------------------------------------------------------------- */

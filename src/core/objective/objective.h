@@ -58,6 +58,12 @@ struct objective {
                      one-sided constraint counts as NEIGHBOURHOOD entries */
 };
 
+/* Counts passes over a batch as work. */
+static inline void objective_count(struct objective *o, const struct batch *b, int passes) {
+    o->work +=
+        (int64_t)passes * (b->op ? (int64_t)NEIGHBOURHOOD * b->one_sided.at.count : b->entries);
+}
+
 /* Makes a batch, the last one of the objective, which has the capacity for it. */
 pdyn_status objective_add_batch(struct objective *objective, const struct batch_def *def);
 

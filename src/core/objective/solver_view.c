@@ -127,7 +127,7 @@ static pdyn_one_sided one_sided(pdyn_model *model, int k, const pdyn_body **body
 /* Constraint k, whose gradients are visited once. */
 static struct batch *visit(pdyn_model *model, int k) {
     struct batch *b = batch_at(model, is_matrix_free, k);
-    objective_of(model)->work += (int64_t)NEIGHBOURHOOD * b->one_sided.at.count;
+    objective_count(objective_of(model), b, 1);
     return b;
 }
 

@@ -4,7 +4,6 @@
 #include "sim.h"
 
 #include <limits.h>
-#include <math.h>
 #include <string.h>
 
 enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
@@ -13,8 +12,8 @@ enum { SHORTEST_WAIT = 8, LONGEST_WAIT = 512 }; /* steps between trials */
 /* Steps with fewer linear iterations are not worth a trial. */
 enum { CHEAP = 30 };
 
-/* A step in positions with more linear iterations than these, and so many times the work of the
- * last one, goes on in pressures: an impact begins. */
+/* A step in positions with more linear iterations than these, and so many times the work of those
+ * before, goes on in pressures: an impact begins. */
 enum { MANY = 200 };
 static const double surprise = 4.0;
 

@@ -4,7 +4,7 @@
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
  * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
- * whose last step took less. The other one is tried for a step when the cost has tripled since
+ * whose steps take less. The other one is tried for a step when the cost has tripled since
  * the last trial, or after a number of steps, which grows with every trial that it loses. A step in
  * positions that takes many times the work of the last one goes on in pressures. Counts decide,
  * never times, so that results are the same on every machine. */
@@ -52,8 +52,8 @@ void solver_choice_open(struct pdyn_sim *sim);
 /* Chooses the solver of the next step after a step that took so many linear iterations. */
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 
-/* Whether the solver on trial has taken more work than the other one took for its last step, or the
- * one in positions many times more than for its own last step. */
+/* Whether the solver on trial has taken more work than the cost of the other one, or the one in
+ * positions many times its own cost. */
 bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations);
 
 /* The other solver continues the step: after a lost trial, in an impact, or where a dual solver
