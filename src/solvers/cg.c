@@ -28,7 +28,7 @@ static void precondition(void *self, const double *r, double *z) {
 static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop, int *iterations) {
     struct cg *cg = self;
     block_jacobi_update(&cg->jacobi);
-    pcg_solve(&cg->pcg, precondition, cg, b, y, stop, iterations);
+    pcg_solve(&cg->pcg, precondition, cg, b, y, stop, 0.0, iterations);
     return PDYN_OK;
 }
 

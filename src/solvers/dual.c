@@ -9,8 +9,8 @@
  * which is S lambda = rhs with S = K^-1 + G A^-1 G' and bounds: the pressure equation of
  * incompressible SPH (Ihmsen et al. 2014, Bender and Koschier 2015), made compliant by K. Of a
  * fluid alone, A = M/h^2 + eps D is diagonal (D: pdyn_one_sided.held). Beside rows (cloth,
- * contact), A^-1 is an iteration of its own (rest_solve.h), to 0.3 of its residual within the
- * iteration and to 0.1 at its ends.
+ * contact), A^-1 is an iteration of its own (rest_solve.h), with a tolerance of 0.3 within the
+ * iteration and of 0.1 at its ends.
  *
  * Multipliers are kept from step to step, so that a fluid at rest starts at its solution. They
  * satisfy the equation of motion exactly, however early the iteration ends; what remains is an
@@ -31,8 +31,8 @@ static const double max_beyond = 0.05;
 
 enum { GRAIN = 2048 }; /* particles of a parallel block */
 
-/* Beside rows: reduction of the residual of A at the ends of a solve and within it; beside cloth
- * and solids, too, reduction of the gradient's estimate in a solve, at least, and the largest
+/* Beside rows: tolerances of solves with A at the ends of a solve and within it; beside cloth and
+ * solids, too, reduction of the gradient's estimate in a solve, at least, and the largest
  * number of iterations of a solve.
  * The model changes from one outer iteration to the next, and more of these is worth more. */
 static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 0.1;
@@ -150,12 +150,12 @@ static void compute_force(struct dual *s, const double *b, const double *multipl
     for_particles(s, subtract_from, 0.0, b, out);
 }
 
-/* d = A^-1 (b - G' multiplier), to rel_tol */
+/* d = A^-1 (b - G' multiplier), to `tolerance` (rest_solve.h) */
 static void compute_displacement(struct dual *s, const double *b, const double *multiplier,
-                                 double rel_tol, double *d) {
+                                 double tolerance, double *d) {
     double *force = s->rest.coupled ? s->rhs : d;
     compute_force(s, b, multiplier, force);
-    s->products += rest_solve_apply(&s->rest, force, d, rel_tol);
+    s->products += rest_solve_apply(&s->rest, force, d, tolerance);
 }
 
 /* d = 0 for particles in no row */

@@ -41,7 +41,7 @@ static pdyn_status solve(void *self, double *b, double *y, const pdyn_stop *stop
     struct hybrid *s = self;
     block_jacobi_update(&s->jacobi);
     coarse_space_update(&s->coarse, stop->first_of_step);
-    pcg_solve(&s->pcg, precondition, s, b, y, stop, iterations);
+    pcg_solve(&s->pcg, precondition, s, b, y, stop, 0.0, iterations);
     return PDYN_OK;
 }
 

@@ -83,15 +83,18 @@ static double iterate(struct pcg *s, double *r, double *y) {
 }
 
 void pcg_solve(struct pcg *s, pcg_preconditioner *precondition, void *self, double *b, double *y,
-               const pdyn_stop *stop, int *iterations) {
+               const pdyn_stop *stop, double error, int *iterations) {
     pdyn_model *m = s->model;
-    double size = m->norm(m, b), target = stop->rel_tol * size, gain = INFINITY, all = 0.0;
+    double size = m->norm(m, b), target = stop->rel_tol * size;
+    double gain = INFINITY, before = INFINITY, all = 0.0;
     int counted = 0; /* iterations whose gains `all` has */
     if (stop->first_of_step) s->curvature = 0.0;
     for (*iterations = 0; *iterations < stop->max_iterations; ++*iterations) {
         bool slow = gain * counted < stop->min_progress * all;
-        if (*iterations >= stop->min_iterations && (!(size > target) || slow)) return;
+        bool done = !(size > target) || slow || before + gain < error * error * all;
+        if (*iterations >= stop->min_iterations && done) return;
         precondition(self, b, s->z);
+        before = gain;
         gain = iterate(s, b, y);
         if (!(gain > 0.0)) return;
         if (*iterations > 0 || stop->min_iterations == 0) all += gain, counted++;

@@ -89,12 +89,12 @@ static int apply_exactly(struct rest_solve *s, double *b, double *y) {
     return 0;
 }
 
-int rest_solve_apply(struct rest_solve *s, double *b, double *y, double rel_tol) {
+int rest_solve_apply(struct rest_solve *s, double *b, double *y, double tolerance) {
     const pdyn_stop stop = {
-        .rel_tol = rel_tol, .max_iterations = MAX_ITERATIONS, .first_of_step = true};
+        .rel_tol = tolerance, .max_iterations = MAX_ITERATIONS, .first_of_step = true};
     int iterations = 0;
     if (s->exact) return apply_exactly(s, b, y);
     for_particles(s, solve_free, b, y);
-    pcg_solve(&s->pcg, precondition, s, b, y, &stop, &iterations);
+    pcg_solve(&s->pcg, precondition, s, b, y, &stop, tolerance, &iterations);
     return iterations;
 }

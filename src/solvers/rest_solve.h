@@ -28,8 +28,10 @@ void rest_solve_free(struct rest_solve *solve);
 /* A has changed. */
 void rest_solve_update(struct rest_solve *solve, bool first_of_step);
 
-/* y = A^-1 b, to a residual of rel_tol of b's; b becomes the residual, or stays where the solve is
- * exact. Not coupled: y may be b. Returns the number of iterations. */
-int rest_solve_apply(struct rest_solve *solve, double *b, double *y, double rel_tol);
+/* y = A^-1 b; b becomes the residual, or stays where the solve is exact. It ends where the residual
+ * is `tolerance` of b's, or the error of y in the norm of A `tolerance` of y: the residual of
+ * forces that act on a part of a sheet grows at first while the error falls. Not coupled: y may be
+ * b. Returns the number of iterations. */
+int rest_solve_apply(struct rest_solve *solve, double *b, double *y, double tolerance);
 
 #endif

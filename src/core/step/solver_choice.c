@@ -7,15 +7,18 @@
 #include <string.h>
 
 enum { MAX_DENSE = 300 }; /* vertices of a dense matrix: a factor takes 0.1 s */
-enum { SHORTEST_WAIT = 8, LONGEST_WAIT = 512 }; /* steps between trials */
+enum { SHORTEST_WAIT = 8, LONGEST_WAIT = 64 }; /* steps between trials */
 
 /* Steps with fewer linear iterations are not worth a trial. */
 enum { CHEAP = 30 };
 
-/* A step in positions with more linear iterations than these, and so many times the work of those
- * before, goes on in pressures: an impact begins. */
+/* A step with more linear iterations than these, and so many times the work of those before, goes
+ * on with the other solver: an impact begins, or a sheet becomes slack. */
 enum { MANY = 200 };
 static const double surprise = 4.0;
+
+/* A trial ends after so many times the work of the other solver. */
+static const double patience = 1.5;
 
 /* An unsolved step counts as so many times its work. */
 static const double unsolved_penalty = 4.0;
@@ -85,6 +88,14 @@ static void activate(struct pdyn_sim *sim, int k) {
     if (k && sim->solver->forget) sim->solver->forget(sim->solver_state);
 }
 
+/* The other solver is in use from now on, with the damping that it had. */
+static void change_solver(struct pdyn_sim *sim) {
+    struct solver_choice *c = &sim->choice;
+    c->slot[c->active].damping = sim->eps;
+    activate(sim, !c->active);
+    sim->eps = c->slot[c->active].damping;
+}
+
 static pdyn_status create_slot(struct pdyn_sim *sim, const pdyn_global_solver *solver) {
     struct solver_choice *c = &sim->choice;
     struct solver_slot *slot = &c->slot[c->count++];
@@ -136,7 +147,7 @@ static void end_trial(struct pdyn_sim *sim) {
     c->trial = false;
     c->wait = won ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
     c->next = sim->steps + c->wait;
-    if (!won) activate(sim, !c->active);
+    if (!won) change_solver(sim);
     c->reference = c->slot[c->active].cost;
 }
 
@@ -149,7 +160,7 @@ static double work_of_step(const struct pdyn_sim *sim) {
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     struct solver_choice *c = &sim->choice;
     if (c->count < 2) return;
-    if (c->handed_over) activate(sim, !c->active);
+    if (c->handed_over) change_solver(sim);
     c->handed_over = false;
     struct solver_slot *now = &c->slot[c->active];
     double cost = work_of_step(sim) * (solved ? 1.0 : unsolved_penalty);
@@ -160,7 +171,7 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
         end_trial(sim);
     } else if (iterations > CHEAP && (sim->steps >= c->next || now->cost > 3.0 * c->reference)) {
         c->trial = true;
-        activate(sim, !c->active);
+        change_solver(sim);
     }
 }
 
@@ -168,15 +179,15 @@ bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations) {
     const struct solver_choice *c = &sim->choice;
     double work = work_of_step(sim);
     if (c->count < 2 || c->handed_over) return false;
-    if (c->trial) return work > c->slot[!c->active].cost;
-    return !c->active && iterations > MANY && work > surprise * c->slot[c->active].cost;
+    if (c->trial) return work > patience * c->slot[!c->active].cost;
+    return iterations > MANY && work > surprise * c->slot[c->active].cost;
 }
 
 bool solver_choice_hand_over(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     if (c->count < 2 || c->handed_over) return false;
-    c->handed_over = true, sim->eps = 0.0;
-    activate(sim, !c->active);
+    c->handed_over = true;
+    change_solver(sim);
     return true;
 }
 
@@ -184,7 +195,7 @@ void solver_choice_reject(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
     if (sim->solver->forget) sim->solver->forget(sim->solver_state);
     c->trial = c->handed_over = false, c->next = sim->steps + c->wait;
-    if (c->active) activate(sim, 0);
+    if (c->active) change_solver(sim);
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */
@@ -195,8 +206,10 @@ static void persist_numbers(struct solver_choice *c, struct snapshot_file *a) {
     snapshot_file_long(a, &c->next, LONG_MAX, "the step of the next trial is negative");
     snapshot_file_long(a, &c->dual_steps, LONG_MAX, "the number of dual steps is negative");
     snapshot_file_numbers(a, &c->reference, 1, "the cost of a step is not finite");
-    for (int k = 0; k < c->count; k++)
+    for (int k = 0; k < c->count; k++) {
         snapshot_file_numbers(a, &c->slot[k].cost, 1, "the cost of a step is not finite");
+        snapshot_file_range(a, &c->slot[k].damping, 1, 1.0, "the damping is not between 0 and 1");
+    }
 }
 
 void solver_choice_persist(struct pdyn_sim *sim, struct snapshot_file *a) {

@@ -5,9 +5,10 @@
  *
  * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
  * whose steps take less. The other one is tried for a step when the cost has tripled since
- * the last trial, or after a number of steps, which grows with every trial that it loses. A step in
- * positions that takes many times the work of the last one goes on in pressures. Counts decide,
- * never times, so that results are the same on every machine. */
+ * the last trial, or after a number of steps, which grows with every trial that it loses. A step
+ * that takes many times the work of those before goes on with the other solver. Each solver keeps
+ * its damping meanwhile: from none, its first step would take up to three times the work of those
+ * that follow. Counts decide, never times, so that results are the same on every machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
@@ -21,6 +22,7 @@ struct solver_slot {
     const pdyn_global_solver *solver;
     void *state; /* solver->state_size bytes */
     double cost; /* work of its last trial, or the running mean of its steps, half of it the last */
+    double damping; /* eps at the end of its last step, while it is not in use */
 };
 
 struct solver_choice {
@@ -52,8 +54,8 @@ void solver_choice_open(struct pdyn_sim *sim);
 /* Chooses the solver of the next step after a step that took so many linear iterations. */
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 
-/* Whether the solver on trial has taken more work than the cost of the other one, or the one in
- * positions many times its own cost. */
+/* Whether the solver on trial has taken more work than it may, or the one in use many times its own
+ * cost. */
 bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations);
 
 /* The other solver continues the step: after a lost trial, in an impact, or where a dual solver
