@@ -59,7 +59,7 @@ struct contact_rigid { /* a rigid body */
     int carrier;      /* the first of the four particles of the system that carry it */
 };
 
-/* Regions of points, boxes of faces and edges around them, and their trees (contact_pairs.c). */
+/* Regions of points, boxes of faces and edges around them, and their trees (contact_regions.c). */
 struct broad_phase {
     struct box *region; /* points: while all points are inside, the list of pairs is complete */
     double *built;      /* points x 3, m: positions when the regions were set */
@@ -199,6 +199,18 @@ enum { CONTACT_GRAIN = 1024 }; /* pairs of a parallel block */
 
 /* No path brings the points of a pair closer than this part of its thickness. */
 #define CONTACT_LEAST 0.0625
+
+/* Gives points that are not in their regions, with their displacement from x by step (points x 3;
+ * NULL: none), new ones, and all points if these are many; marks them as changed. Returns whether
+ * there are any. */
+bool contact_update_regions(struct contact *contact, const double *x, const double *step);
+/* Builds the trees of faces and edges around the regions. */
+void contact_update_trees(struct contact *contact);
+/* Whether one of the points has changed. */
+bool contact_has_changed(const struct contact *contact, const int *point, int points);
+/* The box around the regions of the points, larger by half a thickness. */
+void contact_wrap_regions(const struct contact *contact, const int *point, int points,
+                          struct box *box);
 
 /* Makes the list of pairs complete for all positions between x and x + step (points x 3; step NULL:
  * at x). */

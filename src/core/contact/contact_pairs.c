@@ -1,9 +1,9 @@
-/* Broad phase: the list of pairs that may come into contact. Each point has a region, a box around
- * it and its displacement. Pairs whose boxes around these regions overlap (bvh.h) and that can come
- * closer than their thickness are listed; the list is complete while every point is in its region.
+/* Broad phase: the list of pairs that may come into contact. Pairs whose boxes around their regions
+ * (contact_regions.c) overlap and that can come closer than their thickness are listed; the list is
+ * complete while every point is in its region.
  *
- * A point that leaves its region gets a new one, and only its pairs are searched anew: most
- * searches of an impact are for a few of thousands of points. The list is sorted, so that it
+ * Only the pairs of points with new regions are searched anew: most searches of an impact are for a
+ * few of thousands of points. The list is sorted, so that it
  * depends on the regions and not on earlier lists: a resumed run makes it again from the regions.
  */
 #include "contact.h"
@@ -12,111 +12,7 @@
 
 #include <string.h>
 
-enum {
-    QUERIES = 64, /* of a parallel block */
-    MANY = 4 /* all pairs are searched anew where more than one of so many points has changed */
-};
-
-/* Margin of a region around a point and its displacement, in thicknesses. */
-static const double margin_size = 0.5;
-
-/* ---- regions --------------------------------------------------------------------------------- */
-
-/* Whether the point is a particle that does not exist: not yet emitted, or removed. */
-static bool is_absent(const struct contact *c, int point) {
-    return c->live && point >= c->vertices && point < c->free && !c->live[c->column[point]];
-}
-
-/* Whether the region of point i contains it and its displacement; that of an absent one is empty.
- */
-static bool region_contains(const struct contact *c, int i, const double *x, const double *step) {
-    const struct box *box = &c->broad.region[i];
-    if (is_absent(c, i)) return box_is_empty(box);
-    for (int a = 3 * i; a < 3 * i + 3; a++) {
-        double y = x[a] + (step ? step[a] : 0.0);
-        if (x[a] < box->min[a - 3 * i] || x[a] > box->max[a - 3 * i]) return false;
-        if (y < box->min[a - 3 * i] || y > box->max[a - 3 * i]) return false;
-    }
-    return true;
-}
-
-static void set_region(struct contact *c, int i, const double *x, const double *step) {
-    double end[3] = {x[3 * i], x[3 * i + 1], x[3 * i + 2]}, far = 0.0;
-    if (step) vec3_add(end, 1.0, step + 3 * i);
-    double moved = vec3_distance(end, x + 3 * i);
-    double margin = i < c->free || moved > 0.0 ? margin_size * c->settings->thickness : 0.0;
-    c->broad.region[i] = box_empty;
-    memcpy(c->broad.built + 3 * i, x + 3 * i, 3 * sizeof *x);
-    c->broad.reach[i] = 0.0;
-    if (is_absent(c, i)) return;
-    box_add(&c->broad.region[i], x + 3 * i);
-    box_add(&c->broad.region[i], end);
-    for (int a = 0; a < 3; a++) {
-        c->broad.region[i].min[a] -= margin, c->broad.region[i].max[a] += margin;
-        double side = margin + fabs(end[a] - x[3 * i + a]);
-        far += side * side;
-    }
-    c->broad.reach[i] = sqrt(far);
-}
-
-/* Marks the points that are not in their regions as changed, and all points if these are many.
- * Returns whether there are any. */
-static bool mark_changed(struct contact *c, const double *x, const double *step) {
-    int count = 0;
-    for (int i = 0; i < c->points; i++)
-        count += c->broad.changed[i] = !region_contains(c, i, x, step);
-    c->broad.all_changed = count > c->points / MANY;
-    for (int i = 0; c->broad.all_changed && i < c->points; i++) c->broad.changed[i] = true;
-    return count > 0;
-}
-
-/* ---- trees ----------------------------------------------------------------------------------- */
-
-static bool has_changed(const struct contact *c, const int *corner, int corners) {
-    bool changed = false;
-    for (int k = 0; k < corners; k++) changed |= c->broad.changed[corner[k]];
-    return changed;
-}
-
-/* The box around the regions of the corners, larger by half a thickness. */
-static void wrap_regions(const struct contact *c, const int *corner, int corners, struct box *box) {
-    *box = box_empty;
-    for (int k = 0; k < corners; k++) {
-        box_add(box, c->broad.region[corner[k]].min);
-        box_add(box, c->broad.region[corner[k]].max);
-    }
-    for (int a = 0; a < 3; a++) {
-        box->min[a] -= 0.5 * c->settings->thickness;
-        box->max[a] += 0.5 * c->settings->thickness;
-    }
-}
-
-/* Builds the trees of surfaces (kind 0) or solids (kind 1): of all faces, of all edges, and of the
- * faces and edges that have changed. A point or edge that has not changed has new pairs only with
- * something that has: its search takes the trees of changed ones. */
-static void build_trees(struct contact *c, int kind) {
-    int f = kind ? c->free_faces : 0, faces = kind ? c->faces - f : c->free_faces;
-    int e = kind ? c->free_edges : 0, edges = kind ? c->edges - e : c->free_edges;
-    bvh_build(&c->broad.face_tree[kind], c->broad.face_box + f, faces, NULL);
-    bvh_build(&c->broad.edge_tree[kind], c->broad.edge_box + e, edges, NULL);
-    if (c->broad.all_changed) return;
-    bvh_build(&c->broad.changed_faces[kind], c->broad.face_box + f, faces,
-              c->broad.face_changed + f);
-    bvh_build(&c->broad.changed_edges[kind], c->broad.edge_box + e, edges,
-              c->broad.edge_changed + e);
-}
-
-static void update_trees(struct contact *c) {
-    for (int f = 0; f < c->faces; f++) {
-        c->broad.face_changed[f] = has_changed(c, c->face + 3 * f, 3);
-        if (c->broad.face_changed[f]) wrap_regions(c, c->face + 3 * f, 3, &c->broad.face_box[f]);
-    }
-    for (int e = 0; e < c->edges; e++) {
-        c->broad.edge_changed[e] = has_changed(c, c->edge + 2 * e, 2);
-        if (c->broad.edge_changed[e]) wrap_regions(c, c->edge + 2 * e, 2, &c->broad.edge_box[e]);
-    }
-    for (int kind = 0; kind < 2; kind++) build_trees(c, kind);
-}
+enum { QUERIES = 64 }; /* of a parallel block */
 
 /* ---- the search ------------------------------------------------------------------------------ */
 
@@ -237,7 +133,7 @@ static void search_block(void *arg, int first, int last, int block) {
         struct box point;
         s.block = block;
         if (!edges && (c->group[q] < 0 || box_is_empty(&c->broad.region[q]))) continue;
-        if (!edges) wrap_regions(c, &q, 1, &point);
+        if (!edges) contact_wrap_regions(c, &q, 1, &point);
         search_around(&s, edges ? &c->broad.edge_box[s.a] : &point);
         sort_found(c, block, begin);
     }
@@ -315,7 +211,8 @@ static pdyn_status reserve(struct contact *c, int count) {
 static void drop_changed(struct contact *c) {
     int kept = 0;
     for (int k = 0; !c->broad.all_changed && k < c->pairs.count; k++)
-        if (!has_changed(c, c->pairs.pair[k].point, 4)) c->pairs.pair[kept++] = c->pairs.pair[k];
+        if (!contact_has_changed(c, c->pairs.pair[k].point, 4))
+            c->pairs.pair[kept++] = c->pairs.pair[k];
     c->pairs.count = kept;
 }
 
@@ -339,7 +236,7 @@ static pdyn_status update_list(struct contact *c) {
         memcpy(c->pairs.seen, c->broad.built, 3 * (size_t)c->points * sizeof *c->pairs.seen);
     for (int i = 0; i < c->points; i++)
         c->pairs.moved[i] = vec3_distance(c->broad.built + 3 * i, c->pairs.seen + 3 * i);
-    update_trees(c);
+    contact_update_trees(c);
     drop_changed(c);
     pdyn_status status = search(c);
     if (status != PDYN_OK) return status;
@@ -358,9 +255,7 @@ pdyn_status contact_list(struct contact *c) {
 }
 
 pdyn_status contact_cover(struct contact *c, const double *x, const double *step) {
-    if (mark_changed(c, x, step)) {
-        for (int i = 0; i < c->points; i++)
-            if (c->broad.changed[i]) set_region(c, i, x, step);
+    if (contact_update_regions(c, x, step)) {
         pdyn_status status = update_list(c);
         if (status != PDYN_OK) return status;
     }
