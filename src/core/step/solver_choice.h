@@ -4,11 +4,11 @@
  * iterations in positions and some dozens in pressures, and calm water the other way round.
  *
  * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
- * whose steps take less. The other one is tried for a step when the cost has tripled since
- * the last trial, or after a number of steps, which grows with every trial that it loses. A step
- * that takes many times the work of those before goes on with the other solver. Each solver keeps
- * its damping meanwhile: from none, its first step would take up to three times the work of those
- * that follow. Counts decide, never times, so that results are the same on every machine. */
+ * whose steps take less. The other one is tried for a step when the cost has tripled since the last
+ * trial, or after a number of steps, which grows with every trial that it loses. A step that takes
+ * many times the work of those before goes on with the other solver. Each solver keeps its damping
+ * while the other one is in use: from none, its first step would take up to three times the work of
+ * those that follow. Counts decide, never times, so that results are the same on every machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
@@ -20,8 +20,8 @@ struct pdyn_sim;
 
 struct solver_slot {
     const pdyn_global_solver *solver;
-    void *state; /* solver->state_size bytes */
-    double cost; /* work of its last trial, or the running mean of its steps, half of it the last */
+    void *state;    /* solver->state_size bytes */
+    double cost;    /* work of its last trial, or the running mean of its steps */
     double damping; /* eps at the end of its last step, while it is not in use */
 };
 
