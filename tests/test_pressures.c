@@ -79,8 +79,8 @@ static void test_very_stiff(void **state) {
     assert_true(run.dual_steps > 0);
 }
 
-/* A step that takes many times the work of the last one goes on with the other solver, and each
- * solver has its own damping. */
+/* The other solver continues a step that takes many times the work of the steps before it, with the
+ * damping that it had itself; the first one gets its own damping back. */
 static void test_surprise(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);

@@ -32,9 +32,9 @@ static const double max_beyond = 0.05;
 enum { GRAIN = 2048 }; /* particles of a parallel block */
 
 /* Beside rows: tolerances of solves with A at the ends of a solve and within it; beside cloth and
- * solids, too, reduction of the gradient's estimate in a solve, at least, and the largest
- * number of iterations of a solve.
- * The model changes from one outer iteration to the next, and more of these is worth more. */
+ * solids, too, reduction of the gradient's estimate in a solve, at least, and the largest number of
+ * iterations of a solve. The model changes from one outer iteration to the next, and more of these
+ * is worth more. */
 static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 0.1;
 enum { MAX_COUPLED = 10 };
 

@@ -34,10 +34,10 @@ pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def
     return status;
 }
 
-/* Counts passes over all rows and over all one-sided constraints. */
-static void count_work(struct objective *o, int rows, int one_sided) {
+/* Counts a pass over all rows, and so many over all one-sided constraints. */
+static void count_work(struct objective *o, int one_sided) {
     for (int b = 0; b < o->batches; b++)
-        objective_count(o, o->batch[b], o->batch[b]->op ? one_sided : rows);
+        objective_count(o, o->batch[b], o->batch[b]->op ? one_sided : 1);
 }
 
 /* ---- energy and gradient --------------------------------------------------------------------- */
@@ -103,7 +103,7 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     if (status == PDYN_OK && o->contact) status = contact_local(o->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
-    count_work(o, 1, 1);
+    count_work(o, 1);
     o->x = x;
     *energy = objective_partial_sum(o, for_particles(o, inertia, x, NULL, gradient, 0.0));
     residual_forget_loads(o);
@@ -186,7 +186,7 @@ void objective_pull(const struct objective *o, double *y) {
 
 void objective_apply(struct objective *o, const double *u, double *y) {
     u = objective_extended(o, u);
-    count_work(o, 1, 2); /* of one-sided constraints the rates, then the forces */
+    count_work(o, 2); /* of one-sided constraints the rates, then the forces */
     for_particles(o, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < o->batches; b++) batch_apply(o->batch[b], u, y);
     objective_pull(o, y);
@@ -194,7 +194,7 @@ void objective_apply(struct objective *o, const double *u, double *y) {
 
 void objective_apply_rest(struct objective *o, int first, int last, const double *u, double *y) {
     u = objective_extended(o, u);
-    count_work(o, 1, 0);
+    count_work(o, 0);
     struct call call = {.objective = o, .a = u, .out = y};
     pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);
     for (int b = 0; b < o->batches; b++) batch_apply_rest(o->batch[b], u, y);
