@@ -1,7 +1,7 @@
 /* projdyn run: simulates a scene and writes frames, metrics.csv, report.json and saved states. */
 #include "run_progress.h"
 #include "run_record.h"
-#include "scene_options.h"
+#include "scene_json.h"
 
 #include <limits.h>
 #include <math.h>
@@ -41,7 +41,9 @@ struct run_options {
     const char *output, *report, *resume;
     char *default_output; /* owned output path if --output is absent */
     void *record;         /* owns the texts of a resumed run, see run_record.h */
-    char duration[64];    /* the override "duration=S" made from --time, the last one if resumed */
+    double given_end;     /* s: --time; 0: not given */
+    double recorded_end;  /* s: --time of the start of a resumed run; 0: not given */
+    char duration[64];    /* the override "duration=S" of a run that is longer than its scene */
     int changes;          /* overrides of a resumed run that its run.json lacks so far */
     int save_interval;    /* frames between two saved states; 0: only at the end */
     bool ply, no_frames, quiet, strict;
@@ -57,16 +59,13 @@ static void on_signal(int number) {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-/* Turns --time S into the override duration=S; false with a message if S is not positive. */
+/* Parses the argument of --time; false with a message if it is no positive number. */
 static bool parse_time(struct run_options *o, const char *text) {
     char *end;
-    double seconds = strtod(text, &end);
-    if (*end || end == text || !isfinite(seconds) || seconds <= 0.0) {
-        fprintf(stderr, "projdyn: --time: found \"%s\", expected seconds above 0\n", text);
-        return false;
-    }
-    snprintf(o->duration, sizeof o->duration, "duration=%.17g", seconds);
-    return scene_set(&o->scene, o->duration);
+    o->given_end = strtod(text, &end);
+    if (!*end && end != text && isfinite(o->given_end) && o->given_end > 0.0) return true;
+    fprintf(stderr, "projdyn: --time: found \"%s\", expected seconds above 0\n", text);
+    return false;
 }
 
 static bool parse_save(struct run_options *o, const char *text) {
@@ -128,12 +127,10 @@ static int read_resume_options(struct run_options *o, int scenes) {
     o->output = o->resume;
     struct scene_options given = o->scene; /* its overrides come after those of run.json */
     o->scene.set = NULL, o->scene.sets = 0;
-    int code = run_record_read(o->resume, &o->scene, &o->record);
-    for (int k = 0; k < given.sets && code == EXIT_GOOD; k++) {
-        if (given.set[k] == o->duration) continue;
-        o->changes++;
+    int code = run_record_read(o->resume, &o->scene, &o->recorded_end, &o->record);
+    for (int k = 0; k < given.sets && code == EXIT_GOOD; k++)
         if (!scene_set(&o->scene, given.set[k])) code = EXIT_FAILED;
-    }
+    o->changes = given.sets;
     free(given.set);
     if (code != EXIT_GOOD) return code;
     if (o->scene.plugins && !scene_plugins_allowed()) {
@@ -143,7 +140,7 @@ static int read_resume_options(struct run_options *o, int scenes) {
                 o->resume, o->scene.plugin[0]);
         return EXIT_BAD_INPUT;
     }
-    return !*o->duration || scene_set(&o->scene, o->duration) ? -1 : EXIT_FAILED;
+    return -1;
 }
 
 /* Parses the command line. Returns -1 if the run can start, otherwise the exit code. */
@@ -205,7 +202,7 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
                             struct run_totals *t) {
     bool frame = true, printed = false;
     pdyn_status status = o->resume ? PDYN_OK : end_frame(writer, o, t);
-    while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim) * (1.0 - 1e-9)) {
+    while (status == PDYN_OK && pdyn_time(sim) < t->end * (1.0 - 1e-9)) {
         if (must_stop(frame, &printed)) break;
         pdyn_step_info info;
         status = pdyn_step(sim, &info);
@@ -214,18 +211,18 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
         run_totals_add(t, &info);
         frame = info.frame;
         if (frame) status = end_frame(writer, o, t);
-        if (!o->quiet) run_show_progress(sim, &info, t);
+        if (!o->quiet) run_show_progress(&info, t);
     }
     if (!o->quiet) clear_progress();
     return status;
 }
 
-/* Writes run.json of a new run, and of a resumed one with further overrides, without --time. */
+/* Writes run.json of a new run, and of a resumed one with further overrides, without its --time. */
 static int write_record(const struct run_options *o) {
     struct scene_options recorded = o->scene;
     if (o->resume && !o->changes) return EXIT_GOOD;
-    if (o->resume && *o->duration) recorded.sets--;
-    return run_record_write(o->output, &recorded);
+    if (*o->duration) recorded.sets--;
+    return run_record_write(o->output, &recorded, o->resume ? o->recorded_end : o->given_end);
 }
 
 /* Opens the output directory for a new run or for the continuation of a run. Returns EXIT_GOOD,
@@ -259,9 +256,22 @@ static int close_output(pdyn_context *context, pdyn_writer *writer, const struct
     return code;
 }
 
+/* Says how to continue. The --time of a resumed run is not in its run.json. */
+static void print_interrupted(const pdyn_sim *sim, const struct run_options *o) {
+    char time[32] = "";
+    if (o->resume && o->given_end > 0.0) snprintf(time, sizeof time, " --time %.12g", o->given_end);
+    fprintf(stderr,
+            "projdyn: interrupted at %g s; results are in %s; to continue: projdyn run "
+            "--resume %s%s%s\n",
+            pdyn_time(sim), o->output, o->output,
+            o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "", time);
+}
+
 /* Simulates the loaded scene and writes its results. Returns the exit code of the command. */
 static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
-    struct run_totals totals = {.start_s = wall_seconds()};
+    double end = o->given_end > 0.0 ? o->given_end : o->recorded_end;
+    struct run_totals totals = {.start_s = wall_seconds(),
+                                .end = end > 0.0 ? end : pdyn_duration(sim)};
     pdyn_writer *writer = NULL;
     int code = open_output(context, sim, o, &writer);
     if (code != EXIT_GOOD) return code;
@@ -269,14 +279,23 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     bool interrupted = interrupts > 0;
     code = close_output(context, writer, o, status, interrupted);
     if (code != EXIT_GOOD) return code;
-    if (interrupted)
-        fprintf(stderr,
-                "projdyn: interrupted at %g s; results are in %s; to continue: projdyn run "
-                "--resume %s%s\n",
-                pdyn_time(sim), o->output, o->output,
-                o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "");
+    if (interrupted) print_interrupted(sim, o);
     if (!o->quiet) run_print_summary(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : warnings_exit_code(sim, o->strict);
+}
+
+/* Makes the scene as long as the run, by an override, if it is shorter. A scene that is longer
+ * stays as it is: its inlets keep room for all particles up to its end, so that the run can go on
+ * until then. Returns EXIT_GOOD, or another exit code after a message. */
+static int lengthen_scene(struct run_options *o) {
+    double end = fmax(o->given_end, o->recorded_end);
+    json_t *scene = NULL;
+    int code = end > 0.0 ? scene_json(&o->scene, &scene) : EXIT_GOOD;
+    bool longer = code == EXIT_GOOD && end > scene_number(scene, "duration", 0.0);
+    json_decref(scene);
+    if (!longer) return code;
+    snprintf(o->duration, sizeof o->duration, "duration=%.17g", end);
+    return scene_set(&o->scene, o->duration) ? EXIT_GOOD : EXIT_FAILED;
 }
 
 /* Installs the handler of SIGINT and SIGTERM. Called after the scene is loaded: before that
@@ -293,7 +312,8 @@ int run_main(int argc, char **argv) {
     pdyn_sim *sim = NULL;
     int code = parse(&o, argc, argv);
     if (code < 0) {
-        code = scene_load(&o.scene, &context, &sim);
+        code = lengthen_scene(&o);
+        if (code == EXIT_GOOD) code = scene_load(&o.scene, &context, &sim);
         if (code == EXIT_GOOD) {
             catch_signals();
             code = run(context, sim, &o);

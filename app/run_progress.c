@@ -29,29 +29,29 @@ static int terminal_columns(void) {
 
 /* Redraws the progress line of a terminal, at most ten times per second. The line is cut to the
  * width of the terminal, because a wrapped line cannot be erased. */
-static void show_bar(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
-    double time = wall_seconds(), part = fmin(1.0, info->time / pdyn_duration(sim));
+static void show_bar(const pdyn_step_info *info, struct run_totals *t) {
+    double time = wall_seconds(), part = fmin(1.0, info->time / t->end);
     if (time - t->progress_s < 0.1) return;
     t->progress_s = time;
     int filled = (int)(10.0 * part);
     char line[256], text[64];
     snprintf(line, sizeof line,
              "[%.*s%.*s] %.0f%% %.3f/%g s, ETA %.0f s, %s, %d outer, %.3g ms/step", filled,
-             "##########", 10 - filled, "..........", 100.0 * part, info->time, pdyn_duration(sim),
+             "##########", 10 - filled, "..........", 100.0 * part, info->time, t->end,
              (time - t->start_s) * (1.0 / part - 1.0), accuracy(info, t, "density", text),
              info->outer_iterations, 1e3 * (time - t->start_s) / (double)t->steps);
     clear_progress();
     fprintf(stderr, "%.*s", terminal_columns() - 1, line);
 }
 
-void run_show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *t) {
+void run_show_progress(const pdyn_step_info *info, struct run_totals *t) {
     char text[64];
-    if (isatty(STDERR_FILENO)) show_bar(sim, info, t);
+    if (isatty(STDERR_FILENO)) show_bar(info, t);
     else if (info->frame)
         fprintf(stderr,
                 "%.4f s of %g s, %.1f s of wall time, %s, %d outer iterations, "
                 "%d linear iterations\n",
-                info->time, pdyn_duration(sim), wall_seconds() - t->start_s,
+                info->time, t->end, wall_seconds() - t->start_s,
                 accuracy(info, t, "density error", text), info->outer_iterations,
                 info->linear_iterations);
 }

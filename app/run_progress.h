@@ -6,6 +6,7 @@
 
 struct run_totals {
     double start_s, progress_s; /* wall-clock times of the start and of the last progress line */
+    double end;                 /* s of simulated time, at which the run ends */
     long steps, frames;
     /* Mean density error of each step: sum over the steps, and maximum. */
     double density_error_sum, density_error_max;
@@ -16,7 +17,7 @@ struct run_totals {
 void run_totals_add(struct run_totals *totals, const pdyn_step_info *info);
 
 /* Shows the progress after a step: a bar on a terminal, otherwise one line per frame. */
-void run_show_progress(const pdyn_sim *sim, const pdyn_step_info *info, struct run_totals *totals);
+void run_show_progress(const pdyn_step_info *info, struct run_totals *totals);
 
 /* Prints a summary of the run in the directory `output`, and its warnings. */
 void run_print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *totals);

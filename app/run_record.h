@@ -1,18 +1,20 @@
-/* DIR/run.json: the scene, overrides and plug-ins that a run was started with. `projdyn run
+/* DIR/run.json: the scene, overrides, plug-ins and end that a run was started with. `projdyn run
  * --resume` reads them back. */
 #ifndef RUN_RECORD_H
 #define RUN_RECORD_H
 
 #include "scene_options.h"
 
-/* Writes DIRECTORY/run.json atomically (to a temporary file, then rename). Returns EXIT_GOOD, or
- * another exit code after a message. */
-int run_record_write(const char *directory, const struct scene_options *options);
+/* Writes DIRECTORY/run.json atomically (to a temporary file, then rename). `end`: s; 0: that of the
+ * scene. Returns EXIT_GOOD, or another exit code after a message. */
+int run_record_write(const char *directory, const struct scene_options *options, double end);
 
-/* Adds scene, overrides and plug-ins of DIRECTORY/run.json to the options. The texts belong to
+/* Adds scene, overrides and plug-ins of DIRECTORY/run.json to the options, and gives its end as
+ * above. The texts belong to
  * *record, an opaque value that the caller passes to run_record_free(). Returns EXIT_GOOD, or
  * another exit code after a message. */
-int run_record_read(const char *directory, struct scene_options *options, void **record);
+int run_record_read(const char *directory, struct scene_options *options, double *end,
+                    void **record);
 void run_record_free(void *record);
 
 #endif

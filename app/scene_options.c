@@ -62,13 +62,21 @@ int scene_context(const struct scene_options *options, pdyn_context **context) {
     return status == PDYN_OK ? EXIT_GOOD : report_status(*context, status);
 }
 
+/* The exit code after loading. PDYN_IO_FAILED means here that the scene, or a file that it names,
+ * cannot be read, and is bad input. */
+static int loading_exit_code(const pdyn_context *context, pdyn_status status) {
+    if (status == PDYN_OK) return EXIT_GOOD;
+    int code = report_status(context, status);
+    return status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : code;
+}
+
 int scene_open(const struct scene_options *options, pdyn_context **context, pdyn_scene **scene) {
     int failed = scene_context(options, context);
     *scene = NULL;
     if (failed) return failed;
     pdyn_status status = pdyn_scene_open(*context, options->scene, scene);
     if (status == PDYN_OK) status = pdyn_scene_override(*scene, options->set, options->sets);
-    return status == PDYN_OK ? EXIT_GOOD : report_status(*context, status);
+    return loading_exit_code(*context, status);
 }
 
 int scene_load(const struct scene_options *options, pdyn_context **context, pdyn_sim **sim) {
@@ -76,10 +84,7 @@ int scene_load(const struct scene_options *options, pdyn_context **context, pdyn
     *sim = NULL;
     if (failed) return failed;
     pdyn_status status = pdyn_load(*context, options->scene, options->set, options->sets, sim);
-    if (status == PDYN_OK) return EXIT_GOOD;
-    int code = report_status(*context, status);
-    /* PDYN_IO_FAILED at load time means that a file named by the scene cannot be read. */
-    return status == PDYN_IO_FAILED ? EXIT_BAD_INPUT : code;
+    return loading_exit_code(*context, status);
 }
 
 int warnings_exit_code(const pdyn_sim *sim, bool strict) {

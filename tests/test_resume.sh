@@ -52,6 +52,20 @@ check "the same bits after a longer end" same longer
 check "nothing left to do" "$program" run --resume longer --quiet
 check "the same report then" same longer
 
+# An inlet keeps room for what enters until the end of the scene, or of a run that is longer.
+cat >jet.json <<EOF
+{"duration": 0.3, "frame_interval": 0.1, "time_step": {"fixed": 0.01}, "gravity": [0, 0, 0],
+ "bodies": [{"name": "jet", "particles": {"radius": 0.05, "inlets":
+   [{"rectangle": {"center": [0, 0, 0], "size": [0.3, 0.2]}, "direction": [1, 0, 0], "speed": 1}]}}]}
+EOF
+"$program" run jet.json --quiet -o part --time 0.05
+check "an inlet up to the end of the scene" "$program" run --resume part --quiet --time 0.3
+check "that is where it stops" "$program" run jet.json --quiet -o all
+check "with the same bits" [ "$(hash_of part)" = "$(hash_of all)" ]
+check "not beyond it" refuses "budget" "$program" run --resume part --time 0.6
+"$program" run jet.json --quiet -o long --time 0.4
+check "a run longer than its scene" "$program" run --resume long --quiet --time 0.35
+
 check "no run" refuses "no run to continue" "$program" run --resume nowhere
 check "not beside a scene" refuses "taken from the resumed run" "$program" run --resume whole "$scene"
 "$program" run "$scene" --quiet -o shorter --time 0.04 >/dev/null

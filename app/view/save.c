@@ -44,7 +44,7 @@ void save_run(struct live *live) {
     }
     bool plugins = live->scene->plugins || scene_plugins_allowed();
     pdyn_status status = save_frame(live->sim, path, true);
-    if (status == PDYN_OK && run_record_write(path, live->scene) != EXIT_GOOD)
+    if (status == PDYN_OK && run_record_write(path, live->scene, 0.0) != EXIT_GOOD)
         status = PDYN_IO_FAILED;
     if (status == PDYN_OK)
         live_note(live, false, "saved to %s; to continue: projdyn run --resume %s%s --time %.4g",

@@ -1,4 +1,4 @@
-/* A scene as JSON, for code of `projdyn trade` that derives overrides from values of the scene. */
+/* A scene as JSON, for code that derives overrides from values of the scene. */
 #ifndef SCENE_JSON_H
 #define SCENE_JSON_H
 
