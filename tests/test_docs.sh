@@ -56,7 +56,7 @@ sed -e ':joined' -e '/\\$/{N;s/\\\n *//;bjoined' -e '}' $documents |
 while read -r command; do
     case $command in
     *--resume*) ;;
-    "projdyn run"*) command="$command --threads 1 --set duration=0.004 --set frame_interval=0.002" ;;
+    "projdyn run"*) command="$command --threads 1 --time 0.004 --set frame_interval=0.002" ;;
     "projdyn sweep"*) command="$command --set duration=0.004 --set frame_interval=0.002" ;;
     "projdyn compare"*) command="$command --steps 1 --rounds 1" ;;
     "projdyn render"*docs/gallery/*) continue ;; # scripts/gallery.sh draws these
