@@ -267,6 +267,14 @@ static void print_interrupted(const pdyn_sim *sim, const struct run_options *o) 
             o->scene.plugins || scene_plugins_allowed() ? " --allow-plugins" : "", time);
 }
 
+/* Warns where the first frame is the only one. A scene that is that short has a warning itself. */
+static void check_end(const pdyn_sim *sim, const struct run_options *o) {
+    double interval = pdyn_frame_interval(sim);
+    if (!o->resume && o->given_end > 0.0 && o->given_end < (1.0 - 1e-9) * interval && !*o->duration)
+        fprintf(stderr, "projdyn: warning: --time %g ends before the second frame, at %g s\n",
+                o->given_end, interval);
+}
+
 /* Simulates the loaded scene and writes its results. Returns the exit code of the command. */
 static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o) {
     double end = o->given_end > 0.0 ? o->given_end : o->recorded_end;
@@ -275,6 +283,7 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     pdyn_writer *writer = NULL;
     int code = open_output(context, sim, o, &writer);
     if (code != EXIT_GOOD) return code;
+    check_end(sim, o);
     pdyn_status status = simulate(sim, writer, o, &totals);
     bool interrupted = interrupts > 0;
     code = close_output(context, writer, o, status, interrupted);

@@ -40,4 +40,3 @@ const json_t *scene_fluid(const json_t *scene, size_t body, size_t *constraint) 
 }
 
 double scene_viscosity(const json_t *fluid) { return scene_number(fluid, "viscosity", 0.02); }
-double scene_stiffness(const json_t *fluid) { return scene_number(fluid, "stiffness", 1e6); }

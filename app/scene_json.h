@@ -15,8 +15,7 @@ double scene_number(const json_t *object, const char *key, double fallback);
 
 /* The fluid constraint of a body, at bodies.BODY.constraints.CONSTRAINT; NULL if there is none. */
 const json_t *scene_fluid(const json_t *scene, size_t body, size_t *constraint);
-/* Viscosity and stiffness of a fluid, or their defaults (docs/guide/scene.md). */
+/* Viscosity of a fluid, or its default (docs/guide/scene.md). */
 double scene_viscosity(const json_t *fluid);
-double scene_stiffness(const json_t *fluid);
 
 #endif

@@ -107,13 +107,25 @@ static void test_formula(void **state) {
     }
 }
 
-/* Without compression and sound_speed, the stiffness has its default, N/m. */
+/* A scene that gives none of the three: 0.001 of compression; without gravity a stiffness, N/m; the
+ * largest stiffness where the pressure is beyond all bounds. */
 static void test_default(void **state) {
     (void)state;
+    static const struct {
+        const char *set, *name;
+        double value;
+    } cases[] = {{"gravity=[0, -9.81, 0]", "compression", 1e-3},
+                 {"gravity=[0, 0, 0]", "stiffness", 1e6},
+                 {"bodies.0.velocity=[1e6, 0, 0]", "stiffness", 1e15}};
     pdyn_context *own = test_context(1);
-    pdyn_sim *sim = test_load(own, FLUID(BLOCK, "'viscosity': 0.1", "]"));
-    assert_true(parameter(sim, "stiffness") == 1e6);
-    pdyn_free(sim);
+    for (int k = 0; k < COUNT(cases); k++) {
+        pdyn_sim *sim = NULL;
+        assert_int_equal(pdyn_load_text(own, quoted(FLUID(BLOCK, "'viscosity': 0.1", "]")), "test",
+                                        &cases[k].set, 1, &sim),
+                         PDYN_OK);
+        assert_near(k, cases[k].name, parameter(sim, cases[k].name), cases[k].value);
+        pdyn_free(sim);
+    }
     pdyn_destroy(own);
 }
 

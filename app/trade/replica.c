@@ -45,9 +45,9 @@ static void coarsen_fluid(const json_t *scene, size_t b, double factor, struct s
     size_t k;
     const json_t *fluid = scene_fluid(scene, b, &k);
     if (!fluid) return;
-    if (!json_object_get(fluid, "compression") && !json_object_get(fluid, "sound_speed"))
+    if (json_object_get(fluid, "stiffness"))
         setting_add(replica, "bodies.%zu.constraints.%zu.stiffness=%.9g", b, k,
-                    factor * scene_stiffness(fluid));
+                    factor * scene_number(fluid, "stiffness", 0.0));
     setting_add(replica, "bodies.%zu.constraints.%zu.viscosity=%.9g", b, k,
                 scene_viscosity(fluid) / (factor * factor));
 }

@@ -23,13 +23,14 @@
 enum { MAX_ROWS = 2048 }; /* of one constraint; with more, C counts as 0 */
 
 static const pdyn_param params[] = {
-    {"stiffness", PDYN_REAL, offsetof(struct fluid_params, stiffness), false, 1e6, 0,
+    {"stiffness", PDYN_REAL, offsetof(struct fluid_params, stiffness), false, -1, 0,
      FLUID_MAX_STIFFNESS, "N/m",
-     "weight of the density constraint: force per distance from the uncompressed state"},
+     "weight of the density constraint: force per distance from the uncompressed state; instead of "
+     "compression, and 1e6 by default without gravity"},
     {"compression", PDYN_REAL, offsetof(struct fluid_params, compression), false, 0, 1e-9, 0.5, "1",
-     "relative density error at the bottom of the fluid at rest; instead of stiffness"},
+     "relative density error at the bottom of the fluid at rest; 0.001 by default"},
     {"sound_speed", PDYN_REAL, offsetof(struct fluid_params, sound_speed), false, 0, 1e-3, 1e6,
-     "m/s", "speed of sound in the fluid; instead of stiffness"},
+     "m/s", "speed of sound in the fluid; instead of compression"},
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",
      "how much of the velocity difference to the neighbours a step takes away (XSPH)"},
     {0}};

@@ -11,7 +11,7 @@
 #define FLUID_MAX_STIFFNESS 1e15 /* N/m */
 
 struct fluid_params {
-    double stiffness;                /* w, N/m */
+    double stiffness;                /* w, N/m; -1 before fluid_resolve if the scene gives none */
     double compression, sound_speed; /* 1, m/s; 0 before fluid_resolve if the scene gives none */
     double viscosity;                /* XSPH factor per step, 1 */
 };

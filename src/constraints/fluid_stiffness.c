@@ -11,6 +11,9 @@
 
 #include "projdyn/vec3.h"
 
+/* Where the scene gives none of the three; the stiffness, N/m, without a pressure at rest. */
+static const double default_compression = 1e-3, default_stiffness = 1e6;
+
 pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
     struct fluid_params *p = params;
     double length = scene->kernel->squares * 2.0 * scene->radius, rho = scene->rest_density;
@@ -22,6 +25,10 @@ pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
                                   given};
     if (p->compression > 0.0) p->stiffness = length * pressure / p->compression;
     else if (p->sound_speed > 0.0) p->stiffness = length * rho * p->sound_speed * p->sound_speed;
+    else if (p->stiffness < 0.0)
+        p->stiffness = pressure > 0.0
+                           ? fmin(length * pressure / default_compression, FLUID_MAX_STIFFNESS)
+                           : default_stiffness;
     if (p->stiffness > FLUID_MAX_STIFFNESS)
         return (pdyn_param_fault){"expected a value that gives a stiffness of at most 1e+15 N/m",
                                   given};
