@@ -323,7 +323,8 @@ static struct cost cost_of(const char *more, int steps) {
         "{'duration': 1000, 'frame_interval': 1000, 'time_step': {'fixed': 0.002}, 'solids': "
         "[{'box': {'minimum': [0, 0, 0], 'maximum': [1.62, 1.2, 0.54]}, 'open': ['+y']}], "
         "'bodies': [{'name': 'water', 'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': "
-        "[0, 0, 0], 'maximum': [0.54, 0.54, 0.54]}}]}, 'constraints': [{'type': 'fluid'}]}%s}",
+        "[0, 0, 0], 'maximum': [0.54, 0.54, 0.54]}}]}, 'constraints': [{'type': 'fluid', "
+        "'compression': 0.001}]}%s}",
         more);
     struct cost cost = {.particles = 0};
     for (int n = 0; n < steps; n++) {

@@ -107,22 +107,32 @@ static void test_formula(void **state) {
     }
 }
 
-/* A scene that gives none of the three: 0.001 of compression; without gravity a stiffness, N/m; the
- * largest stiffness where the pressure is beyond all bounds. */
+/* A scene that gives none of the three: 0.001 of compression, less under a body that is heavy or
+ * comes from above, and before a solid that moves; without gravity a stiffness, N/m; the largest
+ * stiffness where the pressure is beyond all bounds. */
 static void test_default(void **state) {
     (void)state;
+#define DEFAULT(rest) FLUID(BLOCK, "'viscosity': 0.1", rest)
     static const struct {
-        const char *set, *name;
+        const char *text, *name;
         double value;
-    } cases[] = {{"gravity=[0, -9.81, 0]", "compression", 1e-3},
-                 {"gravity=[0, 0, 0]", "stiffness", 1e6},
-                 {"bodies.0.velocity=[1e6, 0, 0]", "stiffness", 1e15}};
+    } cases[] = {
+        {DEFAULT("]"), "compression", 1e-3},
+        {DEFAULT(", {'rigid': {'density': 2500, 'box': {'minimum': [0.02, 0.5, 0.02], 'maximum': "
+                 "[0.1, 0.6, 0.1]}}, 'velocity': [0, 1.980909, 0]}]"),
+         "compression", 1e-3 * 0.4 / (2.5 * 0.8)},
+        {DEFAULT("], 'solids': [{'box': {'minimum': [1, 0, 0], 'maximum': [2, 1, 1]}, 'motion': "
+                 "[{'time': 0}, {'time': 1, 'translate': [5, 0, 0]}]}]"),
+         "compression", 1e-3 * 9.81 * 0.4 / 12.5},
+        {DEFAULT("], 'gravity': [0, 0, 0]"), "stiffness", 1e6},
+        {DEFAULT(
+             ", {'rigid': {'density': 1e6, 'box': {'minimum': [0, 1e5, 0], 'maximum': [1, 100001, "
+             "1]}}, 'velocity': [0, 1e6, 0]}]"),
+         "stiffness", 1e15},
+    };
     pdyn_context *own = test_context(1);
     for (int k = 0; k < COUNT(cases); k++) {
-        pdyn_sim *sim = NULL;
-        assert_int_equal(pdyn_load_text(own, quoted(FLUID(BLOCK, "'viscosity': 0.1", "]")), "test",
-                                        &cases[k].set, 1, &sim),
-                         PDYN_OK);
+        pdyn_sim *sim = test_load(own, cases[k].text);
         assert_near(k, cases[k].name, parameter(sim, cases[k].name), cases[k].value);
         pdyn_free(sim);
     }

@@ -92,6 +92,9 @@ typedef struct pdyn_scene_info {
                             bodies and solids. Beside other fluids: so that rest_density |gravity|
                             head is the largest pressure of all at rest. 0 without gravity */
     const struct kernel_model *kernel; /* of the scene (kernel.h) */
+    double pressure; /* Pa, that the body may meet: the largest density (|gravity| height + speed^2
+                        / 2) of all bodies at their start, with rest_density where that is more; of
+                        solids rest_density speed^2 / 2. 0 without gravity */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {

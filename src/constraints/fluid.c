@@ -28,7 +28,8 @@ static const pdyn_param params[] = {
      "weight of the density constraint: force per distance from the uncompressed state; instead of "
      "compression, and 1e6 by default without gravity"},
     {"compression", PDYN_REAL, offsetof(struct fluid_params, compression), false, 0, 1e-9, 0.5, "1",
-     "relative density error at the bottom of the fluid at rest; 0.001 by default"},
+     "relative density error at the bottom of the fluid at rest; 0.001 by default, or "
+     "less where bodies and solids press more than the fluid does"},
     {"sound_speed", PDYN_REAL, offsetof(struct fluid_params, sound_speed), false, 0, 1e-3, 1e6,
      "m/s", "speed of sound in the fluid; instead of compression"},
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",

@@ -11,7 +11,8 @@
 
 #include "projdyn/vec3.h"
 
-/* Where the scene gives none of the three; the stiffness, N/m, without a pressure at rest. */
+/* Where the scene gives none of the three: compression under pdyn_scene_info.pressure; without
+ * gravity a stiffness, N/m. */
 static const double default_compression = 1e-3, default_stiffness = 1e6;
 
 pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
@@ -26,9 +27,9 @@ pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
     if (p->compression > 0.0) p->stiffness = length * pressure / p->compression;
     else if (p->sound_speed > 0.0) p->stiffness = length * rho * p->sound_speed * p->sound_speed;
     else if (p->stiffness < 0.0)
-        p->stiffness = pressure > 0.0
-                           ? fmin(length * pressure / default_compression, FLUID_MAX_STIFFNESS)
-                           : default_stiffness;
+        p->stiffness = scene->pressure > 0.0 ? fmin(length * scene->pressure / default_compression,
+                                                    FLUID_MAX_STIFFNESS)
+                                             : default_stiffness;
     if (p->stiffness > FLUID_MAX_STIFFNESS)
         return (pdyn_param_fault){"expected a value that gives a stiffness of at most 1e+15 N/m",
                                   given};

@@ -1,7 +1,8 @@
-/* The head of a body (see head.h). */
+/* The head of a body, and the pressure that a fluid may meet (see head.h). */
 #include "head.h"
 
 #include "inlet_motion.h"
+#include "poses.h"
 
 #include "projdyn/vec3.h"
 
@@ -92,4 +93,24 @@ double scene_head(const struct scene *scene, const struct scene_body *body) {
     for (; (dense = densest_above(scene, from, &top)); from = top)
         head += dense->rest_density / body->rest_density * (top - from);
     return head;
+}
+
+static double solid_speed(const struct scene_solid *solid) {
+    if (!solid->motion.keys) return 0.0;
+    const struct box box = pose_box(&solid->motion, solid->mesh.vertex, solid->mesh.vertices);
+    return pose_top_speed(&solid->motion, &box, 0.0, INFINITY);
+}
+
+double scene_pressure(const struct scene *scene, const struct scene_body *fluid) {
+    double gravity = vec3_length(scene->settings.gravity), rho = fluid->rest_density;
+    if (gravity == 0.0) return 0.0;
+    double from = lowest_point(scene), largest = rho * gravity * scene_head(scene, fluid);
+    for (int b = 0; b < scene->bodies; b++) {
+        const struct scene_body *body = &scene->body[b];
+        double density = fmax(rho, body->has_mesh ? body->density : body->rest_density);
+        largest = fmax(largest, density * gravity * (top_of(scene, body) - from));
+    }
+    for (int s = 0; s < scene->solids; s++)
+        largest = fmax(largest, 0.5 * rho * pow(solid_speed(&scene->solid[s]), 2.0));
+    return largest;
 }

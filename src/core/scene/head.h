@@ -1,5 +1,6 @@
 /* The head of a body, m: of a surface, the height from which it can fall; of a fluid, the height of
- * a column of it that has the largest pressure of all fluids at its bottom. */
+ * a column of it that has the largest pressure of all fluids at its bottom. The pressure that a
+ * fluid may meet in a scene. */
 #ifndef PDYN_HEAD_H
 #define PDYN_HEAD_H
 
@@ -17,5 +18,9 @@
  * steady flow that starts from the bodies. Heights of particles include their radius; solids are at
  * their initial placement, moving inlets at all of their keys. */
 double scene_head(const struct scene *scene, const struct scene_body *body);
+
+/* pdyn_scene_info.pressure of a body of particles, Pa. A body that stops on a fluid gives it a part
+ * of its energy, a heavy one more than a column of the fluid. */
+double scene_pressure(const struct scene *scene, const struct scene_body *fluid);
 
 #endif

@@ -59,6 +59,7 @@ static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                             .rest_density = body->rest_density,
                             .head = scene_head(r->scene, body),
                             .kernel = r->scene->settings.kernel};
+    if (!body->has_mesh) info.pressure = scene_pressure(r->scene, body);
     memcpy(info.gravity, r->scene->settings.gravity, sizeof info.gravity);
     pdyn_param_fault fault = c->type->resolve(c->params, &info);
     if (!fault.message) return PDYN_OK;
