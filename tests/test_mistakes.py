@@ -104,7 +104,7 @@ MISTAKES = [
                                                ("bodies.1.constraints.1.vertices", {"vertices": [0, 4]})), "[seams]"),
     Mistake("Cholesky for a matrix that changes", change(("solver", {"type": "cholesky"}), ("bodies.0", None)), "[factor]"),
     Mistake("water fills a place twice", change(("bodies.0.particles.fill.1", WATER["particles"]["fill"][0])), "[coincident]",
-            codes=(1, 1)),
+            codes=(0, 1)),
     Mistake("a third of the water inside a solid",
             change(("solids.1", {"name": "block", "capsule": {"from": [0, 0, 0], "to": [0, 0.1, 0], "radius": 0.19}}),
                    *WATER_ONLY), "[overlap]"),

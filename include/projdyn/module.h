@@ -94,7 +94,7 @@ typedef struct pdyn_scene_info {
     const struct kernel_model *kernel; /* of the scene (kernel.h) */
     double pressure; /* Pa, that the body may meet: the largest density (|gravity| height + speed^2
                         / 2) of all bodies at their start, with rest_density where that is more; of
-                        solids rest_density speed^2 / 2. 0 without gravity */
+                        solids rest_density speed^2 / 2. 0 without gravity, for a surface, too */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {
