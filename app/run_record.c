@@ -35,7 +35,8 @@ static json_t *options_to_json(const struct scene_options *o, double end) {
         good = !json_array_append_new(set, json_string(o->set[k]));
     for (int k = 0; k < o->plugins && good; k++) good = append_path(plugins, o->plugin[k]);
     if (good) root = json_pack("{s:s, s:O, s:O}", "scene", scene, "set", set, "plugins", plugins);
-    if (root && end > 0.0) json_object_set_new(root, "time", json_real(end));
+    if (root && end > 0.0 && json_object_set_new(root, "time", json_real(end)))
+        json_decref(root), root = NULL;
     free(scene);
     json_decref(set), json_decref(plugins);
     return root;

@@ -2,9 +2,9 @@
  * collects the results in one table. */
 #include "jobs.h"
 #include "parameter_grid.h"
+#include "scene_json.h"
 #include "sweep_table.h"
 
-#include <jansson.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -181,29 +181,18 @@ static bool make_jobs(struct sweep *s) {
     return s->jobs.job;
 }
 
-/* Callback of pdyn_scene_text(): stores in *(bool *)user whether the scene names a plug-in. */
-static void find_plugins(void *user, const char *text) {
-    json_t *scene = json_loads(text, 0, NULL);
-    *(bool *)user = json_array_size(json_object_get(scene, "plugins")) > 0;
-    json_decref(scene);
-}
-
 /* Refuses a scene with plug-ins without permission, before every job fails for this reason. Returns
  * EXIT_GOOD, or another exit code after a message; that of the loader has line and column. */
 static int check_plugins(const struct scene_options *scene) {
     pdyn_context *context = NULL;
-    pdyn_scene *file = NULL;
     pdyn_sim *sim = NULL;
-    bool named = false;
+    json_t *values = NULL;
     if (scene_plugins_allowed()) return EXIT_GOOD;
-    int code = scene_open(scene, &context, &file);
-    if (code == EXIT_GOOD) {
-        pdyn_status status = pdyn_scene_text(file, find_plugins, &named);
-        if (status == PDYN_OK && named) status = pdyn_scene_load(file, &sim);
-        if (status != PDYN_OK) code = report_status(context, status);
-    }
+    int code = scene_json(scene, &values);
+    if (code == EXIT_GOOD && json_array_size(json_object_get(values, "plugins")) > 0)
+        code = scene_load(scene, &context, &sim);
+    json_decref(values);
     pdyn_free(sim);
-    pdyn_scene_free(file);
     pdyn_destroy(context);
     return code;
 }
