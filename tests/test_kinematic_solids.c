@@ -220,6 +220,37 @@ static void test_paddle_long(void **state) {
     pdyn_destroy(context);
 }
 
+/* ---- a piston -------------------------------------------------------------------------------- */
+
+/* Starts at full speed against water, the part of a spacing that `gap` says away from it. */
+static void write_piston(double gap, char text[2048]) {
+    snprintf(text, 2048,
+             "{'duration': 0.02, 'frame_interval': 0.02, 'time_step': {'fixed': 0.002}, 'bodies': "
+             "[{'particles': {'radius': 0.01, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': "
+             "[0.4, 0.1, 0.1]}}]}, 'constraints': [{'type': 'fluid'}]}], 'solids': [{'box': "
+             "{'minimum': [-0.2, 0, 0], 'maximum': [0.4, 0.4, 0.1]}, 'open': ['+y']}, {'box': "
+             "{'minimum': [-0.1, 0.001, 0], 'maximum': [%g, 0.3, 0.1]}, 'motion': [{'time': 0}, "
+             "{'time': 0.1, 'translate': [0.5, 0, 0]}]}]}",
+             -0.02 * gap);
+}
+
+/* It moves by half a spacing in a step, as far as the first layer is away from its face, and drives
+ * that layer before it. */
+static void test_piston(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    for (double gap = 0.0; gap < 0.9; gap += 0.2) {
+        char text[2048];
+        write_piston(gap, text);
+        pdyn_sim *sim = test_load(context, text);
+        const pdyn_state s = pdyn_get_state(sim);
+        while (pdyn_time(sim) < 0.0199) assert_int_equal(test_step(context, sim).leaked, 0);
+        for (int i = 0; i < s.particles; i++) assert_true(s.x[3 * i] > 0.1 - 0.02 * gap);
+        pdyn_free(sim);
+    }
+    pdyn_destroy(context);
+}
+
 /* ---- promises of a step ---------------------------------------------------------------------- */
 
 static void test_threads(void **state) {
@@ -254,7 +285,10 @@ static void test_no_allocation(void **state) {
 
 static void test_failing_allocator(void **state) {
     (void)state;
+    char text[2048];
+    write_piston(0.0, text);
     test_failing_scene(turning);
+    test_failing_scene(text);
 }
 
 /* A failed step leaves the solids at their previous positions, too. */
@@ -279,10 +313,15 @@ static void test_divergence(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_carry),         cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_speed),         cmocka_unit_test(test_carried_tank),
-        cmocka_unit_test(test_paddle_long),   cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_no_allocation), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_carry),
+        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_speed),
+        cmocka_unit_test(test_carried_tank),
+        cmocka_unit_test(test_paddle_long),
+        cmocka_unit_test(test_piston),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_divergence),
     };
     return cmocka_run_group_tests_name("motion", tests, test_enter_directory, test_leave_directory);

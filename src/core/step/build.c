@@ -1,6 +1,7 @@
 /* Construction of a simulation from a scene, part by part (build.h), and its end. */
 #include "build.h"
 
+#include "carried.h"
 #include "contact/contact.h"
 #include "crossings.h"
 #include "live_particles.h"
@@ -19,6 +20,7 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = live_particles_create(sim);
     if (status == PDYN_OK) bodies_forget_start(sim);
     if (status == PDYN_OK) status = lists_create(sim);
+    if (status == PDYN_OK) status = carried_create(sim);
     if (status == PDYN_OK) status = batches_create(sim);
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = residual_create(&sim->objective);
@@ -58,6 +60,7 @@ void pdyn_free(pdyn_sim *sim) {
     if (!sim) return;
     pdyn_context *context = sim->context;
     acceleration_free(&sim->acceleration);
+    carried_free(sim);
     solver_choice_free(sim);
     batches_free(sim);
     contact_free(sim->objective.contact);

@@ -20,6 +20,7 @@
 #include "solver_choice.h"
 #include "sph/neighbours.h"
 
+struct carried;
 struct probes;
 
 struct pdyn_sim {
@@ -66,6 +67,7 @@ struct pdyn_sim {
 
     struct live_particles *live; /* NULL: all particles are live */
 
+    struct carried *carried;         /* beside moving solids; NULL: nothing is carried */
     struct neighbours *neighbours;   /* NULL: no constraint needs them */
     struct surface_samples *samples; /* samples on surfaces that act on a fluid; NULL: none */
     struct occlusion *occlusion; /* the same surfaces, which hide fluid particles from each other */

@@ -1,5 +1,6 @@
 #include "start_point.h"
 
+#include "carried.h"
 #include "iterate.h"
 #include "live_particles.h"
 
@@ -22,9 +23,9 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     *least = 1.0;
     iterate_retract(sim, x);
     if (sim->max_step) {
-        objective_axpy(&sim->objective, -1.0, sim->x, x);
+        objective_axpy(&sim->objective, -1.0, carried_x(sim), x);
         *least = iterate_limit(sim, x);
-        objective_axpy(&sim->objective, 1.0, sim->x, x);
+        objective_axpy(&sim->objective, 1.0, carried_x(sim), x);
     }
     pdyn_status status = contact ? contact_start(contact, sim->x, x) : PDYN_OK;
     if (contact) *least = fmin(*least, contact_least(contact));
@@ -36,17 +37,18 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
  */
 static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
     double least;
+    const double *x = carried_x(sim);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
-        sim->x_next[k] = sim->x[k] + (particle_is_held(sim, k / 3) ? 1.0 : part) *
-                                         (sim->objective.s[k] - sim->x[k]);
+        sim->x_next[k] =
+            x[k] + (particle_is_held(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
-/* The inertial energy of staying at the state x: a lower bound of E there, J. */
+/* The inertial energy of staying at the state: a lower bound of E there, J. */
 static double inertial_energy_at_rest(const struct pdyn_sim *sim) {
     double sum = 0.0;
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
-        double moved = sim->objective.s[k] - sim->x[k];
+        double moved = sim->objective.s[k] - carried_x(sim)[k];
         if (!particle_is_held(sim, k / 3))
             sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
     }
@@ -98,7 +100,7 @@ static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
 }
 
 pdyn_status start_point(struct pdyn_sim *sim, double *energy) {
-    pdyn_status status = iterate_update_limits(sim, sim->x);
+    pdyn_status status = iterate_update_limits(sim, carried_x(sim));
     if (status != PDYN_OK) return status;
     return solves_fluid_alone(sim) ? start_multipliers(sim, energy) : start_positions(sim, energy);
 }

@@ -3,6 +3,7 @@
 #include "applied_force.h"
 #include "base/clock.h"
 #include "base/sized.h"
+#include "carried.h"
 #include "crossings.h"
 #include "forces.h"
 #include "live_particles.h"
@@ -100,8 +101,8 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     if (status == PDYN_OK && contact) status = contact_begin(contact, sim->x, sim->time + h);
     if (status == PDYN_OK) status = predict(sim, h);
     if (status != PDYN_OK) return status;
-    kinematic_move(sim, sim->objective.time);
-    status = energy_budget_open(sim);
+    status = carried_move(sim);
+    if (status == PDYN_OK) status = energy_budget_open(sim);
     if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = restore_momentum(sim);
     if (status == PDYN_OK) status = measure_check_range(sim, h);
