@@ -165,6 +165,8 @@ int print_scene_summary(const pdyn_context *context, const pdyn_sim *sim) {
     print_probes(sim);
     pdyn_get_gravity(sim, gravity);
     printf("gravity (%.4g, %.4g, %.4g) m/s^2\n", gravity[0], gravity[1], gravity[2]);
+    if (pdyn_contact_stiffness(sim) > 0.0)
+        printf("contact: stiffness %.4g N/m\n", pdyn_contact_stiffness(sim));
     printf("solver %s, %s step: %s\n", pdyn_solver_type(sim), pdyn_step_type(sim),
            pdyn_solver_reason(sim));
     printf("integrator %s\n", pdyn_integrator(sim));

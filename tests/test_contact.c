@@ -465,6 +465,42 @@ static void test_not_self(void **state) {
     pdyn_destroy(c);
 }
 
+/* ---- the default stiffness ------------------------------------------------------------------- */
+
+#define CUBE                                                                                       \
+    "{'name': 'cube', 'rigid': {'box': {'minimum': [1, -0.19, 0], 'maximum': [1.1, -0.09, 0.1]}, " \
+    "'mass': 50}}"
+#define COLUMN                                                                                     \
+    "{'particles': {'radius': 0.05, 'fill': [{'box': {'minimum': [2, 0, 0], 'maximum': [2.2, 20, " \
+    "0.2]}}]}, 'constraints': [{'type': 'fluid'}]}"
+
+/* Light cloth has 1000 N/m; then the weight of a rigid body counts, and the pressure of a column of
+ * water from the lowest point, that of the floor, on the area of a vertex. */
+static void test_default(void **state) {
+    (void)state;
+    static const double g = 9.81, thickness = 0.004;
+    const struct {
+        const char *more, *gravity, *bodies;
+        double expected;
+    } cases[] = {
+        {"", DOWN, CLOTH_AT(9, 0), 1000},
+        {", 'stiffness': 5", DOWN, CLOTH_AT(9, 0) ", " CUBE, 5},
+        {"", DOWN, CLOTH_AT(9, 0) ", " CUBE, 50 * g / thickness},
+        {"", "[0, 0, 0]", CLOTH_AT(9, 0) ", " CUBE, 1000},
+        {"", DOWN, CLOTH_AT(9, 0) ", " COLUMN, 1000 * g * 20.2 * 0.25 / 81 / thickness},
+    };
+    for (int k = 0; k < COUNT(cases); k++) {
+        pdyn_context *c = test_context(1);
+        pdyn_sim *sim =
+            test_load(c, scene(cases[k].more, cases[k].gravity, cases[k].bodies, FLOOR));
+        double found = pdyn_contact_stiffness(sim);
+        if (!(fabs(found / cases[k].expected - 1.0) < 1e-6))
+            fail_msg("case %d: %.9g N/m, expected %.9g", k, found, cases[k].expected);
+        pdyn_free(sim);
+        pdyn_destroy(c);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_intersect),   cmocka_unit_test(test_gradient),
@@ -477,6 +513,7 @@ int main(void) {
         cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),
         cmocka_unit_test(test_allocations), cmocka_unit_test(test_incline),
         cmocka_unit_test(test_refused),     cmocka_unit_test(test_not_self),
+        cmocka_unit_test(test_default),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);
 }

@@ -184,6 +184,7 @@ static void test_values(void **state) {
     assert_string_equal(pdyn_solver_reason(NULL), "");
     assert_string_equal(pdyn_integrator(NULL), "");
     assert_string_equal(pdyn_step_type(NULL), "");
+    assert_true(pdyn_contact_stiffness(NULL) == 0.0);
     assert_false(pdyn_is_enabled(NULL, 0));
     double gravity[3] = {1.0, 1.0, 1.0};
     pdyn_get_gravity(NULL, gravity);

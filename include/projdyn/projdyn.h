@@ -193,7 +193,9 @@ PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
 PDYN_API const char *pdyn_integrator(const pdyn_sim *sim); /* "bdf2" or "euler" */
-PDYN_API const char *pdyn_step_type(const pdyn_sim *sim);  /* "projective" or "newton" */
+/* N/m: `contact.stiffness` of the scene, or its default; 0 without contact. */
+PDYN_API double pdyn_contact_stiffness(const pdyn_sim *sim);
+PDYN_API const char *pdyn_step_type(const pdyn_sim *sim); /* "projective" or "newton" */
 PDYN_API uint64_t
 pdyn_state_hash(const pdyn_sim *sim); /* FNV-1a hash of x and v of the live particles */
 

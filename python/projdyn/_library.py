@@ -30,6 +30,7 @@ FUNCTIONS = {
     "pdyn_frame_interval": (c_double, Sim),
     "pdyn_solver_type": (c_char_p, Sim),
     "pdyn_integrator": (c_char_p, Sim),
+    "pdyn_contact_stiffness": (c_double, Sim),
     "pdyn_state_hash": (c_uint64, Sim),
     "pdyn_get_state_sized": (None, Sim, POINTER(State), c_size_t),
     "pdyn_get_body_sized": (None, Sim, c_int, POINTER(BodyInfo), c_size_t),

@@ -106,6 +106,11 @@ class Simulation(Fixed):
         """"bdf2" or "euler"."""
         return lib.pdyn_integrator(self._handle.pointer).decode()
 
+    @property
+    def contact_stiffness(self) -> float:
+        """N/m: of the scene, or its default; 0 without contact."""
+        return lib.pdyn_contact_stiffness(self._handle.pointer)
+
     # ---- state ----------------------------------------------------------------------------------
 
     @property

@@ -102,9 +102,10 @@ static double solid_speed(const struct scene_solid *solid) {
 }
 
 double scene_pressure(const struct scene *scene, const struct scene_body *fluid) {
-    double gravity = vec3_length(scene->settings.gravity), rho = fluid->rest_density;
+    double gravity = vec3_length(scene->settings.gravity), rho = fluid ? fluid->rest_density : 0.0;
     if (gravity == 0.0) return 0.0;
-    double from = lowest_point(scene), largest = rho * gravity * scene_head(scene, fluid);
+    double from = lowest_point(scene), largest = 0.0;
+    if (fluid) largest = rho * gravity * scene_head(scene, fluid);
     for (int b = 0; b < scene->bodies; b++) {
         const struct scene_body *body = &scene->body[b];
         double density = fmax(rho, body->has_mesh ? body->density : body->rest_density);

@@ -19,8 +19,8 @@
  * their initial placement, moving inlets at all of their keys. */
 double scene_head(const struct scene *scene, const struct scene_body *body);
 
-/* pdyn_scene_info.pressure of a body of particles, Pa. A body that stops on a fluid gives it a part
- * of its energy, a heavy one more than a column of the fluid. */
+/* pdyn_scene_info.pressure of a body of particles, Pa; NULL: of the solid bodies alone. A body that
+ * stops on a fluid gives it a part of its energy, a heavy one more than a column of the fluid. */
 double scene_pressure(const struct scene *scene, const struct scene_body *fluid);
 
 #endif

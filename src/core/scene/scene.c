@@ -2,6 +2,7 @@
 #include "base/registry.h"
 #include "base/snapshot_file.h"
 #include "base/text.h"
+#include "contact_stiffness.h"
 #include "file_ref.h"
 #include "head.h"
 #include "inlet.h"
@@ -120,8 +121,8 @@ const pdyn_param scene_contact_params[] = {
     {"thickness", PDYN_REAL, offsetof(struct scene_contact, thickness), true, 0, 1e-9, 1e3, "m",
      ""},
     {"friction", PDYN_REAL, offsetof(struct scene_contact, friction), false, 0.3, 0, 100, "1", ""},
-    {"stiffness", PDYN_REAL, offsetof(struct scene_contact, stiffness), false, 1000, 1e-9, 1e15,
-     "N/m", ""},
+    {"stiffness", PDYN_REAL, offsetof(struct scene_contact, stiffness), false, 0, 1e-9, 1e15, "N/m",
+     ""},
     {"damping_ratio", PDYN_REAL, offsetof(struct scene_contact, damping), false, 0.3, 0, 100, "1",
      ""},
     {"self", PDYN_BOOL, offsetof(struct scene_contact, self), false, 1, 0, 0, "", ""},
@@ -133,7 +134,11 @@ static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
     for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].has_mesh;
     if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
     r->scene->has_contact = true;
-    return params_read_object(at, scene_contact_params, &r->scene->contact);
+    struct scene_contact *contact = &r->scene->contact;
+    pdyn_status status = params_read_object(at, scene_contact_params, contact);
+    if (status == PDYN_OK && contact->stiffness == 0.0)
+        contact->stiffness = scene_contact_stiffness(r->scene);
+    return status;
 }
 
 static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {

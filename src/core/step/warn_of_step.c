@@ -31,7 +31,8 @@ static void warn_retries(struct pdyn_sim *sim, int retries) {
     struct warning *w =
         warnings_count(&sim->warnings, WARNING_RETRIES, "", sim->time, retries, retries);
     warnings_say(sim->context, w,
-                 "%ld attempts at a step failed and were repeated with a shorter one", w->count);
+                 "%ld attempt%s at a step failed and w%s repeated with a shorter one", w->count,
+                 w->count == 1 ? "" : "s", w->count == 1 ? "as" : "ere");
 }
 
 /* After the first step, also if the fluid was compressed at the start. */
