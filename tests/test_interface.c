@@ -73,6 +73,19 @@ static struct plane_sum sum_over(const struct kernel_model *model, int count, co
     return s;
 }
 
+/* Nowhere above the plane does the sum bound its distance by more than the distance. */
+static void check_distance(const struct kernel_model *model, int count, const double *x,
+                           const double *area) {
+    struct surface_kernel kernel = surface_kernel_make(model, d);
+    double largest = 0.0;
+    for (double z = 0.02 * d; z < 0.6 * d; z += 0.04 * d) {
+        double least = sum_over(model, count, x, area, z).least * plane_of(model, z);
+        largest = fmax(largest, surface_kernel_least_distance(&kernel, least, d) / z);
+    }
+    print_message("%s: least distance at most %.3f of the distance\n", model->name, largest);
+    assert_true(largest <= 1.0);
+}
+
 /* With either kernel, a plane's sum over points with areas is nearly constant. On the surface it
  * exceeds 1 - W(0), at which a particle alone is compressed, at every place: there is no hole to
  * pass through. */
@@ -87,6 +100,7 @@ static void check_sums(const struct kernel_model *model, int count, const double
                   model->name, at_rest.mean, at_rest.spread, least, alone);
     assert_true(fabs(at_rest.mean - 1.0) < 0.01 && at_rest.spread < 0.03);
     assert_true(least > fmax(0.85, alone + 0.1));
+    check_distance(model, count, x, area);
 }
 
 /* A square of 2 m x 2 m, of strips of two triangles each. The areas of its points sum to its area.

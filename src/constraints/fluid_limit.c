@@ -1,5 +1,5 @@
 /* Step limit that keeps fluid particles and surfaces from passing through each other: a fraction of
- * their distance. Within one particle spacing, the density that a surface adds at a particle gives
+ * their distance. Within one particle spacing, the density that a surface adds at a particle bounds
  * the distance, whatever points and triangles the surface has. Beyond, the distance is at least the
  * spacing, and at least the distance to a bounding box of the other party, so a sheet that flies
  * towards water is not slowed down. */
@@ -67,7 +67,8 @@ WIDE static void limit_block(void *arg, int first, int last, int block) {
         if (samples < l->boundary_start[i] || l->patch_start[i] < l->end[i]) {
             double sum = add_areas(f, c->x, at, samples, l->boundary_start[i]) +
                          add_areas(f, c->x, at, l->patch_start[i], l->end[i]);
-            limit = fmin(limit, distance_fraction * surface_kernel_distance(&f->surface, sum));
+            double far = surface_kernel_least_distance(&f->surface, sum, c->spacing);
+            limit = fmin(limit, distance_fraction * far);
         }
         c->max_step[i] = fmin(c->max_step[i], fmax(limit, min_limit * c->spacing));
     }
