@@ -24,29 +24,36 @@ static double distance_to_segment(const double *x, const double *a, const double
     return vec3_length(ax);
 }
 
-static void check_capsule(const double from[3], const double to[3], double radius) {
+/* part: least volume of the mesh over the exact one. Returns the number of triangles. */
+static int check_capsule(const double from[3], const double to[3], double radius, double bump,
+                         double part) {
     pdyn_context *context = test_context(1);
     struct mesh mesh;
     double pi = acos(-1.0), length = vec3_distance(from, to);
     double exact = pi * radius * radius * (4.0 / 3.0 * radius + length);
-    assert_int_equal(primitive_capsule(context, from, to, radius, &mesh), PDYN_OK);
+    assert_int_equal(primitive_capsule(context, from, to, radius, bump, &mesh), PDYN_OK);
     assert_int_equal(mesh_check(context, &mesh, "capsule"), PDYN_OK);
     assert_int_equal(mesh_check_cloth(context, &mesh, "capsule"), PDYN_OK);
     assert_int_equal(mesh_check_closed(context, &mesh, "capsule"), PDYN_OK);
-    assert_true(volume(&mesh) < exact && volume(&mesh) > 0.99 * exact);
+    assert_true(volume(&mesh) < exact && volume(&mesh) > part * exact);
+    int triangles = mesh.triangles;
     for (int i = 0; i < mesh.vertices; i++)
         assert_true(fabs(distance_to_segment(mesh.vertex + 3 * i, from, to) - radius) <
                     1e-12 * (radius + length));
     mesh_free(context, &mesh);
     assert_int_equal(pdyn_bytes_in_use(context), 0);
     pdyn_destroy(context);
+    return triangles;
 }
 
 static void test_capsules(void **state) {
     (void)state;
-    check_capsule((double[]){1, 2, 3}, (double[]){1, 2, 3}, 0.5);
-    check_capsule((double[]){0, 0, 0}, (double[]){0, -2, 0}, 0.5);
-    check_capsule((double[]){0.1, 0, 0}, (double[]){1, 2, -3}, 0.01);
+    const double at[3] = {1, 2, 3};
+    check_capsule((double[]){0, 0, 0}, (double[]){0, -2, 0}, 0.5, 0.0, 0.99);
+    check_capsule((double[]){0.1, 0, 0}, (double[]){1, 2, -3}, 0.01, 0.0, 0.99);
+    assert_int_equal(check_capsule(at, at, 0.5, 0.0, 0.99), 3968);
+    assert_int_equal(check_capsule(at, at, 0.5, 0.5 * 0.0097, 0.98), 960); /* 32 around */
+    assert_int_equal(check_capsule(at, at, 0.5, 0.1, 0.96), 528);          /* 24 */
 }
 
 static void test_box(void **state) {

@@ -25,12 +25,20 @@ static void across(double axis[3], double u[3], double v[3]) {
 
 /* ---- capsules: rings around an axis, from pole to pole --------------------------------------- */
 
-enum { AROUND = 64, QUARTER = AROUND / 4 };
+enum { LEAST_AROUND = 24, MOST_AROUND = 64 }; /* points of a ring, a multiple of 4 */
 
-/* Places n points of a ring around the centre, at an angle from the pole. */
+/* With n points around the axis, and as far apart along it, the vertices of a sphere of radius r
+ * are up to r (pi/n)^2 outside its triangles. */
+static int points_around(double radius, double bump) {
+    double points = acos(-1.0) * sqrt(radius / fmax(bump, 1e-9 * radius));
+    return 4 * (int)ceil(0.25 * fmin(fmax(points, LEAST_AROUND), MOST_AROUND));
+}
+
+/* Places the first `points` of `around` points of a ring around the centre, at an angle from the
+ * pole. */
 static void place_ring(const double center[3], double radius, const double axes[9], double angle,
-                       int points, double *x) {
-    double step = 2.0 * acos(-1.0) / AROUND;
+                       int around, int points, double *x) {
+    double step = 2.0 * acos(-1.0) / around;
     for (int k = 0; k < points; k++, x += 3) {
         memcpy(x, center, 3 * sizeof *x);
         vec3_add(x, radius * sin(angle) * cos(k * step), axes);
@@ -40,43 +48,44 @@ static void place_ring(const double center[3], double radius, const double axes[
 }
 
 /* Triangles between a pole and the ring that begins at vertex `ring`. */
-static int *close_pole(int pole, int ring, bool first, int *triangle) {
-    for (int k = 0; k < AROUND; k++, triangle += 3) {
-        int a = ring + k, b = ring + (k + 1) % AROUND;
+static int *close_pole(int pole, int ring, int around, bool first, int *triangle) {
+    for (int k = 0; k < around; k++, triangle += 3) {
+        int a = ring + k, b = ring + (k + 1) % around;
         triangle[0] = pole, triangle[1] = first ? b : a, triangle[2] = first ? a : b;
     }
     return triangle;
 }
 
-static int *join_rings(int below, int *triangle) {
-    for (int k = 0; k < AROUND; k++, triangle += 6) {
-        int a = below + k, b = below + (k + 1) % AROUND;
-        const int two[6] = {a, b, b + AROUND, a, b + AROUND, a + AROUND};
+static int *join_rings(int below, int around, int *triangle) {
+    for (int k = 0; k < around; k++, triangle += 6) {
+        int a = below + k, b = below + (k + 1) % around;
+        const int two[6] = {a, b, b + around, a, b + around, a + around};
         memcpy(triangle, two, sizeof two);
     }
     return triangle;
 }
 
 pdyn_status primitive_capsule(pdyn_context *context, const double from[3], const double to[3],
-                              double radius, struct mesh *out) {
+                              double radius, double bump, struct mesh *out) {
     double axes[9] = {[6] = to[0] - from[0], [7] = to[1] - from[1], [8] = to[2] - from[2]};
     bool sphere = !(vec3_length(axes + 6) > 1e-9 * radius);
     if (sphere) memcpy(axes + 6, (const double[3]){0.0, 1.0, 0.0}, 3 * sizeof *axes);
     across(axes + 6, axes, axes + 3);
-    int rings = 2 * QUARTER - sphere, vertices = 2 + rings * AROUND;
-    pdyn_status status = mesh_allocate(context, vertices, 2 * rings * AROUND, out);
+    int around = points_around(radius, bump), quarter = around / 4;
+    int rings = 2 * quarter - sphere, vertices = 2 + rings * around;
+    pdyn_status status = mesh_allocate(context, vertices, 2 * rings * around, out);
     if (status != PDYN_OK) return status;
-    int *triangle = close_pole(0, 1, true, out->triangle);
-    place_ring(from, radius, axes, 0.0, 1, out->vertex);
+    int *triangle = close_pole(0, 1, around, true, out->triangle);
+    place_ring(from, radius, axes, 0.0, around, 1, out->vertex);
     for (int r = 0; r < rings; r++) {
-        bool upper = r >= QUARTER;
-        double angle = (r + 1 - (upper && !sphere)) * 0.5 * acos(-1.0) / QUARTER;
-        place_ring(upper ? to : from, radius, axes, angle, AROUND,
-                   out->vertex + 3 * (1 + (size_t)r * AROUND));
-        if (r) triangle = join_rings(1 + (r - 1) * AROUND, triangle);
+        bool upper = r >= quarter;
+        double angle = (r + 1 - (upper && !sphere)) * 0.5 * acos(-1.0) / quarter;
+        place_ring(upper ? to : from, radius, axes, angle, around, around,
+                   out->vertex + 3 * (1 + (size_t)r * (size_t)around));
+        if (r) triangle = join_rings(1 + (r - 1) * around, around, triangle);
     }
-    place_ring(to, radius, axes, acos(-1.0), 1, out->vertex + 3 * ((size_t)vertices - 1));
-    close_pole(vertices - 1, vertices - 1 - AROUND, false, triangle);
+    place_ring(to, radius, axes, acos(-1.0), around, 1, out->vertex + 3 * ((size_t)vertices - 1));
+    close_pole(vertices - 1, vertices - 1 - around, around, false, triangle);
     return PDYN_OK;
 }
 
@@ -130,22 +139,25 @@ struct shape { /* keys of all primitives */
 #define LENGTH(name)                                                                               \
     { #name, PDYN_REAL, offsetof(struct shape, name), true, 0, 1e-6, 1e6, "m", "" }
 
-pdyn_status primitive_read_sphere(const struct json_at *at, struct mesh *mesh, double middle[3]) {
+pdyn_status primitive_read_sphere(const struct json_at *at, double bump, struct mesh *mesh,
+                                  double middle[3]) {
     static const pdyn_param table[] = {VECTOR(center, 1e6), LENGTH(radius), {0}};
     struct shape shape;
     pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
     memcpy(middle, shape.center, sizeof shape.center);
-    return primitive_capsule(at->file->context, shape.center, shape.center, shape.radius, mesh);
+    return primitive_capsule(at->file->context, shape.center, shape.center, shape.radius, bump,
+                             mesh);
 }
 
-pdyn_status primitive_read_capsule(const struct json_at *at, struct mesh *mesh, double middle[3]) {
+pdyn_status primitive_read_capsule(const struct json_at *at, double bump, struct mesh *mesh,
+                                   double middle[3]) {
     static const pdyn_param table[] = {VECTOR(from, 1e6), VECTOR(to, 1e6), LENGTH(radius), {0}};
     struct shape shape;
     pdyn_status status = params_read_object(at, table, &shape);
     if (status != PDYN_OK) return status;
     for (int a = 0; a < 3; a++) middle[a] = 0.5 * (shape.from[a] + shape.to[a]);
-    return primitive_capsule(at->file->context, shape.from, shape.to, shape.radius, mesh);
+    return primitive_capsule(at->file->context, shape.from, shape.to, shape.radius, bump, mesh);
 }
 
 pdyn_status primitive_read_plane(const struct json_at *at, struct mesh *mesh, double middle[3]) {

@@ -6,9 +6,10 @@
 #include "scene.h"
 
 /* All points within `radius`, m, of the segment between two points; a sphere if the points are
- * equal. The vertices lie on the surface, up to 0.24 % of the radius outside the triangles. */
+ * equal. The vertices lie on the surface, `bump`, m, outside the triangles, but within 0.24 to 1.7 %
+ * of the radius: a sphere has 3968 to 528 triangles. */
 pdyn_status primitive_capsule(pdyn_context *context, const double from[3], const double to[3],
-                              double radius, struct mesh *out);
+                              double radius, double bump, struct mesh *out);
 
 /* A square of edge `size`, m, perpendicular to a normal of any length. */
 pdyn_status primitive_plane(pdyn_context *context, const double center[3], const double normal[3],
@@ -20,8 +21,10 @@ pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, un
 
 /* Read {"center": [..], "radius": r}, {"from": [..], "to": [..], "radius": r} and
  * {"center": [..], "normal": [..], "size": s}. middle: the centre, m. */
-pdyn_status primitive_read_sphere(const struct json_at *at, struct mesh *mesh, double middle[3]);
-pdyn_status primitive_read_capsule(const struct json_at *at, struct mesh *mesh, double middle[3]);
+pdyn_status primitive_read_sphere(const struct json_at *at, double bump, struct mesh *mesh,
+                                  double middle[3]);
+pdyn_status primitive_read_capsule(const struct json_at *at, double bump, struct mesh *mesh,
+                                   double middle[3]);
 pdyn_status primitive_read_plane(const struct json_at *at, struct mesh *mesh, double middle[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* Names and arrays of a scene. */
+/* Names and arrays of a scene, and other details that its readers share. */
 #include "reader.h"
 
 #include "base/text.h"
@@ -7,6 +7,8 @@
 #include <string.h>
 
 enum { HINT = 768 };
+
+double reader_bump(const struct reader *r) { return 0.1 * r->scene->contact.thickness; }
 
 pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out) {
     *out = NEW_ARRAY(context, strlen(text) + 1, char);

@@ -29,6 +29,10 @@ read_fn scene_read_body, scene_read_solid, scene_read_probe;
  * (mesh_orient_pieces), with a message. */
 pdyn_status reader_orient_pieces(struct reader *r);
 
+/* How far the vertices of a round shape may be outside of its triangles, m: what contact does not
+ * feel. 0: there is no contact. */
+double reader_bump(const struct reader *r);
+
 /* ---- names and arrays ------------------------------------------------------------------------ */
 
 pdyn_status reader_copy_text(pdyn_context *context, const char *text, char **out);

@@ -128,17 +128,21 @@ const pdyn_param scene_contact_params[] = {
     {"self", PDYN_BOOL, offsetof(struct scene_contact, self), false, 1, 0, 0, "", ""},
     {0}};
 
+/* Before the bodies and solids, whose meshes depend on the thickness. */
 static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
+    if (!at->value) return PDYN_OK;
+    r->scene->has_contact = true;
+    return params_read_object(at, scene_contact_params, &r->scene->contact);
+}
+
+static pdyn_status resolve_contact(struct reader *r, const struct json_at *at) {
+    struct scene_contact *contact = &r->scene->contact;
     bool surface = false;
     if (!at->value) return PDYN_OK;
     for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].has_mesh;
     if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
-    r->scene->has_contact = true;
-    struct scene_contact *contact = &r->scene->contact;
-    pdyn_status status = params_read_object(at, scene_contact_params, contact);
-    if (status == PDYN_OK && contact->stiffness == 0.0)
-        contact->stiffness = scene_contact_stiffness(r->scene);
-    return status;
+    if (contact->stiffness == 0.0) contact->stiffness = scene_contact_stiffness(r->scene);
+    return PDYN_OK;
 }
 
 static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {
@@ -171,10 +175,11 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     pdyn_status status = params_check_keys(root, settings_general_params, others);
     if (status == PDYN_OK) status = read_plugins(r, &plugins);
     if (status == PDYN_OK) status = settings_read(r, root);
+    if (status == PDYN_OK) status = read_contact(r, &contact);
     if (status == PDYN_OK) status = read_bodies(r, &bodies);
     if (status == PDYN_OK) status = read_solids(r, &solids);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
-    if (status == PDYN_OK) status = read_contact(r, &contact);
+    if (status == PDYN_OK) status = resolve_contact(r, &contact);
     if (status == PDYN_OK) status = read_probes(r, &probes);
     if (status == PDYN_OK) overlap_find_vessels(r->scene);
     if (status == PDYN_OK) status = reader_each(r, &bodies, resolve_overlap);

@@ -12,29 +12,31 @@
 
 /* ---- shape ----------------------------------------------------------------------------------- */
 
-static pdyn_status read_mesh(const struct json_at *at, struct scene_body *body) {
+static pdyn_status read_mesh(const struct json_at *at, double bump, struct scene_body *body) {
+    (void)bump;
     return file_ref_mesh(at, &body->mesh, &body->obj);
 }
 
-static pdyn_status read_box(const struct json_at *at, struct scene_body *body) {
+static pdyn_status read_box(const struct json_at *at, double bump, struct scene_body *body) {
     struct scene_box box;
+    (void)bump;
     pdyn_status status = params_box(at, &box);
     return status == PDYN_OK ? primitive_box(at->file->context, &box, 0, &body->mesh) : status;
 }
 
-static pdyn_status read_sphere(const struct json_at *at, struct scene_body *body) {
+static pdyn_status read_sphere(const struct json_at *at, double bump, struct scene_body *body) {
     double middle[3];
-    return primitive_read_sphere(at, &body->mesh, middle);
+    return primitive_read_sphere(at, bump, &body->mesh, middle);
 }
 
-static pdyn_status read_capsule(const struct json_at *at, struct scene_body *body) {
+static pdyn_status read_capsule(const struct json_at *at, double bump, struct scene_body *body) {
     double middle[3];
-    return primitive_read_capsule(at, &body->mesh, middle);
+    return primitive_read_capsule(at, bump, &body->mesh, middle);
 }
 
 enum { SHAPES = 4 };
 static const char *const shapes[SHAPES] = {"mesh", "box", "sphere", "capsule"};
-static pdyn_status (*const shape_readers[SHAPES])(const struct json_at *at,
+static pdyn_status (*const shape_readers[SHAPES])(const struct json_at *at, double bump,
                                                   struct scene_body *body) = {
     read_mesh, read_box, read_sphere, read_capsule};
 
@@ -55,7 +57,8 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
     struct json_at shape_at = json_member(at, shapes[shape]);
-    status = shape_readers[shape](&shape_at, r->body);
+    double larger = fmax(fmax(transform.scale[0], transform.scale[1]), transform.scale[2]);
+    status = shape_readers[shape](&shape_at, reader_bump(r) / larger, r->body);
     if (status == PDYN_OK)
         status = fill_count(&shape_at, mesh->vertices + (double)RIGID_POINTS, &r->particles);
     if (status != PDYN_OK) return status;

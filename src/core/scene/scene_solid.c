@@ -54,13 +54,13 @@ static pdyn_status read_placed(struct reader *r, const struct json_at *owner,
 static pdyn_status read_sphere(struct reader *r, const struct json_at *owner,
                                const struct json_at *sphere) {
     (void)owner;
-    return primitive_read_sphere(sphere, &r->solid->mesh, r->solid->motion.pivot);
+    return primitive_read_sphere(sphere, reader_bump(r), &r->solid->mesh, r->solid->motion.pivot);
 }
 
 static pdyn_status read_capsule(struct reader *r, const struct json_at *owner,
                                 const struct json_at *capsule) {
     (void)owner;
-    return primitive_read_capsule(capsule, &r->solid->mesh, r->solid->motion.pivot);
+    return primitive_read_capsule(capsule, reader_bump(r), &r->solid->mesh, r->solid->motion.pivot);
 }
 
 static pdyn_status read_plane(struct reader *r, const struct json_at *owner,
