@@ -465,6 +465,34 @@ static void test_not_self(void **state) {
     pdyn_destroy(c);
 }
 
+/* ---- a fast solid ---------------------------------------------------------------------------- */
+
+/* A ball that sets out at 10 m/s half a metre in front of a sheet: long steps until it is there,
+ * then steps of at most twice the thickness; all are solved, and the ball is on time. */
+static void test_fast_solid(void **state) {
+    (void)state;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(
+        c, "{'duration': 1, 'frame_interval': 1, 'contact': {'thickness': 0.01}, 'gravity': [0, 0, "
+           "0], 'bodies': [{'surface': {'grid': {'size': [0.6, 0.6], 'vertices': [16, 16]}, "
+           "'area_density': 0.3}, 'constraints': [{'type': 'triangle', 'stretching_stiffness': "
+           "1000}]}], 'solids': [{'sphere': {'center': [0, -0.6, 0], 'radius': 0.1}, 'motion': "
+           "[{'time': 0}, {'time': 1, 'translate': [0, 10, 0]}]}]}");
+    double longest = 0.0, shortest = 1.0, due = 0.0;
+    while (pdyn_time(sim) < 0.08) {
+        pdyn_step_info info = test_step(c, sim);
+        longest = fmax(longest, info.h), shortest = fmin(shortest, info.h);
+        assert_true(info.step_residual <= 0.1);
+        assert_false(sim->objective.contact->lagging);
+    }
+    for (int i = 0; i < sim->body[0].count; i++) due = fmax(due, sim->x[3 * i + 1]);
+    print_message("steps of %.2g to %.2g s, the sheet is %.2f m high\n", shortest, longest, due);
+    assert_true(longest > 0.004 && shortest < 0.0021);
+    assert_true(due > 10.0 * 0.08 - 0.6 + 0.1);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
 /* ---- the default stiffness ------------------------------------------------------------------- */
 
 #define CUBE                                                                                       \
@@ -513,7 +541,7 @@ int main(void) {
         cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),
         cmocka_unit_test(test_allocations), cmocka_unit_test(test_incline),
         cmocka_unit_test(test_refused),     cmocka_unit_test(test_not_self),
-        cmocka_unit_test(test_default),
+        cmocka_unit_test(test_fast_solid),  cmocka_unit_test(test_default),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);
 }

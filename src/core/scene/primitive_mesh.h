@@ -6,8 +6,8 @@
 #include "scene.h"
 
 /* All points within `radius`, m, of the segment between two points; a sphere if the points are
- * equal. The vertices lie on the surface, `bump`, m, outside the triangles, but within 0.24 to 1.7 %
- * of the radius: a sphere has 3968 to 528 triangles. */
+ * equal. The vertices lie on the surface, `bump`, m, outside the triangles, but within 0.24 to 1.7
+ * % of the radius: a sphere has 3968 to 528 triangles. */
 pdyn_status primitive_capsule(pdyn_context *context, const double from[3], const double to[3],
                               double radius, double bump, struct mesh *out);
 

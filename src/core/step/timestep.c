@@ -2,6 +2,7 @@
 #include "timestep.h"
 
 #include "inlets.h"
+#include "solid_approach.h"
 
 #include "projdyn/vec3.h"
 
@@ -79,7 +80,8 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
 }
 
 /* CFL condition (Weiler et al. 2016): no particle, solid and inlet travels more than `cfl` radii
- * per step. The step length may shrink at once and grows by at most 10 % per step. */
+ * per step. Pressure and contact with moving solids limit the step, too. The step length may shrink
+ * at once and grows by at most 10 % per step. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
     double radius,
@@ -88,7 +90,8 @@ static double adaptive(const struct pdyn_sim *sim) {
                         kinematic_speed(&sim->motion, sim->time, sim->time + h));
     speed = fmax(speed, inlets_top_speed(sim, h));
     if (radius > 0.0 && speed * h > settings->cfl * radius) h = settings->cfl * radius / speed;
-    return fmax(fmin(h, rearrangement_limit(sim)), settings->h_min);
+    h = solid_approach_limit(sim, fmin(h, rearrangement_limit(sim)));
+    return fmax(h, settings->h_min);
 }
 
 /* Returns the last length if h equals it up to rounding, so that a factored matrix stays valid. */
