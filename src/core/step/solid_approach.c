@@ -11,32 +11,60 @@
  * thickness, and a run takes least time at one to two. */
 static const double longest_approach = 2.0;
 
-/* How far a vertex at x with the velocity v and the solid approach each other in h, m; 0 if they
- * stay farther apart than the thickness. box: of the solid in its initial placement. */
-static double approach(const struct scene_motion *motion, const struct box *box, double thickness,
-                       double time, double h, const double *x, const double *v) {
-    double rest[3], from_pivot[3], moved[3], outside = 0.0;
-    pose_to_rest(motion, time, x, rest);
-    vec3_subtract(from_pivot, rest, motion->pivot);
-    pose_place(motion, from_pivot, 1, time + h, moved);
-    for (int a = 0; a < 3; a++) moved[a] -= x[a] + h * v[a];
+/* A moving solid in a step. Both maps are affine; each is given by the images of the origin and of
+ * the ends of the three unit vectors, m. */
+struct moving {
+    double rest[4][3];  /* where a point of the solid is in the initial placement */
+    double moved[4][3]; /* where it is at the end of the step */
+    struct box box;     /* of the initial placement */
+    double thickness;
+};
+
+static struct moving moving_solid(const struct pdyn_sim *sim, const struct scene_solid *solid,
+                                  double h) {
+    const struct scene_motion *motion = &solid->motion;
+    struct moving m = {.box = box_empty, .thickness = sim->scene.contact.thickness};
+    for (int k = 0; k < 4; k++) {
+        const double point[3] = {k == 1, k == 2, k == 3};
+        double from_pivot[3];
+        pose_to_rest(motion, sim->time, point, m.rest[k]);
+        vec3_subtract(from_pivot, m.rest[k], motion->pivot);
+        pose_place(motion, from_pivot, 1, sim->time + h, m.moved[k]);
+    }
+    for (int i = 0; i < solid->mesh.vertices; i++)
+        box_add(&m.box, solid->mesh.vertex + 3 * (size_t)i);
+    return m;
+}
+
+static void map_point(const double image[4][3], const double *x, double *out) {
     for (int a = 0; a < 3; a++)
-        outside = fmax(outside, fmax(box->min[a] - rest[a], rest[a] - box->max[a]));
+        out[a] = image[0][a] + x[0] * (image[1][a] - image[0][a]) +
+                 x[1] * (image[2][a] - image[0][a]) + x[2] * (image[3][a] - image[0][a]);
+}
+
+/* How far a vertex at x with the velocity v and the solid approach each other in h, m; 0 if they
+ * stay farther apart than the thickness. */
+static double approach(const struct moving *m, double h, const double *x, const double *v) {
+    double rest[3], moved[3], outside = 0.0;
+    map_point(m->rest, x, rest);
+    map_point(m->moved, x, moved);
+    for (int a = 0; a < 3; a++) {
+        moved[a] -= x[a] + h * v[a];
+        outside = fmax(outside, fmax(m->box.min[a] - rest[a], rest[a] - m->box.max[a]));
+    }
     double length = vec3_length(moved);
-    return outside < thickness + length ? length : 0.0;
+    return outside < m->thickness + length ? length : 0.0;
 }
 
 static double largest_approach(const struct pdyn_sim *sim, const struct scene_solid *solid,
                                double h) {
-    struct box box = box_empty;
-    double largest = 0.0, thickness = sim->scene.contact.thickness;
-    for (int i = 0; i < solid->mesh.vertices; i++)
-        box_add(&box, solid->mesh.vertex + 3 * (size_t)i);
+    const struct moving m = moving_solid(sim, solid, h);
+    double largest = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         for (int i = body->first; body->triangles && i < body->first + body->count; i++)
-            largest = fmax(largest, approach(&solid->motion, &box, thickness, sim->time, h,
-                                             sim->x + 3 * (size_t)i, sim->v + 3 * (size_t)i));
+            largest =
+                fmax(largest, approach(&m, h, sim->x + 3 * (size_t)i, sim->v + 3 * (size_t)i));
     }
     return largest;
 }
