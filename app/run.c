@@ -31,7 +31,7 @@ static const char usage[] =
     "                        results; --time S changes the end of the run, --set step lengths,\n"
     "                        tolerances and iterations\n"
     "      --strict          exit code 1 at the end of the run if there are warnings\n"
-    "      --quiet           prints no progress and no summary\n"
+    "      --quiet           prints no progress and no summary, but warnings\n"
     "  -h, --help            prints this text\n"
     "\n"
     "Ctrl-C stops the run after the current frame, a second Ctrl-C after the current step.\n";
@@ -289,7 +289,8 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     code = close_output(context, writer, o, status, interrupted);
     if (code != EXIT_GOOD) return code;
     if (interrupted) print_interrupted(sim, o);
-    if (!o->quiet) run_print_summary(sim, o->output, &totals);
+    if (o->quiet) run_print_warnings(sim, stderr);
+    else run_print_summary(sim, o->output, &totals);
     return interrupted ? EXIT_INTERRUPTED : warnings_exit_code(sim, o->strict);
 }
 

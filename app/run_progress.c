@@ -56,15 +56,13 @@ void run_show_progress(const pdyn_step_info *info, struct run_totals *t) {
                 info->linear_iterations);
 }
 
-/* Prints the warnings that have grown since they were printed first, in their last form. */
-static void print_warnings(const pdyn_sim *sim) {
+void run_print_warnings(const pdyn_sim *sim, FILE *to) {
     pdyn_warning w;
-    int k = 0;
-    for (; (w = pdyn_get_warning(sim, k)).code; k++)
+    for (int k = 0; (w = pdyn_get_warning(sim, k)).code; k++)
         if (w.last > w.first)
-            printf("warning: %s%s%s, from %.4g to %.4g s [%s]\n", w.subject, *w.subject ? ": " : "",
-                   w.text, w.first, w.last, w.code);
-    if (k) puts("docs/guide/troubleshooting.md explains warnings by their codes");
+            fprintf(to, "%swarning: %s%s%s, from %.4g to %.4g s [%s]\n",
+                    to == stderr ? "projdyn: " : "", w.subject, *w.subject ? ": " : "", w.text,
+                    w.first, w.last, w.code);
 }
 
 void run_print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *t) {
@@ -76,6 +74,8 @@ void run_print_summary(const pdyn_sim *sim, const char *output, const struct run
         printf("density error %.4f%% (mean over all steps), %.4f%% (largest mean of a step)\n",
                t->steps ? 100.0 * t->density_error_sum / (double)t->steps : 0.0,
                100.0 * t->density_error_max);
-    print_warnings(sim);
+    run_print_warnings(sim, stdout);
+    if (pdyn_get_warning(sim, 0).code)
+        puts("docs/guide/troubleshooting.md explains warnings by their codes");
     printf("written to %s; next: projdyn replay %s\n", output, output);
 }

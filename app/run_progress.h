@@ -4,6 +4,8 @@
 
 #include "app.h"
 
+#include <stdio.h>
+
 struct run_totals {
     double start_s, progress_s; /* wall-clock times of the start and of the last progress line */
     double end;                 /* s of simulated time, at which the run ends */
@@ -18,6 +20,9 @@ void run_totals_add(struct run_totals *totals, const pdyn_step_info *info);
 
 /* Shows the progress after a step: a bar on a terminal, otherwise one line per frame. */
 void run_show_progress(const pdyn_step_info *info, struct run_totals *totals);
+
+/* Prints the warnings that have grown since they were printed first, in their last form. */
+void run_print_warnings(const pdyn_sim *sim, FILE *to);
 
 /* Prints a summary of the run in the directory `output`, and its warnings. */
 void run_print_summary(const pdyn_sim *sim, const char *output, const struct run_totals *totals);

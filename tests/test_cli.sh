@@ -149,6 +149,8 @@ expect "run" 0 "projdyn replay" "$program" run "$scene" -o "$dir/out" --time 0.0
 expect "plain progress" 0 "of wall time" "$program" run "$scene" -o "$dir/out" --time 0.06
 expect "one plain line per frame" 0 "3" sh -c "'$program' run '$scene' -o '$dir/out' --time 0.06 2>&1 >/dev/null | wc -l"
 expect "quiet" 0 "" "$program" run "$scene" -o "$dir/out" --time 0.06 --quiet
+expect "quiet tells warnings in their last form" 0 ", from " "$program" run "$scene" -o "$dir/out" \
+    --time 0.06 --quiet --set solver.outer_iterations=1 --set solver.tolerance=1e-9
 expect "default folder" 0 "written to out/pour;" sh -c "cd '$dir' && '$program' run '$scene' --time 0.01"
 if script -qec true /dev/null >/dev/null 2>&1; then
     expect "progress on a terminal" 0 "ms/step" script -qec "'$program' run '$scene' -o '$dir/out' --time 0.1" /dev/null

@@ -95,10 +95,11 @@ static void carry_all(struct pdyn_sim *sim) {
 /* The lists are those of the solids where they were: made before these move. */
 pdyn_status carried_move(struct pdyn_sim *sim) {
     struct carried *c = sim->carried;
-    const double *extended, *moving = sim->boundary.at.x + 3 * (size_t)first_moving(sim);
+    const double *extended;
     if (!c) return kinematic_move(sim, sim->objective.time), PDYN_OK;
     pdyn_status status = objective_ensure_lists(&sim->objective, sim->x, &extended);
     if (status != PDYN_OK) return status;
+    const double *moving = sim->boundary.at.x + 3 * (size_t)first_moving(sim);
     memcpy(c->before, moving, 3 * (size_t)sim->motion.points * sizeof *moving);
     memcpy(c->x, sim->x, objective_bytes(&sim->objective));
     kinematic_move(sim, sim->objective.time);
