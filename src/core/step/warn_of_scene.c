@@ -13,6 +13,8 @@ static const double min_area_density = 1e-3, max_area_density = 100.0; /* kg/m^2
 static const double min_extent = 2e-3, max_extent = 500.0;             /* m */
 /* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
 static const double min_edge = 0.25, max_edge = 8.0;
+/* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
+static const double max_thickness = 2.5;
 /* A sheet below this share of the mass of a layer of particles stays on the water. */
 static const double light_share = 0.02;
 /* Share of the particles that may be left out where they overlap with something. */
@@ -173,11 +175,19 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
 static void check_thickness(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
-    if (!body->triangles || sim->scene.body[b].is_rigid || thickness <= mean_edge(body)) return;
-    WARN(sim, THICKNESS, body->name,
-         "the contact thickness of %.3g m is above its mean edge length of %.3g m: contact acts "
-         "between neighbours, and the surface cannot fold",
-         thickness, mean_edge(body));
+    double edge = mean_edge(body);
+    bool rigid = sim->scene.body[b].is_rigid;
+    if (!body->triangles || thickness <= (rigid ? max_thickness : 1.0) * edge) return;
+    if (rigid)
+        WARN(sim, THICKNESS, body->name,
+             "the contact thickness of %.3g m is %.2g times its mean edge length: contact of so "
+             "fine a mesh takes long",
+             thickness, thickness / edge);
+    else
+        WARN(sim, THICKNESS, body->name,
+             "the contact thickness of %.3g m is above its mean edge length of %.3g m: contact "
+             "acts between neighbours, and the surface cannot fold",
+             thickness, edge);
 }
 
 /* Open sheets that are too light to sink in this fluid. */
