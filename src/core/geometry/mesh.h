@@ -113,6 +113,9 @@ struct particles {
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out);
 void particles_free(pdyn_context *context, struct particles *particles);
 
+/* Sum of the areas of all triangles, m^2. */
+double mesh_area(const struct mesh *mesh);
+
 /* Edges, areas, borders and neighbouring triangles of a mesh that passed mesh_check_cloth. The
  * arrays have the meaning of the members of pdyn_body with the same names (module.h).
  * PDYN_NO_MEMORY: *out is empty. */

@@ -56,6 +56,12 @@ static double area_of(const struct mesh *mesh, int t) {
     return 0.5 * vec3_length(n);
 }
 
+double mesh_area(const struct mesh *mesh) {
+    double area = 0.0;
+    for (int t = 0; t < mesh->triangles; t++) area += area_of(mesh, t);
+    return area;
+}
+
 /* ---- checks for cloth and closed volumes ----------------------------------------------------- */
 
 pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
@@ -177,11 +183,10 @@ double mesh_volume(int triangles, const int *triangle, const double *x) {
 }
 
 pdyn_status mesh_check_encloses(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    double area = 0.0;
     pdyn_status status = mesh_check_closed(context, mesh, name);
     if (status == PDYN_OK) status = mesh_check_oriented(context, mesh, name);
     if (status != PDYN_OK) return status;
-    for (int t = 0; t < mesh->triangles; t++) area += area_of(mesh, t);
+    double area = mesh_area(mesh);
     double volume = mesh_volume(mesh->triangles, mesh->triangle, mesh->vertex);
     if (fabs(volume) > 1e-9 * area * sqrt(area)) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT, "%.1024s: the mesh is flat: it encloses no volume",

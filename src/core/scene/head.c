@@ -95,12 +95,6 @@ double scene_head(const struct scene *scene, const struct scene_body *body) {
     return head;
 }
 
-static double solid_speed(const struct scene_solid *solid) {
-    if (!solid->motion.keys) return 0.0;
-    const struct box box = pose_box(&solid->motion, solid->mesh.vertex, solid->mesh.vertices);
-    return pose_top_speed(&solid->motion, &box, 0.0, INFINITY);
-}
-
 double scene_pressure(const struct scene *scene, const struct scene_body *fluid) {
     double gravity = vec3_length(scene->settings.gravity), rho = fluid ? fluid->rest_density : 0.0;
     if (gravity == 0.0) return 0.0;
@@ -111,7 +105,9 @@ double scene_pressure(const struct scene *scene, const struct scene_body *fluid)
         double density = fmax(rho, body->has_mesh ? body->density : body->rest_density);
         largest = fmax(largest, density * gravity * (top_of(scene, body) - from));
     }
-    for (int s = 0; s < scene->solids; s++)
-        largest = fmax(largest, 0.5 * rho * pow(solid_speed(&scene->solid[s]), 2.0));
+    for (int s = 0; s < scene->solids; s++) {
+        double speed = pose_top_speed_of_mesh(&scene->solid[s], 0.0, INFINITY);
+        largest = fmax(largest, 0.5 * rho * speed * speed);
+    }
     return largest;
 }

@@ -68,14 +68,9 @@ double kinematic_speed(const struct kinematic_solids *motion, double from, doubl
 }
 
 double kinematic_top_speed(const struct pdyn_sim *sim) {
-    double speed = 0.0;
-    for (int s = 0; s < sim->scene.solids; s++) {
-        const struct scene_solid *solid = &sim->scene.solid[s];
-        if (!solid->motion.keys) continue;
-        const struct box box = pose_box(&solid->motion, solid->mesh.vertex, solid->mesh.vertices);
-        speed =
-            fmax(speed, pose_top_speed(&solid->motion, &box, 0.0, sim->scene.settings.duration));
-    }
+    double speed = 0.0, end = sim->scene.settings.duration;
+    for (int s = 0; s < sim->scene.solids; s++)
+        speed = fmax(speed, pose_top_speed_of_mesh(&sim->scene.solid[s], 0.0, end));
     return speed;
 }
 

@@ -2,7 +2,6 @@
 
 #include "scene/poses.h"
 
-#include "projdyn/box.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -14,25 +13,23 @@ static const double longest_approach = 2.0;
 /* A moving solid in a step. Both maps are affine; each is given by the images of the origin and of
  * the ends of the three unit vectors, m. */
 struct moving {
-    double rest[4][3];  /* where a point of the solid is in the initial placement */
+    double rest[4][3];  /* where a point of the solid is at rest, relative to the pivot */
     double moved[4][3]; /* where it is at the end of the step */
-    struct box box;     /* of the initial placement */
+    struct box box;     /* of the mesh at rest, relative to the pivot */
     double thickness;
 };
 
 static struct moving moving_solid(const struct pdyn_sim *sim, const struct scene_solid *solid,
                                   double h) {
     const struct scene_motion *motion = &solid->motion;
-    struct moving m = {.box = box_empty, .thickness = sim->scene.contact.thickness};
+    struct moving m = {.box = pose_box(motion, solid->mesh.vertex, solid->mesh.vertices),
+                       .thickness = sim->scene.contact.thickness};
     for (int k = 0; k < 4; k++) {
         const double point[3] = {k == 1, k == 2, k == 3};
-        double from_pivot[3];
         pose_to_rest(motion, sim->time, point, m.rest[k]);
-        vec3_subtract(from_pivot, m.rest[k], motion->pivot);
-        pose_place(motion, from_pivot, 1, sim->time + h, m.moved[k]);
+        vec3_add(m.rest[k], -1.0, motion->pivot);
+        pose_place(motion, m.rest[k], 1, sim->time + h, m.moved[k]);
     }
-    for (int i = 0; i < solid->mesh.vertices; i++)
-        box_add(&m.box, solid->mesh.vertex + 3 * (size_t)i);
     return m;
 }
 

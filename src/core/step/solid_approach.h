@@ -1,6 +1,6 @@
-/* How far moving solids and surfaces in contact approach each other in a step. A solid moves as
- * given, and pushes what is in its way by about the contact thickness in an iteration; in a step
- * that needs many of them it is held up, and the step stays unsolved. */
+/* How far moving solids and surfaces in contact approach each other in a step. In one iteration a
+ * solid pushes what is in its way by about the contact thickness. If it moves by many thicknesses
+ * in a step, the iterations end before it has arrived, and the step is not solved. */
 #ifndef PDYN_SOLID_APPROACH_H
 #define PDYN_SOLID_APPROACH_H
 
