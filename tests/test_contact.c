@@ -275,6 +275,28 @@ static void test_head_on(void **state) {
     pdyn_destroy(c);
 }
 
+/* A light sheet falls at 3 m/s on another one and a ball. Steps are solved to a part of the force
+ * of the impact, a hundred times the weight: to one of the weight the first 20 take 11.3 iterations
+ * each. */
+static void test_impact_iterations(void **state) {
+    (void)state;
+    int outer = 0;
+    pdyn_context *c = test_context(1);
+    pdyn_sim *sim = test_load(
+        c,
+        scene("", DOWN,
+              "{'surface': {" GRID(17) ", " AT(
+                  0.2) "}, 'velocity': [0, -3, 0], " HELD "},"
+                       "{'surface': {" GRID(17) ", 'rotate': [0, 30, 0], " AT(0.17) "}, " HELD "}",
+              BALL));
+    sim->scene.settings.h_fixed = 0.005, sim->scene.settings.tolerance = 0.1;
+    sim->scene.settings.linear_tolerance = 0.01;
+    for (int k = 0; k < 20; k++) outer += test_step(c, sim).outer_iterations;
+    assert_in_range(outer, 1, 9 * 20);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+}
+
 /* A ball comes up under a sheet that its border holds, and turns. */
 static void test_moving(void **state) {
     (void)state;
@@ -531,17 +553,29 @@ static void test_default(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intersect),   cmocka_unit_test(test_gradient),
-        cmocka_unit_test(test_hessian),     cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),       cmocka_unit_test(test_sphere_long),
-        cmocka_unit_test(test_fold_long),   cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_impact_long), cmocka_unit_test(test_head_on),
-        cmocka_unit_test(test_moving),      cmocka_unit_test(test_press),
-        cmocka_unit_test(test_parallel),    cmocka_unit_test(test_squeeze),
-        cmocka_unit_test(test_momentum),    cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_allocations), cmocka_unit_test(test_incline),
-        cmocka_unit_test(test_refused),     cmocka_unit_test(test_not_self),
-        cmocka_unit_test(test_fast_solid),  cmocka_unit_test(test_default),
+        cmocka_unit_test(test_intersect),
+        cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_hessian),
+        cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_sphere_long),
+        cmocka_unit_test(test_fold_long),
+        cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_impact_long),
+        cmocka_unit_test(test_head_on),
+        cmocka_unit_test(test_moving),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_squeeze),
+        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_incline),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_not_self),
+        cmocka_unit_test(test_impact_iterations),
+        cmocka_unit_test(test_fast_solid),
+        cmocka_unit_test(test_default),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);
 }

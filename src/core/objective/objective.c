@@ -106,7 +106,7 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     count_work(o, 1);
     o->x = x;
     *energy = objective_partial_sum(o, for_particles(o, inertia, x, NULL, gradient, 0.0));
-    residual_forget_loads(o);
+    residual_open(o, gradient);
     for (int b = 0; status == PDYN_OK && b < o->batches; b++) {
         struct batch *batch = o->batch[b];
         residual_open_load(o, batch, gradient);

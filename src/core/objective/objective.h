@@ -19,11 +19,11 @@
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
 enum { NEIGHBOURHOOD = 15 };    /* entries of rows visited in the time of a density's gradient */
 
-struct objective_body { /* residual: |grad E| / (weight + load) over its particles (residual.h) */
+struct objective_body { /* for the residual of a step (residual.h) */
     const pdyn_body *of;
-    int first, count; /* particles */
-    double weight;    /* |M g|, N, in this step */
-    double load;      /* by fluids, N, at the x of the last local step */
+    int first, count;    /* particles */
+    double weight;       /* |M g|, N, in this step */
+    double impact, load; /* N, at the x of the last local step */
     double residual;  /* at the last measurement */
 };
 

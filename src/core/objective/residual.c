@@ -42,7 +42,9 @@ static double body_norm(struct objective *o, const struct objective_body *body,
     return sqrt(sum_between(o, body->first, body->first + body->count, squares_block, vector));
 }
 
-static double scale_of(const struct objective_body *body) { return body->weight + body->load; }
+static double scale_of(const struct objective_body *body) {
+    return fmax(body->weight, body->impact) + body->load;
+}
 
 /* ---- loads ----------------------------------------------------------------------------------- */
 
@@ -64,8 +66,15 @@ static bool is_own(const struct batch *batch, const struct objective_body *body)
     return batch->view.body == body->of;
 }
 
-void residual_forget_loads(struct objective *o) {
-    for (int b = 0; b < o->bodies; b++) o->body[b].load = 0.0;
+/* A fluid is solved to its density, not to a part of its impact. */
+static double impact_on(struct objective *o, const struct objective_body *body,
+                        const double *inertial) {
+    return o->contact && body->of->triangles ? body_norm(o, body, inertial) : 0.0;
+}
+
+void residual_open(struct objective *o, const double *inertial) {
+    for (int b = 0; b < o->bodies; b++)
+        o->body[b].impact = impact_on(o, &o->body[b], inertial), o->body[b].load = 0.0;
 }
 
 void residual_open_load(struct objective *o, const struct batch *batch, const double *gradient) {

@@ -28,7 +28,7 @@ const pdyn_param settings_time_step_params[] = {
 
 const pdyn_param settings_solver_params[] = {
     {"tolerance", PDYN_REAL, SETTING(tolerance), false, 0.1, 0, 1e3, "1",
-     "a step is solved when |grad E| over weight and load of every body falls below"},
+     "a step is solved when |grad E| over weight (or impact) and load of every body falls below"},
     {"outer_iterations", PDYN_INT, SETTING(outer_iterations), false, 100, 1, 1e5, "",
      "local/global iterations of a step at most"},
     {"linear_tolerance", PDYN_REAL, SETTING(linear_tolerance), false, 0.01, 0, 1, "1",
