@@ -135,7 +135,7 @@ static void test_refused(void **state) {
     damage(9, 1);
     assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
     for (int size = 0; size < 100; size += 9) {
-        char part[100] = "PDYNSTA2";
+        char part[100] = "PDYNSTA3";
         test_write_file("state", part, (size_t)size);
         refused("duration=1", "state");
     }

@@ -84,17 +84,27 @@ static double size_of(const pdyn_body_info *body) {
     return vec3_distance(box.min, box.max);
 }
 
-/* Stiffness of a hold, N/m: ten times that of the particle's inertia over a step, m / h^2, and
+/* Mass, kg, with the points that carry a rigid body, whose vertices have none: they follow it. */
+static double mass_of(const pdyn_sim *sim, const pdyn_body_info *body) {
+    pdyn_state state = pdyn_get_state(sim);
+    double mass = 0.0;
+    int end = state.particles;
+    pdyn_body_info next;
+    for (int b = 0; (next = pdyn_get_body(sim, b)).name; b++)
+        if (next.first > body->first && next.first < end) end = next.first;
+    for (int i = body->first; i < end; i++) mass += state.mass[i];
+    return mass;
+}
+
+/* Stiffness of a hold, N/m: ten times that of the inertia of a vertex over a step, m / h^2, and
  * enough to carry the body with a stretch of a hundredth of its size. */
 static double hold_stiffness(const struct live *live, int particle) {
-    pdyn_state state = pdyn_get_state(live->sim);
     pdyn_body_info body = body_of(live->sim, particle);
-    double gravity[3], mass = 0.0;
+    double gravity[3], mass = mass_of(live->sim, &body);
     double h = live->step.h > 0.0 ? live->step.h : pdyn_frame_interval(live->sim);
     pdyn_get_gravity(live->sim, gravity);
-    for (int i = body.first; i < body.first + body.count; i++) mass += state.mass[i];
     double weight = mass * fmax(9.81, vec3_length(gravity));
-    return fmax(10.0 * state.mass[particle] / (h * h), 100.0 * weight / size_of(&body));
+    return fmax(10.0 * mass / body.count / (h * h), 100.0 * weight / size_of(&body));
 }
 
 static void hold(struct live *live, const json_t *message) {

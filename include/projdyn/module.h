@@ -538,7 +538,7 @@ typedef struct pdyn_global_solver {
     bool direct; /* factors H: costs a factorisation wherever H changes */
     bool dual;   /* solves for multipliers and keeps them from step to step: it decides on the sides
                     of one-sided constraints itself, and the next step starts from s */
-    size_t state_size; /* zeroed before create */
+    size_t state_size; /* at least 1; zeroed before create */
     /* How well it suits the scene: 0: it cannot solve it; otherwise the solver with the largest bid
      * is chosen where a scene asks for none. *reason: why, in words, for the report. NULL: 1. */
     int (*suits)(const pdyn_model *model, const char **reason);

@@ -182,6 +182,11 @@ void file_out_doubles(struct file_out *out, const double *value, size_t count) {
     }
 }
 
+void file_out_sync(struct file_out *out) {
+    errno = 0;
+    if (out->temporary && (fflush(out->stream) || fsync(fileno(out->stream)))) note_error(out);
+}
+
 static pdyn_status outcome(const struct file_out *out) {
     if (out->error)
         return context_fail(out->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s", out->path,

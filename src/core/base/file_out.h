@@ -37,6 +37,10 @@ void file_out_ints(struct file_out *out, enum byte_order order, const int *value
 /* Writes `count` numbers of 64 bits, little endian. */
 void file_out_doubles(struct file_out *out, const double *value, size_t count);
 
+/* Waits until everything written so far is on the disk: after a power failure the path has the old
+ * content or the new one, whole. */
+void file_out_sync(struct file_out *out);
+
 /* Closes the file and renames it to its path. PDYN_IO_FAILED: writing failed, and the
  * temporary file was removed. */
 pdyn_status file_out_close(struct file_out *out);

@@ -154,7 +154,7 @@ pdyn_status table_check_constraint(pdyn_context *context, const pdyn_constraint_
 pdyn_status table_check_solver(pdyn_context *context, const pdyn_global_solver *type) {
     pdyn_status status = check_names(context, type->name, type->summary);
     if (status != PDYN_OK) return status;
-    return type->create && type->solve && type->free
-               ? PDYN_OK
-               : fail(context, type->name, "it lacks one of create, solve, free");
+    if (!type->create || !type->solve || !type->free)
+        return fail(context, type->name, "it lacks one of create, solve, free");
+    return type->state_size ? PDYN_OK : fail(context, type->name, "its state_size is 0");
 }

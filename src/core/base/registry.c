@@ -73,27 +73,33 @@ const char *registry_absent(const pdyn_context *context, const char *name) {
 
 /* ---- registration ---------------------------------------------------------------------------- */
 
-/* Checks that a name is free. Constraints and solvers share one set of names, because
- * `projdyn list NAME` accepts either. */
-static pdyn_status check_name(pdyn_context *context, const pdyn_plugin *plugin, const char *name) {
-    if (!strcmp(name, "auto") || registry_constraint(context, name) ||
-        registry_solver(context, name))
-        return context_fail(context, PDYN_BAD_INPUT, "plug-in \"%s\": the name \"%s\" is taken",
-                            plugin->name, name);
-    return PDYN_OK;
+/* Checks that a name is free: of all types, and of those of the plug-in that come before it.
+ * Constraints and solvers share one set of names, because `projdyn list NAME` accepts either. */
+static pdyn_status check_name(pdyn_context *context, const pdyn_plugin *plugin, const char *name,
+                              int before) {
+    bool taken = !strcmp(name, "auto") || registry_constraint(context, name) ||
+                 registry_solver(context, name);
+    const pdyn_constraint_type *const *c = plugin->constraints;
+    const pdyn_global_solver *const *s = plugin->solvers;
+    for (; c && *c && before > 0; c++, before--) taken |= !strcmp((*c)->name, name);
+    for (; s && *s && before > 0; s++, before--) taken |= !strcmp((*s)->name, name);
+    return taken ? context_fail(context, PDYN_BAD_INPUT, "plug-in \"%s\": the name \"%s\" is taken",
+                                plugin->name, name)
+                 : PDYN_OK;
 }
 
 static pdyn_status check_types(pdyn_context *context, const pdyn_plugin *plugin) {
     pdyn_status status = PDYN_OK;
     const pdyn_constraint_type *const *c = plugin->constraints;
     const pdyn_global_solver *const *s = plugin->solvers;
-    for (; c && *c && status == PDYN_OK; c++) {
+    int before = 0;
+    for (; c && *c && status == PDYN_OK; c++, before++) {
         status = table_check_constraint(context, *c);
-        if (status == PDYN_OK) status = check_name(context, plugin, (*c)->name);
+        if (status == PDYN_OK) status = check_name(context, plugin, (*c)->name, before);
     }
-    for (; s && *s && status == PDYN_OK; s++) {
+    for (; s && *s && status == PDYN_OK; s++, before++) {
         status = table_check_solver(context, *s);
-        if (status == PDYN_OK) status = check_name(context, plugin, (*s)->name);
+        if (status == PDYN_OK) status = check_name(context, plugin, (*s)->name, before);
     }
     return status;
 }

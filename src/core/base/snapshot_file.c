@@ -2,12 +2,14 @@
 #include "snapshot_file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
-static const char magic[] = "PDYNSTA2";
+static const char magic[] = "PDYNSTA3";
 static const uint64_t order_mark = 0x0102030405060708u;
 
 enum { HEAD = 16, TAIL = 8, CHUNK = 1 << 16 };
@@ -183,10 +185,12 @@ static pdyn_status check_file(struct snapshot_file *a) {
 }
 
 pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct snapshot_file *out) {
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* never wait for a pipe */
     *out = (struct snapshot_file){.view = {.bytes = read_bytes, .reading = true},
                                   .context = context,
                                   .path = path,
-                                  .in = fopen(path, "rbe")};
+                                  .in = descriptor < 0 ? NULL : fdopen(descriptor, "rb")};
+    if (descriptor >= 0 && !out->in) close(descriptor);
     if (!out->in && errno == ENOMEM) return context_no_memory(context);
     if (!out->in)
         return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s", path,
@@ -210,5 +214,6 @@ pdyn_status snapshot_file_close(struct snapshot_file *a) {
         return a->status;
     }
     file_out_bytes(&a->out, &a->hash, sizeof a->hash);
+    file_out_sync(&a->out);
     return file_out_close(&a->out);
 }

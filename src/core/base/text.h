@@ -6,6 +6,8 @@
 
 #include <locale.h>
 
+enum { NAME_LENGTH = 64 }; /* largest length of the name of a body, a solid or a probe */
+
 /* The name most similar to `word`: at most a third of its letters differ. NULL: none. */
 const char *text_closest(const char *word, const char *const *names, int count);
 

@@ -5,6 +5,7 @@
 #define PDYN_WARNINGS_H
 
 #include "snapshot_file.h"
+#include "text.h"
 
 /* X(constant, code). Known from the scene, then found in steps. */
 #define WARNING_LIST(X)                                                                            \
@@ -44,7 +45,7 @@ enum warning_code {
         WARNING_CODES
 };
 
-enum { WARNINGS_MAX = 128, WARNING_SUBJECT = 64, WARNING_TEXT = 400 };
+enum { WARNINGS_MAX = 128, WARNING_SUBJECT = NAME_LENGTH + 1, WARNING_TEXT = 400 };
 
 struct warning {
     enum warning_code code;

@@ -129,8 +129,7 @@ static pdyn_status write_file(const pdyn_sim *sim, int body, const char *text, s
     return file_out_close(&file);
 }
 
-/* Fails if the file that would be written is the one that the mesh comes from. */
-static pdyn_status refuse_source(const pdyn_sim *sim, int body, const char *path) {
+pdyn_status obj_refuse_source(const pdyn_sim *sim, int body, const char *path) {
     struct stat source, target;
     const char *obj = sim->scene.body[body].obj;
     if (!obj || stat(obj, &source) || stat(path, &target) || source.st_ino != target.st_ino ||
@@ -145,7 +144,7 @@ static pdyn_status refuse_source(const pdyn_sim *sim, int body, const char *path
 pdyn_status obj_write_body(const pdyn_sim *sim, int body, const char *path) {
     char *text;
     size_t size;
-    pdyn_status status = refuse_source(sim, body, path);
+    pdyn_status status = obj_refuse_source(sim, body, path);
     if (status != PDYN_OK) return status;
     status = load_source(sim, body, &text, &size);
     if (status == PDYN_OK) status = write_file(sim, body, text, size, path);

@@ -60,7 +60,7 @@ static const char *own_name(const char *path, const char *ending, const char **f
     if (!path) return NULL;
     path += strlen(*folder);
     name = strspn(path, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
-    return name && name <= WRITER_NAME && !strcmp(path + name, ending) ? path : NULL;
+    return name && name <= NAME_LENGTH && !strcmp(path + name, ending) ? path : NULL;
 }
 
 /* Whether the scene reads this file for the texture coordinates of a body. */

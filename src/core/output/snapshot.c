@@ -125,9 +125,9 @@ static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) 
 /* ---- writing and reading --------------------------------------------------------------------- */
 
 pdyn_status snapshot_write(struct pdyn_sim *sim, struct snapshot_file *a) {
-    pdyn_status status = control_settle(sim);
-    if (status == PDYN_OK) status = persist_scene(sim, a);
-    return status == PDYN_OK ? persist_state(sim, a) : status;
+    a->status = control_settle(sim);
+    return a->status == PDYN_OK && persist_scene(sim, a) == PDYN_OK ? persist_state(sim, a)
+                                                                    : a->status;
 }
 
 /* Positions at which lists cannot be built make the search fail with PDYN_DIVERGED. */
@@ -144,11 +144,10 @@ static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *a) {
 pdyn_status snapshot_read(struct pdyn_sim *sim, struct snapshot_file *a,
                           struct snapshot_file *before) {
     *before = (struct snapshot_file){0};
-    pdyn_status status = control_settle(sim);
-    if (status == PDYN_OK) status = persist_scene(sim, a);
-    if (status != PDYN_OK) return status;
+    a->status = control_settle(sim);
+    if (a->status != PDYN_OK || persist_scene(sim, a) != PDYN_OK) return a->status;
     snapshot_memory_create(sim->context, before);
-    status = persist_state(sim, before);
+    pdyn_status status = persist_state(sim, before);
     if (status == PDYN_OK) {
         snapshot_memory_rewind(before);
         forces_forget(sim);

@@ -9,8 +9,6 @@
 
 #include <jansson.h>
 
-enum { WRITER_NAME = 64 }; /* largest length of the name of a body or a solid */
-
 struct pdyn_writer {
     pdyn_sim *sim;
     pdyn_context *context; /* context of the simulation */

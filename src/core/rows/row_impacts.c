@@ -26,8 +26,8 @@ static void keep_impacts(void *arg, int first, int last, int block) {
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
             softness += v->coefficient[k] * v->coefficient[k] / c->change->mass[v->column[k]];
         double force = sqrt(v4_dot(&flux, &flux));
-        double weight = v->weight[b->entry_element[v->row_entry[r]]];
         if (force > 0.0) {
+            double weight = v->weight[b->entry_element[v->row_entry[r]]];
             double all = v4_dot(&flux, &acceleration) / force;
             part = impact_part(v4_dot(&flux, &slowed) / force, h * fmax(all, force * softness),
                                h * h * weight * softness);

@@ -39,7 +39,7 @@ pdyn_status reader_choice(const struct json_at *at, const char *what, const char
 
 static bool is_name(const char *text) {
     size_t length = strlen(text);
-    return length >= 1 && length <= 64 &&
+    return length >= 1 && length <= NAME_LENGTH &&
            length ==
                strspn(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-");
 }

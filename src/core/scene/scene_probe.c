@@ -63,23 +63,29 @@ static pdyn_status read_region(struct reader *r, const struct json_at *at,
     return params_box(at, &probe->box);
 }
 
+static const char *name_of_solid(const struct scene *scene, int s) { return scene->solid[s].name; }
+static const char *name_of_body(const struct scene *scene, int b) { return scene->body[b].name; }
+
+static pdyn_status read_target(struct reader *r, const struct json_at *at, const char *what,
+                               int count, const char *(*name)(const struct scene *scene, int k),
+                               struct scene_probe *probe) {
+    const char **names = NEW_ARRAY(r->context, count, const char *);
+    if (!names) return PDYN_NO_MEMORY;
+    for (int k = 0; k < count; k++) names[k] = name(r->scene, k);
+    pdyn_status status = reader_choice(at, what, names, count, &probe->target);
+    FREE_ARRAY(r->context, names, count);
+    return status;
+}
+
 static pdyn_status read_solid(struct reader *r, const struct json_at *at,
                               struct scene_probe *probe) {
-    const char *names[READER_NAMES];
-    int count = 0;
     if (!r->scene->solids) return json_fail_at_key(at, "\"solid\" needs a scene with solids");
-    for (; count < r->scene->solids && count < READER_NAMES; count++)
-        names[count] = r->scene->solid[count].name;
-    return reader_choice(at, "solid", names, count, &probe->target);
+    return read_target(r, at, "solid", r->scene->solids, name_of_solid, probe);
 }
 
 static pdyn_status read_body(struct reader *r, const struct json_at *at,
                              struct scene_probe *probe) {
-    const char *names[READER_NAMES];
-    int count = 0;
-    for (; count < r->scene->bodies && count < READER_NAMES; count++)
-        names[count] = r->scene->body[count].name;
-    return reader_choice(at, "body", names, count, &probe->target);
+    return read_target(r, at, "body", r->scene->bodies, name_of_body, probe);
 }
 
 /* The same of a body that has a constraint with this flag, such as `example`. */

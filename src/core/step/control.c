@@ -192,6 +192,7 @@ static void persist_forces(struct pdyn_sim *sim, struct snapshot_file *a) {
 void control_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_flags(a, &sim->control.driven, 1, "the flag of changes is neither 0 nor 1");
     snapshot_file_numbers(a, sim->scene.settings.gravity, 3, "gravity is not finite");
+    SNAPSHOT(a, sim->floor);
     persist_forces(sim, a);
     parameters_persist(sim, a);
     if (a->status == PDYN_OK) holds_persist(sim, a);

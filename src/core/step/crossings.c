@@ -8,8 +8,10 @@
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { GRAIN = 512 }; /* particles per parallel block */
+enum { BEYOND = 4 };  /* surfaces that a particle can be beyond; further ones are not counted */
 
 struct crossings {
     struct swept_surfaces swept;
@@ -17,9 +19,10 @@ struct crossings {
     bool bodies;   /* vertices of bodies are tested */
     double *slack; /* bodies, m: how far a vertex of a body leaves a surface that it passes */
     long *count;   /* surfaces: number of particles beyond each */
-    /* particles: 0, or s + 1 for surface s, negative against its normal */
-    int *passed; /* the surface that the particle passed in this step */
-    int *beyond; /* the surface that the particle is beyond */
+    long total;    /* number of particles beyond any */
+    /* 0, or s + 1 for surface s, negative against its normal */
+    int *passed; /* particles: the surface that the particle passed in this step */
+    int *beyond; /* particles x BEYOND: surfaces that the particle is beyond, then 0 */
 };
 
 /* ---- creation -------------------------------------------------------------------------------- */
@@ -28,7 +31,7 @@ static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     struct crossings *c = sim->crossings;
     const struct array_entry table[] = {
         ARRAY(c->passed, sim->objective.particles),
-        ARRAY(c->beyond, sim->objective.particles),
+        ARRAY(c->beyond, BEYOND * (size_t)sim->objective.particles),
         ARRAY(c->slack, sim->bodies),
         ARRAY(c->count, sim->bodies + sim->scene.solids),
     };
@@ -106,34 +109,49 @@ static void find_passed(void *arg, int first, int last, int block) {
     }
 }
 
-/* A particle that comes back through the surface that it is beyond is on its side again. */
-static void update_beyond(struct pdyn_sim *sim, int i) {
-    struct crossings *c = sim->crossings;
-    int *beyond = &c->beyond[i], passed = c->passed[i];
-    if (!particle_is_live(sim, i)) *beyond = 0;
-    if (!passed || *beyond == passed) return;
-    bool back = *beyond == -passed;
-    *beyond = back ? 0 : passed;
-    c->count[abs(passed) - 1] += back ? -1 : 1;
+/* The place of `surface`, or of 0, in a particle's list; BEYOND: none. */
+static int find_beyond(const int *beyond, int surface) {
+    int k = 0;
+    while (k < BEYOND && beyond[k] != surface) k++;
+    return k;
+}
+
+/* A particle that comes back through a surface that it is beyond is on its side again. */
+static void update_beyond(struct crossings *c, int i) {
+    int *beyond = c->beyond + BEYOND * (size_t)i, passed = c->passed[i];
+    if (!passed || find_beyond(beyond, passed) < BEYOND) return;
+    int back = find_beyond(beyond, -passed), end = find_beyond(beyond, 0);
+    if (back == BEYOND && end == BEYOND) return;
+    long before = end > 0;
+    if (back < BEYOND) beyond[back] = beyond[end - 1], beyond[end - 1] = 0;
+    else beyond[end] = passed;
+    c->count[abs(passed) - 1] += back < BEYOND ? -1 : 1;
+    c->total += (beyond[0] != 0) - before;
 }
 
 static void step_body(struct pdyn_sim *sim, int b) {
-    const struct crossings *c = sim->crossings;
+    struct crossings *c = sim->crossings;
     const pdyn_body *body = &sim->body[b];
     struct search s = {.sim = sim, .body = body};
     if (body->triangles ? !c->bodies : !c->fluid) return;
     if (has_neighbour_lists(sim, b)) s.lists = neighbours_view(sim->neighbours);
     if (body->triangles) s.first_surface = c->swept.count - c->swept.solids;
     pool_for(sim->context->pool, body->count, GRAIN, find_passed, &s);
-    for (int i = body->first; i < body->first + body->count; i++) update_beyond(sim, i);
+    for (int i = body->first; i < body->first + body->count; i++) update_beyond(c, i);
 }
 
 void crossings_forget(struct pdyn_sim *sim, int first, int count) {
     struct crossings *c = sim->crossings;
     for (int i = first; c && i < first + count; i++) {
-        if (c->beyond[i]) c->count[abs(c->beyond[i]) - 1]--;
-        c->beyond[i] = 0;
+        int *beyond = c->beyond + BEYOND * (size_t)i;
+        c->total -= beyond[0] != 0;
+        for (int k = 0; k < BEYOND && beyond[k]; k++) c->count[abs(beyond[k]) - 1]--, beyond[k] = 0;
     }
+}
+
+void crossings_leave(struct pdyn_sim *sim, int particle) {
+    if (sim->crossings)
+        memset(sim->crossings->beyond + BEYOND * (size_t)particle, 0, BEYOND * sizeof(int));
 }
 
 void crossings_step(struct pdyn_sim *sim, double h) {
@@ -144,10 +162,7 @@ void crossings_step(struct pdyn_sim *sim, double h) {
 }
 
 long crossings_total(const struct pdyn_sim *sim) {
-    const struct crossings *c = sim->crossings;
-    long total = 0;
-    for (int s = 0; c && s < c->swept.count; s++) total += c->count[s];
-    return total;
+    return sim->crossings ? sim->crossings->total : 0;
 }
 
 void crossings_warn(struct pdyn_sim *sim) {
@@ -168,10 +183,14 @@ void crossings_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct crossings *c = sim->crossings;
     if (!c) return;
     bool valid = true;
+    size_t entries = BEYOND * (size_t)sim->objective.particles;
+    snapshot_file_long(a, &c->total, LONG_MAX, "a number of passed particles");
     for (int s = 0; s < c->swept.count; s++)
         snapshot_file_long(a, &c->count[s], LONG_MAX, "a number of passed particles");
-    snapshot_file_bytes(a, c->beyond, (size_t)sim->objective.particles * sizeof *c->beyond);
-    for (int i = 0; i < sim->objective.particles; i++)
-        valid &= c->beyond[i] >= -c->swept.count && c->beyond[i] <= c->swept.count;
+    snapshot_file_bytes(a, c->beyond, entries * sizeof *c->beyond);
+    for (size_t k = 0; k < entries; k++) {
+        valid &= c->beyond[k] >= -c->swept.count && c->beyond[k] <= c->swept.count;
+        valid &= !c->beyond[k] || k % BEYOND == 0 || c->beyond[k - 1];
+    }
     snapshot_file_require(a, valid, "a passed surface is out of range");
 }

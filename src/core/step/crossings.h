@@ -17,7 +17,8 @@ void crossings_free(struct pdyn_sim *sim);
 /* Finds the particles that pass a surface in a step of length h, s, from sim->x to sim->x_next. */
 void crossings_step(struct pdyn_sim *sim, double h);
 
-/* Number of particles that are on the other side of a surface than at the start. */
+/* Number of particles that are on the other side of a surface than at the start, or were when they
+ * left the scene. */
 long crossings_total(const struct pdyn_sim *sim);
 
 /* Raises a warning for every surface that particles are beyond. */
@@ -25,6 +26,9 @@ void crossings_warn(struct pdyn_sim *sim);
 
 /* Particles were placed anew: they are not beyond any surface. */
 void crossings_forget(struct pdyn_sim *sim, int first, int count);
+
+/* A particle left the scene: its slot is free for a new one. It stays counted. */
+void crossings_leave(struct pdyn_sim *sim, int particle);
 
 void crossings_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 

@@ -116,9 +116,11 @@ double forces_virial(const struct pdyn_sim *sim, int k) {
     const struct batch *b = sim->objective.batch[k];
     double sum = 0.0;
     for (int r = 0; sim->forces_known && r < b->rows; r++) {
-        double d[3], weight = b->view.weight[b->entry_element[b->view.row_entry[r]]];
+        int entry = b->view.row_entry[r];
+        double d[3];
+        if (entry == b->view.row_entry[r + 1]) continue; /* a row without entries */
         row_distance(sim, b, r, d);
-        sum -= weight * vec3_dot(d, b->view.u + 3 * (size_t)r);
+        sum -= b->view.weight[b->entry_element[entry]] * vec3_dot(d, b->view.u + 3 * (size_t)r);
     }
     return sum;
 }
@@ -160,7 +162,7 @@ static struct element row_element(const pdyn_sim *sim, const struct batch *b, in
         row_distance(sim, b, r, d);
         squares += vec3_dot(d, d);
     }
-    bool given = b->type->energy && !b->linear;
+    bool given = b->type->energy && !b->linear && !b->off;
     return (struct element){given ? b->type->energy(b->params, v, e, e + 1)
                                   : 0.5 * v->weight[e] * squares,
                             sqrt(squares)};

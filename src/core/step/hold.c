@@ -156,13 +156,16 @@ pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness, const doubl
     return PDYN_OK;
 }
 
+void holds_leave(struct pdyn_sim *sim, int particle) {
+    struct hold *h = find_hold(sim, particle);
+    if (h) h->released = sim->control.stale = true;
+}
+
 pdyn_status pdyn_release(pdyn_sim *sim, int particle) {
     if (!control_has_particles(sim, particle, 1)) return PDYN_BAD_CALL;
     pdyn_status status = control_check(sim);
-    struct hold *h = status == PDYN_OK ? find_hold(sim, particle) : NULL;
-    if (!h) return status;
-    h->released = sim->control.stale = true;
-    return PDYN_OK;
+    if (status == PDYN_OK) holds_leave(sim, particle);
+    return status;
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */

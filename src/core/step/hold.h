@@ -20,6 +20,8 @@ struct hold {
 /* Removes released holds and makes the batches of all others anew. No solver refers to them. */
 pdyn_status holds_make_batches(struct pdyn_sim *sim);
 
+/* The hold of a particle that leaves the scene, if it has one, ends. */
+void holds_leave(struct pdyn_sim *sim, int particle);
 void holds_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 void holds_free(struct pdyn_sim *sim); /* not their batches */
 

@@ -1,6 +1,8 @@
 /* Particles that enter through inlets (inlets.c) and leave through outlets. */
 #include "live_particles.h"
 
+#include "crossings.h"
+#include "hold.h"
 #include "inlets.h"
 
 #include <limits.h>
@@ -27,6 +29,7 @@ static void reset_particle(struct pdyn_sim *sim, int i) {
     memset(sim->x + 3 * i, 0, 3 * sizeof *sim->x);
     memset(sim->v + 3 * i, 0, 3 * sizeof *sim->v);
     memset(sim->constraint_acceleration + 3 * i, 0, 3 * sizeof *sim->constraint_acceleration);
+    if (sim->control.force) memset(sim->control.force + 3 * i, 0, 3 * sizeof *sim->control.force);
     if (!sim->x_before) return;
     memset(sim->x_before + 3 * i, 0, 3 * sizeof *sim->x_before);
     memset(sim->v_before + 3 * i, 0, 3 * sizeof *sim->v_before);
@@ -35,6 +38,8 @@ static void reset_particle(struct pdyn_sim *sim, int i) {
 static void remove_particle(struct pdyn_sim *sim, int b, int i) {
     struct live_particles *p = sim->live;
     reset_particle(sim, i);
+    holds_leave(sim, i);
+    crossings_leave(sim, i);
     p->live[i] = false;
     p->slot[sim->body[b].first + p->vacant[b]++] = i;
     p->removed++;

@@ -116,10 +116,13 @@ static pdyn_status reject_attempt(struct pdyn_sim *sim) {
     return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
 
-/* Adds step number, length and time to the error text. */
-static pdyn_status fail_diverged(struct pdyn_sim *sim, double h) {
+/* After the last attempt: the state is that of the last successful step. The error stays the one of
+ * the attempt; of a divergence it also says which step. */
+static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status) {
     char what[256];
     snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));
+    reject_attempt(sim);
+    if (status != PDYN_DIVERGED) return context_fail(sim->context, status, "%s", what);
     return context_fail(sim->context, PDYN_DIVERGED,
                         "step %ld of %g s at %g s: %s; the state is that of the step before",
                         sim->steps + 1, h, sim->time, what);
@@ -146,15 +149,14 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     pdyn_status status = attempt(sim, end->h, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
-        if ((status = reject_attempt(sim)) != PDYN_OK) return status;
+        if ((status = reject_attempt(sim)) != PDYN_OK) break;
         *end =
             end->given ? timestep_given(sim, 0.25 * end->h) : timestep_choose(sim, 0.25 * end->h);
         status = attempt(sim, end->h, progress);
         ++*retries;
     }
     if (status == PDYN_OK) status = objective_end(&sim->objective);
-    if (status != PDYN_OK) kinematic_move(sim, sim->time);
-    return status == PDYN_DIVERGED ? fail_diverged(sim, end->h) : status;
+    return status == PDYN_OK ? PDYN_OK : fail_step(sim, end->h, status);
 }
 
 /* Step residual up to which an unsolved step may serve as history: half of the weight of every

@@ -220,14 +220,25 @@ static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
          max_edge);
 }
 
-static void check_contact(struct pdyn_sim *sim, int b) {
-    const pdyn_body *body = &sim->body[b];
-    if (sim->scene.has_contact || !body->triangles || is_held(&sim->scene.body[b])) return;
-    int surfaces = sim->scene.solids;
-    for (int k = 0; k < sim->bodies; k++) surfaces += k != b && sim->body[k].triangles;
-    if (surfaces)
-        WARN(sim, NO_CONTACT, body->name,
+/* Free surfaces that something could stop: one warning for all. */
+static void check_contact(struct pdyn_sim *sim) {
+    const char *first = NULL;
+    int surfaces = sim->scene.solids, free = 0;
+    for (int b = 0; b < sim->bodies; b++) surfaces += sim->body[b].triangles > 0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (!body->triangles || is_held(&sim->scene.body[b])) continue;
+        if (!free++) first = body->name;
+    }
+    if (sim->scene.has_contact || !free || surfaces < 2) return;
+    if (free == 1)
+        WARN(sim, NO_CONTACT, first,
              "the scene has no \"contact\": it passes through solids and other surfaces");
+    else
+        WARN(sim, NO_CONTACT, first,
+             "the scene has no \"contact\": it and %d other bod%s pass through each other and "
+             "through solids",
+             free - 1, free == 2 ? "y" : "ies");
 }
 
 static void check_overlap(struct pdyn_sim *sim, int b) {
@@ -293,6 +304,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_probes(sim);
     check_scale_of_solids(sim);
     check_elements(sim);
+    check_contact(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
@@ -301,7 +313,6 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
         check_density(sim, b);
         check_scale(sim, b);
         check_thickness(sim, b);
-        check_contact(sim, b);
         check_overlap(sim, b);
         if (fluid) check_weight(sim, b, fluid), check_edges(sim, b, fluid);
     }
