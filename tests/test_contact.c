@@ -487,6 +487,33 @@ static void test_not_self(void **state) {
     pdyn_destroy(c);
 }
 
+/* ---- failed steps ---------------------------------------------------------------------------- */
+
+/* A step that fails while a ball comes up under a sheet: ball and sheet are where they were. */
+static void test_failed_step(void **state) {
+    (void)state;
+    static const double speeds[2] = {NAN, 1e20}; /* m/s */
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *c = test_context(1);
+        pdyn_sim *sim = test_load(
+            c, scene("", DOWN, CLOTH_AT(9, 0.11),
+                     "{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
+                     "{'time': 1, 'translate': [0, 5, 0]}]}"));
+        sim->scene.settings.retries = 0;
+        test_step(c, sim);
+        const double *ball = contact_solid_at(sim->objective.contact, 0);
+        double before[3], velocity = sim->v[1];
+        memcpy(before, ball, sizeof before);
+        sim->v[1] = speeds[k];
+        assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
+        assert_true(vec3_distance(before, ball) == 0.0);
+        sim->v[1] = velocity;
+        assert_apart(sim);
+        pdyn_free(sim);
+        pdyn_destroy(c);
+    }
+}
+
 /* ---- a fast solid ---------------------------------------------------------------------------- */
 
 /* A ball that sets out at 10 m/s half a metre in front of a sheet: long steps until it is there,
@@ -574,6 +601,7 @@ int main(void) {
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_not_self),
         cmocka_unit_test(test_impact_iterations),
+        cmocka_unit_test(test_failed_step),
         cmocka_unit_test(test_fast_solid),
         cmocka_unit_test(test_default),
     };

@@ -214,6 +214,24 @@ static void test_pump(void **state) {
 
 /* ---- bad parameters and meshes --------------------------------------------------------------- */
 
+/* A gas that is switched off has no energy, also of its element. */
+static void test_off(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = load_good(context, "'gravity': [0, 0, 0]", ball_mesh(),
+                              GAS(", 'pressure': 1000") ", " SPRINGS("1000"), "");
+    double energy = -1.0;
+    for (int off = 0; off < 2; off++) {
+        assert_int_equal(pdyn_enable(sim, 0, !off), PDYN_OK);
+        test_step(context, sim);
+        assert_int_equal(pdyn_element_values(sim, 0, &energy, NULL), PDYN_OK);
+        assert_true(fabs(energy - pdyn_get_constraint(sim, 0).energy) <= 1e-9 * fabs(energy));
+        assert_true((energy == 0.0) == off);
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 static void refuse(const char *settings, const char *mesh, const char *constraints,
                    const char *rest, const char *message) {
     pdyn_context *context = test_context(1);
@@ -252,8 +270,8 @@ static void test_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_laws),   cmocka_unit_test(test_tension),
-        cmocka_unit_test(test_fall),   cmocka_unit_test(test_pump),
-        cmocka_unit_test(test_linear), cmocka_unit_test(test_refused)};
+        cmocka_unit_test(test_laws),   cmocka_unit_test(test_tension), cmocka_unit_test(test_fall),
+        cmocka_unit_test(test_pump),   cmocka_unit_test(test_linear),  cmocka_unit_test(test_off),
+        cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests_name("gas", tests, test_enter_directory, test_leave_directory);
 }

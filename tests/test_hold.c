@@ -58,6 +58,28 @@ static void test_hold_in_water(void **state) {
     }
 }
 
+/* An outlet removes a particle that is held and pushed: both end with it. */
+static void test_hold_removed(void **state) {
+    (void)state;
+    static const char dust[] =
+        "{'duration': 9, 'gravity': [0, 0, 0], 'bodies': [{'name': 'dust', 'particles': {'radius': "
+        "0.01, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [0.06, 0.02, 0.02]}}]}, "
+        "'constraints': [{'type': 'viscosity', 'viscosity': 1}]}], 'outlets': [{'box': "
+        "{'minimum': [0.2, -9, -9], 'maximum': [9, 9, 9]}}]}";
+    pdyn_sim *sim = test_load(context, dust);
+    const pdyn_state s = pdyn_get_state(sim);
+    const double target[3] = {0.9, 0.01, 0.01};
+    good(pdyn_hold(sim, 0, 1.0, target));
+    good(pdyn_set_forces(sim, 0, 1, (double[]){1e-3, 0, 0}));
+    pdyn_step_info info = {0};
+    for (int k = 0; k < 2000 && s.live[0]; k++) good(pdyn_step(sim, &info));
+    assert_false(s.live[0]);
+    take_steps(sim, 20);
+    assert_true(vec3_length(s.x) == 0.0 && vec3_length(s.v) == 0.0);
+    continues(sim, dust);
+    pdyn_free(sim);
+}
+
 static void test_wrong_holds(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, inlet);
@@ -79,6 +101,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_holds),
         cmocka_unit_test(test_hold_in_water),
+        cmocka_unit_test(test_hold_removed),
         cmocka_unit_test(test_wrong_holds),
     };
     return cmocka_run_group_tests_name("hold", tests, control_set_up, control_tear_down);

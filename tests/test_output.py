@@ -312,6 +312,23 @@ f -2 3 5
             self.assertIn("square.obj: this file is the mesh of the scene", done.stderr)
             self.assertEqual(source.read_text(), text)
 
+    def test_a_refused_run_keeps_the_last_one(self):
+        """A scene whose mesh is a file of the directory's run: nothing is removed."""
+        with tempfile.TemporaryDirectory() as name:
+            directory = pathlib.Path(name)
+            sheet = {"name": "sheet", "constraints": [{"type": "spring", "stretching_stiffness": 9}]}
+            grid = dict(sheet, surface={"grid": {"size": [1, 1], "vertices": [3, 3]},
+                                        "translate": [0, 2, 0], "area_density": 1})
+            copy = dict(sheet, surface={"mesh": str(directory / "sheet.obj"), "area_density": 1})
+            done = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([grid])}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            before = {p: p.stat().st_mtime_ns for p in directory.iterdir() if p.name != "lock"}
+            done = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([copy])}")
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("sheet.obj: this file is the mesh of the scene", done.stderr)
+            self.assertEqual(
+                before, {p: p.stat().st_mtime_ns for p in directory.iterdir() if p.name != "lock"})
+
     def check_solid(self, directory, report, path, displacement, name):
         solid = next(solid for solid in report["solids"] if solid["name"] == name)
         points, cells, types, arrays = read_vtk(path)

@@ -3,6 +3,8 @@
 
 #include "output/snapshot.h"
 
+#include "projdyn/control.h"
+
 #include <string.h>
 
 /* All kinds of state that last from step to step: lists, pressures, emitted particles, moving
@@ -173,6 +175,28 @@ static void test_failing_module(void **state) {
     test_remove_file("state");
 }
 
+/* Memory for the batch of a new hold is missing: the save fails, and the file stays. */
+static void test_failing_hold(void **state) {
+    (void)state;
+    struct counter counter;
+    pdyn_context *context = test_counting_context(1, &counter);
+    pdyn_sim *sim = test_load(context, sheet);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    uint64_t hash = pdyn_state_hash(sim);
+    step_often(context, sim, 3);
+    assert_int_equal(pdyn_hold(sim, 0, 10.0, (double[]){0, 0, 0}), PDYN_OK);
+    test_allow(&counter, 1);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_NO_MEMORY);
+    test_allow(&counter, -1);
+    pdyn_free(sim);
+    sim = test_load(context, sheet);
+    assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
+    assert_true(pdyn_state_hash(sim) == hash);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("state");
+}
+
 static pdyn_status load_and_restore(const void *what) {
     pdyn_context *context = *(pdyn_context *const *)what;
     pdyn_sim *sim = NULL;
@@ -200,7 +224,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_other_settings),
         cmocka_unit_test(test_refused),           cmocka_unit_test(test_failing_module),
-        cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_failing_allocator), cmocka_unit_test(test_failing_hold),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,
                                        test_leave_directory);

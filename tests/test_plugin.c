@@ -88,6 +88,8 @@ static void test_plugins(void **state) {
     (void)state;
     refuse(&(pdyn_plugin){PDYN_ABI + 1, "p", NULL, NULL}, "expected abi");
     refuse(&(pdyn_plugin){PDYN_ABI, "", NULL, NULL}, "no name");
+    const pdyn_constraint_type *const twice[] = {&good, &good, NULL};
+    refuse(&(pdyn_plugin){PDYN_ABI, "p", twice, NULL}, "the name \"mine\" is taken");
     pdyn_context *context = test_context(1);
     assert_int_equal(pdyn_register(NULL, &registry_builtin), PDYN_BAD_CALL);
     assert_int_equal(pdyn_register(context, NULL), PDYN_BAD_CALL);

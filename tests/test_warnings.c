@@ -94,6 +94,32 @@ static void test_return(void **state) {
     pdyn_destroy(context);
 }
 
+/* Dust passes two sheets and comes back through both: it is counted once, and then not at all. */
+static void test_two_sheets(void **state) {
+    (void)state;
+#define HIGH_SHEET(name, height)                                                                   \
+    GRID_SHEET("'name': '" name "', ", "0.16, 0.16", "9, 9",                                       \
+               "'area_density': 0.2, 'translate': [0, " height ", 0]",                             \
+               PINS("'box': {'minimum': [-9, -9, -9], 'maximum': [9, 9, 9]}"))
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        SCENE(STEPS,
+              PAIR(DUST("0, 3, 0"), PAIR(HIGH_SHEET("low", "0.3"), HIGH_SHEET("high", "0.36"))),
+              ""));
+    long most = 0, most_high = 0, last = 0;
+    for (int n = 0; n < 70; n++) {
+        last = test_step(context, sim).leaked;
+        most = last > most ? last : most;
+        most_high = find_warning(sim, "leak", "high").count;
+    }
+    assert_int_equal(most, DUST_COUNT);
+    assert_int_equal(most_high, DUST_COUNT);
+    assert_int_equal(last, 0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* A box at rest, and a plane that rises through the dust. */
 static void test_solids(void **state) {
     (void)state;
@@ -244,6 +270,24 @@ static void test_saved(void **state) {
     pdyn_free(sim);
     pdyn_destroy(context);
     test_remove_file("state");
+}
+
+#define LONG_NAME "a123456789b123456789c123456789d123456789e123456789f123456789g123"
+
+/* A name of 64 characters: one warning that counts all steps. */
+static void test_long_name(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        SCENE("'duration': 1, 'solver': {'outer_iterations': 1, 'tolerance': 1e-9}",
+              GRID_SHEET("'name': '" LONG_NAME "', ", "0.4, 0.4", "5, 5", "'area_density': 0.2",
+                         PAIR(SPRINGS("1000"), PINS("'all': true"))),
+              ""));
+    for (int n = 0; n < 5; n++) test_step(context, sim);
+    assert_int_equal(find_warning(sim, "unsolved", LONG_NAME).count, 5);
+    pdyn_free(sim);
+    pdyn_destroy(context);
 }
 
 #define FALLING(outlets) SCENE(STEPS, DUST("0, -5, 0"), outlets)
@@ -409,6 +453,8 @@ int main(void) {
         cmocka_unit_test(test_sheet),
         cmocka_unit_test(test_border),
         cmocka_unit_test(test_return),
+        cmocka_unit_test(test_two_sheets),
+        cmocka_unit_test(test_long_name),
         cmocka_unit_test(test_solids),
         cmocka_unit_test(test_cloth),
         cmocka_unit_test(test_overlap),

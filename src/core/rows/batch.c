@@ -159,9 +159,9 @@ void batch_rest_diagonal(struct batch *b, double *blocks) {
 
 /* ---- after a step ---------------------------------------------------------------------------- */
 
-/* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
- * gradient of its energy over the masses. */
-static void find_acceleration(struct batch *b, const struct velocity_change *change) {
+bool batch_has_impacts(const struct batch *b) { return b->op || (b->type->flags & PDYN_ONE_SIDED); }
+
+void batch_find_acceleration(struct batch *b, const struct velocity_change *change) {
     double *a = change->scratch;
     int n = 3 * change->particles;
     memset(a, 0, (size_t)n * sizeof *a);
@@ -184,8 +184,10 @@ static int operator_impacts(struct batch *b, const struct velocity_change *chang
 }
 
 int batch_impacts(struct batch *b, const struct velocity_change *change, double *force) {
-    if (!b->op && !(b->type->flags & PDYN_ONE_SIDED)) return 0;
-    find_acceleration(b, change);
+    if (!batch_has_impacts(b)) return 0;
+    batch_find_acceleration(b, change);
+    for (int k = 0; change->kept && k < 3 * change->particles; k++)
+        change->scratch[k] *= change->kept[k / 3];
     return b->op ? operator_impacts(b, change, force)
                  : rows_impacts(b, change, change->scratch, force);
 }
@@ -196,7 +198,7 @@ void batch_limit(struct batch *b, const double *x, double *max_step) {
 
 /* The forces of the step are stored first: `accept` may change the stiffness. */
 void batch_accept(struct batch *b, double left_out) {
-    b->left_out = b->op || b->type->flags & PDYN_ONE_SIDED ? left_out : 0.0;
+    b->left_out = batch_has_impacts(b) ? left_out : 0.0;
     if (!b->op) return;
     one_sided_store_forces(&b->one_sided, left_out);
     if (b->type->matrix_free->accept) b->type->matrix_free->accept(b->op);

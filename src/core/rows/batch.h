@@ -141,8 +141,17 @@ struct velocity_change {  /* by a step of effective length h, s */
     const double *mass;            /* particles, kg */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
-    double *scratch; /* particles x 3 */
+    const double *kept; /* particles: the part of the acceleration by one-sided forces that other
+                           forces, as of pins, leave; NULL: all of it */
+    double *scratch;    /* particles x 3 */
 };
+
+/* Whether the forces of a batch can be impacts. */
+bool batch_has_impacts(const struct batch *batch);
+
+/* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
+ * gradient of its energy over the masses. Ignores change->kept. */
+void batch_find_acceleration(struct batch *batch, const struct velocity_change *change);
 
 /* One-sided constraints: force += the impact part (one_sided.h) of their forces at the last local
  * step, N, with the sign of the gradient. Returns the number of constraints or rows with an impact.

@@ -9,6 +9,10 @@ struct impacts { /* the arguments of a parallel loop */
     const double *acceleration;
 };
 
+static double kept_of(const struct velocity_change *change, int particle) {
+    return change->kept ? change->kept[particle] : 1.0;
+}
+
 /* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
  * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
  * force that stops it. */
@@ -24,7 +28,8 @@ static void keep_impacts(void *arg, int first, int last, int block) {
         gather_row(b, r, c->change->slowed, &slowed);
         gather_row(b, r, c->acceleration, &acceleration);
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
-            softness += v->coefficient[k] * v->coefficient[k] / c->change->mass[v->column[k]];
+            softness += kept_of(c->change, v->column[k]) * v->coefficient[k] * v->coefficient[k] /
+                        c->change->mass[v->column[k]];
         double force = sqrt(v4_dot(&flux, &flux));
         if (force > 0.0) {
             double weight = v->weight[b->entry_element[v->row_entry[r]]];

@@ -72,6 +72,33 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
     for (int a = 0; a < 3; a++) excess[0][a] /= mass, excess[1][a] /= mass;
 }
 
+/* Whether a particle can be held by forces that are no impacts, of pins or membranes. */
+static bool has_other_forces(const struct pdyn_sim *sim) {
+    bool others = false;
+    for (int b = 0; b < sim->objective.batches; b++)
+        others |= !batch_has_impacts(sim->objective.batch[b]);
+    return others;
+}
+
+/* kept (3 x particles, of which it uses a third): acceleration of each particle by all constraints
+ * over that by one-sided ones, at most 1. A pinned vertex does not yield to water, however light it
+ * is. */
+static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change, double *kept) {
+    struct objective *objective = &sim->objective;
+    memset(kept, 0, objective_bytes(objective));
+    for (int b = 0; b < objective->batches; b++) {
+        if (!batch_has_impacts(objective->batch[b])) continue;
+        batch_find_acceleration(objective->batch[b], change);
+        objective_axpy(objective, 1.0, change->scratch, kept);
+    }
+    for (int i = 0; i < objective->particles; i++) {
+        double one_sided = vec3_length(kept + 3 * (size_t)i);
+        double all = vec3_distance(sim->x_next + 3 * (size_t)i, objective->s + 3 * (size_t)i) /
+                     (objective->h * objective->h);
+        kept[i] = all < one_sided ? all / one_sided : 1.0;
+    }
+}
+
 /* A two-step formula would continue the jump of v in an impact as an acceleration, and a body that
  * falls on a floor would bounce. Therefore the impulse H a of an impact acts as a displacement H^2
  * a over h, as with Euler, and is added to v_before, too. Both are sums of constraint forces, so
@@ -91,6 +118,10 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     memset(force, 0, objective_bytes(objective));
     memcpy(slowed, sim->v_before, objective_bytes(objective));
     objective_axpy(objective, -1.0, sim->v, slowed);
+    if (has_other_forces(sim)) {
+        find_kept(sim, &change, sim->rhs);
+        change.kept = sim->rhs;
+    }
     for (int b = 0; b < objective->batches; b++)
         count += batch_impacts(objective->batch[b], &change, force);
     double excess[2][3];

@@ -100,6 +100,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     pdyn_status status = prepare_lists(sim);
     if (status == PDYN_OK && contact) status = contact_begin(contact, sim->x, sim->time + h);
     if (status == PDYN_OK) status = predict(sim, h);
+    if (status == PDYN_OK) status = measure_check_range(sim, h); /* or contact takes for ever */
     if (status != PDYN_OK) return status;
     status = carried_move(sim);
     if (status == PDYN_OK) status = energy_budget_open(sim);
