@@ -219,7 +219,7 @@ static void test_off(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load_good(context, "'gravity': [0, 0, 0]", ball_mesh(),
-                              GAS(", 'pressure': 1000") ", " SPRINGS("1000"), "");
+                              GAS(", 'overpressure': 1000") ", " SPRINGS("1000"), "");
     double energy = -1.0;
     for (int off = 0; off < 2; off++) {
         assert_int_equal(pdyn_enable(sim, 0, !off), PDYN_OK);
