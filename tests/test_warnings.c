@@ -111,7 +111,8 @@ static void test_two_sheets(void **state) {
     for (int n = 0; n < 70; n++) {
         last = test_step(context, sim).leaked;
         most = last > most ? last : most;
-        most_high = find_warning(sim, "leak", "high").count;
+        long high = find_warning(sim, "leak", "high").count;
+        most_high = high > most_high ? high : most_high;
     }
     assert_int_equal(most, DUST_COUNT);
     assert_int_equal(most_high, DUST_COUNT);
@@ -282,7 +283,7 @@ static void test_long_name(void **state) {
         context,
         SCENE("'duration': 1, 'solver': {'outer_iterations': 1, 'tolerance': 1e-9}",
               GRID_SHEET("'name': '" LONG_NAME "', ", "0.4, 0.4", "5, 5", "'area_density': 0.2",
-                         PAIR(SPRINGS("1000"), PINS("'all': true"))),
+                         PAIR(SPRINGS("1000"), PINS("'border': true"))),
               ""));
     for (int n = 0; n < 5; n++) test_step(context, sim);
     assert_int_equal(find_warning(sim, "unsolved", LONG_NAME).count, 5);

@@ -40,6 +40,14 @@ static void count_work(struct objective *o, int one_sided) {
         objective_count(o, o->batch[b], o->batch[b]->op ? one_sided : 1);
 }
 
+/* Counts the vector operations of an iteration of a linear solver on so many particles, and the
+ * motion of rigid bodies in its product. */
+static void count_vectors(struct objective *o, int particles) {
+    int rigid = 0;
+    for (int k = 0; o->rigid && k < o->rigid->bodies; k++) rigid += o->rigid->body[k].vertices;
+    o->work += (int64_t)VECTORS * (particles + rigid);
+}
+
 /* ---- energy and gradient --------------------------------------------------------------------- */
 
 static void inertia(void *arg, int first, int last, int block) {
@@ -186,6 +194,7 @@ void objective_pull(const struct objective *o, double *y) {
 
 void objective_apply(struct objective *o, const double *u, double *y) {
     u = objective_extended(o, u);
+    count_vectors(o, o->particles);
     count_work(o, 2); /* of one-sided constraints the rates, then the forces */
     for_particles(o, apply_inertia, u, NULL, y, 0.0);
     for (int b = 0; b < o->batches; b++) batch_apply(o->batch[b], u, y);
@@ -194,6 +203,7 @@ void objective_apply(struct objective *o, const double *u, double *y) {
 
 void objective_apply_rest(struct objective *o, int first, int last, const double *u, double *y) {
     u = objective_extended(o, u);
+    count_vectors(o, last - first);
     count_work(o, 0);
     struct call call = {.objective = o, .a = u, .out = y};
     pool_for_between(o->context->pool, first, last, PARTICLE_GRAIN, apply_inertia, &call);

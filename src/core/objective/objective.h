@@ -17,14 +17,18 @@
 #include <stdint.h>
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
-enum { NEIGHBOURHOOD = 15 };    /* entries of rows visited in the time of a density's gradient */
+enum {
+    VECTORS = 10
+};                           /* entries of rows visited in the time of the vector operations on a
+                                particle in an iteration of a linear solver */
+enum { NEIGHBOURHOOD = 15 }; /* entries of rows visited in the time of a density's gradient */
 
 struct objective_body { /* for the residual of a step (residual.h) */
     const pdyn_body *of;
     int first, count;    /* particles */
     double weight;       /* |M g|, N, in this step */
     double impact, load; /* N, at the x of the last local step */
-    double residual;  /* at the last measurement */
+    double residual;     /* at the last measurement */
 };
 
 struct objective {
@@ -55,7 +59,8 @@ struct objective {
     double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
     int64_t work; /* entries of G that local steps and products have visited so far; a pass over a
-                     one-sided constraint counts as NEIGHBOURHOOD entries */
+                     one-sided constraint counts as NEIGHBOURHOOD entries, the vector operations of
+                     an iteration as VECTORS a particle */
 };
 
 /* Counts passes over a batch as work. */

@@ -223,11 +223,12 @@ static bool persist_value(const struct batch *b, const pdyn_param *p, double *fi
                           struct snapshot_file *a) {
     int count = p->kind == PDYN_VECTOR ? 3 : 1;
     double before[LARGEST];
+    bool damped = is_damped(b);
     size_t size = (size_t)count * sizeof *field;
     memcpy(before, field, size);
     snapshot_file_bytes(a, field, size);
     bool changed = a->view.reading && memcmp(before, field, size) != 0;
-    bool valid = !changed || check_value(b, p, field, count) == PDYN_OK;
+    bool valid = !changed || (check_value(b, p, field, count) == PDYN_OK && is_damped(b) == damped);
     if (!valid || a->status != PDYN_OK) memcpy(field, before, size);
     snapshot_file_require(a, valid, "a parameter is out of bounds");
     return changed && valid;
@@ -237,6 +238,7 @@ static bool persist_value(const struct batch *b, const pdyn_param *p, double *fi
 static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table *field,
                           struct snapshot_file *a) {
     int count = field->count, rows = rows_of(b, p), width = param_width(p);
+    bool damped = is_damped(b);
     size_t row = (size_t)width * sizeof(double);
     snapshot_file_count(a, &count, row, "the number of rows is out of range");
     bool absent = !count && !p->required && !params_has_default(p);
@@ -255,15 +257,19 @@ static bool persist_table(const struct batch *b, const pdyn_param *p, pdyn_table
     bool changed =
         a->status == PDYN_OK &&
         (count != field->count || (count && memcmp(value, field->value, (size_t)count * row)));
-    pdyn_table dropped = changed ? *field : read;
+    const pdyn_table before = *field;
     if (changed) *field = read;
+    bool kept = is_damped(b) == damped;
+    snapshot_file_require(a, kept, "damping appears or disappears");
+    pdyn_table dropped = changed && kept ? before : read;
+    if (!kept) *field = before;
     table_free(b->context, p, &dropped);
-    return changed;
+    return changed && kept;
 }
 
 static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snapshot_file *a) {
     struct batch *b = sim->objective.batch[constraint];
-    bool off = b->off, changed = false, damped = is_damped(b);
+    bool off = b->off, changed = false;
     snapshot_file_flags(a, &off, 1, "the flag of a constraint is neither 0 nor 1");
     snapshot_file_require(a, !off || !b->op, "a matrix-free constraint is off");
     for (const pdyn_param *p = b->type->params; p->name && a->status == PDYN_OK; p++) {
@@ -273,7 +279,6 @@ static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snap
         else if (param_is_table(p)) changed |= persist_table(b, p, field, a);
         else changed |= persist_value(b, p, field, a);
     }
-    snapshot_file_require(a, is_damped(b) == damped, "damping appears or disappears");
     if (!a->view.reading || a->status != PDYN_OK || (!changed && off == b->off)) return;
     switch_batches(sim, constraint, off);
     a->status = refresh(sim, constraint);

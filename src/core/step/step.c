@@ -110,19 +110,18 @@ static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *prog
     return status == PDYN_OK ? energy_budget_check(sim, h) : status;
 }
 
-/* After a failed attempt: moves solids back and discards the history and the solver's state. */
-static pdyn_status reject_attempt(struct pdyn_sim *sim) {
+/* After a failed attempt: moves solids back. */
+static pdyn_status take_back(struct pdyn_sim *sim) {
     kinematic_move(sim, sim->time);
-    integrator_forget(sim);
     return sim->objective.contact ? contact_take_back(sim->objective.contact, sim->x) : PDYN_OK;
 }
 
-/* After the last attempt: the state is that of the last successful step. The error stays the one of
- * the attempt; of a divergence it also says which step. */
+/* After the last attempt: the state is that of the last successful step, its history included. The
+ * error stays the one of the attempt; of a divergence it also says which step. */
 static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status) {
     char what[256];
     snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));
-    reject_attempt(sim);
+    take_back(sim);
     if (status != PDYN_DIVERGED) return context_fail(sim->context, status, "%s", what);
     return context_fail(sim->context, PDYN_DIVERGED,
                         "step %ld of %g s at %g s: %s; the state is that of the step before",
@@ -150,7 +149,8 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     pdyn_status status = attempt(sim, end->h, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
-        if ((status = reject_attempt(sim)) != PDYN_OK) break;
+        if ((status = take_back(sim)) != PDYN_OK) break;
+        integrator_forget(sim);
         *end =
             end->given ? timestep_given(sim, 0.25 * end->h) : timestep_choose(sim, 0.25 * end->h);
         status = attempt(sim, end->h, progress);
