@@ -102,8 +102,6 @@ static const struct bad_scene bad_scenes[] = {
      "\"linear_iterations\"?; known: type, step, acceleration, tolerance, outer_iterations, "
      "linear_tolerance, linear_iterations, retries"},
     /* contact */
-    {TOP("'contact': {'thickness': 0.001}"),
-     "scene.json:2:2: \"contact\" needs a body with a surface"},
     {"{'duration': 1, 'bodies': [" SHEET("") "],\n 'contact': {}}",
      "scene.json:2:13: contact.thickness: missing, expected a number from 1e-09 to 1000 m"},
     {"{'duration': 1, 'bodies': [" SHEET(

@@ -464,7 +464,8 @@ static void test_refused(void **state) {
     assert_refused(
         scene("", DOWN, CLOTH_AT(6, 0.1) ", " CLOTH_AT(6, 0.100001), ""),
         "contact: at the start \"body0\" and \"body1\" are 1e-06 m apart at (-0.24, 0.1, "
-        "-0.23), expected at least a sixteenth of the thickness, 0.00025 m");
+        "-0.23), expected at least a sixteenth of the thickness, 0.00025 m: leave a gap between "
+        "them");
     assert_refused(
         scene("", DOWN,
               CLOTH_AT(6, 0.1) ", {'surface': {" GRID(5) ", 'rotate': [90, 7, 0], " AT(0.12) "}}",

@@ -112,6 +112,7 @@ MISTAKES = [
                    *WATER_ONLY), "[overlap]"),
     Mistake("springs on a rigid body", change(("bodies.0", {**CRATE, "constraints": [
         {"type": "spring", "stretching_stiffness": 100}]}), ("bodies.1", None)), "[no-effect]"),
+    Mistake("contact of water alone", change(*WATER_ONLY, ("contact", {"thickness": 0.01})), "contact: it has no effect", "[no-effect]"),
     Mistake("a rigid ball inside a rigid box", change(("bodies.0", CRATE), ("bodies.1", MARBLE)),
             '"crate" [overlap]'),
     Mistake("a probe in millimetres", change(("probes", [{"name": "gauge", "point": [100, 50, 0]}])), "[probe]"),

@@ -72,6 +72,12 @@ static bool accept_option(void *self, int option) {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
+/* Frames a second of simulated time, on average; 25 for a single frame. */
+static double simulated_rate(const struct run *run) {
+    double span = replay_time(&run->part[0], run->frames - 1) - replay_time(&run->part[0], 0);
+    return span > 0.0 ? (run->frames - 1) / span : 25.0;
+}
+
 /* Sets the frame of a picture; EXIT_BAD_INPUT if the run does not have it. */
 static int choose_frame(const struct run *run, struct options *options) {
     if (options->frame >= run->frames)
@@ -84,13 +90,11 @@ static int choose_frame(const struct run *run, struct options *options) {
         if (away < nearest) options->frame = f;
         nearest = fmin(nearest, away);
     }
+    double end = replay_time(&run->part[0], run->frames - 1), rate = simulated_rate(run);
+    if (options->time > end + 1.0 / rate)
+        fprintf(stderr, "projdyn: render: --time %g: the run ends at %g s, whose frame is drawn\n",
+                options->time, end);
     return EXIT_GOOD;
-}
-
-/* Frames a second of simulated time, on average; 25 for a single frame. */
-static double simulated_rate(const struct run *run) {
-    double span = replay_time(&run->part[0], run->frames - 1) - replay_time(&run->part[0], 0);
-    return span > 0.0 ? (run->frames - 1) / span : 25.0;
 }
 
 static int draw_frame(struct browser *browser, struct film *film, const struct options *options,

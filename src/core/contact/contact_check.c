@@ -88,7 +88,7 @@ static pdyn_status check_distances(const struct contact *c) {
         return context_fail(
             c->context, PDYN_BAD_INPUT,
             "contact: at the start \"%s\" and \"%s\" are %.3g m apart at (%g, %g, %g), "
-            "expected at least a sixteenth of the thickness, %.3g m",
+            "expected at least a sixteenth of the thickness, %.3g m: leave a gap between them",
             c->name[c->group[point[0]]], c->name[c->group[point[3]]], distance, at[0], at[1], at[2],
             least);
     }

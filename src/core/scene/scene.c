@@ -135,14 +135,14 @@ static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
     return params_read_object(at, scene_contact_params, &r->scene->contact);
 }
 
-static pdyn_status resolve_contact(struct reader *r, const struct json_at *at) {
-    struct scene_contact *contact = &r->scene->contact;
+/* Without a surface there is no contact. */
+static void resolve_contact(struct scene *scene) {
     bool surface = false;
-    if (!at->value) return PDYN_OK;
-    for (int b = 0; b < r->scene->bodies; b++) surface |= r->scene->body[b].has_mesh;
-    if (!surface) return json_fail_at_key(at, "\"contact\" needs a body with a surface");
-    if (contact->stiffness == 0.0) contact->stiffness = scene_contact_stiffness(r->scene);
-    return PDYN_OK;
+    for (int b = 0; b < scene->bodies; b++) surface |= scene->body[b].has_mesh;
+    scene->contact.without_effect = scene->has_contact && !surface;
+    scene->has_contact &= surface;
+    if (scene->has_contact && scene->contact.stiffness == 0.0)
+        scene->contact.stiffness = scene_contact_stiffness(scene);
 }
 
 static pdyn_status read_plugin(struct reader *r, const struct json_at *at, int index) {
@@ -179,7 +179,7 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     if (status == PDYN_OK) status = read_bodies(r, &bodies);
     if (status == PDYN_OK) status = read_solids(r, &solids);
     if (status == PDYN_OK) status = read_outlets(r, &outlets);
-    if (status == PDYN_OK) status = resolve_contact(r, &contact);
+    if (status == PDYN_OK) resolve_contact(r->scene);
     if (status == PDYN_OK) status = read_probes(r, &probes);
     if (status == PDYN_OK) overlap_find_vessels(r->scene);
     if (status == PDYN_OK) status = reader_each(r, &bodies, resolve_overlap);

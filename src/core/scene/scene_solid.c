@@ -81,7 +81,9 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *owner) {
     pdyn_status status = reader_one_of(owner, scene_solid_kinds, SOLID_KINDS, kind);
     if (status == PDYN_OK && *kind != SOLID_BOX && open.value)
         status = json_fail_at_key(&open, "\"open\" needs a \"box\"");
-    if (status == PDYN_OK && *kind != SOLID_MESH) status = transform_refuse(owner, "a \"mesh\"");
+    if (status == PDYN_OK && *kind != SOLID_MESH)
+        status = transform_refuse(
+            owner, "a \"mesh\"; a \"motion\" with one key turns and moves other solids");
     if (status != PDYN_OK) return status;
     struct json_at shape = json_member(owner, scene_solid_kinds[*kind]);
     return shape_readers[*kind](r, owner, &shape);
