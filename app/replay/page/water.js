@@ -143,11 +143,29 @@ vec3 bodyColour(vec2 there, float thickness, float kind, vec3 light) {
   vec3 pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
   return behind * behind * pass + mix(scattered[k], scattered[k + 1], part) * light * (1.0 - pass);
 }
+/* What a ray from the eye-space point q meets among what is in the window, or the sky: screen-space reflection in steps
+ * that grow. A step that ends behind something by more than its length has passed behind it. */
+vec3 traced(vec3 q, vec3 mirror, vec2 scale) {
+  vec3 direction = mat3(view) * mirror;
+  float noise = fract(52.98 * fract(dot(gl_FragCoord.xy, vec2(0.0671, 0.00584)))); /* interleaved gradient noise */
+  float before = 0.0, reach = radius * (0.9 + 0.2 * noise);
+  for (int k = 0; k < 24 && q.z + reach * direction.z < -1e-3; k++, before = reach, reach *= 1.2) {
+    vec3 at = q + reach * direction;
+    vec2 there = 0.5 + 0.5 * at.xy * scale / -at.z;
+    if (any(greaterThan(abs(there - 0.5), vec2(0.5)))) break;
+    float behind = eyeDepth(texture(sceneDepth, there).r) - at.z;
+    if (behind > 0.0 && behind < radius + 1.5 * (reach - before) * abs(direction.z)) {
+      vec3 met = texture(scene, there).rgb;
+      return met * met;
+    }
+  }
+  return environment(mirror);
+}
 /* lit: share of the lamp's light, whose highlight is left out where the water is uneven */
-vec3 mirrored(vec3 n, vec3 toEye, float lit) {
+vec3 mirrored(vec3 q, vec3 n, vec3 toEye, vec2 scale, float lit) {
   vec3 mirror = reflect(-toEye, n);
   float gleam = power4(power32(max(dot(mirror, lamp), 0.0)));
-  return environment(mirror) * fresnel(dot(n, toEye)) + lit * gleam * gleam;
+  return traced(q, mirror, scale) * fresnel(dot(n, toEye)) + lit * gleam * gleam;
 }
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
@@ -162,7 +180,7 @@ void main() {
   vec4 mean = around(s, z, scale);
   vec2 slope = mix(0.4, 1.0, mean.z) * mean.xy, there = refracted(mean.w * slope, z, gap, scale);
   vec3 n = vec3(slope, sqrt(max(1.0 - dot(slope, slope), 0.0))) * mat3(view);
-  vec3 p = (vec3(-z * (2.0 * uv - 1.0) / scale, z) - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
+  vec3 q = vec3(-z * (2.0 * uv - 1.0) / scale, z), p = (q - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
   vec4 sums = texture(thick, there);
   float lit = unshaded(shadowMap, inLampView(p, n));
   vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
@@ -170,7 +188,7 @@ void main() {
   vec3 body = mapped > 0.0 ? mapColour(map, value) * light : bodyColour(there, sums.r, value, light);
   float shine = smoothstep(0.0, 2.0 * radius, sums.r) * mean.z * (mapped > 0.0 ? 0.35 : 1.0);
   float opacity = smoothstep(0.2, 0.7, s.a) * smoothstep(0.3 * radius, 1.2 * radius, texture(thick, uv).r);
-  result.rgb = mix(result.rgb, encode(body + shine * mirrored(n, toEye, lit * power4(mean.z))), opacity);
+  result.rgb = mix(result.rgb, encode(body + shine * mirrored(q, n, toEye, scale, lit * power4(mean.z))), opacity);
 }`,
 };
 
