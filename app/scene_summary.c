@@ -206,7 +206,7 @@ static double mean_points(const pdyn_sim *sim, double at_start) {
     return at_start + fmax(rate, 0.0) * full * (1.0 - 0.5 * full / duration);
 }
 
-/* Whether surfaces can meet others or a fluid: such steps took 5 to 20 times as long as those of
+/* Whether surfaces can meet others or a fluid: such steps took up to 20 times as long as those of
  * the fall before, in eight scenes of cloth, rigid bodies and water. */
 static bool may_meet(const pdyn_sim *sim) {
     bool fluid = false, surface = false;
@@ -238,7 +238,8 @@ int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
     if (growth > 1.0) printf(", with %.2g times as many particles by inlets,", growth);
     if (pdyn_time(sim) < duration) {
         printf(" if all is like the first %.2g s", pdyn_time(sim));
-        if (may_meet(sim)) printf(", and 5 to 20 times as long where bodies and fluids meet later");
+        if (may_meet(sim))
+            printf(", and up to 20 times as long where bodies and fluids meet later");
     }
     printf("\n");
     return EXIT_GOOD;

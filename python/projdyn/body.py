@@ -97,16 +97,20 @@ class Body(Fixed):
         """Sets the velocities, m/s, n x 3, or three numbers."""
         self._call(lib.pdyn_set_velocities, self._rows(velocities, "velocities"))
 
-    def hold(self, vertex: int, target: Any, stiffness: float = 1e5) -> None:
+    def hold(self, vertex: Any, target: Any, stiffness: float = 1e5) -> None:
         """Pulls a vertex to the target, three numbers, m, by a spring of the stiffness, N/m. Held
-        again, the target moves."""
-        point = doubles(target, (3,), "target")
-        self._handle.call(lib.pdyn_hold, self._particle(vertex),
-                          number(stiffness, "stiffness"), address(point))
+        again, the target moves. Several vertices: an array of n, targets n x 3."""
+        vertices = np.atleast_1d(vertex)
+        shape = (len(vertices), 3) if np.ndim(vertex) else (3,)
+        points = doubles(target, shape, "target").reshape(-1, 3)
+        k = number(stiffness, "stiffness")
+        for particle, point in zip([self._particle(v) for v in vertices], points):
+            self._handle.call(lib.pdyn_hold, particle, k, address(point))
 
-    def release(self, vertex: int) -> None:
-        """Ends the hold of a vertex."""
-        self._handle.call(lib.pdyn_release, self._particle(vertex))
+    def release(self, vertex: Any) -> None:
+        """Ends the hold of a vertex, or of several."""
+        for particle in [self._particle(v) for v in np.atleast_1d(vertex)]:
+            self._handle.call(lib.pdyn_release, particle)
 
     # ---- parts ----------------------------------------------------------------------------------
 

@@ -54,6 +54,22 @@ class Control(unittest.TestCase):
         sim.constraints["second", "spring"]["stretching_stiffness"] = 20
         self.assertEqual(sim.constraints["first", "spring"]["stretching_stiffness"], 10)
 
+    def test_hold_several(self):
+        """An animated surface: all of its vertices are held, and follow."""
+        sim = hanging_sheet().load()
+        sheet = sim.bodies["sheet"]
+        for k in range(40):
+            target = sheet.rest + [0, 0.1 * min(1, k / 20), 0]
+            sheet.hold(np.arange(len(sheet)), target, stiffness=1e5)
+            sim.step()
+        np.testing.assert_allclose(sheet.x[9:], target[9:], atol=1e-3)  # pins hold the first row, too
+        sheet.release(np.arange(len(sheet)))
+        for _ in sim.run(until=sim.time + 0.2):
+            pass
+        self.assertLess(sheet.x[80, 1], target[80, 1] - 0.05)
+        with self.assertRaisesRegex(projdyn.InputError, "target: expected the shape 2 x 3, found 3"):
+            sheet.hold([1, 2], [0, 0, 0])
+
     def test_wrong_numbers(self):
         sim = hanging_sheet().load()
         sheet = sim.bodies["sheet"]
