@@ -247,7 +247,9 @@ static const struct bad_scene bad_solids[] = {
     {TOP("'solids': [{'box': " BOX ", 'open': ['-x', '+x', '-y', '+y', '-z', '+z']}]"),
      "scene.json:2:75: solids[0].open: all six sides are open: no wall is left"},
     {TOP("'solids': [{'box': " BOX ", 'scale': 2}]"),
-     "scene.json:2:67: solids[0]: \"scale\" needs a \"mesh\""},
+     "scene.json:2:67: solids[0]: \"scale\" needs a \"mesh\"; a \"motion\" with one key turns and "
+     "moves "
+     "other solids"},
     {TOP("'solids': [{'mesh': 'a.obj', 'open': []}]"),
      "scene.json:2:31: solids[0]: \"open\" needs a \"box\""},
     {TOP("'solids': [{'mesh': 'a.obj', 'scale': [1, 0, 1]}]"),
@@ -265,7 +267,9 @@ static const struct bad_scene bad_solids[] = {
      "scene.json:2:55: solids[0].plane.normal: expected a direction that is not 0, found an array "
      "of 3"},
     {TOP("'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 1}, 'rotate': [0, 0, 0]}]"),
-     "scene.json:2:60: solids[0]: \"rotate\" needs a \"mesh\""},
+     "scene.json:2:60: solids[0]: \"rotate\" needs a \"mesh\"; a \"motion\" with one key turns and "
+     "moves "
+     "other solids"},
     /* outlets */
     {TOP("'outlets': {}"),
      "scene.json:2:13: outlets: expected an array of outlets, found an object"},

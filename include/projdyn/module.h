@@ -87,14 +87,15 @@ typedef struct pdyn_scene_info {
     double gravity[3];   /* m/s^2 */
     double radius;       /* m, of the body's particles; 0 for a surface */
     double rest_density; /* kg/m^3, of the body's particles; 0 for a surface */
-    double head;         /* m: the maximum of height + speed^2 / (2 |gravity|) over the body at its
-                            start; height is measured along gravity from the lowest point of all
-                            bodies and solids. Beside other fluids: so that rest_density |gravity|
-                            head is the largest pressure of all at rest. 0 without gravity */
+    double head;         /* m, hydrostatic head: largest height + speed^2 / (2 |gravity|) of the
+                            body at its start; heights are above the lowest point of all bodies and
+                            solids. With several fluids it is scaled: rest_density |gravity| head is
+                            the largest hydrostatic pressure of all of them. 0 without gravity */
     const struct kernel_model *kernel; /* of the scene (kernel.h) */
-    double pressure; /* Pa, that the body may meet: the largest density (|gravity| height + speed^2
-                        / 2) of all bodies at their start, with rest_density where that is more; of
-                        solids rest_density speed^2 / 2. 0 without gravity, for a surface, too */
+    double pressure; /* Pa, estimate of the largest pressure on the body. It is the maximum of
+                        density (|gravity| height + speed^2 / 2) over all bodies at their start,
+                        with rest_density where that is more than their own density, and of
+                        rest_density speed^2 / 2 over moving solids. 0 without gravity */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {

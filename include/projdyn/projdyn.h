@@ -155,7 +155,8 @@ typedef struct pdyn_step_info {
     int particles;             /* live particles of all bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;
-    double step_residual; /* largest |grad E| / (|M g| + load) of a body, at the end */
+    double
+        step_residual; /* largest |grad E| over the scale of a body (pdyn_body_info), at the end */
     double kinetic_energy, potential_energy, constraint_energy; /* J */
     double momentum[3];                                         /* kg m/s */
     double pin_reaction[3]; /* N, gradient of all other terms at the pinned points */
@@ -229,8 +230,9 @@ typedef struct pdyn_body_info {
     double rest_density; /* kg/m^3, of a body of particles; 0 for a surface */
     int triangles;       /* of a surface; 0 for a body of particles */
     const int *triangle; /* triangles x 3, relative to `first` */
-    double residual;     /* |grad E| / (|M g| + load) of its particles, at the end of the last
-                            step; load: norm of the forces by fluids */
+    double residual;     /* |grad E| / (max(|M g|, impact) + load) of its particles, at the end of
+                            the last step; impact: force that changes its motion, in scenes with
+                            contact; load: norm of the forces by fluids */
     const double *rest;  /* m, count x 3: positions in the scene, before the first step */
     int edges;           /* of a surface or soft solid */
     const int *edge;     /* edges x 2, relative to `first` */
@@ -330,11 +332,12 @@ PDYN_API int pdyn_solid_vertices(const pdyn_sim *sim, int solid, double *x);
  *     solid's boundary points, at these points (pdyn_state.boundary_x). Those of a box lie behind
  *     its faces, one particle spacing with the boundary "surface" and 0.6 with "points"; those of
  *     other solids lie on their surface;
- *   - contact and friction of cloth and soft solids that touch it.
- * There is no friction between fluid and solids. With "euler" the forces on all solids sum to the
- * weight, plus the loads of pins and wind (pdyn_constraint_load, probe.h), minus the change of
- * momentum over h, up to the residual of the step. Particles removed by an outlet at the end of the
- * step are not included.
+ *   - shear of a fluid with the constraint no_slip;
+ *   - contact and friction of cloth and of rigid and soft bodies that touch it.
+ * It does not contain the springs of surface_tension at walls. With "euler" and without those, the
+ * forces on all solids sum to the weight, plus the loads of pins and wind (pdyn_constraint_load,
+ * probe.h), minus the change of momentum over h, up to the residual of the step. Particles removed
+ * by an outlet at the end of the step are not included.
  *
  * The first call after a step computes the loads of all solids, on one thread, with the same bits
  * for any number of threads. Zero before the first step, after pdyn_restore until the next step,

@@ -30,7 +30,7 @@ class StepInfo(Structure):  # pdyn_step_info
     retries                     rejected attempts; each made the step shorter
     particles                   live particles of all bodies of particles
     density_error_mean, _max    of the fluid, relative to its rest density
-    step_residual               largest |grad E| / (|M g| + load) of a body, at the end
+    step_residual               largest |grad E| / (max(|M g|, impact) + load) of a body
     kinetic_energy, potential_energy, constraint_energy     J
     momentum, pin_reaction      kg m/s and N, three numbers each
     ms_neighbours, ms_local, ms_global, ms_contact, ms_cpu  ms, wall-clock and processor time

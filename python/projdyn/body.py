@@ -74,7 +74,7 @@ class Body(Fixed):
 
     @property
     def residual(self) -> float:
-        """|grad E| over weight and load of its particles, at the end of the last step."""
+        """|grad E| over weight (or impact) and load of its particles, at the end of the last step."""
         return self._info().residual
 
     # ---- between two steps ----------------------------------------------------------------------

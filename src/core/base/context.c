@@ -87,8 +87,21 @@ const char *pdyn_last_error(const pdyn_context *context) { return context ? cont
 int pdyn_thread_count(const pdyn_context *context) {
     return context ? context->options.threads : 0;
 }
-size_t pdyn_bytes_in_use(const pdyn_context *context) { return context ? context->bytes : 0; }
-size_t pdyn_peak_bytes(const pdyn_context *context) { return context ? context->peak_bytes : 0; }
+/* A member that another thread may change. */
+static size_t read_locked(const pdyn_context *context, const size_t *member) {
+    pthread_mutex_t *lock = (pthread_mutex_t *)&context->lock;
+    pthread_mutex_lock(lock);
+    size_t value = *member;
+    pthread_mutex_unlock(lock);
+    return value;
+}
+
+size_t pdyn_bytes_in_use(const pdyn_context *context) {
+    return context ? read_locked(context, &context->bytes) : 0;
+}
+size_t pdyn_peak_bytes(const pdyn_context *context) {
+    return context ? read_locked(context, &context->peak_bytes) : 0;
+}
 
 void *context_resize(pdyn_context *context, void *block, size_t old_size, size_t new_size) {
     if (!block && !new_size) return NULL;
@@ -147,7 +160,7 @@ pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *
 
 pdyn_status context_no_memory(pdyn_context *context) {
     return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)",
-                        context->bytes);
+                        pdyn_bytes_in_use(context));
 }
 
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...) {

@@ -1,8 +1,8 @@
 /* The thread pool: shares of blocks, and workers that spin briefly before they sleep.
  *
- * A job ends when its blocks are done: nobody waits for workers that still sleep. A worker that
- * comes late finds no block of the job that it was called for: the number of the job, beside the
- * count of blocks of every share, keeps it from beginning a block of another. */
+ * A job ends when its blocks are done, also while some workers still sleep. A share stores the pair
+ * (job number, blocks left). A late worker compares the job number and takes no block of a newer
+ * job. */
 #include "pool.h"
 
 #include <pthread.h>

@@ -14,8 +14,8 @@ static int side(const double *a, const double *b, const double *c, const double 
     return volume > rounding ? 1 : volume < -rounding ? -1 : 0;
 }
 
-/* Whether the edge p q passes through the face a b c: its ends are on both sides of the plane, and
- * the line through them passes all sides of the face in the same sense. */
+/* Whether the edge p q passes through the face a b c: p and q lie on opposite sides of its plane,
+ * and the line p q has the same orientation to all three sides of the face. */
 static bool passes(const double *p, const double *q, const double *a, const double *b,
                    const double *c) {
     if (side(a, b, c, p) * side(a, b, c, q) >= 0) return false;

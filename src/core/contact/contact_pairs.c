@@ -38,10 +38,11 @@ static double distance_in(const struct pair *p, const double *x) {
 /* Squared sine of the angle below which edges are nearly parallel: 1.8 degrees. */
 static const double parallel = 1e-3;
 
-/* The closest points of parallel edges are not unique, and the moment of a force between them would
- * jump: a soft block whose edges lie along the diagonal of a plane would not come to the end of a
- * step. Their distance is that of a vertex and a face, which is a pair, too. The mollifier of Li et
- * al. (2020), with the directions of when the pair is listed. */
+/* The share of its stiffness that a pair has: for edges the mollifier of Li et al. (2020), 0 where
+ * they are parallel. There the closest points are not unique, and the moment of the force would
+ * jump: a soft block whose edges lie along the diagonal of a plane had unsolved steps. A pair of a
+ * vertex and a face has the same distance and carries the force. The directions are those at the
+ * time at which the pair is listed. */
 static double share_of(const struct contact *c, const struct pair *p) {
     const double *x[4];
     double d[2][3], normal[3];

@@ -132,11 +132,13 @@ static void offer_lattice(struct selection *s, const struct pattern *p, int tria
 static pdyn_status check_size(pdyn_context *context, const char *name, double spacing,
                               double count) {
     if (count <= SURFACE_CANDIDATES) return PDYN_OK;
+    double area = 0.5 * sqrt(3.0) * 0.0625 * spacing * spacing * count;
     return context_fail(context, PDYN_BAD_INPUT,
-                        "the surface of \"%s\" needs %.3g points to find samples %g m apart, more "
-                        "than %d: make it no larger than fluid reaches, or the particles larger; "
-                        "\"scale\" changes the unit of a mesh",
-                        name, count, spacing, SURFACE_CANDIDATES);
+                        "the surface of \"%s\" has some %.2g m^2, too many for samples %g m apart "
+                        "(%.3g points to choose from, at most %d): if its mesh is not in metres, "
+                        "give it a \"scale\"; else make it no larger than fluid reaches, or the "
+                        "particles larger",
+                        name, area, spacing, count, SURFACE_CANDIDATES);
 }
 
 /* Selects from the candidates of all triangles. */

@@ -225,9 +225,9 @@ struct impacts {
     double mass, h;
 };
 
-/* rate: of what was slowed down; reached: of the acceleration by all forces. These may cancel where
- * each of them is large, and one alone does not know how light the other things are that it moves:
- * the larger of both counts. */
+/* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
+ * batch, which may cancel each other; and by this constraint alone, with the mass of a particle for
+ * everything that it moves, also for light surfaces. The larger one is used. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
     if (!s->acts[i]) return 0.0;

@@ -70,6 +70,8 @@ static void add_energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
     for (int b = 0; b < sim->constraints; b++)
         if (!(objective->batch[b]->type->flags & PDYN_LOSSY))
             info->constraint_energy += objective->batch[b]->energy;
+    for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */
+        info->constraint_energy += objective->batch[objective->batches - k]->energy;
     if (objective->contact) info->constraint_energy += objective->contact->barrier->energy;
 }
 

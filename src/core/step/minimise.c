@@ -22,11 +22,18 @@ static pdyn_status fail_not_finite(const struct pdyn_sim *sim, const char *what,
                         b->type->name, b->view.body->name);
 }
 
-/* The error names the constraint whose energy is not finite. */
-static pdyn_status fail_energy(const struct pdyn_sim *sim) {
-    for (int b = 0; b < sim->objective.batches; b++)
-        if (!isfinite(sim->objective.batch[b]->energy))
-            return fail_not_finite(sim, "energy", sim->objective.batch[b]);
+/* The error names the constraint whose energy is not finite, or else the body whose gradient is
+ * not. */
+static pdyn_status fail_local(const struct pdyn_sim *sim) {
+    const struct objective *objective = &sim->objective;
+    for (int b = 0; b < objective->batches; b++)
+        if (!isfinite(objective->batch[b]->energy))
+            return fail_not_finite(sim, "energy", objective->batch[b]);
+    for (int b = 0; b < objective->bodies; b++)
+        if (!isfinite(objective->body[b].residual))
+            return context_fail(sim->context, PDYN_DIVERGED,
+                                "the gradient on body \"%s\" is not finite",
+                                objective->body[b].of->name);
     return fail_not_finite(sim, "energy", NULL);
 }
 
@@ -46,11 +53,11 @@ static pdyn_status check_tangents(struct pdyn_sim *sim) {
 
 /* ---- one iteration ----------------------------------------------------------------------- */
 
-/* Levenberg-Marquardt: more damping where a step had to be shortened, less where it was taken
- * whole. With a dual solver the first iteration is undamped, because it alone carries the motion,
- * and the slope at the end of a step decides: it says whether the step was too long or too short.
- * Damping is needed there for the second derivatives of a fluid's constraints, which H leaves out.
- */
+/* Levenberg-Marquardt: more damping after a step that was shortened, less after a whole one.
+ *
+ * With a dual solver eps is 0 in the first iteration, which makes the whole inertial step. Later
+ * the slope at the end of a step sets eps: it tells whether the step was too long or too short.
+ * Damping there stands for the second derivatives of a fluid's constraints, which H leaves out. */
 static double more_damping(double eps, double factor) {
     return fmin(1.0, fmax(factor * eps, 1e-6));
 }
@@ -136,7 +143,7 @@ pdyn_status minimise(struct pdyn_sim *sim, struct progress *p) {
     acceleration_start(&sim->acceleration);
     while (status == PDYN_OK) {
         p->residual = objective_residual(&sim->objective, sim->gradient);
-        if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_energy(sim);
+        if (!isfinite(p->energy) || !isfinite(p->residual)) return fail_local(sim);
         observe(sim, p, p->linear - linear);
         linear = p->linear;
         if (is_solved(sim, p) || p->outer >= settings->outer_iterations) break;

@@ -1,5 +1,14 @@
-/* One time step: prediction (integrator.h), minimisation of E (minimise.c), new velocities
- * (velocities.h); shorter attempts after one that diverged. */
+/* One time step. The way of a position through it, with the files that do each part:
+ *
+ *     x, v                 the state
+ *       | predict          s = x^ + H v^ + H^2 g             integrator.h has the base x^, v^
+ *       | minimise         first iterate, from x towards s   carried.h, start_point.h, contact.h
+ *       |                  iterates                          minimise.c
+ *       | finish_step      x = last iterate, v from x        velocities.h
+ *       v                  inlets and outlets                live_particles.h
+ *     x, v
+ *
+ * A step that diverges is attempted again, shorter. */
 #include "applied_force.h"
 #include "base/clock.h"
 #include "base/sized.h"

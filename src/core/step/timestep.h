@@ -21,7 +21,7 @@ struct step_end timestep_choose(const struct pdyn_sim *sim, double longest);
 /* A step of length h, s. */
 struct step_end timestep_given(const struct pdyn_sim *sim, double h);
 
-/* Warns, once per simulation, about a step that is too long for pressure or speed. */
+/* Counts a warning for a step that is too long for pressure or speed. */
 void timestep_check(struct pdyn_sim *sim, double h, double residual);
 
 /* Advances the time of the simulation. */
