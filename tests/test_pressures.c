@@ -105,7 +105,9 @@ static void test_surprise(void **state) {
     pdyn_destroy(context);
 }
 
-/* A product with H visits each entry of rows once, and each density twice. */
+/* A product with H visits each entry of rows once, and each density twice; vectors come in
+ * addition.
+ */
 static void test_work(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
