@@ -37,7 +37,7 @@ linear_iterations.mean linear_iterations.max density_error.mean density_error.wo
 density_error.mean_max density_error.max step_residual.mean step_residual.max
 energy.start.kinetic energy.start.potential energy.start.constraint energy.start.total
 energy.end.kinetic energy.end.potential energy.end.constraint energy.end.total momentum.start
-momentum.end pin_reaction_N pin_reaction solids peak_memory_bytes peak_rss_bytes state_hash time_step.integrator time_step.min
+momentum.end pin_reaction_N pin_reaction solids strings peak_memory_bytes peak_rss_bytes state_hash time_step.integrator time_step.min
 time_step.mean time_step.max leaked warnings interrupted failed""".split()
 CELL = {"particles": (1, "vertex"), "surface": (5, "triangle")}  # VTK's number, meshio's name
 
@@ -311,6 +311,23 @@ f -2 3 5
             self.assertEqual(done.returncode, 2)
             self.assertIn("square.obj: this file is the mesh of the scene", done.stderr)
             self.assertEqual(source.read_text(), text)
+
+    def test_strings(self):
+        """An attachment: its vertices, and where its springs end on the other body."""
+        with tempfile.TemporaryDirectory() as name:
+            spring = {"type": "spring", "stretching_stiffness": 9}
+            low, high = ({"name": body, "constraints": [spring], "surface": {
+                "grid": {"size": [1, 1], "vertices": [3, 3]}, "translate": [0, height, 0],
+                "area_density": 1}} for body, height in (("low", 2), ("high", 3)))
+            low["constraints"] = [spring, {"type": "attachment", "to": "high", "stiffness": 5,
+                                           "vertices": {"vertices": [4, 8]}}]
+            done = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([low, high])}")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            strings, = json.loads((pathlib.Path(name) / "report.json").read_text())["strings"]
+            self.assertEqual((strings["body"], strings["to"]), ("low", "high"))
+            for vertex, (own, *ends) in zip((4, 8), strings["ends"]):
+                self.assertEqual(own, vertex)
+                self.assertAlmostEqual(sum(w for end, w in zip(ends[:3], ends[3:]) if end == vertex), 1)
 
     def test_a_refused_run_keeps_the_last_one(self):
         """A scene whose mesh is a file of the directory's run: nothing is removed."""

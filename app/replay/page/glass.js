@@ -56,24 +56,39 @@ class GlassPrograms {
   }
 }
 
-/* One container: its faces, and instances of the pairs of points that its edges join. */
-class Glass extends Surface {
-  constructor(gl, part) {
-    super(gl, part);
-    const x = metres(part, 0);
-    this.pairs = sharpEdges(x, part.index);
-    this.lines = gl.createVertexArray();
-    this.ends = addAttribute(gl, this.lines, 0, 3, gl.FLOAT);
+/* Straight lines, instances of pairs of points. */
+class Lines {
+  constructor(gl) {
+    Object.assign(this, { gl, count: 0, array: gl.createVertexArray() });
+    this.ends = addAttribute(gl, this.array, 0, 3, gl.FLOAT);
     gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 24, 0);
     gl.enableVertexAttribArray(1);
     gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 24, 12);
     for (const k of [0, 1]) gl.vertexAttribDivisor(k, 1);
   }
+  /* ends: six coordinates a line, m */
+  upload(ends) {
+    fillBuffer(this.gl, this.ends, Float32Array.from(ends));
+    this.count = ends.length / 6;
+  }
+  draw(program, values) {
+    use(this.gl, program, values);
+    this.gl.bindVertexArray(this.array);
+    this.gl.drawArraysInstanced(this.gl.TRIANGLE_STRIP, 0, 4, this.count);
+  }
+}
+
+/* One container: its faces, and its edges as lines. */
+class Glass extends Surface {
+  constructor(gl, part) {
+    super(gl, part);
+    this.pairs = sharpEdges(metres(part, 0), part.index);
+    this.lines = new Lines(gl);
+  }
   upload(frame) {
     super.upload(frame);
     const x = metres(this.part, frame);
-    const ends = this.pairs.flatMap((i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]]);
-    fillBuffer(this.gl, this.ends, Float32Array.from(ends));
+    this.lines.upload(this.pairs.flatMap((i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]]));
   }
   drawGlass(programs, values) {
     const gl = this.gl;
@@ -83,9 +98,7 @@ class Glass extends Surface {
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(0, -4096); /* of 2^-24: in front of water and bodies that touch it */
     this.draw(programs.face, values);
-    use(gl, programs.edge, values);
-    gl.bindVertexArray(this.lines);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.pairs.length / 2);
+    this.lines.draw(programs.edge, values);
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.depthMask(true);
     gl.disable(gl.BLEND);

@@ -61,6 +61,7 @@ class Renderer {
     this.maps = {};
     for (const name in maps) this.maps[name] = this.makeMap(name);
     this.makeParts();
+    this.strings = new Strings(gl);
     this.stage = () => {};
   }
   makeMap(name) {
@@ -111,6 +112,7 @@ class Renderer {
       else shape.upload(frame, settings.surface, shape.solid ? null : ranges[settings.surface]);
       shape.uploaded = true;
     }
+    this.strings.upload(frame);
     this.uploaded = frame;
     this.stale = false;
   }
@@ -154,6 +156,7 @@ class Renderer {
   drawScene(sorted, values) {
     for (const shape of sorted.surfaces) shape.draw(this.fabric.colour, { ...values, ...this.surfaceLook(shape) });
     for (const shape of sorted.balls) shape.draw(this.balls.colour, { ...values, ...this.ballLook(shape) });
+    this.strings.draw(this.glass, values);
     this.backdrop.drawGround(values);
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
   }

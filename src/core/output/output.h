@@ -4,6 +4,8 @@
 
 #include "step/sim.h"
 
+#include <jansson.h>
+
 #define SOLIDS_FOLDER "solids/" /* of the files of solids, in the directory of a run */
 #define MESH_FOLDER   "mesh/"   /* of the surfaces of fluids by `projdyn mesh` */
 
@@ -22,6 +24,11 @@ pdyn_status obj_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path);
 /* Writes the vertices of a solid at the current time, and its triangles. */
 pdyn_status vtk_write_solid(const pdyn_sim *sim, int solid, const char *path);
+
+/* The entry "strings" of report.json: an array of objects, one for each constraint between a body
+ * and another one, {"body": name, "to": name, "ends": [[vertex, 3 corners, 3 weights], ...]}, with
+ * indices in their bodies. NULL: no memory. */
+json_t *report_strings(const pdyn_sim *sim);
 
 /* The numbers of a step: X(column of metrics.csv, member of pdyn_step_info). */
 #define STEP_NUMBERS(X)                                                                            \

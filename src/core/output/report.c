@@ -286,6 +286,7 @@ static char *compose(const struct report *report, const pdyn_sim *sim, bool inte
     char *dump = NULL;
     if (root && run && result && !json_object_update(root, run) &&
         !json_object_update(root, result) && !json_object_set_new(root, "solids", solids(sim)) &&
+        !json_object_set_new(root, "strings", report_strings(sim)) &&
         !json_object_set_new(root, "warnings", warnings(sim)) &&
         !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
         !json_object_set_new(root, "failed", text(sim->context, failed)))
