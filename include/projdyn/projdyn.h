@@ -155,8 +155,7 @@ typedef struct pdyn_step_info {
     int particles;             /* live particles of all bodies of particles */
     double density_error_mean; /* mean over fluid particles of max(0, rho/rho_0 - 1) */
     double density_error_max;
-    double
-        step_residual; /* largest |grad E| over the scale of a body (pdyn_body_info), at the end */
+    double step_residual; /* largest pdyn_body_info.residual, at the end */
     double kinetic_energy, potential_energy, constraint_energy; /* J */
     double momentum[3];                                         /* kg m/s */
     double pin_reaction[3]; /* N, gradient of all other terms at the pinned points */

@@ -4,13 +4,15 @@ class Strings {
     const named = (name) => meta.bodies.find((part) => part.name === name);
     this.gl = gl;
     this.lines = new Lines(gl);
-    this.groups = (meta.strings || []).map(({ body, to, ends }) => ({ from: named(body), to: named(to), ends }))
+    const acts = ({ from, until }) => (time) => time >= from && (until === null || time <= until);
+    this.groups = (meta.strings || [])
+      .map((entry) => ({ from: named(entry.body), to: named(entry.to), acts: acts(entry), ends: entry.ends }))
       .filter(({ from, to }) => from && to && from.triangles && to.triangles);
   }
   upload(frame) {
     const ends = [];
-    for (const { from, to, ends: springs } of this.groups) {
-      if (!from.shown || !to.shown) continue;
+    for (const { from, to, acts, ends: springs } of this.groups) {
+      if (!from.shown || !to.shown || !acts(meta.times[frame])) continue;
       const x = metres(from, frame), y = metres(to, frame);
       for (const [vertex, a, b, c, ...weights] of springs) {
         const end = [0, 1, 2].map((k) => [a, b, c].reduce((sum, i, n) => sum + weights[n] * y[3 * i + k], 0));

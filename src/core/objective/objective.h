@@ -17,11 +17,8 @@
 #include <stdint.h>
 
 enum { PARTICLE_GRAIN = 2048 }; /* particles per parallel block of vector operations */
-enum {
-    VECTORS = 10
-};                           /* entries of rows visited in the time of the vector operations on a
-                                particle in an iteration of a linear solver */
-enum { NEIGHBOURHOOD = 15 }; /* entries of rows visited in the time of a density's gradient */
+enum { NEIGHBOURHOOD = 15 };    /* entries of rows visited in the time of a density's gradient */
+enum { VECTORS = 10 };          /* the same of the vectors of an iteration, a particle */
 
 struct objective_body { /* for the residual of a step (residual.h) */
     const pdyn_body *of;

@@ -2,8 +2,6 @@
  * of a triangle of another body. */
 #include "output.h"
 
-#include "base/registry.h"
-
 #include <math.h>
 
 enum { ENTRIES = 4 }; /* of the row of a spring: the vertex, the three corners of the triangle */
@@ -20,8 +18,7 @@ static bool is_of(const pdyn_body *body, int particle) {
     return particle >= body->first && particle < body->first + body->count;
 }
 
-/* Whether the row that begins at an entry is x - sum_k w_k y_k, y_k: of the other body, sum w_k
- * = 1. */
+/* Whether the row that begins at an entry is x - sum_k w_k y_k, with y_k of the other body. */
 static bool is_spring(const struct batch *b, const pdyn_body *other, int first) {
     const int *column = b->view.column + first;
     const double *c = b->view.coefficient + first;
@@ -39,25 +36,33 @@ static json_t *spring(const struct batch *b, const pdyn_body *other, int first) 
                      -c[1], -c[2], -c[3]);
 }
 
-static json_t *strings_of(const struct batch *b, const pdyn_body *other) {
+static json_t *ends_of(const struct batch *b, const pdyn_body *other) {
     json_t *ends = json_array();
-    for (int r = 0; r < b->rows; r++) {
+    for (int r = 0; ends && r < b->rows; r++) {
         int first = b->view.row_entry[r];
         bool drawn = b->view.row_entry[r + 1] - first == ENTRIES && is_spring(b, other, first);
         if (drawn && json_array_append_new(ends, spring(b, other, first)))
             return json_decref(ends), NULL;
     }
-    return json_pack("{s:s, s:s, s:o}", "body", b->view.body->name, "to", other->name, "ends",
-                     ends);
+    return ends;
+}
+
+static json_t *strings_of(const struct batch *b, const pdyn_body *other,
+                          const struct scene_constraint *c) {
+    return json_pack(
+        "{s:s, s:s, s:f, s:o, s:o}", "body", b->view.body->name, "to", other->name, "from", c->from,
+        "until", isfinite(c->until) ? json_real(c->until) : json_null(), "ends", ends_of(b, other));
 }
 
 json_t *report_strings(const pdyn_sim *sim) {
     json_t *list = json_array();
-    for (int k = 0; list && k < sim->constraints; k++) {
-        const struct batch *b = sim->objective.batch[k];
-        const pdyn_body *other = b->op ? NULL : other_of(b);
-        if (other && json_array_append_new(list, strings_of(b, other)))
-            return json_decref(list), NULL;
-    }
+    for (int body = 0, k = 0; list && body < sim->bodies; body++)
+        for (int m = 0; m < sim->scene.body[body].constraints; m++, k++) {
+            const struct batch *b = sim->objective.batch[k];
+            const pdyn_body *other = b->op ? NULL : other_of(b);
+            const struct scene_constraint *c = &sim->scene.body[body].constraint[m];
+            if (other && json_array_append_new(list, strings_of(b, other, c)))
+                return json_decref(list), NULL;
+        }
     return list;
 }
