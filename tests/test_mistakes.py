@@ -144,7 +144,7 @@ MISTAKES = [
                                                                                   [-0.3, 0, -0.2])),
             'overlap solid "tank"', codes=(2, 2)),
     Mistake("water in a mesh in millimetres", change(("bodies.0.particles.fill.0", {"mesh": "huge.obj"})),
-            'give it a "scale"', codes=(2, 2)),
+            '"scale" changes the unit of a mesh', codes=(2, 2)),
     Mistake("unknown key", change(("gravitiy", [0, 0, 0])), 'did you mean "gravity"', codes=(2, 2)),
     Mistake("unknown constraint", change(("bodies.0.constraints.0.type", "fluit")), 'did you mean "fluid"', codes=(2, 2)),
     Mistake("unknown solver", change(("solver", {"type": "cgg"})), 'did you mean "cg"', codes=(2, 2)),
