@@ -16,7 +16,8 @@ PROBES = [{"point": [0, 0, 0]}, {"line": {"from": [0, 0, 0], "to": [1, 0, 0], "c
           {"height": [0, 0, 0]}, {"box": {"minimum": [0, 0, 0], "maximum": [1, 1, 1]}},
           {"wall": [0, 0, 0]}, {"solid": "tank"}, {"pins": "sheet"},
           {"inside": "ball"}, {"body": "sheet"}]
-STRING = {"type": "attachment", "to": "sheet", "vertices": {"vertices": [0]}, "stiffness": 1e-3}
+STRING = {"type": "attachment", "to": "sheet", "vertices": {"vertices": [0]}, "stiffness": 1e-3,
+          "until": 9}
 BALL = {"name": "ball",
         "constraints": [{"type": "gas"}, {"type": "pin", "vertices": {"all": True}}, STRING],
         "surface": {"mesh": str(PAGE.parents[2] / "scenes/meshes/ball.obj"), "scale": 0.01,

@@ -4,7 +4,7 @@ class Strings {
     const named = (name) => meta.bodies.find((part) => part.name === name);
     this.gl = gl;
     this.lines = new Lines(gl);
-    const acts = ({ from, until }) => (time) => time >= from && (until === null || time <= until);
+    const acts = ({ from, until }) => (time) => time >= from && (until === undefined || time <= until);
     this.groups = (meta.strings || [])
       .map((entry) => ({ from: named(entry.body), to: named(entry.to), acts: acts(entry), ends: entry.ends }))
       .filter(({ from, to }) => from && to && from.triangles && to.triangles);

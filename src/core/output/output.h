@@ -26,8 +26,9 @@ pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *pat
 pdyn_status vtk_write_solid(const pdyn_sim *sim, int solid, const char *path);
 
 /* The entry "strings" of report.json: an array of objects, one for each constraint between a body
- * and another one, {"body": name, "to": name, "from": s, "until": s or null, "ends": [[vertex, 3
- * corners, 3 weights], ...]}, with indices in their bodies. NULL: no memory. */
+ * and another one, {"body": name, "to": name, "from": s, "until": s, "ends": [[vertex, 3
+ * corners, 3 weights], ...]}, with indices in their bodies; no "until": to the end. NULL: no
+ * memory. */
 json_t *report_strings(const pdyn_sim *sim);
 
 /* The numbers of a step: X(column of metrics.csv, member of pdyn_step_info). */

@@ -49,9 +49,9 @@ static json_t *ends_of(const struct batch *b, const pdyn_body *other) {
 
 static json_t *strings_of(const struct batch *b, const pdyn_body *other,
                           const struct scene_constraint *c) {
-    return json_pack(
-        "{s:s, s:s, s:f, s:o, s:o}", "body", b->view.body->name, "to", other->name, "from", c->from,
-        "until", isfinite(c->until) ? json_real(c->until) : json_null(), "ends", ends_of(b, other));
+    return json_pack("{s:s, s:s, s:f, s:o*, s:o}", "body", b->view.body->name, "to", other->name,
+                     "from", c->from, "until", isfinite(c->until) ? json_real(c->until) : NULL,
+                     "ends", ends_of(b, other));
 }
 
 json_t *report_strings(const pdyn_sim *sim) {
