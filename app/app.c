@@ -94,3 +94,8 @@ int report_status(const pdyn_context *context, pdyn_status status) {
     fprintf(stderr, "projdyn: %s\n", status_message(context, status));
     return status == PDYN_BAD_INPUT || status == PDYN_BAD_CALL ? EXIT_BAD_INPUT : EXIT_FAILED;
 }
+
+int body_end(const pdyn_sim *sim, int b) {
+    pdyn_body_info next = pdyn_get_body(sim, b + 1);
+    return next.name ? next.first : pdyn_get_state(sim).particles;
+}

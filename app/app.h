@@ -61,4 +61,8 @@ const char *status_message(const pdyn_context *context, pdyn_status status);
  * PDYN_BAD_CALL, EXIT_FAILED for every other status. */
 int report_status(const pdyn_context *context, pdyn_status status);
 
+/* The end of body b in arrays of all particles. Behind the vertices of a rigid body are the points
+ * that have its mass. */
+int body_end(const pdyn_sim *sim, int b);
+
 #endif

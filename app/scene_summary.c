@@ -88,8 +88,7 @@ static void print_velocity(const struct size *size) {
 
 static void print_body(const pdyn_sim *sim, const pdyn_state *state, int b) {
     const pdyn_body_info own = pdyn_get_body(sim, b), *body = &own;
-    int end = b + 1 < state->bodies ? pdyn_get_body(sim, b + 1).first : state->particles;
-    struct size size = size_of(state, body, end);
+    struct size size = size_of(state, body, body_end(sim, b));
     if (body->triangles) print_surface(sim, state, body);
     else print_particles(body);
     printf(", %.4g kg", size.mass);

@@ -70,11 +70,14 @@ static bool get_vector(const json_t *message, const char *name, double v[3]) {
     return !json_unpack((json_t *)message, "{s:[F,F,F]}", name, v, v + 1, v + 2);
 }
 
-static pdyn_body_info body_of(const pdyn_sim *sim, int particle) {
-    pdyn_body_info body = {0};
-    for (int b = 0; (body = pdyn_get_body(sim, b)).name; b++)
-        if (particle >= body.first && particle < body.first + body.count) break;
-    return body;
+/* The number of the body that a particle belongs to; behind the last one: none. */
+static int find_body(const pdyn_sim *sim, int particle) {
+    pdyn_body_info body;
+    int b = 0;
+    while ((body = pdyn_get_body(sim, b)).name &&
+           (particle < body.first || particle >= body.first + body.count))
+        b++;
+    return b;
 }
 
 /* Diagonal of the box around a body at rest, m. */
@@ -84,25 +87,16 @@ static double size_of(const pdyn_body_info *body) {
     return vec3_distance(box.min, box.max);
 }
 
-/* Mass, kg, with the points that carry a rigid body, whose vertices have none: they follow it. */
-static double mass_of(const pdyn_sim *sim, const pdyn_body_info *body) {
-    pdyn_state state = pdyn_get_state(sim);
-    double mass = 0.0;
-    int end = state.particles;
-    pdyn_body_info next;
-    for (int b = 0; (next = pdyn_get_body(sim, b)).name; b++)
-        if (next.first > body->first && next.first < end) end = next.first;
-    for (int i = body->first; i < end; i++) mass += state.mass[i];
-    return mass;
-}
-
 /* Stiffness of a hold, N/m: ten times that of the inertia of a vertex over a step, m / h^2, and
  * enough to carry the body with a stretch of a hundredth of its size. */
 static double hold_stiffness(const struct live *live, int particle) {
-    pdyn_body_info body = body_of(live->sim, particle);
-    double gravity[3], mass = mass_of(live->sim, &body);
+    int b = find_body(live->sim, particle), end = body_end(live->sim, b);
+    pdyn_body_info body = pdyn_get_body(live->sim, b);
+    pdyn_state state = pdyn_get_state(live->sim);
+    double gravity[3], mass = 0.0;
     double h = live->step.h > 0.0 ? live->step.h : pdyn_frame_interval(live->sim);
     pdyn_get_gravity(live->sim, gravity);
+    for (int i = body.first; i < end; i++) mass += state.mass[i];
     double weight = mass * fmax(9.81, vec3_length(gravity));
     return fmax(10.0 * mass / body.count / (h * h), 100.0 * weight / size_of(&body));
 }
@@ -111,7 +105,8 @@ static void hold(struct live *live, const json_t *message) {
     int particle;
     double target[3];
     if (json_unpack((json_t *)message, "{s:i}", "particle", &particle) ||
-        !get_vector(message, "target", target) || !body_of(live->sim, particle).triangles) {
+        !get_vector(message, "target", target) ||
+        !pdyn_get_body(live->sim, find_body(live->sim, particle)).triangles) {
         live_note(live, true, "hold: expected a \"particle\" of a surface and its \"target\"");
         return;
     }

@@ -26,11 +26,17 @@ static pdyn_status load_open(pdyn_context *context, const char *path, int descri
     return PDYN_OK;
 }
 
-pdyn_status file_load(pdyn_context *context, const char *path, char **data, size_t *size) {
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* never wait for a pipe */
+int file_open(pdyn_context *context, const char *path) {
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0)
-        return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s", path,
-                            strerror(errno));
+        context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s", path,
+                     strerror(errno));
+    return descriptor;
+}
+
+pdyn_status file_load(pdyn_context *context, const char *path, char **data, size_t *size) {
+    int descriptor = file_open(context, path);
+    if (descriptor < 0) return PDYN_IO_FAILED;
     pdyn_status status = load_open(context, path, descriptor, data, size);
     close(descriptor);
     return status;

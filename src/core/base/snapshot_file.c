@@ -1,8 +1,8 @@
 /* The file of a saved state: header, content and checksum. */
 #include "snapshot_file.h"
 
-#include <errno.h>
-#include <fcntl.h>
+#include "file_in.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -185,16 +185,13 @@ static pdyn_status check_file(struct snapshot_file *a) {
 }
 
 pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct snapshot_file *out) {
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* never wait for a pipe */
+    int descriptor = file_open(context, path);
+    if (descriptor < 0) return PDYN_IO_FAILED;
     *out = (struct snapshot_file){.view = {.bytes = read_bytes, .reading = true},
                                   .context = context,
                                   .path = path,
-                                  .in = descriptor < 0 ? NULL : fdopen(descriptor, "rb")};
-    if (descriptor >= 0 && !out->in) close(descriptor);
-    if (!out->in && errno == ENOMEM) return context_no_memory(context);
-    if (!out->in)
-        return context_fail(context, PDYN_IO_FAILED, "%.1024s: cannot open the file: %s", path,
-                            strerror(errno));
+                                  .in = fdopen(descriptor, "rb")};
+    if (!out->in) return close(descriptor), context_no_memory(context);
     pdyn_status status = check_file(out);
     if (status != PDYN_OK) fclose(out->in);
     return status;

@@ -129,12 +129,15 @@ static pdyn_status write_file(const pdyn_sim *sim, int body, const char *text, s
     return file_out_close(&file);
 }
 
-pdyn_status obj_refuse_source(const pdyn_sim *sim, int body, const char *path) {
+bool obj_is_source(const pdyn_sim *sim, int body, const char *path) {
     struct stat source, target;
     const char *obj = sim->scene.body[body].obj;
-    if (!obj || stat(obj, &source) || stat(path, &target) || source.st_ino != target.st_ino ||
-        source.st_dev != target.st_dev)
-        return PDYN_OK;
+    return obj && !stat(obj, &source) && !stat(path, &target) && source.st_ino == target.st_ino &&
+           source.st_dev == target.st_dev;
+}
+
+pdyn_status obj_refuse_source(const pdyn_sim *sim, int body, const char *path) {
+    if (!obj_is_source(sim, body, path)) return PDYN_OK;
     return context_fail(sim->context, PDYN_BAD_INPUT,
                         "%.1024s: this file is the mesh of the scene and would be overwritten: "
                         "expected another directory for the run",

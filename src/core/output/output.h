@@ -14,7 +14,8 @@
  * left. */
 pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
-/* Fails with PDYN_BAD_INPUT if the mesh of the body comes from the file at `path`. */
+/* Whether the mesh of the body comes from the OBJ file at `path`; PDYN_BAD_INPUT if it does. */
+bool obj_is_source(const pdyn_sim *sim, int body, const char *path);
 pdyn_status obj_refuse_source(const pdyn_sim *sim, int body, const char *path);
 /* Writes the current shape of a surface as OBJ, with texture coordinates, groups and materials of
  * the scene's OBJ file, or texture coordinates of a grid. PDYN_BAD_INPUT: that file has changed, or

@@ -65,14 +65,8 @@ static const char *own_name(const char *path, const char *ending, const char **f
 
 /* Whether the scene reads this file for the texture coordinates of a body. */
 static bool is_source(const pdyn_writer *writer, const char *path) {
-    struct stat info, source;
-    if (stat(path, &info)) return false;
-    for (int b = 0; b < writer->sim->scene.bodies; b++) {
-        const char *obj = writer->sim->scene.body[b].obj;
-        if (obj && !stat(obj, &source) && source.st_dev == info.st_dev &&
-            source.st_ino == info.st_ino)
-            return true;
-    }
+    for (int b = 0; b < writer->sim->scene.bodies; b++)
+        if (obj_is_source(writer->sim, b, path)) return true;
     return false;
 }
 

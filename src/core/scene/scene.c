@@ -139,7 +139,6 @@ static pdyn_status read_contact(struct reader *r, const struct json_at *at) {
 static void resolve_contact(struct scene *scene) {
     bool surface = false;
     for (int b = 0; b < scene->bodies; b++) surface |= scene->body[b].has_mesh;
-    scene->contact.without_effect = scene->has_contact && !surface;
     scene->has_contact &= surface;
     if (scene->has_contact && scene->contact.stiffness == 0.0)
         scene->contact.stiffness = scene_contact_stiffness(scene);

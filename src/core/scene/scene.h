@@ -148,12 +148,11 @@ struct scene_probe {
 extern const pdyn_param scene_probe_params[]; /* ends with a NULL name */
 
 struct scene_contact {
-    double thickness;    /* m, distance that surfaces keep */
-    double friction;     /* Coulomb friction coefficient */
-    double stiffness;    /* N/m, of a pair at a distance of the thickness */
-    double damping;      /* of rigid bodies on their contacts, ratio to critical damping */
-    bool self;           /* contact of a surface with itself */
-    bool without_effect; /* given, but no body has a surface */
+    double thickness; /* m, distance that surfaces keep; 0: a scene without this entry */
+    double friction;  /* Coulomb friction coefficient */
+    double stiffness; /* N/m, of a pair at a distance of the thickness */
+    double damping;   /* of rigid bodies on their contacts, ratio to critical damping */
+    bool self;        /* contact of a surface with itself */
 };
 
 extern const pdyn_param scene_contact_params[]; /* ends with a NULL name */

@@ -95,7 +95,7 @@ static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change
         double one_sided = vec3_length(kept + 3 * (size_t)i);
         double all = vec3_distance(sim->x_next + 3 * (size_t)i, objective->s + 3 * (size_t)i) /
                      (objective->h * objective->h);
-        kept[i] = all < one_sided ? all / one_sided : 1.0;
+        kept[i] = all < one_sided ? all / one_sided : 1.0; /* rows up to i have been read */
     }
 }
 

@@ -1,6 +1,7 @@
-/* How far moving solids and surfaces in contact approach each other in a step. In one iteration a
- * solid pushes what is in its way by about the contact thickness. If it moves by many thicknesses
- * in a step, the iterations end before it has arrived, and the step is not solved. */
+/* How far moving solids and surfaces in contact approach each other in a step. In one iteration
+ * contact moves a surface in front of a solid by about the contact thickness. A solid that moves by
+ * many thicknesses in a step would need more iterations than the step has, and the step would not
+ * be solved. */
 #ifndef PDYN_SOLID_APPROACH_H
 #define PDYN_SOLID_APPROACH_H
 

@@ -222,7 +222,7 @@ static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
 
 /* Free surfaces that something could stop: one warning for all. */
 static void check_contact(struct pdyn_sim *sim) {
-    if (sim->scene.contact.without_effect)
+    if (sim->scene.contact.thickness > 0.0 && !sim->scene.has_contact)
         WARN(sim, NO_EFFECT, "contact", "it has no effect: no body has a surface");
     const char *first = NULL;
     int surfaces = sim->scene.solids, free = 0;
