@@ -22,11 +22,16 @@ static const double min_progress = 0.3;
  */
 enum { MIN_ITERATIONS = 5 };
 
+/* The first linear solve of a step reduces its residual to this at least: a start within the
+ * tolerance has the forces of the step before (minimise.c). */
+static const double first_reduction = 0.1;
+
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     const struct scene_settings *settings = &sim->scene.settings;
     bool dynamic = sim->objective.dynamic_rows;
     /* reaches the step's tolerance, to first order */
     double enough = 0.5 * settings->tolerance / objective_norm(&sim->objective, sim->gradient);
+    if (first_of_step && !solves_fluid_alone(sim)) enough = fmin(enough, first_reduction);
     bool far = first_of_step && !dynamic && enough < settings->linear_tolerance;
     return (pdyn_stop){.rel_tol = fmax(settings->linear_tolerance, enough),
                        .min_progress = dynamic ? 0.0 : min_progress,
