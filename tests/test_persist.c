@@ -35,6 +35,50 @@ static const char touching[] =
           ", 'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
           "{'time': 1, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}]");
 
+/* An inlet lets go of lists while a solid moves past the places of its points at the start. */
+static const char stirred[] =
+    "{'duration': 1, 'frame_interval': 0.02, 'time_step': {'maximum': 0.004}, 'bodies': [{'name': "
+    "'water', 'particles': {'radius': 0.02, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': "
+    "[0.8, 0.24, 0.24]}}], 'inlets': [{'rectangle': {'center': [0.7, 0.5, 0.12], 'size': [0.08, "
+    "0.08]}, 'direction': [0, -1, 0], 'speed': 2}]}, 'constraints': [{'type': 'fluid'}]}], "
+    "'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.8, 0.6, 0.24]}}, "
+    "{'name': 'ball', 'sphere': {'center': [0.12, 0.1, 0.12], 'radius': 0.07}, 'motion': [{'time': "
+    "0}, {'time': 1, 'translate': [0.6, 0, 0]}]}]}";
+
+/* Surface tension reads the points of a moving solid where they are at the beginning of a step. */
+static const char drawn[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'contact': "
+    "{'thickness': 0.008, 'friction': 0.3}, 'bodies': [{'name': 'water', 'particles': {'radius': "
+    "0.02, 'fill': [{'box': {'minimum': [0.04, 0, 0.04], 'maximum': [0.36, 0.16, 0.36]}}]}, "
+    "'constraints': [{'type': 'fluid'}, {'type': 'surface_tension', 'tension': 0.07}]}, {'name': "
+    "'bag', 'surface': {'grid': {'size': [0.3, 0.3], 'vertices': [9, 9]}, 'translate': [0.2, 0.3, "
+    "0.2], 'area_density': 0.5}, 'constraints': [{'type': 'triangle', 'stretching_stiffness': "
+    "1000}]}], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], 'maximum': [0.4, 0.6, "
+    "0.4]}}, {'name': 'ball', 'sphere': {'center': [0.2, 0.08, 0.2], 'radius': 0.05}, 'motion': "
+    "[{'time': 0}, {'time': 1, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}]}";
+
+/* Solvers are made anew when the pin lets go, where dampers have other weights than at the start.
+ */
+static const char let_go[] =
+    SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.005}",
+          GRID_SHEET("", "0.4, 0.4", "17, 17", "'area_density': 0.5",
+                     PAIR("{'type': 'spring', 'stretching_stiffness': 1000, 'damping': 0.02}",
+                          PAIR(PINS("'box': {'minimum': [-1, -1, -1], 'maximum': [-0.19, 1, 1]}"),
+                               "{'type': 'pin', 'vertices': {'box': {'minimum': [0.19, -1, -1], "
+                               "'maximum': [1, 1, 1]}}, 'until': 0.025}"))),
+          "");
+
+/* The same beside rows that come and go. */
+static const char thick[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.005}, 'solver': {'type': "
+    "'cg'}, 'bodies': [{'name': 'water', 'particles': {'radius': 0.02, 'fill': [{'box': "
+    "{'minimum': [0, 0, 0], 'maximum': [0.24, 0.28, 0.24]}}]}, 'constraints': [{'type': 'fluid', "
+    "'compression': 1e-5}, {'type': 'viscosity', 'viscosity': 5}]}, {'name': 'sheet', 'surface': "
+    "{'grid': {'size': [0.2, 0.2], 'vertices': [6, 6]}, 'translate': [0.12, 0.5, 0.12], "
+    "'area_density': 0.5}, 'constraints': [{'type': 'spring', 'stretching_stiffness': 1000}, "
+    "{'type': 'pin', 'vertices': {'all': true}, 'until': 0.025}]}], 'solids': [{'name': 'tank', "
+    "'box': {'minimum': [0, 0, 0], 'maximum': [0.24, 0.7, 0.24]}}]}";
+
 static void step_often(pdyn_context *context, pdyn_sim *sim, int steps) {
     for (int k = 0; k < steps; k++) test_step(context, sim);
 }
@@ -68,6 +112,44 @@ static void test_same_bits(void **state) {
         goes_on(sheet, "solver.step=projective", before);
         goes_on(sheet, "bodies.sheet.surface.fluid_friction=50", before);
     }
+}
+
+enum { MOST_STEPS = 100, FURTHER = 4 };
+
+/* Saves after each of some steps, and makes further ones from each of the states. */
+static void goes_on_from_each(const char *text, int steps) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    uint64_t hash[MOST_STEPS + 1];
+    char name[32];
+    for (int step = 0; step < steps; step++) {
+        snprintf(name, sizeof name, "state_%d", step);
+        assert_int_equal(pdyn_save(sim, name), PDYN_OK);
+        test_step(context, sim);
+        hash[step + 1] = pdyn_state_hash(sim);
+    }
+    pdyn_free(sim);
+    for (int begin = 0; begin < steps; begin++) {
+        snprintf(name, sizeof name, "state_%d", begin);
+        sim = test_load(context, text);
+        assert_int_equal(pdyn_restore(sim, name), PDYN_OK);
+        for (int step = begin; step < steps && step < begin + FURTHER; step++) {
+            test_step(context, sim);
+            if (pdyn_state_hash(sim) != hash[step + 1])
+                fail_msg("from step %d on, step %d differs", begin, step);
+        }
+        pdyn_free(sim);
+        test_remove_file(name);
+    }
+    pdyn_destroy(context);
+}
+
+static void test_every_step(void **state) {
+    (void)state;
+    goes_on_from_each(stirred, 100);
+    goes_on_from_each(drawn, 40);
+    goes_on_from_each(let_go, 20);
+    goes_on_from_each(thick, 20);
 }
 
 /* Loads the sheet with an override; restoring its state must be refused with this text. */
@@ -222,9 +304,10 @@ static void test_failing_allocator(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),         cmocka_unit_test(test_other_settings),
-        cmocka_unit_test(test_refused),           cmocka_unit_test(test_failing_module),
-        cmocka_unit_test(test_failing_allocator), cmocka_unit_test(test_failing_hold),
+        cmocka_unit_test(test_same_bits),      cmocka_unit_test(test_every_step),
+        cmocka_unit_test(test_other_settings), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_failing_module), cmocka_unit_test(test_failing_allocator),
+        cmocka_unit_test(test_failing_hold),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,
                                        test_leave_directory);

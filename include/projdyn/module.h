@@ -461,6 +461,7 @@ typedef struct pdyn_elements {
     const size_t *block_start; /* first number of each element in block, (3 rows)^2 of them,
                                   symmetric; NULL: B = m m' + a I, 4 numbers per element, m and a */
     bool constant;             /* B = weight x identity for any x and any eps */
+    bool steady; /* weights depend on parameters alone: a solver may choose its structure by them */
 } pdyn_elements;
 
 /* Parts of H. PDYN_DYNAMIC: the constraints that change from step to step, which are the
@@ -501,8 +502,8 @@ typedef struct pdyn_model {
     double (*norm)(struct pdyn_model *model, const double *r);
     /* H assembled; valid until the next call. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
-    /* The sum of weight G' G over all elements, without inertia, dim 1: which particles are tied,
-     * and how stiffly. Valid until the next call. */
+    /* The sum of weight G' G over all steady elements, without inertia, dim 1: which particles are
+     * tied, and how stiffly. Valid until the next call. */
     pdyn_status (*graph)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* Elements of constraint k < elements_count, as H contains them. None of a constraint that has
      * tangent_rank1 and elements of several rows, which `graph` leaves out, too: such an element
@@ -558,7 +559,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 15u
+#define PDYN_ABI 16u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

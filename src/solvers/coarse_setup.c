@@ -112,7 +112,7 @@ static bool is_weak(const struct coarse_space *s, const pdyn_elements *elements)
     if (!elements->constant) return false;
     for (int k = 0; k < s->model->elements_count; k++) {
         const pdyn_elements *other = &s->part[k].now;
-        if (!other->constant && other->rows->body == elements->rows->body)
+        if (!other->constant && other->steady && other->rows->body == elements->rows->body)
             others += trace_of(other->rows);
     }
     return trace_of(elements->rows) <= weak_elements * others;

@@ -111,7 +111,6 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
     if (status == PDYN_OK && o->contact) status = contact_local(o->contact, x);
     if (status != PDYN_OK) return status;
     double start = clock_ms();
-    count_work(o, 1);
     o->x = x;
     *energy = objective_partial_sum(o, for_particles(o, inertia, x, NULL, gradient, 0.0));
     residual_open(o, gradient);
@@ -122,6 +121,7 @@ pdyn_status objective_local(struct objective *o, const double *x, double *energy
         residual_add_load(o, batch, gradient);
         *energy += batch->energy;
     }
+    count_work(o, 1); /* of the constraints that this step has, which the batches know by now */
     if (o->rigid) rigid_map_update(o->rigid, x);
     objective_pull(o, gradient);
     o->ms_local += clock_ms() - start;

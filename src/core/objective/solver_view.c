@@ -94,7 +94,8 @@ static pdyn_status graph(pdyn_model *model, pdyn_matrix *out) {
     struct batch **rows = NEW_ARRAY(o->context, o->batches, struct batch *);
     if (o->batches && !rows) return PDYN_NO_MEMORY;
     for (int b = 0; b < o->batches; b++)
-        if (batch_is_static(o->batch[b]) && !o->batch[b]->wide) rows[b] = o->batch[b];
+        if (batch_is_static(o->batch[b]) && batch_is_steady(o->batch[b]) && !o->batch[b]->wide)
+            rows[b] = o->batch[b];
     pdyn_status status = matrix_pattern(&view->graph, o, rows, 1);
     if (status == PDYN_OK) {
         matrix_values(&view->graph, o, rows, false);
@@ -113,7 +114,8 @@ static pdyn_elements elements(pdyn_model *model, int k) {
     return (pdyn_elements){.rows = &b->view,
                            .block = blocks ? b->block : NULL,
                            .block_start = blocks && !b->type->tangent_rank1 ? b->block_start : NULL,
-                           .constant = b->linear != NULL};
+                           .constant = b->linear != NULL,
+                           .steady = batch_is_steady(b)};
 }
 
 /* ---- matrix-free constraints ----------------------------------------------------------------- */
@@ -180,7 +182,8 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
     *view = (struct solver_view){.objective = o, .last = o->particles};
     view->in_rows = NEW_ARRAY(o->context, o->particles, bool);
     if (o->particles && !view->in_rows) return PDYN_NO_MEMORY;
-    for (int b = 0; b < o->batches; b++) batch_mark_selected(o->batch[b], view->in_rows);
+    for (int b = 0; b < o->batches; b++) /* rows that come and go are marked in each step */
+        if (batch_is_static(o->batch[b])) batch_mark_selected(o->batch[b], view->in_rows);
     for (int k = 0; o->rigid && k < o->rigid->bodies; k++) {
         const struct rigid_body *body = &o->rigid->body[k];
         memset(view->in_rows + body->first, true, (size_t)(body->vertices + RIGID_POINTS));

@@ -82,6 +82,8 @@ static inline bool batch_belongs_to(const struct batch *batch, const struct batc
 
 /* Whether the selector is the same in all steps. */
 static inline bool batch_is_static(const struct batch *b) { return !b->op && !b->type->update; }
+/* Whether its weights depend on parameters alone: not on the length of a step, or on its begin. */
+static inline bool batch_is_steady(const struct batch *b) { return !b->damper && !b->type->begin; }
 /* Whether its elements come and go. */
 static inline bool batch_comes_and_goes(const struct batch *b) { return !b->op && b->type->update; }
 

@@ -337,10 +337,10 @@ void neighbours_persist(struct neighbours *n, struct snapshot_file *a) {
     snapshot_file_numbers(a, n->built_x, 3 * (size_t)n->view.particles, what);
     snapshot_file_numbers(a, n->built_moving_x, 3 * (size_t)n->moving, what);
     visibility_persist(n, a);
-    if (!a->view.reading || !n->built || a->status != PDYN_OK) return;
+    if (!a->view.reading || a->status != PDYN_OK) return;
     if (n->moving) memcpy(moving_x(n), n->built_moving_x, 3 * (size_t)n->moving * sizeof(double));
     a->status = sort_moving(n);
-    if (a->status == PDYN_OK) a->status = neighbours_build(n, n->built_x);
+    if (a->status == PDYN_OK && n->built) a->status = neighbours_build(n, n->built_x);
 }
 
 /* Since the last build no centre has moved by more than half the skin. */

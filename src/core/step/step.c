@@ -34,10 +34,9 @@
 
 /* Computes the prediction s = x^ + H v^ + H^2 (g + f/m), f: applied forces, which is the first
  * iterate. */
-static pdyn_status predict(struct pdyn_sim *sim, double h) {
-    sim->objective.length = h;
-    double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, h);
-    sim->objective.time = sim->time + h;
+static pdyn_status predict(struct pdyn_sim *sim, const struct step_end *end) {
+    sim->objective.length = end->h, sim->objective.time = end->time;
+    double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, end->h);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         sim->objective.s[k] =
             sim->x_base[k] + H * sim->v_base[k] + H * H * applied_acceleration(sim, k);
@@ -101,22 +100,25 @@ static void accept(struct pdyn_sim *sim, double h) {
     sim->steps++;
 }
 
-/* Attempts a step of length h; the result is in x_next, the state is unchanged. */
-static pdyn_status attempt(struct pdyn_sim *sim, double h, struct progress *progress) {
+/* Attempts a step; the result is in x_next, the state is unchanged. What take_back needs is set
+ * before anything can fail. */
+static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
+                           struct progress *progress) {
     *progress = (struct progress){0};
     if (sim->neighbours) neighbours_begin_step(sim->neighbours, sim->x);
     struct contact *contact = sim->objective.contact;
-    pdyn_status status = prepare_lists(sim);
-    if (status == PDYN_OK && contact) status = contact_begin(contact, sim->x, sim->time + h);
-    if (status == PDYN_OK) status = predict(sim, h);
-    if (status == PDYN_OK) status = measure_check_range(sim, h); /* or contact takes for ever */
+    pdyn_status status = contact ? contact_begin(contact, sim->x, end->time) : PDYN_OK;
+    if (status == PDYN_OK) status = prepare_lists(sim);
+    if (status == PDYN_OK) status = predict(sim, end);
+    if (status == PDYN_OK)
+        status = measure_check_range(sim, end->h); /* or contact takes for ever */
     if (status != PDYN_OK) return status;
     status = carried_move(sim);
     if (status == PDYN_OK) status = energy_budget_open(sim);
     if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = restore_momentum(sim);
-    if (status == PDYN_OK) status = measure_check_range(sim, h);
-    return status == PDYN_OK ? energy_budget_check(sim, h) : status;
+    if (status == PDYN_OK) status = measure_check_range(sim, end->h);
+    return status == PDYN_OK ? energy_budget_check(sim, end->h) : status;
 }
 
 /* After a failed attempt: moves solids back. */
@@ -155,14 +157,14 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
 /* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
 static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
                                         struct progress *progress, int *retries) {
-    pdyn_status status = attempt(sim, end->h, progress);
+    pdyn_status status = attempt(sim, end, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
         if ((status = take_back(sim)) != PDYN_OK) break;
         integrator_forget(sim);
         *end =
             end->given ? timestep_given(sim, 0.25 * end->h) : timestep_choose(sim, 0.25 * end->h);
-        status = attempt(sim, end->h, progress);
+        status = attempt(sim, end, progress);
         ++*retries;
     }
     if (status == PDYN_OK) status = objective_end(&sim->objective);

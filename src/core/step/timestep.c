@@ -103,9 +103,10 @@ static double same_length(const struct pdyn_sim *sim, double h) {
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
     const struct scene_settings *settings = &sim->scene.settings;
     double h = fmin(longest, settings->h_fixed > 0.0 ? settings->h_fixed : adaptive(sim));
-    double rest = (double)(sim->frame + 1) * settings->frame_interval - sim->time;
+    double frame = (double)(sim->frame + 1) * settings->frame_interval, rest = frame - sim->time;
     double steps = ceil(rest / h * (1.0 - 1e-9));
-    return (struct step_end){same_length(sim, rest / fmax(1.0, steps)), steps <= 1.0, false};
+    h = same_length(sim, rest / fmax(1.0, steps));
+    return (struct step_end){h, steps <= 1.0 ? frame : sim->time + h, steps <= 1.0, false};
 }
 
 /* Number of frames up to a time, up to rounding. */
@@ -115,7 +116,8 @@ static long frames_until(const struct pdyn_sim *sim, double time) {
 
 struct step_end timestep_given(const struct pdyn_sim *sim, double h) {
     h = same_length(sim, h);
-    return (struct step_end){h, frames_until(sim, sim->time + h) > sim->frame, true};
+    double time = sim->time + h;
+    return (struct step_end){h, time, frames_until(sim, time) > sim->frame, true};
 }
 
 /* Warns if the CFL condition asks for a step shorter than the minimum. */
@@ -146,8 +148,6 @@ void timestep_check(struct pdyn_sim *sim, double h, double residual) {
 }
 
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end) {
-    if (end->frame)
-        sim->frame = end->given ? frames_until(sim, sim->time + end->h) : sim->frame + 1;
-    sim->time = end->frame && !end->given ? (double)sim->frame * sim->scene.settings.frame_interval
-                                          : sim->time + end->h;
+    if (end->frame) sim->frame = end->given ? frames_until(sim, end->time) : sim->frame + 1;
+    sim->time = end->time;
 }
