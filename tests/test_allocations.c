@@ -118,6 +118,74 @@ static void test_scenes(void **state) {
     if (getenv("PROJDYN_ALLOCATIONS")) printf("%ld failed allocations\n", failures);
 }
 
+/* ---- failures late in a run ------------------------------------------------------------------ */
+
+/* Lists, contacts, their memory and the frictions of a sheet grow while things meet. */
+static const char meeting[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'maximum': 0.005}, 'contact': "
+    "{'thickness': 0.01, 'friction': 0.5}, 'bodies': [{'name': 'water', 'particles': {'radius': "
+    "0.02, 'fill': [{'box': {'minimum': [0.04, 0.25, 0.04], 'maximum': [0.2, 0.41, 0.2]}}], "
+    "'inlets': [{'rectangle': {'center': [0.3, 0.55, 0.2], 'size': [0.12, 0.12]}, 'direction': [0, "
+    "-1, 0], 'speed': 2}]}, 'constraints': [{'type': 'fluid'}]}, {'name': 'sheet', 'surface': "
+    "{'grid': {'size': [0.3, 0.3], 'vertices': [9, 9]}, 'translate': [0.2, 0.2, 0.2], "
+    "'area_density': 0.5}, 'constraints': [{'type': 'spring', 'stretching_stiffness': 1000}]}, "
+    "{'name': 'brick', 'rigid': {'box': {'minimum': [0.15, 0.22, 0.25], 'maximum': [0.21, 0.26, "
+    "0.31]}, 'density': 500}}], 'solids': [{'name': 'tank', 'box': {'minimum': [0, 0, 0], "
+    "'maximum': [0.4, 0.6, 0.4]}}, {'name': 'ball', 'sphere': {'center': [0.2, 0.1, 0.2], "
+    "'radius': 0.05}, 'motion': [{'time': 0}, {'time': 1, 'translate': [0, 0.2, 0]}]}]}";
+
+enum { LATE = 30, LATE_STRIDE = 3 };
+
+/* Restores the state "late" and makes a step; allocation `left` of one of the two fails. After a
+ * failed restore the simulation goes on and can be restored, or has no further step. Returns
+ * whether nothing failed. */
+static bool go_on_late(struct walk *w, long left, bool in_step) {
+    pdyn_sim *sim = test_load(w->context, w->text);
+    uint64_t before = pdyn_state_hash(sim);
+    if (in_step) assert_true(succeeded(w, pdyn_restore(sim, "late"))), before = w->hash[0];
+    test_fail(&w->counter, left, 1);
+    bool good = succeeded(w, in_step ? pdyn_step(sim, NULL) : pdyn_restore(sim, "late"));
+    test_allow(&w->counter, -1);
+    if (!good) assert_true(pdyn_state_hash(sim) == before);
+    if (!good && in_step) assert_true(succeeded(w, pdyn_save(sim, "saved")));
+    else if (good || pdyn_step(sim, NULL) == PDYN_OK) {
+        assert_true(succeeded(w, pdyn_restore(sim, "late")));
+        test_step(w->context, sim);
+        assert_true(pdyn_state_hash(sim) == w->hash[1]);
+    }
+    pdyn_free(sim);
+    return good;
+}
+
+/* The saved state of a failed step: its lists, and what they grant, may be those of the step. */
+static void goes_on_from_saved(struct walk *w) {
+    pdyn_sim *sim = test_load(w->context, w->text);
+    assert_true(succeeded(w, pdyn_restore(sim, "saved")));
+    assert_true(pdyn_state_hash(sim) == w->hash[0]);
+    test_step(w->context, sim);
+    pdyn_free(sim);
+    test_remove_file("saved");
+}
+
+static void test_late(void **state) {
+    (void)state;
+    struct walk w = {.text = meeting};
+    w.context = test_counting_context(1, &w.counter);
+    pdyn_sim *sim = test_load(w.context, w.text);
+    for (int k = 0; k < LATE; k++) test_step(w.context, sim);
+    assert_true(succeeded(&w, pdyn_save(sim, "late")));
+    w.hash[0] = pdyn_state_hash(sim);
+    test_step(w.context, sim);
+    w.hash[1] = pdyn_state_hash(sim);
+    pdyn_free(sim);
+    long stride = getenv("PROJDYN_ALLOCATIONS") ? 1 : LATE_STRIDE;
+    for (int in_step = 0; in_step < 2; in_step++)
+        for (long left = 0; !go_on_late(&w, left, in_step); left += stride)
+            if (in_step) goes_on_from_saved(&w);
+    test_remove_file("late");
+    pdyn_destroy(w.context);
+}
+
 /* ---- allocations of jansson ------------------------------------------------------------------ */
 
 static long json_left; /* number of allocations before one that fails */
@@ -152,7 +220,8 @@ static void test_json(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_scenes), cmocka_unit_test(test_json)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_scenes), cmocka_unit_test(test_late),
+                                       cmocka_unit_test(test_json)};
     return cmocka_run_group_tests_name("allocations", tests, test_enter_directory,
                                        test_leave_directory);
 }

@@ -35,9 +35,9 @@ static bool resize_particles(struct fluid *f, bool allocate) {
 }
 
 static void release_pairs(struct fluid *f) {
-    if (!f->pairs) return;
-    f->pair_index = fluid_resize(f, f->pair_index, f->pairs, 0, sizeof(int));
-    f->pair = fluid_resize(f, f->pair, 4 * f->pairs, 0, sizeof(float));
+    if (f->pair_index) f->pair_index = fluid_resize(f, f->pair_index, f->pairs, 0, sizeof(int));
+    if (f->pair) f->pair = fluid_resize(f, f->pair, 4 * f->pairs, 0, sizeof(float));
+    f->pairs = 0;
 }
 
 static void release(void *self) {
@@ -109,7 +109,9 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
     f->pairs = pairs + pairs / 4; /* spare room: later steps seldom allocate */
     f->pair_index = fluid_resize(f, NULL, 0, f->pairs, sizeof(int));
     f->pair = fluid_resize(f, NULL, 0, 4 * f->pairs, sizeof(float));
-    return f->pair_index && f->pair;
+    if (f->pair_index && f->pair) return true;
+    release_pairs(f);
+    return false;
 }
 
 /* ---- callbacks ------------------------------------------------------------------------- */

@@ -15,7 +15,9 @@ static pdyn_status reserve(pdyn_context *context, struct contact_list *list, int
     list->room = count + count / 2;
     list->view.contact = list->contact = NEW_ARRAY(context, list->room, pdyn_contact);
     list->stencil = NEW_ARRAY(context, list->room, struct stencil);
-    return list->contact && list->stencil ? PDYN_OK : PDYN_NO_MEMORY;
+    if (list->contact && list->stencil) return PDYN_OK;
+    contact_list_free(context, list);
+    return PDYN_NO_MEMORY;
 }
 
 void contact_list_free(pdyn_context *context, struct contact_list *list) {

@@ -141,12 +141,14 @@ static void search_block(void *arg, int first, int last, int block) {
 
 /* Gives each block room for twice as many pairs as it has found. */
 static pdyn_status make_block_room(struct contact *c) {
-    for (int b = 0; b < c->found.blocks; b++)
-        c->found.start[b + 1] = c->found.start[b] + 64 + 2 * (size_t)c->found.count[b];
-    struct pair *found = context_grow(c->context, c->found.pair, &c->found.room,
-                                      c->found.start[c->found.blocks], sizeof *found);
+    size_t room = 0;
+    for (int b = 0; b < c->found.blocks; b++) room += 64 + 2 * (size_t)c->found.count[b];
+    struct pair *found =
+        context_grow(c->context, c->found.pair, &c->found.room, room, sizeof *found);
     if (!found) return PDYN_NO_MEMORY;
     c->found.pair = found;
+    for (int b = 0; b < c->found.blocks; b++)
+        c->found.start[b + 1] = c->found.start[b] + 64 + 2 * (size_t)c->found.count[b];
     return PDYN_OK;
 }
 
@@ -154,8 +156,8 @@ static pdyn_status make_block_room(struct contact *c) {
 static pdyn_status prepare(struct contact *c) {
     if (c->found.pair) return PDYN_OK;
     c->found.blocks = pool_blocks(c->points + c->free_edges, QUERIES);
-    c->found.count = NEW_ARRAY(c->context, c->found.blocks, int);
-    c->found.start = NEW_ARRAY(c->context, c->found.blocks + 1, size_t);
+    if (!c->found.count) c->found.count = NEW_ARRAY(c->context, c->found.blocks, int);
+    if (!c->found.start) c->found.start = NEW_ARRAY(c->context, c->found.blocks + 1, size_t);
     return c->found.count && c->found.start ? make_block_room(c) : PDYN_NO_MEMORY;
 }
 
@@ -196,16 +198,21 @@ void contact_free_pairs(struct contact *c) {
     FREE_ARRAY(c->context, c->pairs.pair, c->pairs.room);
 }
 
-/* Makes room for `count` pairs; those in the list stay. */
+/* Makes room for `count` pairs; those in the list stay. PDYN_NO_MEMORY: nothing has changed. */
 static pdyn_status reserve(struct contact *c, int count) {
     if (count <= c->pairs.room) return PDYN_OK;
-    int room = count + count / 4;
-    struct pair *pair = NEW_ARRAY(c->context, room, struct pair);
-    if (!pair) return PDYN_NO_MEMORY;
-    if (c->pairs.count) memcpy(pair, c->pairs.pair, (size_t)c->pairs.count * sizeof *pair);
+    struct contact grown = *c;
+    grown.pairs.room = count + count / 4;
+    grown.pairs.pair = NEW_ARRAY(c->context, grown.pairs.room, struct pair);
+    if (!resize_arrays(&grown, ARRAYS_ALLOCATE) || !grown.pairs.pair) {
+        contact_free_pairs(&grown);
+        return PDYN_NO_MEMORY;
+    }
+    if (c->pairs.count)
+        memcpy(grown.pairs.pair, c->pairs.pair, (size_t)c->pairs.count * sizeof(struct pair));
     contact_free_pairs(c);
-    c->pairs.pair = pair, c->pairs.room = room;
-    return resize_arrays(c, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
+    *c = grown;
+    return PDYN_OK;
 }
 
 static void drop_changed(struct contact *c) {

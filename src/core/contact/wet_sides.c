@@ -102,6 +102,7 @@ static pdyn_status reserve(struct wet_sides *d, int count) {
     FREE_ARRAY(d->context, d->side, d->room);
     d->room = count + count / 2;
     d->view.side = d->side = NEW_ARRAY(d->context, d->room, pdyn_wet_side);
+    if (!d->side) d->room = 0;
     return d->side ? PDYN_OK : PDYN_NO_MEMORY;
 }
 

@@ -154,7 +154,9 @@ pdyn_status objective_begin(struct objective *o, const struct step_start *start)
 
 pdyn_status objective_end(struct objective *o) {
     pdyn_status status = PDYN_OK;
-    for (int b = 0; status == PDYN_OK && b < o->batches; b++) status = batch_end(o->batch[b]);
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++)
+        status = batch_prepare_end(o->batch[b]);
+    for (int b = 0; status == PDYN_OK && b < o->batches; b++) batch_end(o->batch[b]);
     return status;
 }
 

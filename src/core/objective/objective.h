@@ -79,7 +79,7 @@ struct step_start { /* where a step begins; all particles x 3, m and m/s */
  * shapes of dampers, and weights. */
 pdyn_status objective_begin(struct objective *objective, const struct step_start *start);
 
-/* Ends a step: it is accepted at the x of the last local step. */
+/* Ends a step: it is accepted at the x of the last local step. PDYN_NO_MEMORY: it is not. */
 pdyn_status objective_end(struct objective *objective);
 
 /* max_step: particles, then samples: how far each may move from x in one iterate, m. */

@@ -100,8 +100,10 @@ pdyn_status batch_refresh(struct batch *batch);
  * step), then `select`, and `weight` where the type has no `begin`. PDYN_BAD_INPUT: the type gave a
  * row that it must not give. */
 pdyn_status batch_update(struct batch *batch, const double *x, const double *v);
-/* The step that ended at the last local step was taken: calls the type's `end`, if it has one. */
-pdyn_status batch_end(struct batch *batch);
+/* The step that ended at the last local step was taken: calls the type's `end`, if it has one.
+ * batch_prepare_end makes the memory for it: PDYN_NO_MEMORY. */
+pdyn_status batch_prepare_end(struct batch *batch);
+void batch_end(struct batch *batch);
 
 struct batch_step {               /* of the integrator, see pdyn_batch */
     double length, extrapolation; /* s; 1 */

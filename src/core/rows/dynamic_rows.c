@@ -3,6 +3,7 @@
 #include "row_arrays.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The index of particles covers all that rows may ever select. */
 static pdyn_status make_index(struct batch *b) {
@@ -29,6 +30,9 @@ static pdyn_status make_room(struct batch *b, int elements) {
     b->view.element_row = element_row = NEW_ARRAY(b->context, elements + 1, int);
     for (int e = 0; element_row && e < elements; e++) element_row[e + 1] = (e + 1) * rows;
     if (element_row && rows_allocate(b, NULL)) return PDYN_OK;
+    rows_free(b);
+    memset(&b->room, 0, sizeof b->room);
+    b->view.elements = b->rows = b->entries = 0;
     return context_no_memory(b->context);
 }
 
@@ -98,9 +102,13 @@ static void end_rows(void *arg, int first, int last, int block) {
     b->type->end(b->params, &b->view, first, last);
 }
 
-pdyn_status batch_end(struct batch *b) {
+pdyn_status batch_prepare_end(struct batch *b) {
     if (!b->type->end) return PDYN_OK;
+    return row_memory_reserve(b->context, &b->memory, b->view.elements, b->type->memory_size);
+}
+
+void batch_end(struct batch *b) {
+    if (!b->type->end) return;
     pool_for(b->context->pool, b->view.elements, b->grain, end_rows, b);
-    return row_memory_set(b->context, &b->memory, b->view.key, b->view.memory, b->view.elements,
-                          b->type->memory_size);
+    row_memory_set(&b->memory, b->view.key, b->view.memory, b->view.elements, b->type->memory_size);
 }

@@ -35,7 +35,9 @@ static pdyn_status reserve(struct one_sided *s, int count) {
     if (count <= s->capacity) return PDYN_OK;
     one_sided_free(s);
     s->capacity = count;
-    return resize_arrays(s, ARRAYS_ALLOCATE) ? PDYN_OK : PDYN_NO_MEMORY;
+    if (resize_arrays(s, ARRAYS_ALLOCATE)) return PDYN_OK;
+    one_sided_free(s);
+    return PDYN_NO_MEMORY;
 }
 
 static void for_all(struct one_sided *s, int count, pdyn_range_fn *fn, const double *u, double *out,

@@ -31,28 +31,33 @@ void row_memory_free(pdyn_context *context, struct row_memory *m, size_t size) {
     m->count = m->room = 0;
 }
 
-/* Room for so many blocks, none of them in use. */
-static pdyn_status make_room(pdyn_context *context, struct row_memory *m, int count, size_t size) {
-    m->count = 0;
+pdyn_status row_memory_reserve(pdyn_context *context, struct row_memory *m, int count,
+                               size_t size) {
     if (count <= m->room) return PDYN_OK;
+    struct row_memory grown = {.count = m->count, .room = count + count / 2};
+    grown.entry = NEW_ARRAY(context, grown.room, struct remembered);
+    grown.block = NEW_ARRAY(context, (size_t)grown.room * size, unsigned char);
+    if (!grown.entry || !grown.block) {
+        row_memory_free(context, &grown, size);
+        return PDYN_NO_MEMORY;
+    }
+    if (m->count) {
+        memcpy(grown.entry, m->entry, (size_t)m->count * sizeof *m->entry);
+        memcpy(grown.block, m->block, (size_t)m->count * size);
+    }
     row_memory_free(context, m, size);
-    m->room = count + count / 2;
-    m->entry = NEW_ARRAY(context, m->room, struct remembered);
-    m->block = NEW_ARRAY(context, (size_t)m->room * size, unsigned char);
-    return m->entry && m->block ? PDYN_OK : PDYN_NO_MEMORY;
+    *m = grown;
+    return PDYN_OK;
 }
 
-pdyn_status row_memory_set(pdyn_context *context, struct row_memory *m, const uint64_t *key,
-                           const void *block, int count, size_t size) {
-    pdyn_status status = make_room(context, m, count, size);
-    if (status != PDYN_OK || !count) return status;
+void row_memory_set(struct row_memory *m, const uint64_t *key, const void *block, int count,
+                    size_t size) {
     for (int k = 0; k < count; k++) m->entry[k] = (struct remembered){key[k], k};
     sort_by_key(m->entry, count);
     for (int k = 0; k < count; k++)
         memcpy(m->block + (size_t)k * size,
                (const unsigned char *)block + (size_t)m->entry[k].place * size, size);
     m->count = count;
-    return PDYN_OK;
 }
 
 static const void *find(const struct row_memory *m, uint64_t key, size_t size) {
@@ -83,7 +88,7 @@ void row_memory_persist(pdyn_context *context, struct row_memory *m, size_t size
     snapshot_file_count(snapshot, &count, sizeof m->entry->key + size,
                         "the number of remembered elements is out of range");
     if (snapshot->status != PDYN_OK) return;
-    if (snapshot->view.reading) snapshot->status = make_room(context, m, count, size);
+    if (snapshot->view.reading) snapshot->status = row_memory_reserve(context, m, count, size);
     if (snapshot->status != PDYN_OK) return;
     m->count = count;
     for (int k = 0; k < count; k++) {

@@ -17,9 +17,12 @@ struct row_memory {
     unsigned char *block;     /* room x size bytes, in the order of the entries */
 };
 
-/* Replaces everything by `count` blocks of `size` bytes with their keys. */
-pdyn_status row_memory_set(pdyn_context *context, struct row_memory *memory, const uint64_t *key,
-                           const void *block, int count, size_t size);
+/* Makes room for `count` blocks of `size` bytes. PDYN_NO_MEMORY: nothing has changed. */
+pdyn_status row_memory_reserve(pdyn_context *context, struct row_memory *memory, int count,
+                               size_t size);
+/* Replaces everything by `count` blocks with their keys, for which there is room. */
+void row_memory_set(struct row_memory *memory, const uint64_t *key, const void *block, int count,
+                    size_t size);
 
 /* Copies the block of every key to block (count x size bytes); zeros where a key is unknown. */
 void row_memory_get(const struct row_memory *memory, const uint64_t *key, void *block, int count,

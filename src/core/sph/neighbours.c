@@ -293,7 +293,9 @@ static pdyn_status reserve(struct neighbours *n) {
     FREE_ARRAY(n->context, n->lists.index, n->lists.capacity);
     n->lists.capacity = capacity;
     n->lists.index = NEW_ARRAY(n->context, capacity, int);
-    return n->lists.index ? PDYN_OK : PDYN_NO_MEMORY;
+    if (n->lists.index) return PDYN_OK;
+    n->lists.capacity = 0;
+    return PDYN_NO_MEMORY;
 }
 
 /* Builds all lists. If a block has too little room, allocates 25 % more than needed and builds them
