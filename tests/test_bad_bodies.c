@@ -122,6 +122,9 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'name': 'boundary', 'particles': {}}"),
      "scene.json:2:12: bodies[0].name: the name \"boundary\" is reserved for the files of "
      "the solids"},
+    {BODY("{'name': 'ball_000001', 'particles': {}}"),
+     "scene.json:2:12: bodies[0].name: names like \"ball_000001\" are those of frames: expected "
+     "another ending"},
     {BODY("{'name': 'body1', 'particles': {'radius': 0.1, 'fill': [{'box': " BOX "}]}},\n  " WATER),
      "scene.json:3:3: bodies[1].name: the name \"body1\" is already taken by another body, "
      "solid or probe"},

@@ -54,6 +54,13 @@ static bool is_taken(const struct scene *scene, const char *name) {
     return false;
 }
 
+/* Whether a name ends as the frames of another one do: NAME_dddddd. */
+static bool is_frame_of(const char *name) {
+    size_t digits = 0, length = strlen(name);
+    while (digits < length && strchr("0123456789", name[length - 1 - digits])) digits++;
+    return digits >= 6 && digits < length && name[length - 1 - digits] == '_';
+}
+
 pdyn_status reader_name(struct reader *r, const struct json_at *owner, const char *kind, int index,
                         char **out) {
     char number[READER_NAMES];
@@ -65,6 +72,9 @@ pdyn_status reader_name(struct reader *r, const struct json_at *owner, const cha
         return json_expected(&at, "a name of 1 to 64 letters, digits, '_' and '-'");
     if (!strcmp(name, "boundary"))
         return json_fail(&at, "the name \"boundary\" is reserved for the files of the solids");
+    if (is_frame_of(name))
+        return json_fail(&at, "names like \"%s\" are those of frames: expected another ending",
+                         name);
     if (is_taken(r->scene, name))
         return json_fail(&at, "the name \"%s\" is already taken by another body, solid or probe",
                          name);
