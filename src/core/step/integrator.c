@@ -41,11 +41,25 @@ static double begin_bdf2(struct pdyn_sim *sim, double h) {
 
 /* ---- impacts --------------------------------------------------------------------------------- */
 
+/* The part of an impulse, dv, m/s, that particle i gets: it changes v by at most twice the distance
+ * to the Euler velocity, (x_next - x) / h, and v_before by at most twice the distance to v.
+ * Otherwise a light vertex or body, pressed by water, a heavy body or a plate and held by other
+ * forces, would be thrown. */
+static double kept_part(const struct pdyn_sim *sim, int i, double h, const double *dv) {
+    double part = sim->objective.h / h, size = vec3_length(dv), missing = 0.0;
+    for (int k = 3 * i; k < 3 * i + 3; k++) {
+        double left = (sim->x_next[k] - sim->x[k]) / h - sim->v[k];
+        missing += left * left;
+    }
+    double changed = vec3_distance(sim->v + 3 * (size_t)i, sim->v_before + 3 * (size_t)i);
+    double kept = 1.0, lost = (1.0 - part) * size, gained = part * size;
+    if (lost * lost > 4.0 * missing) kept = 2.0 * sqrt(missing) / lost;
+    return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
+}
+
 /* Moves impulses (particles x 3, m/s) in v from the weight H to the weight H^2 / h, and adds the
- * latter to v_before. The change of a particle is limited to twice the distance to its Euler
- * velocity, (x_next - x) / h: otherwise a light vertex or body, pressed by water, a heavy body or a
- * plate and held by other forces, would be thrown. The momentum that the limit removes is returned
- * in *excess, divided by the total mass, for v and v_before. */
+ * latter to v_before, in their kept parts. The momentum that is not kept is returned in *excess,
+ * divided by the total mass, for v and v_before. */
 static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
                              double excess[2][3]) {
     const struct objective *objective = &sim->objective;
@@ -53,13 +67,7 @@ static void shift_velocities(struct pdyn_sim *sim, double h, const double *impul
     memset(excess, 0, 6 * sizeof **excess);
     for (int i = 0; i < objective->particles; i++) {
         const double *dv = impulse + 3 * i;
-        double size = (1.0 - part) * vec3_length(dv), squared = 0.0;
-        for (int k = 3 * i; k < 3 * i + 3; k++) {
-            double missing = (sim->x_next[k] - sim->x[k]) / h - sim->v[k];
-            squared += missing * missing;
-        }
-        double m = objective->mass[i], kept = 1.0;
-        if (size * size > 4.0 * squared) kept = 2.0 * sqrt(squared) / size;
+        double m = objective->mass[i], kept = kept_part(sim, i, h, dv);
         for (int a = 0; a < 3; a++) {
             double lost = (1.0 - part) * dv[a], gained = part * dv[a];
             sim->v[3 * i + a] -= kept * lost;
