@@ -9,6 +9,8 @@
 
 /* How far behind the opening a layer appears, in spacings. */
 #define INLET_BEHIND 1.0
+/* How far every second particle of a layer is in front of it, in spacings. */
+#define INLET_STAGGER 0.5
 
 /* Speed of the flow relative to the inlet at a time, s: m/s. */
 double inlet_speed(const struct scene_inlet *inlet, double time);

@@ -1,5 +1,6 @@
 #include "inlets.h"
 
+#include "falling_jet.h"
 #include "inlet_control.h"
 #include "scene/inlet_motion.h"
 
@@ -99,7 +100,7 @@ static void place(const struct pdyn_sim *sim, const struct live_inlet *inlet, in
 
 /* Lists the live particles of fluids close to a plane `distance` in front of the opening. */
 static int find_near(const struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
-    double reach = min_gap * spacing_of(sim, inlet), origin[3], normal[3];
+    double reach = (min_gap + INLET_STAGGER) * spacing_of(sim, inlet), origin[3], normal[3];
     int count = 0;
     place(sim, inlet, 0, distance, origin);
     inlet_direction(inlet->from, sim->time, normal);
@@ -171,6 +172,7 @@ static void let_go_of_layers(struct pdyn_sim *sim, struct live_inlet *inlet) {
     double free = inlet_layers_beyond(inlet->from, sim->time, spacing_of(sim, inlet), in_front);
     for (; inlet->free < fmin(free, inlet->layers); inlet->free++) {
         int holder = holder_of(sim, inlet, inlet->free);
+        falling_jet_narrow(sim, inlet, holder);
         for (int i = 0; i < sim->objective.particles; i++)
             if (sim->live->holder[i] == holder) set_holder(sim, i, 0);
     }
