@@ -232,10 +232,12 @@ int print_time_estimate(const pdyn_context *context, pdyn_sim *sim) {
            "about ",
            h, ceil(pdyn_frame_interval(sim) / h - 1e-6), duration / h, 1e3 * spent / steps,
            pdyn_thread_count(context), pdyn_thread_count(context) == 1 ? "" : "s");
-    double growth = points > 0.0 ? mean_points(sim, at_start) * steps / points : 1.0;
+    bool whole = pdyn_time(sim) >= duration;
+    double usual = fmax(at_start, points / steps), growth = 1.0;
+    if (usual > 0.0 && !whole) growth = mean_points(sim, at_start) / usual;
     print_seconds(spent / steps * duration / h * growth);
     if (growth > 1.0) printf(", with %.2g times as many particles by inlets,", growth);
-    if (pdyn_time(sim) < duration) {
+    if (!whole) {
         printf(" if all is like the first %.2g s", pdyn_time(sim));
         if (may_meet(sim))
             printf(", and up to 20 times as long where bodies and fluids meet later");

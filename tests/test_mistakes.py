@@ -95,7 +95,19 @@ MISTAKES = [
             "times its mean edge length: contact of so fine a mesh takes long [contact-thickness]"),
     Mistake("contact thickness above the edge length", change(("contact.thickness", 0.1)), "[contact-thickness]"),
     Mistake("a step that counts as solved too early", change(FREE, ("solver", {"tolerance": 2})), "[tolerance]"),
-    Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[light-sheet]"),
+    Mistake("free cloth that is too light for the water", change(FREE, ("bodies.1.surface.area_density", 0.05)), "[too-light]"),
+    Mistake("a rigid plate that hardly exceeds its water", change(("bodies.1", None), ("bodies.1", {
+        "name": "plate", "rigid": {"box": {"minimum": [-0.1, 0.2, -0.1], "maximum": [0.1, 0.21, 0.1]}, "density": 1500}})),
+            "heavier than the water it displaces by 5 kg/m^2", "[too-light]"),
+    Mistake("a towel that its pins dip into water", change(
+        ("bodies.1.constraints.1", {"type": "pin", "vertices": ALL, "path": [[0, 0, 0, 0], [0.05, 0, -0.1, 0]]})), "[too-light]"),
+    Mistake("times in frames", change(("solids.1", {**BALL, "motion": [{"time": 24}, {"time": 48, "translate": [0, 1, 0]}]}), *WATER_ONLY),
+            "its motion begins at 24 s, but the scene ends at 0.06 s [never]"),
+    Mistake("an outlet that was to be outside", change(("outlets", [ALL]), *WATER_ONLY), "[outlet]"),
+    Mistake("an inlet that points out of its tank", change(("bodies.0.particles", {"radius": 0.02, "inlets": [
+        {**JET, "disc": {"center": [0.2, 0.2, 0], "radius": 0.05}, "direction": [1, 0, 0]}]}), *WATER_ONLY), "flows out of the solid", "[blocked]", codes=(1, 1)),
+    Mistake("a rigid ball inside a solid one", change(("bodies.0", None), ("bodies.0", {**MARBLE}), ("solids.1", {
+        "name": "jail", "sphere": {"center": [0, 0.2, 0], "radius": 0.1}})), '"jail" [overlap]'),
     Mistake("cloth far coarser than the water",
             change(("bodies.1.surface.grid", {"size": [0.7, 0.7], "vertices": [2, 2]}), ("solids", []),
                    ("bodies.1.constraints.1.vertices", ALL)), "[edge-length]"),

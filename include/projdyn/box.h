@@ -20,6 +20,13 @@ static inline void box_add(struct box *box, const double x[3]) {
     }
 }
 
+/* Whether x is inside, or on a face: 0 or 1. */
+static inline int box_contains(const struct box *box, const double x[3]) {
+    int inside = 1;
+    for (int a = 0; a < 3; a++) inside &= x[a] >= box->min[a] && x[a] <= box->max[a];
+    return inside;
+}
+
 /* The longest side, m. */
 static inline double box_extent(const struct box *box) {
     double extent = 0.0;

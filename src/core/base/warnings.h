@@ -16,10 +16,12 @@
     X(SCALE, "scale")                                                                              \
     X(THICKNESS, "contact-thickness")                                                              \
     X(TOLERANCE, "tolerance")                                                                      \
-    X(LIGHT_SHEET, "light-sheet")                                                                  \
+    X(LIGHT, "too-light")                                                                          \
     X(EDGE_LENGTH, "edge-length")                                                                  \
     X(FRAMES, "frames")                                                                            \
     X(PROBE, "probe")                                                                              \
+    X(NEVER, "never")                                                                              \
+    X(OUTLET, "outlet")                                                                            \
     X(SEAMS, "seams")                                                                              \
     X(COINCIDENT, "coincident")                                                                    \
     X(OVERLAP, "overlap")                                                                          \

@@ -2,13 +2,31 @@
 #ifndef PDYN_WARN_H
 #define PDYN_WARN_H
 
+#include "scene/scene.h"
+
 #include "projdyn/box.h"
 #include "projdyn/projdyn.h"
 
 struct pdyn_sim;
 
+/* A warning about the scene (printf format). */
+#define WARN(sim, code, subject, ...)                                                              \
+    warnings_say((sim)->context,                                                                   \
+                 warnings_count(&(sim)->warnings, WARNING_##code, subject, 0.0, 1, 0.0),           \
+                 __VA_ARGS__)
+
 /* Raises warnings about values that are legal but surely not meant. */
 pdyn_status warn_of_scene(struct pdyn_sim *sim);
+/* The same about inlets, outlets and times, and about surfaces in a fluid: parts of it. */
+void warn_of_flow(struct pdyn_sim *sim);
+void warn_of_water(struct pdyn_sim *sim);
+
+/* Mean length of the edges of a surface at rest, m. */
+double warn_mean_edge(const pdyn_body *body);
+/* Whether a pin, or an attachment to another body, holds the body. */
+bool warn_is_held(const struct scene_body *body);
+/* The bounding box of a body. */
+struct box warn_box(const struct pdyn_sim *sim, const pdyn_body *body);
 
 /* The bounding box of all solids and live particles. */
 struct box warn_extent(const struct pdyn_sim *sim);

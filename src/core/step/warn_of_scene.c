@@ -11,34 +11,14 @@
 static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3 */
 static const double min_area_density = 1e-3, max_area_density = 100.0; /* kg/m^2 */
 static const double min_extent = 2e-3, max_extent = 500.0;             /* m */
-/* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
-static const double min_edge = 0.25, max_edge = 8.0;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
 static const double max_thickness = 2.5;
-/* A sheet below this share of the mass of a layer of particles stays on the water. */
-static const double light_share = 0.02;
 /* Share of the particles that may be left out where they overlap with something. */
 static const double max_left_out = 0.3;
 
-#define WARN(sim, code, subject, ...)                                                              \
-    warnings_say((sim)->context,                                                                   \
-                 warnings_count(&(sim)->warnings, WARNING_##code, subject, 0.0, 1, 0.0),           \
-                 __VA_ARGS__)
-
 /* ---- properties of bodies -------------------------------------------------------------------- */
 
-/* The lightest body of particles; NULL: there is none. */
-static const pdyn_body *find_fluid(const struct pdyn_sim *sim) {
-    const pdyn_body *lightest = NULL;
-    for (int b = 0; b < sim->bodies; b++) {
-        const pdyn_body *body = &sim->body[b];
-        if (body->radius == 0.0) continue;
-        if (!lightest || body->rest_density < lightest->rest_density) lightest = body;
-    }
-    return lightest;
-}
-
-static double mean_edge(const pdyn_body *body) {
+double warn_mean_edge(const pdyn_body *body) {
     double sum = 0.0;
     for (int e = 0; e < body->edges; e++)
         sum += vec3_distance(body->rest + 3 * (size_t)body->edge[2 * e],
@@ -46,16 +26,16 @@ static double mean_edge(const pdyn_body *body) {
     return sum / fmax(1.0, body->edges);
 }
 
-/* Whether the surface has no border, as that of a bag or of a volume. */
-static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * body->triangles; }
-
-/* Whether a pin, or an attachment to another body, holds the body. */
-static bool is_held(const struct scene_body *body) {
+bool warn_is_held(const struct scene_body *body) {
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
         if (c->type->flags & (PDYN_REACTION | PDYN_SEVERAL)) return true;
     }
     return false;
+}
+
+struct box warn_box(const struct pdyn_sim *sim, const pdyn_body *body) {
+    return box_around(sim->x + 3 * (size_t)body->first, body->count);
 }
 
 /* ---- checks ---------------------------------------------------------------------------------- */
@@ -111,49 +91,51 @@ static void check_density(struct pdyn_sim *sim, int b) {
              "an area density of %g kg/m^2 is unusual; cloth has 0.05 to 1 kg/m^2", area);
 }
 
-static struct box box_of(const struct pdyn_sim *sim, const pdyn_body *body) {
-    return box_around(sim->x + 3 * (size_t)body->first, body->count);
-}
-
-static bool contains(const struct box *box, const double x[3]) {
-    bool inside = true;
-    for (int a = 0; a < 3; a++) inside &= x[a] >= box->min[a] && x[a] <= box->max[a];
-    return inside;
-}
-
-/* Is the body, with the bounding box `box`, inside the closed surface of body k? */
+/* Is the body, with the bounding box `box`, inside a closed mesh? */
 static pdyn_status find_inside(const struct pdyn_sim *sim, const pdyn_body *body,
-                               const struct box *box, int k, bool *inside) {
-    struct box around = box_of(sim, &sim->body[k]);
+                               const struct box *box, const struct mesh *mesh, bool *inside) {
+    struct box around = box_around(mesh->vertex, mesh->vertices);
     struct mesh_query query;
-    *inside = contains(&around, box->min) && contains(&around, box->max);
+    *inside = box_contains(&around, box->min) && box_contains(&around, box->max);
     if (!*inside) return PDYN_OK;
-    pdyn_status status = mesh_query_create(sim->context, &sim->scene.body[k].mesh, &query);
+    pdyn_status status = mesh_query_create(sim->context, mesh, &query);
     if (status != PDYN_OK) return status;
     *inside = mesh_query_contains(&query, sim->x + 3 * (size_t)body->first);
     mesh_query_free(sim->context, &query);
     return PDYN_OK;
 }
 
-/* Bodies inside a rigid body: contact holds them there. */
-static pdyn_status check_inside(struct pdyn_sim *sim, int b) {
+static pdyn_status check_inside(struct pdyn_sim *sim, int b, const char *kind, const char *name,
+                                const struct mesh *mesh) {
     const pdyn_body *body = &sim->body[b];
-    struct box box = box_of(sim, body);
-    for (int k = 0; k < sim->bodies && body->triangles; k++) {
-        bool inside;
-        if (k == b || !sim->scene.body[k].is_rigid) continue;
-        pdyn_status status = find_inside(sim, body, &box, k, &inside);
-        if (status != PDYN_OK) return status;
-        if (inside)
-            WARN(sim, OVERLAP, body->name, "it starts inside of the rigid body \"%s\"",
-                 sim->body[k].name);
+    struct box box = warn_box(sim, body);
+    bool inside;
+    pdyn_status status = find_inside(sim, body, &box, mesh, &inside);
+    if (status == PDYN_OK && inside)
+        WARN(sim, OVERLAP, body->name, "it starts inside of the %s \"%s\"", kind, name);
+    return status;
+}
+
+/* Bodies inside a rigid body or a solid ball: contact holds them there. */
+static pdyn_status check_places(struct pdyn_sim *sim, int b) {
+    pdyn_status status = PDYN_OK;
+    if (!sim->body[b].triangles) return PDYN_OK;
+    for (int k = 0; k < sim->bodies && status == PDYN_OK; k++) {
+        const struct scene_body *other = &sim->scene.body[k];
+        if (k != b && other->is_rigid)
+            status = check_inside(sim, b, "rigid body", other->name, &other->mesh);
     }
-    return PDYN_OK;
+    for (int s = 0; s < sim->scene.solids && status == PDYN_OK; s++) {
+        const struct scene_solid *solid = &sim->scene.solid[s];
+        if (solid->kind == SOLID_SPHERE || solid->kind == SOLID_CAPSULE)
+            status = check_inside(sim, b, "solid", solid->name, &solid->mesh);
+    }
+    return status;
 }
 
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
-    struct box box = box_of(sim, body);
+    struct box box = warn_box(sim, body);
     double extent = box_extent(&box);
     if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
     WARN(sim, SCALE, body->name,
@@ -175,7 +157,7 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
 static void check_thickness(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
-    double edge = mean_edge(body);
+    double edge = warn_mean_edge(body);
     bool rigid = sim->scene.body[b].is_rigid;
     if (!body->triangles || thickness <= (rigid ? max_thickness : 1.0) * edge) return;
     if (rigid)
@@ -190,36 +172,6 @@ static void check_thickness(struct pdyn_sim *sim, int b) {
              thickness, edge);
 }
 
-/* Open sheets that are too light to sink in this fluid. */
-static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
-    const struct scene_body *body = &sim->scene.body[b];
-    double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
-    double displaced =
-        sim->scene.has_contact ? fluid->rest_density * sim->scene.contact.thickness : 0.0;
-    if (!sim->body[b].triangles || is_closed(&sim->body[b]) || is_held(body)) return;
-    if (sim->body[b].permeability > 0.0) return;
-    if (body->area_density < light_share * layer)
-        WARN(sim, LIGHT_SHEET, body->name,
-             "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
-             "water, and its steps need many iterations; with `permeability` it sinks",
-             body->area_density, body->area_density / layer, spacing);
-    else if (body->area_density < displaced)
-        WARN(
-            sim, LIGHT_SHEET, body->name,
-            "its %.3g kg/m^2 are less than the water of its contact thickness of %.3g m: it floats",
-            body->area_density, sim->scene.contact.thickness);
-}
-
-static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
-    const pdyn_body *body = &sim->body[b];
-    double ratio = mean_edge(body) / (2.0 * fluid->radius);
-    if (sim->scene.body[b].is_rigid) return; /* its steps cost the same, its faces are sampled */
-    if (!body->triangles || (ratio >= min_edge && ratio <= max_edge)) return;
-    WARN(sim, EDGE_LENGTH, body->name,
-         "its mean edge length is %.3g particle spacings; expected %g to %g", ratio, min_edge,
-         max_edge);
-}
-
 /* Free surfaces that something could stop: one warning for all. */
 static void check_contact(struct pdyn_sim *sim) {
     if (sim->scene.contact.thickness > 0.0 && !sim->scene.has_contact)
@@ -229,7 +181,7 @@ static void check_contact(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) surfaces += sim->body[b].triangles > 0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
-        if (!body->triangles || is_held(&sim->scene.body[b])) continue;
+        if (!body->triangles || warn_is_held(&sim->scene.body[b])) continue;
         if (!free++) first = body->name;
     }
     if (sim->scene.has_contact || !free || surfaces < 2) return;
@@ -290,7 +242,7 @@ static void check_probes(struct pdyn_sim *sim) {
         const struct scene_probe *probe = &sim->scene.probe[p];
         for (int k = 0; k < probe->at.count; k++) {
             const double *x = probe->at.x + 3 * (size_t)k;
-            if (contains(&box, x)) continue;
+            if (box_contains(&box, x)) continue;
             WARN(sim, PROBE, probe->name,
                  "(%g, %g, %g) is far from everything in the scene: it measures 0", x[0], x[1],
                  x[2]);
@@ -300,23 +252,23 @@ static void check_probes(struct pdyn_sim *sim) {
 }
 
 pdyn_status warn_of_scene(struct pdyn_sim *sim) {
-    const pdyn_body *fluid = find_fluid(sim);
     check_frames(sim);
     check_tolerance(sim);
     check_probes(sim);
     check_scale_of_solids(sim);
     check_elements(sim);
     check_contact(sim);
+    warn_of_flow(sim);
+    warn_of_water(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_constraints(sim, b);
         check_effect(sim, b);
-        pdyn_status status = check_inside(sim, b);
+        pdyn_status status = check_places(sim, b);
         if (status != PDYN_OK) return status;
         check_density(sim, b);
         check_scale(sim, b);
         check_thickness(sim, b);
         check_overlap(sim, b);
-        if (fluid) check_weight(sim, b, fluid), check_edges(sim, b, fluid);
     }
     return PDYN_OK;
 }

@@ -1,0 +1,111 @@
+/* Warnings about inlets and outlets, and about what would begin after the end of the scene. */
+#include "live_particles.h"
+#include "sim.h"
+#include "warn.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* Share of the particles at the start that outlets may remove at once. */
+static const double max_removed = 0.5;
+/* How far in front of its opening an inlet needs room, in spacings. */
+static const double room_in_front = 1.5;
+
+/* ---- inlets ---------------------------------------------------------------------------------- */
+
+/* Whether the opening, in or inside of a wall of the vessel, flows out of it. */
+static bool leaves(const struct scene_solid *solid, const double opening[3], const double front[3],
+                   double spacing) {
+    struct scene_box around = solid->box;
+    for (int a = 0; a < 3; a++) around.min[a] -= 0.5 * spacing, around.max[a] += 0.5 * spacing;
+    return solid->is_vessel && scene_box_contains(&around, opening) &&
+           !scene_box_contains(&solid->box, front);
+}
+
+/* Whether a closed solid contains the place in front of the opening. */
+static bool obstructs(const struct scene_solid *solid, const double front[3]) {
+    return solid->kind == SOLID_BOX && !solid->is_vessel && !solid->open &&
+           scene_box_contains(&solid->box, front);
+}
+
+static void check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
+    const struct scene_inlet *inlet = &sim->scene.body[body - sim->body].inlet[number];
+    double opening[3] = {0}, front[3], spacing = 2.0 * body->radius;
+    for (int k = 0; k < inlet->layer.count; k++)
+        vec3_add(opening, 1.0 / inlet->layer.count, inlet->layer.x + 3 * (size_t)k);
+    memcpy(front, opening, sizeof front);
+    vec3_add(front, room_in_front * spacing, inlet->direction);
+    for (int s = 0; s < sim->scene.solids && !inlet->motion.keys; s++) {
+        const struct scene_solid *solid = &sim->scene.solid[s];
+        if (solid->motion.keys) continue;
+        if (leaves(solid, opening, front, spacing))
+            WARN(sim, BLOCKED, body->name, "inlet %d flows out of the solid \"%s\"", number,
+                 solid->name);
+        else if (obstructs(solid, front))
+            WARN(sim, BLOCKED, body->name, "inlet %d flows into the solid \"%s\"", number,
+                 solid->name);
+    }
+}
+
+/* ---- outlets --------------------------------------------------------------------------------- */
+
+static void check_outlets(struct pdyn_sim *sim, const pdyn_body *body) {
+    long live = 0, removed = 0;
+    for (int i = body->first; i < body->first + body->count; i++) {
+        if (!particle_is_live(sim, i)) continue;
+        live++, removed += live_particles_leave(&sim->scene, sim->x + 3 * (size_t)i);
+    }
+    if ((double)removed > max_removed * (double)live)
+        WARN(sim, OUTLET, body->name,
+             "outlets remove %ld of its %ld particles in the first step; an outlet around a scene "
+             "needs \"outside\": true",
+             removed, live);
+}
+
+/* ---- times ----------------------------------------------------------------------------------- */
+
+/* What begins at a time, s, never does in a scene that ends before. */
+static void check_time(struct pdyn_sim *sim, const char *subject, const char *what, double time) {
+    double end = sim->scene.settings.duration;
+    if (time > 0.0 && time >= end)
+        WARN(sim, NEVER, subject, "%s begins at %g s, but the scene ends at %g s", what, time, end);
+}
+
+static void check_paths(struct pdyn_sim *sim, const char *subject,
+                        const struct scene_constraint *c) {
+    for (const pdyn_param *p = c->type->params; p->name; p++) {
+        const pdyn_path *path = (const pdyn_path *)((const char *)c->params + p->offset);
+        if (p->kind == PDYN_PATH && path->count > 1)
+            check_time(sim, subject, p->name, path->key[0]);
+    }
+}
+
+static void check_times_of_body(struct pdyn_sim *sim, const struct scene_body *body) {
+    for (int k = 0; k < body->constraints; k++) {
+        check_time(sim, body->name, body->constraint[k].type->name, body->constraint[k].from);
+        check_paths(sim, body->name, &body->constraint[k]);
+    }
+    for (int k = 0; k < body->inlets; k++) {
+        check_time(sim, body->name, "the flow of an inlet", body->inlet[k].start);
+        if (body->inlet[k].motion.keys > 1)
+            check_time(sim, body->name, "the motion of an inlet",
+                       body->inlet[k].motion.key[0].time);
+    }
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+void warn_of_flow(struct pdyn_sim *sim) {
+    for (int b = 0; b < sim->bodies; b++) {
+        const struct scene_body *body = &sim->scene.body[b];
+        check_times_of_body(sim, body);
+        for (int k = 0; k < body->inlets; k++) check_inlet(sim, &sim->body[b], k);
+        if (!sim->body[b].triangles) check_outlets(sim, &sim->body[b]);
+    }
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct scene_motion *motion = &sim->scene.solid[s].motion;
+        if (motion->keys > 1)
+            check_time(sim, sim->scene.solid[s].name, "its motion", motion->key[0].time);
+    }
+}

@@ -1,0 +1,105 @@
+/* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
+#include "sim.h"
+#include "warn.h"
+
+/* Mean edge lengths of meshes in fluid, in particle spacings (docs/results/interface.md). */
+static const double min_edge = 0.25, max_edge = 8.0;
+/* Shares of the mass of a layer of particles: a sheet below the first stays on the water, a body
+ * that exceeds its water by less than the second is not let down by it. */
+static const double light_share = 0.02, sinking_share = 0.5;
+/* Width of a strip that flows around, in particle spacings. */
+static const double narrow = 2.0;
+
+/* The lightest body of particles; NULL: there is none. */
+static const pdyn_body *find_fluid(const struct pdyn_sim *sim) {
+    const pdyn_body *lightest = NULL;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        if (body->radius == 0.0) continue;
+        if (!lightest || body->rest_density < lightest->rest_density) lightest = body;
+    }
+    return lightest;
+}
+
+/* Whether the surface has no border, as that of a bag or of a volume. */
+static bool is_closed(const pdyn_body *body) { return 2 * body->edges == 3 * body->triangles; }
+
+/* Whether no particle of the fluid is near it at the start. */
+static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+    struct box box = warn_box(sim, &sim->body[b]);
+    bool dry = true;
+    for (int a = 0; a < 3; a++) box.min[a] -= fluid->radius, box.max[a] += fluid->radius;
+    for (int i = fluid->first; i < fluid->first + fluid->count && dry; i++)
+        dry = !box_contains(&box, sim->x + 3 * (size_t)i);
+    return dry;
+}
+
+/* Whether pins draw a sheet, which is no narrow strip, along a path: into the water, if it is dry.
+ */
+static bool is_drawn(const struct pdyn_sim *sim, int b, double spacing) {
+    const struct scene_body *body = &sim->scene.body[b];
+    struct box box = warn_box(sim, &sim->body[b]);
+    bool drawn = false;
+    for (int k = 0; k < body->constraints; k++) {
+        const struct scene_constraint *c = &body->constraint[k];
+        for (const pdyn_param *p = c->type->params; p->name; p++)
+            if (p->kind == PDYN_PATH && (c->type->flags & PDYN_REACTION))
+                drawn |= ((const pdyn_path *)((const char *)c->params + p->offset))->count > 1;
+    }
+    return drawn && mesh_area(&body->mesh) > narrow * spacing * box_extent(&box);
+}
+
+/* Mass that a body exceeds its water by, kg/m^2: of a sheet per area, of a closed body along its
+ * shortest side. */
+static double excess_of(const struct pdyn_sim *sim, int b, double rest_density) {
+    const struct scene_body *body = &sim->scene.body[b];
+    double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
+    if (!(body->density > 0.0)) return body->area_density - rest_density * thickness;
+    struct box box = warn_box(sim, &sim->body[b]);
+    double shortest = INFINITY;
+    for (int a = 0; a < 3; a++) shortest = fmin(shortest, box.max[a] - box.min[a]);
+    return (body->density - rest_density) * shortest;
+}
+
+/* Sheets that do not get wet, and bodies that are heavier than water, but do not sink in one of
+ * particles (docs/results/interface.md). */
+static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+    const struct scene_body *body = &sim->scene.body[b];
+    double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
+    double excess = excess_of(sim, b, fluid->rest_density);
+    bool sheet = body->area_density > 0.0, dry = is_dry(sim, b, fluid);
+    if (!sim->body[b].triangles || sim->body[b].permeability > 0.0) return;
+    if (sheet && is_closed(&sim->body[b])) return;
+    if (warn_is_held(body) && !(dry && is_drawn(sim, b, spacing))) return;
+    if (sheet && body->area_density < light_share * layer)
+        WARN(sim, LIGHT, body->name,
+             "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
+             "water, and its steps need many iterations; with `permeability` it sinks",
+             body->area_density, body->area_density / layer, spacing);
+    else if (sheet && excess < 0.0)
+        WARN(sim, LIGHT, body->name,
+             "its %.3g kg/m^2 are less than the water of its contact thickness of %.3g m: it "
+             "floats; with `permeability` it sinks",
+             body->area_density, sim->scene.contact.thickness);
+    else if (excess > 0.0 && excess < sinking_share * layer && (dry || !sheet))
+        WARN(sim, LIGHT, body->name,
+             "it is heavier than the water it displaces by %.3g kg/m^2, less than half a layer of "
+             "particles (%.3g kg/m^2): it floats or sinks too slowly; smaller particles%s",
+             excess, sinking_share * layer, sheet ? ", or `permeability`" : "");
+}
+
+static void check_edges(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
+    const pdyn_body *body = &sim->body[b];
+    double ratio = warn_mean_edge(body) / (2.0 * fluid->radius);
+    if (sim->scene.body[b].is_rigid) return; /* its steps cost the same, its faces are sampled */
+    if (!body->triangles || (ratio >= min_edge && ratio <= max_edge)) return;
+    WARN(sim, EDGE_LENGTH, body->name,
+         "its mean edge length is %.3g particle spacings; expected %g to %g", ratio, min_edge,
+         max_edge);
+}
+
+void warn_of_water(struct pdyn_sim *sim) {
+    const pdyn_body *fluid = find_fluid(sim);
+    for (int b = 0; b < sim->bodies && fluid; b++)
+        check_weight(sim, b, fluid), check_edges(sim, b, fluid);
+}
