@@ -118,7 +118,8 @@ static void test_tables(void **state) {
     t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");
     t = good, t.flags = PDYN_NEIGHBOURS, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t = good, t.params_size = 4, refuse_type(t, "outside of params_size");
-    t = good, t.end = fill, refuse_type(t, "need update");
+    t = good, t.end = fill, refuse_type(t, "need each other");
+    t = good, t.end = fill, t.memory_size = 8, t.damping = damping, refuse_type(t, "excludes");
     t = good, t.flags = PDYN_EVERY_ITERATION, refuse_type(t, "need update");
     t = good, t.update = update, t.end = fill, refuse_type(t, "need each other");
     t = good, t.update = update, t.linear = is_linear, refuse_type(t, "update excludes");

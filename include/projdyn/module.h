@@ -418,13 +418,16 @@ typedef struct pdyn_constraint_type {
      * w (u - p). NULL: it is w/2 |u - p|^2. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Called at the beginning of every step with u = G x and p = G v: data may change. `weight` is
-     * called after it, and not before the first step. NULL: nothing changes. */
+     * called after it, and not before the first step. A step that is repeated begins again: what
+     * lasts belongs into `memory`. NULL: nothing changes. */
     void (*begin)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Memory of elements that come and go. `end` is called after every accepted step, with u and p
-     * of its end, and writes `memory` (memory_size bytes per element). In the next step, `memory`
-     * of an element with the same key has these bytes; that of a new element has zeros. The keys of
-     * a batch differ from each other. Saved states contain the memory. Only with `update`; both or
-     * none. */
+    /* State of elements that lasts, as plastic strain or the slip of friction. `end` is called
+     * after every accepted step, with u and p of its end, and writes `memory` (memory_size bytes
+     * per element, zeros at first); no other callback changes it. It is not called for a step that
+     * is repeated, other parameters leave the memory, and saved states contain it, so state belongs
+     * here and not into `data`. With `update`, `memory` of an element is that of the one with the
+     * same key in the step before, zeros for a new element; the keys of a batch differ from each
+     * other. Both or none; not with linear, damping or matrix_free. */
     size_t memory_size;
     void (*end)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Damping time, s: stress = stiffness (strain + damping x rate of strain). Above 0, core makes

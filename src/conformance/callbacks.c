@@ -176,8 +176,9 @@ static void check_select(struct check *check, struct guarded *a, struct guarded 
 static void check_others(struct check *check, struct guarded *a, struct guarded *b) {
     const pdyn_constraint_type *t = a->from->type;
     const struct call damping_rest = call_of("damping_rest", t->damping_rest, 1u << DATA),
-                      begin = call_of("begin", t->begin, 1u << DATA | 1u << WEIGHT),
-                      end = call_of("end", t->end, 1u << MEMORY);
+                      begin = call_of("begin", t->begin, 1u << DATA | 1u << WEIGHT);
+    struct call end = call_of("end", t->end, 1u << MEMORY);
+    end.zeroed = true; /* it may read the memory, too */
     if (t->damping_rest) guarded_compare(check, a, b, &damping_rest, 0);
     if (t->begin) guarded_compare(check, a, b, &begin, 0);
     if (t->end) guarded_compare(check, a, b, &end, 1u << MEMORY);

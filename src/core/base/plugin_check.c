@@ -113,9 +113,11 @@ static const char *operator_fault(const pdyn_operator *op) {
 /* Elements that come and go. */
 static const char *update_fault(const pdyn_constraint_type *t) {
     bool always = t->flags & PDYN_EVERY_ITERATION;
-    if (!t->update && (always || t->memory_size || t->end || t->scratch_size))
-        return "PDYN_EVERY_ITERATION, memory_size, end and scratch_size need update";
+    if (!t->update && (always || t->scratch_size))
+        return "PDYN_EVERY_ITERATION and scratch_size need update";
     if (!t->memory_size != !t->end) return "memory_size and end need each other";
+    if (t->memory_size && (t->linear || t->damping || t->matrix_free))
+        return "memory_size excludes linear, damping and matrix_free";
     if (t->update && (t->row_sizes || t->linear || t->damping || t->matrix_free))
         return "update excludes row_sizes, linear, damping and matrix_free";
     return always && t->begin ? "PDYN_EVERY_ITERATION excludes begin" : NULL;

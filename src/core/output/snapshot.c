@@ -75,6 +75,7 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
             note_status(a, batch->type->matrix_free->persist(batch->op, &a->view));
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, a);
+        if (a->view.reading && a->status == PDYN_OK && batch_is_static(batch)) batch_recall(batch);
     }
     if (a->status == PDYN_OK) solver_choice_persist(sim, a);
 }

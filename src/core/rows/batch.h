@@ -104,6 +104,8 @@ pdyn_status batch_update(struct batch *batch, const double *x, const double *v);
  * batch_prepare_end makes the memory for it: PDYN_NO_MEMORY. */
 pdyn_status batch_prepare_end(struct batch *batch);
 void batch_end(struct batch *batch);
+/* Gives each element the memory that the last step left to it. */
+void batch_recall(struct batch *batch);
 
 struct batch_step {               /* of the integrator, see pdyn_batch */
     double length, extrapolation; /* s; 1 */

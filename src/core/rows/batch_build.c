@@ -94,6 +94,7 @@ static pdyn_status create_rows(struct batch *b) {
     if (status == PDYN_OK && !rows_allocate(b, row_width)) status = context_no_memory(b->context);
     FREE_ARRAY(b->context, row_width, b->rows);
     if (status != PDYN_OK) return status;
+    for (int e = 0; e < v->elements && v->key; e++) v->key[e] = (uint64_t)e;
     b->type->select(b->params, v, 0, v->elements);
     /* Where a type has `begin`, its weights may depend on h: they are 0 until the first step. */
     if (!b->type->begin) rows_weigh(b, 0, v->elements);

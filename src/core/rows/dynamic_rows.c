@@ -81,19 +81,22 @@ static pdyn_status count_elements(struct batch *b, const double *x, const double
 }
 
 pdyn_status batch_update(struct batch *b, const double *x, const double *v) {
-    const pdyn_constraint_type *t = b->type;
     pdyn_status status = b->touch_start ? PDYN_OK : make_index(b);
     if (status == PDYN_OK) status = count_elements(b, x, v);
     if (status != PDYN_OK) return status;
     int elements = b->view.elements, blocks = pool_blocks(elements, b->grain);
     bool good = true;
-    if (t->memory_size)
-        row_memory_get(&b->memory, b->view.key, b->view.memory, elements, t->memory_size);
+    batch_recall(b);
     pool_for(b->context->pool, elements, b->grain, fill_rows, b);
     for (int k = 0; k < blocks; k++) good &= b->partial[k] == 0.0;
     status = good ? PDYN_OK : rows_check(b);
     if (status == PDYN_OK) rows_index(b);
     return status;
+}
+
+void batch_recall(struct batch *b) {
+    size_t size = b->type->memory_size;
+    if (size) row_memory_get(&b->memory, b->view.key, b->view.memory, b->view.elements, size);
 }
 
 static void end_rows(void *arg, int first, int last, int block) {
