@@ -122,6 +122,10 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'name': 'boundary', 'particles': {}}"),
      "scene.json:2:12: bodies[0].name: the name \"boundary\" is reserved for the files of "
      "the solids"},
+    {BODY("{'name': 'b', 'rigid': {'box': {'minimum': [0, 0, 0], 'maximum': [1, 1, 1]}, 'mass': 1, "
+          "'translate': [0, 2, 0], 'center_of_mass': [0, -0.1, 0]}}"),
+     "scene.json:2:133: bodies[0].rigid.center_of_mass: expected a place inside of the body, found "
+     "(0, 1.9, 0) m as placed, outside of its bounds"},
     {BODY("{'name': 'ball_000001', 'particles': {}}"),
      "scene.json:2:12: bodies[0].name: names like \"ball_000001\" are those of frames: expected "
      "another ending"},

@@ -120,6 +120,38 @@ static void test_mass(void **state) {
     pdyn_destroy(context);
 }
 
+/* Centre of mass of the only body. */
+static void centre_of_mass(const pdyn_sim *sim, double c[3]) {
+    c[0] = c[1] = c[2] = 0.0;
+    for (int k = 0; k < RIGID_POINTS; k++) {
+        int i = sim->body[0].first + sim->body[0].count + k;
+        vec3_add(c, 1.0 / RIGID_POINTS, sim->x + 3 * i);
+    }
+}
+
+/* A box with ballast spins about its centre of mass, which stays, and its middle moves around that.
+ */
+static void test_ballast(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, "{" STEPS_OF("0.01", "[0, 0, 0]") ", 'bodies': [" BOX(
+                                           ", 'translate': [3, 4, 5], 'rotate': [0, 90, 0], "
+                                           "'center_of_mass': [0.05, 0.1, 0], "
+                                           "'angular_velocity': [0, 0, 2]") "}]}");
+    double c[3], middle[3], swung;
+    centre_of_mass(sim, c);
+    assert_true(fabs(c[0] - 3.0) < 1e-12 && fabs(c[1] - 4.1) < 1e-12 && fabs(c[2] - 4.95) < 1e-12);
+    assert_true(vec3_length(momenta_of(sim).linear) < 1e-9);
+    while (pdyn_time(sim) < acos(-1.0) / 2.0 - 0.005) test_step(context, sim); /* half a turn */
+    centre_of_mass(sim, c);
+    mean_of(sim, 0, sim->x, middle);
+    swung = middle[1] - 4.1; /* -0.1 before */
+    assert_true(fabs(c[0] - 3.0) < 1e-9 && fabs(c[1] - 4.1) < 1e-9 && fabs(c[2] - 4.95) < 1e-9);
+    assert_true(fabs(swung - 0.1) < 2e-3);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 struct top { /* a free body in its principal axes: angular velocity, and the axes in space */
     double w[3], axes[9];
 };
@@ -395,12 +427,13 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_inward), cmocka_unit_test(test_mixed),
-        cmocka_unit_test(test_pieces), cmocka_unit_test(test_mass),
-        cmocka_unit_test(test_flight), cmocka_unit_test(test_pendulum),
-        cmocka_unit_test(test_forces), cmocka_unit_test(test_water_long),
-        cmocka_unit_test(test_poses),  cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_pair),   cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_inward),     cmocka_unit_test(test_mixed),
+        cmocka_unit_test(test_pieces),     cmocka_unit_test(test_mass),
+        cmocka_unit_test(test_ballast),    cmocka_unit_test(test_flight),
+        cmocka_unit_test(test_pendulum),   cmocka_unit_test(test_forces),
+        cmocka_unit_test(test_water_long), cmocka_unit_test(test_poses),
+        cmocka_unit_test(test_threads),    cmocka_unit_test(test_pair),
+        cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("rigid", tests, test_enter_directory, test_leave_directory);
 }

@@ -6,7 +6,9 @@
 #include "primitive_mesh.h"
 #include "transform.h"
 
+#include "projdyn/box.h"
 #include "projdyn/svd3.h"
+#include "projdyn/vec3.h"
 
 #include <string.h>
 
@@ -109,6 +111,29 @@ static pdyn_status weigh(const struct json_at *at, struct scene_body *body) {
     return PDYN_OK;
 }
 
+/* "center_of_mass", a place in the shape as it is given: ballast moves the mass there, with the
+ * inertia tensor that it has about its centre. */
+static pdyn_status move_centre(const struct json_at *at, struct scene_body *body) {
+    struct json_at centre = json_member(at, "center_of_mass");
+    struct box box = box_around(body->mesh.vertex, body->mesh.vertices);
+    struct transform transform;
+    double x[3], moved[3];
+    if (!centre.value) return PDYN_OK;
+    pdyn_status status = params_reals(&centre, 3, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", x);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, x, 1);
+    if (!box_contains(&box, x))
+        return json_fail(&centre,
+                         "expected a place inside of the body, found (%g, %g, %g) m as "
+                         "placed, outside of its bounds",
+                         x[0], x[1], x[2]);
+    vec3_subtract(moved, x, body->centre);
+    for (int k = 0; k < RIGID_POINTS; k++) vec3_add(body->point[k], 1.0, moved);
+    memcpy(body->centre, x, sizeof x);
+    return PDYN_OK;
+}
+
 /* ---- the body -------------------------------------------------------------------------------- */
 
 /* 0: absent; one of density and mass is given. */
@@ -122,8 +147,8 @@ static const pdyn_param rigid_params[] = {
     {0}};
 
 pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"mesh",  "box",    "sphere",    "capsule",
-                                         "scale", "rotate", "translate", NULL};
+    static const char *const others[] = {
+        "mesh", "box", "sphere", "capsule", "scale", "rotate", "translate", "center_of_mass", NULL};
     static const char *const masses[] = {"density", "mass"};
     struct scene_body *body = r->body;
     int unused;
@@ -132,5 +157,6 @@ pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = params_read(at, rigid_params, NULL, body);
     if (status == PDYN_OK) status = reader_one_of(at, masses, 2, &unused);
     if (status == PDYN_OK) status = read_shape(r, at);
-    return status == PDYN_OK ? weigh(at, body) : status;
+    if (status == PDYN_OK) status = weigh(at, body);
+    return status == PDYN_OK ? move_centre(at, body) : status;
 }
