@@ -113,6 +113,17 @@ static void print_rows(const struct solver_benchmark *benchmark, const char *hea
     }
 }
 
+/* Times of steps that did not reach the tolerance compare unequal work. */
+static void print_unsolved(const struct solver_benchmark *benchmark) {
+    for (int k = 0; k < benchmark->solvers; k++) {
+        const struct solver_timing *timing = &benchmark->solver[k];
+        if (timing->unsolved)
+            printf("%ld of %d steps with %s are unsolved: compare residuals, too, or give "
+                   "`outer_iterations` or a tolerance that it reaches\n",
+                   timing->unsolved, benchmark->steps, timing->solver);
+    }
+}
+
 static const struct solver_timing *find_fastest(const struct solver_benchmark *benchmark) {
     const struct solver_timing *best = benchmark->solver;
     for (int k = 1; k < benchmark->solvers; k++)
@@ -147,6 +158,7 @@ static void print_table(const struct solver_benchmark *benchmark) {
         "solver        prepare     ms/step  outer  linear   residual   memory MB  difference\n",
         "%-10s %10.2f  %10.3f %6.1f %7.1f   %8.2e  %10.1f    %8.2e\n");
     putchar('\n');
+    print_unsolved(benchmark);
     print_ranking(benchmark);
 }
 

@@ -44,6 +44,14 @@ static bool store_result(struct solver_timing *timing, const pdyn_sim *sim, doub
 }
 
 /* Runs the steps; lowers each step time to the minimum over the rounds and sums the iterations. */
+static long count_unsolved(const pdyn_sim *sim) {
+    long most = 0;
+    pdyn_warning w;
+    for (int k = 0; (w = pdyn_get_warning(sim, k)).code; k++)
+        if (!strcmp(w.code, "unsolved") && w.count > most) most = w.count;
+    return most;
+}
+
 static int run_steps(const struct solver_benchmark *benchmark, struct solver_timing *timing,
                      pdyn_context *context, pdyn_sim *sim) {
     timing->outer = timing->linear = timing->residual = 0.0;
@@ -58,6 +66,7 @@ static int run_steps(const struct solver_benchmark *benchmark, struct solver_tim
         timing->outer += info.outer_iterations, timing->linear += info.linear_iterations;
         timing->residual += info.step_residual;
     }
+    timing->unsolved = count_unsolved(sim);
     return EXIT_GOOD;
 }
 

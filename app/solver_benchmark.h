@@ -12,6 +12,7 @@ struct solver_timing {
     double *step_ms;      /* steps: each time step */
     double outer, linear; /* outer and linear iterations, summed over the steps */
     double residual;      /* step residual, summed over the steps */
+    long unsolved;        /* number of unsolved steps, of the body that has most */
     char integrator[16];  /* integrator of the scene */
     double bytes;         /* memory allocated after the last step */
     int particles;

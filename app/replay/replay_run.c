@@ -175,6 +175,7 @@ static int open_body(struct run *run, int b) {
         return replay_error("%s/report.json: bodies[%d]: expected a \"name\" without '/'",
                             run->directory, b);
     part->fluid = is_fluid(run, part->name);
+    if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
     int code = read_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);

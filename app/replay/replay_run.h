@@ -30,7 +30,7 @@ struct part {
     const char *folder;    /* of its files in the directory of the run: "" or "solids/" */
     const char *name;      /* owned by the report, or by run->body_list */
     const char *color;     /* "#rrggbb"; NULL: none of its own */
-    const char *shape;     /* of a solid: "box", "mesh", ... */
+    const char *shape;     /* of a solid: "box", "mesh", ...; "rigid" of a rigid body */
     json_t *series;        /* content of NAME.vtk.series, or the like for a part at rest */
     json_t *files;         /* its array of frames */
     int count;             /* points, maximum over the frames */

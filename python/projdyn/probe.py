@@ -9,6 +9,7 @@ from ._arrays import view
 from ._fixed import Fixed
 from ._handles import Handle
 from ._library import lib
+from ._names import Names
 from ._structs import ProbeInfo
 
 
@@ -40,7 +41,7 @@ class Probe(Fixed):
 
 def probes_of(handle: Handle) -> dict[str, Probe]:
     """The probes of a simulation by their names."""
-    found: dict[str, Probe] = {}
+    found: dict[str, Probe] = Names()
     info = ProbeInfo()
     while True:
         lib.pdyn_get_probe_sized(handle.pointer, len(found), byref(info), sizeof(info))

@@ -72,7 +72,8 @@ class Renderer {
   /* Everything that is drawn: .part, and how. The order of meta.bodies gives colours to those without their own. */
   makeParts() {
     const gl = this.gl;
-    this.parts = meta.bodies.map((part, k) => part.triangles ? new Surface(gl, part) : new Points(gl, part));
+    this.parts = meta.bodies.map((part) => !part.triangles ? new Points(gl, part)
+      : this.isCup(part) ? new Glass(gl, part) : new Surface(gl, part));
     this.tintBodies();
     for (const part of meta.solids) {
       const shape = this.isVessel(part) ? new Glass(gl, part) : new Surface(gl, part);
@@ -102,8 +103,15 @@ class Renderer {
   isVessel(part) {
     const around = this.camera.centre.every((v, k) => v > part.box[0][k] && v < part.box[1][k]);
     if (part.kind === "box") return around || !isClosed(metres(part, 0), part.index);
+    return this.hides(part, meta.bodies);
+  }
+  /* Whether a body is a container: a rigid one that hides a fluid. */
+  isCup(part) {
+    return part.kind === "rigid" && this.hides(part, meta.bodies.filter((body) => body.fluid));
+  }
+  hides(part, bodies) {
     const last = lastFrame(), { back } = this.camera.axes();
-    return [...new Set([0, last >> 1, last])].some((f) => meta.bodies.some((body) => hidesBody(part, body, f, back)));
+    return [...new Set([0, last >> 1, last])].some((f) => bodies.some((body) => hidesBody(part, body, f, back)));
   }
   upload(frame) {
     for (const shape of this.parts) {

@@ -115,11 +115,11 @@ static json_t *particles(const struct report *report, const pdyn_sim *sim) {
 /* A "color" of the scene; NULL: none. */
 static const char *color_of(const char color[8]) { return color[0] ? color : NULL; }
 
-static json_t *body(const pdyn_body_info *info, const char *color, json_t *residual) {
+static json_t *body(const pdyn_body_info *info, bool rigid, const char *color, json_t *residual) {
     if (info->triangles)
-        return json_pack("{s:s, s:s, s:i, s:i, s:s*, s:o}", "name", info->name, "kind", "surface",
-                         "count", info->count, "triangles", info->triangles, "color", color,
-                         "step_residual", residual);
+        return json_pack("{s:s, s:s, s:b, s:i, s:i, s:s*, s:o}", "name", info->name, "kind",
+                         "surface", "rigid", rigid, "count", info->count, "triangles",
+                         info->triangles, "color", color, "step_residual", residual);
     return json_pack("{s:s, s:s, s:i, s:o, s:o, s:s*, s:o}", "name", info->name, "kind",
                      "particles", "count", info->count, "radius_m", real(info->radius),
                      "rest_density", real(info->rest_density), "color", color, "step_residual",
@@ -132,7 +132,8 @@ static json_t *bodies(const struct report *report, const pdyn_sim *sim) {
         pdyn_body_info info = pdyn_get_body(sim, b);
         json_t *residual = mean_max_of(report, &report->residual[b]);
         const char *color = color_of(sim->scene.body[b].color);
-        if (json_array_append_new(list, body(&info, color, residual)))
+        bool rigid = sim->scene.body[b].is_rigid;
+        if (json_array_append_new(list, body(&info, rigid, color, residual)))
             return json_decref(list), NULL;
     }
     return list;
