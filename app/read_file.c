@@ -4,7 +4,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,11 +18,7 @@ static int fail(const char *path, const char *what, const char *reason) {
 /* Reads the open file; parameters and result as for read_file(). */
 static int read_descriptor(const char *path, int descriptor, char **text, size_t *size) {
     struct stat info;
-    bool known = !fstat(descriptor, &info);
-    if (known && S_ISDIR(info.st_mode))
-        return fail(path, "cannot read",
-                    "expected a file, found a folder; --resume goes on with a run");
-    if (!known || !S_ISREG(info.st_mode))
+    if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))
         return fail(path, "cannot read", "expected a regular file");
     size_t total = (size_t)info.st_size, length = 0;
     char *bytes = malloc(total + 1);

@@ -16,6 +16,8 @@ static const struct bad_scene bad_scenes[] = {
     {"{'duration': 1,\n 'bodies': [}", "scene.json:2:13: not valid JSON: *"},
     {"{'duration': 1,\n 'duration': 2}",
      "scene.json:2:11: not valid JSON: duplicate object key near '\"duration\"'"},
+    {"{\n// a comment\n'duration': 1}",
+     "scene.json:2:1: not valid JSON: string or '}' expected near '/'; JSON has no comments"},
     {"{'duration': 1} x", "scene.json:1:17: not valid JSON: *"},
     {"{'duration': 1e999}", "scene.json:1:18: not valid JSON: *"},
     {"{'duration': 99999999999999999999}", "scene.json:1:33: not valid JSON: *"},

@@ -11,7 +11,8 @@ static pdyn_status load_open(pdyn_context *context, const char *path, int descri
                              size_t *size) {
     struct stat info;
     if (fstat(descriptor, &info) || !S_ISREG(info.st_mode))
-        return context_fail(context, PDYN_IO_FAILED, "%.1024s: expected a regular file", path);
+        return context_fail(context, PDYN_IO_FAILED, "%.1024s: expected a regular file%s", path,
+                            S_ISDIR(info.st_mode) ? ", found a folder" : "");
     *size = (size_t)info.st_size;
     *data = NEW_ARRAY(context, *size + 1, char);
     if (!*data) return PDYN_NO_MEMORY;

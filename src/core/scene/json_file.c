@@ -211,9 +211,10 @@ static pdyn_status parse(struct json_file *file) {
     struct json_at root = json_root(file);
     if (file->root) return json_is_object(file->root) ? PDYN_OK : json_expected(&root, "an object");
     text_clip(text, sizeof text, error.text);
-    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s",
+    return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s:%d:%d: not valid JSON: %s%s",
                         file->name, error.line < 1 ? 1 : error.line,
-                        error.column < 1 ? 1 : error.column, text);
+                        error.column < 1 ? 1 : error.column, text,
+                        strstr(text, "near '/'") ? "; JSON has no comments" : "");
 }
 
 pdyn_status json_file_open(pdyn_context *context, const char *name, bool on_disk, const char *text,
