@@ -254,7 +254,7 @@ static void test_files(void **state) {
     assert_message("folder/scene.json:2:22: solids[0].mesh: wall.obj: cannot open the file: "
                    "No such file or directory");
     assert_int_equal(read_scene("folder", NULL, NULL, 0, &scene), PDYN_IO_FAILED);
-    assert_message("folder: expected a regular file");
+    assert_message("folder: expected a regular file, found a folder");
     assert_int_equal(read_scene("none.json", NULL, NULL, 0, &scene), PDYN_IO_FAILED);
     assert_message("none.json: cannot open the file: No such file or directory");
     test_write_text("folder/scene.json", "{\n  \"duration\": 1,\n  \"bodies\": [\n");

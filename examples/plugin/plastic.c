@@ -81,7 +81,6 @@ static const pdyn_constraint_type type = {
     .params_size = sizeof(struct params),
     .params = params,
     .data_size = sizeof(double),
-    .memory_size = sizeof(double),
     .elements = elements,
     .rows = 1,
     .width = 2,
@@ -89,6 +88,7 @@ static const pdyn_constraint_type type = {
     .weight = weight,
     .project = project,
     .tangent_rank1 = tangent,
+    .memory_size = sizeof(double),
     .end = end,
 };
 
