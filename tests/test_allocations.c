@@ -21,6 +21,7 @@ struct walk {
     struct counter counter;
     const char *text;
     uint64_t hash[STEPS + 2]; /* after 0, 1, 2 ... steps without a failure */
+    double *x[STEPS + 2];     /* m: positions */
 };
 
 /* Whether the call succeeded. Every failure must be "out of memory". */
@@ -33,7 +34,8 @@ static bool succeeded(const struct walk *w, pdyn_status status) {
     return false;
 }
 
-/* A state saved now continues like the simulation without a failure after `steps` steps. */
+/* A state saved now continues like the simulation without a failure after `steps` steps. Not with
+ * the same bits: lists, and the regions of contact, are those of the step that failed. */
 static void continues_from(struct walk *w, pdyn_sim *sim, int steps) {
     assert_true(pdyn_state_hash(sim) == w->hash[steps]);
     assert_true(succeeded(w, pdyn_save(sim, "saved")));
@@ -41,7 +43,8 @@ static void continues_from(struct walk *w, pdyn_sim *sim, int steps) {
     assert_true(succeeded(w, pdyn_restore(other, "saved")));
     assert_true(pdyn_state_hash(other) == w->hash[steps]);
     test_step(w->context, other);
-    assert_true(pdyn_state_hash(other) == w->hash[steps + 1]);
+    for (int k = 0; k < 3 * other->objective.particles; k++)
+        assert_true(fabs(other->x[k] - w->x[steps + 1][k]) < 1e-3);
     pdyn_free(other);
     test_remove_file("saved");
 }
@@ -89,8 +92,10 @@ static long prepare(struct walk *w) {
     pdyn_sim *sim = test_load(w->context, w->text);
     w->hash[0] = pdyn_state_hash(sim);
     for (int k = 1; k < STEPS + 2; k++) {
+        size_t size = 3 * (size_t)sim->objective.particles * sizeof(double);
         test_step(w->context, sim);
         w->hash[k] = pdyn_state_hash(sim);
+        w->x[k] = memcpy(malloc(size), sim->x, size);
         if (k == 1) assert_true(succeeded(w, pdyn_save(sim, "one")));
     }
     pdyn_free(sim);
@@ -113,6 +118,7 @@ static void test_scenes(void **state) {
                 walk(&w);
             }
         test_remove_file("one");
+        for (int n = 1; n < STEPS + 2; n++) free(w.x[n]);
         pdyn_destroy(w.context);
     }
     if (getenv("PROJDYN_ALLOCATIONS")) printf("%ld failed allocations\n", failures);

@@ -148,11 +148,55 @@ static void test_collision_long(void **state) {
     assert_true(collide(COLLISION(", 'damping_ratio': 0")) > 0.585);
 }
 
+/* A floor of 15 x 15 cells of two triangles, 1 m wide. */
+static void write_floor(const char *name) {
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    for (int i = 0; i < 16; i++)
+        for (int j = 0; j < 16; j++)
+            fprintf(file, "v %.6f 0 %.6f\n", i / 15.0 - 0.5, j / 15.0 - 0.5);
+    for (int i = 0; i < 15; i++)
+        for (int j = 0; j < 15; j++) {
+            int a = 16 * i + j + 1;
+            fprintf(file, "f %d %d %d\nf %d %d %d\n", a, a + 1, a + 17, a, a + 17, a + 16);
+        }
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A ball slides over the edges of the floor as over a plane: it keeps its speed, its height and its
+ * course, and does not spin. */
+static void test_floor_of_triangles(void **state) {
+    (void)state;
+    write_floor("floor.obj");
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.004", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0}, "
+                                               "'solids': [{'mesh': 'floor.obj'}], "
+                                               "'bodies': [{'velocity': [1, 0, 0.3], "
+                                               "'rigid': {'sphere': {'center': [-0.4, "
+                                               "0.1029, -0.1], 'radius': 0.1}, 'density': "
+                                               "1000}}]}");
+    steps(context, sim, 20);
+    double start[3], end[3], v[3];
+    mean_of(sim, 0, sim->x, start);
+    steps(context, sim, 150);
+    mean_of(sim, 0, sim->x, end), mean_of(sim, 0, sim->v, v);
+    assert_true(fabs(v[0] - 1.0) < 1e-3 && fabs(v[1]) < 1e-2 && fabs(v[2] - 0.3) < 1e-3);
+    assert_true(fabs(end[1] - start[1]) < 2e-4);
+    for (int i = 0; i < sim->body[0].count; i++)
+        assert_true(vec3_distance(sim->v + 3 * i, v) < 2e-3);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("floor.obj");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slope),
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),
+        cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_collision_long),
     };

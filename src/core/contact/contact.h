@@ -127,6 +127,10 @@ struct contact {
     int *face;             /* faces x 3: points */
     int edges, free_edges, edges_room;
     int *edge; /* edges_room x 2: points */
+    /* flat parts of solids and rigid bodies (flat_sides.c) */
+    int *across;      /* faces x 3: the face beyond the flat side opposite a corner; -1: no such */
+    bool *flat_edge;  /* edges_room: is such a side */
+    bool *flat_point; /* points: has such sides all around */
     int groups, bodies;
     struct contact_solid *solid; /* groups - bodies */
     int rigids;
@@ -150,6 +154,13 @@ struct contact {
      * without bearings; without friction */
     struct batch *barrier, *damping, *friction;
 };
+
+/* Finds the flat sides of solids and rigid bodies. */
+pdyn_status contact_find_flat_sides(struct contact *contact);
+/* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
+ * near and has a lower number. */
+bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,
+                                 const struct hit *hit);
 
 /* Allocates or frees the arrays whose sizes are known from the scene: they have the counts of
  * points, faces and so on in their comments. step/build_contact.c fills them. */

@@ -45,7 +45,8 @@ static void find_hits(void *arg, int first, int last, int block) {
         struct hit hit = {.pair = k};
         pair_load(p->point, c->at, x);
         p->distance = hit.distance = sqrt(pair_kind_of(p->key)->closest(x, hit.c));
-        if (hit.distance < p->thickness) c->hits.hit[first + count++] = hit;
+        if (hit.distance < p->thickness && !contact_is_beyond_flat_side(c, p, &hit))
+            c->hits.hit[first + count++] = hit;
     }
     c->hits.count[block] = count;
 }

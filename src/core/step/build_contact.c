@@ -209,7 +209,8 @@ pdyn_status contact_create(struct pdyn_sim *sim) {
     if (!contact_resize(c, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     add_bodies(c, sim);
     add_solids(c, sim);
-    pdyn_status status = create_trees(c);
+    pdyn_status status = contact_find_flat_sides(c);
+    if (status == PDYN_OK) status = create_trees(c);
     if (status == PDYN_OK) status = add_batches(sim);
     return status == PDYN_OK ? place(sim) : status;
 }

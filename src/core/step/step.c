@@ -157,6 +157,7 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
 /* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
 static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
                                         struct progress *progress, int *retries) {
+    double eps = sim->eps;
     pdyn_status status = attempt(sim, end, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
@@ -168,7 +169,9 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
         ++*retries;
     }
     if (status == PDYN_OK) status = objective_end(&sim->objective);
-    return status == PDYN_OK ? PDYN_OK : fail_step(sim, end->h, status);
+    if (status == PDYN_OK) return PDYN_OK;
+    sim->eps = eps;
+    return fail_step(sim, end->h, status);
 }
 
 /* Step residual up to which an unsolved step may serve as history: half of the weight of every

@@ -1,0 +1,132 @@
+/* Flat parts of solids and rigid bodies: points whose sides all lie between two triangles in one
+ * plane, and the sides at such points. What touches a plane touches it with its own vertices, so
+ * edges and points within a flat part take no part in contact, and of two triangles that meet at
+ * such a side only the nearer one touches a vertex. Otherwise a floor of many triangles would have
+ * bumps at its edges: two pairs push where one does elsewhere. The diagonal of a box's face is no
+ * such side: where boxes stand on each other edge over edge, it helps to hold them. */
+#include "contact.h"
+
+#include "projdyn/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Sine of the largest angle between the normals of two triangles in one plane. */
+static const double flat_angle = 1e-5;
+
+struct side {      /* of a triangle: opposite its corner */
+    int low, high; /* its points */
+    int face, corner;
+};
+
+static int compare_sides(const void *a, const void *b) { return memcmp(a, b, 2 * sizeof(int)); }
+
+/* Whether a group keeps its shape. */
+static bool is_stiff(const struct contact *c, int group) {
+    bool rigid = group >= c->bodies;
+    for (int k = 0; k < c->rigids; k++) rigid |= c->rigid[k].group == group;
+    return rigid;
+}
+
+/* Lists the sides of all triangles that keep their shape; their points may be flat. */
+static int list_sides(struct contact *c, struct side *side) {
+    int count = 0, group = -1;
+    bool stiff = false;
+    for (int k = 0; k < 3 * c->faces; k++) {
+        int corner = k % 3, *face = c->face + (k - corner);
+        int a = face[(corner + 1) % 3], b = face[(corner + 2) % 3];
+        if (c->group[a] != group) stiff = is_stiff(c, group = c->group[a]);
+        c->across[k] = -1;
+        if (!stiff) continue;
+        side[count++] = (struct side){a < b ? a : b, a < b ? b : a, k / 3, corner};
+        c->flat_point[a] = true;
+    }
+    return count;
+}
+
+static int opposite(const struct contact *c, const struct side *s) {
+    return c->face[3 * s->face + s->corner];
+}
+
+/* From the side to its opposite corner, normal to the side. */
+static void height_of(const struct contact *c, const struct side *s, double h[3]) {
+    const double *a = c->rest + 3 * (size_t)s->low, *b = c->rest + 3 * (size_t)s->high;
+    double along[3];
+    vec3_subtract(along, b, a);
+    vec3_subtract(h, c->rest + 3 * (size_t)opposite(c, s), a);
+    vec3_add(h, -vec3_dot(h, along) / vec3_dot(along, along), along);
+}
+
+/* Whether two triangles lie in one plane, on two sides of their common side. */
+static bool are_flat(const struct contact *c, const struct side *s) {
+    double h[2][3], turned[3];
+    for (int k = 0; k < 2; k++) height_of(c, &s[k], h[k]);
+    vec3_cross(turned, h[0], h[1]);
+    return vec3_dot(h[0], h[1]) < 0.0 &&
+           vec3_length(turned) <= flat_angle * vec3_length(h[0]) * vec3_length(h[1]);
+}
+
+/* Finds the flat ones in a sorted list, moves them to its front, and returns their number. */
+static int keep_flat(struct contact *c, struct side *side, int count) {
+    int kept = 0;
+    for (int first = 0, last; first < count; first = last) {
+        for (last = first + 1; last < count && !compare_sides(&side[first], &side[last]);) last++;
+        const struct side s[2] = {side[first], side[first + (last - first == 2)]};
+        if (last - first == 2 && are_flat(c, s)) {
+            c->across[3 * s[0].face + s[0].corner] = s[1].face;
+            c->across[3 * s[1].face + s[1].corner] = s[0].face;
+            side[kept++] = s[0];
+        } else c->flat_point[s[0].low] = c->flat_point[s[0].high] = false;
+    }
+    return kept;
+}
+
+static bool is_inside(const struct contact *c, int a, int b) {
+    return c->flat_point[a] || c->flat_point[b];
+}
+
+/* Keeps the sides inside of flat parts, and marks their edges. */
+static void mark(struct contact *c, const struct side *side, int count) {
+    for (int k = 0; k < 3 * c->faces; k++) {
+        const int *face = c->face + k / 3 * 3;
+        if (!is_inside(c, face[(k + 1) % 3], face[(k + 2) % 3])) c->across[k] = -1;
+    }
+    for (int e = 0; e < c->edges; e++) {
+        int a = c->edge[2 * e], b = c->edge[2 * e + 1];
+        const struct side key = {a < b ? a : b, a < b ? b : a, 0, 0};
+        c->flat_edge[e] = count && is_inside(c, a, b) &&
+                          bsearch(&key, side, (size_t)count, sizeof *side, compare_sides);
+    }
+}
+
+pdyn_status contact_find_flat_sides(struct contact *c) {
+    struct side *side = NEW_ARRAY(c->context, 3 * (size_t)c->faces, struct side);
+    if (!side && c->faces) return PDYN_NO_MEMORY;
+    int count = list_sides(c, side);
+    if (count) qsort(side, (size_t)count, sizeof *side, compare_sides);
+    mark(c, side, keep_flat(c, side, count));
+    FREE_ARRAY(c->context, side, 3 * (size_t)c->faces);
+    return PDYN_OK;
+}
+
+/* Relative difference of distances that are the same. */
+static const double same = 1e-9;
+
+bool contact_is_beyond_flat_side(const struct contact *c, const struct pair *p,
+                                 const struct hit *hit) {
+    int face = (int)(p->key & 0xFFFFFFFFu);
+    if (pair_kind_of(p->key) != &pair_vertex_face) return false;
+    for (int k = 0; k < 3; k++) {
+        int other = c->across[3 * face + k];
+        if (other < 0 || hit->c[1 + k] != 0.0) continue;
+        const int *corner = c->face + 3 * other,
+                  point[4] = {p->point[0], corner[0], corner[1], corner[2]};
+        const double *x[4];
+        double w[4];
+        pair_load(point, c->at, x);
+        double distance = sqrt(pair_vertex_face.closest(x, w));
+        if (distance < (1.0 - same) * hit->distance) return true;
+        if (distance <= (1.0 + same) * hit->distance && other < face) return true;
+    }
+    return false;
+}
