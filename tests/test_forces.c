@@ -362,7 +362,7 @@ static void test_loads(void **state) {
     free(force);
     pdyn_free(sim);
     sim = test_load(context, tank_scene);
-    assert_null(sim->objective.before); /* no scratch where there are no loads */
+    assert_null(sim->objective.without_load); /* no scratch where there are no loads */
     pdyn_free(sim);
     pdyn_destroy(context);
 }

@@ -52,8 +52,9 @@ struct objective {
     bool dynamic_rows;               /* some batch changes its elements from step to step */
     int bodies;
     struct objective_body *body; /* bodies, by first particle; together they have all particles */
-    double *before;              /* particles x 3: scratch of residual.h; NULL: no loads */
-    double *partial;             /* partial sums, one per block of PARTICLE_GRAIN particles */
+    double *without_load; /* particles x 3, N: the gradient before a load (residual.c); NULL: no
+                             loads */
+    double *partial;      /* partial sums, one per block of PARTICLE_GRAIN particles */
     double ms_neighbours, ms_local;
     int64_t work; /* entries of G that local steps and products have visited so far; a pass over a
                      one-sided constraint counts as NEIGHBOURHOOD entries, the vector operations of

@@ -55,11 +55,11 @@ static bool puts_load(const struct batch *batch) { return batch->samples; }
 pdyn_status residual_create(struct objective *o) {
     bool loads = false;
     for (int b = 0; b < o->batches; b++) loads |= puts_load(o->batch[b]);
-    if (loads) o->before = NEW_VECTOR(o->context, o->particles);
-    return loads && !o->before ? PDYN_NO_MEMORY : PDYN_OK;
+    if (loads) o->without_load = NEW_VECTOR(o->context, o->particles);
+    return loads && !o->without_load ? PDYN_NO_MEMORY : PDYN_OK;
 }
 
-void residual_free(struct objective *o) { FREE_VECTOR(o->context, o->before, o->particles); }
+void residual_free(struct objective *o) { FREE_VECTOR(o->context, o->without_load, o->particles); }
 
 /* A constraint puts no load on its own body: what acts there are the forces that are solved for. */
 static bool is_own(const struct batch *batch, const struct objective_body *body) {
@@ -78,14 +78,15 @@ void residual_open(struct objective *o, const double *inertial) {
 }
 
 void residual_open_load(struct objective *o, const struct batch *batch, const double *gradient) {
-    if (puts_load(batch)) memcpy(o->before, gradient, objective_bytes(o));
+    if (puts_load(batch)) memcpy(o->without_load, gradient, objective_bytes(o));
 }
 
 void residual_add_load(struct objective *o, const struct batch *batch, const double *gradient) {
     if (!puts_load(batch)) return;
-    objective_axpy(o, -1.0, gradient, o->before);
+    objective_axpy(o, -1.0, gradient, o->without_load);
     for (int b = 0; b < o->bodies; b++)
-        if (!is_own(batch, &o->body[b])) o->body[b].load += body_norm(o, &o->body[b], o->before);
+        if (!is_own(batch, &o->body[b]))
+            o->body[b].load += body_norm(o, &o->body[b], o->without_load);
 }
 
 /* ---- residuals ------------------------------------------------------------------------------- */

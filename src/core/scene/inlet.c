@@ -75,7 +75,8 @@ static pdyn_status check_size(const struct json_at *at, double points) {
 }
 
 /* Appends the lattice point i spacings across and j spacings up from the centre. Every second point
- * is in front, as on a chessboard: layers that a falling jet draws apart stay in reach of each other.
+ * is in front, as on a chessboard: layers that a falling jet draws apart stay in reach of each
+ * other.
  */
 static pdyn_status add_point(const struct json_at *at, const struct opening *o, double i,
                              double j) {

@@ -99,7 +99,7 @@ static pdyn_status resolve_flagged(const struct json_at *at, struct scene_body *
                                    const struct obstacle *o, const unsigned char *flag) {
     if (body->keep_overlap) return check_kept(at, body, o, flag);
     int count = body->start.count, removed = remove_flagged(body, flag);
-    body->left_out += removed;
+    body->overlapping += removed;
     if (removed)
         context_log(at->file->context, PDYN_LOG_INFO,
                     "body \"%s\": %d of %d particles overlap %s \"%s\" and are left out",

@@ -85,13 +85,13 @@ struct scene_body {
     struct tets tets; /* of a volume, whose surface is `mesh` */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     bool keep_overlap;                /* particles that overlap obstacles stay */
-    int left_out;                     /* number of particles that overlapped and were left out */
-    double radius;                    /* m */
-    double rest_density;              /* kg/m^3 */
-    double area_density;              /* kg/m^2, of a surface */
-    double fluid_friction;            /* Pa s/m, friction of a surface or a volume with the fluid */
-    double permeability;              /* m/(Pa s), of a surface; 0: no fluid passes */
-    double density;                   /* kg/m^3, of a volume or a rigid body */
+    int overlapping;     /* number of particles that overlapped with something and were left out */
+    double radius;       /* m */
+    double rest_density; /* kg/m^3 */
+    double area_density; /* kg/m^2, of a surface */
+    double fluid_friction;         /* Pa s/m, friction of a surface or a volume with the fluid */
+    double permeability;           /* m/(Pa s), of a surface; 0: no fluid passes */
+    double density;                /* kg/m^3, of a volume or a rigid body */
     int crossing;                  /* pieces of a closed mesh that are partly inside another one */
     bool is_rigid;                 /* a rigid body, whose surface is `mesh`: */
     double mass;                   /* kg */

@@ -19,8 +19,9 @@ static struct layer measure(const struct pdyn_sim *sim, int holder) {
         vec3_add(sum.v, 1.0, sim->v + 3 * (size_t)i);
         sum.pressure += sim->pressure[i], sum.count++;
     }
-    for (int a = 0; a < 3; a++) sum.centre[a] /= sum.count, sum.v[a] /= sum.count;
-    sum.pressure /= sum.count;
+    double part = 1.0 / fmax(1.0, sum.count);
+    for (int a = 0; a < 3; a++) sum.centre[a] *= part, sum.v[a] *= part;
+    sum.pressure *= part;
     return sum;
 }
 
@@ -53,7 +54,7 @@ static void add_radial(struct pdyn_sim *sim, int i, double rate, const double r[
 void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, int holder) {
     const double *gravity = sim->scene.settings.gravity;
     const pdyn_body *body = &sim->body[inlet->body];
-    struct layer layer = measure(sim, holder);
+    const struct layer layer = measure(sim, holder);
     double n[3], r[3], spacing = 2.0 * body->radius;
     inlet_direction(inlet->from, sim->time, n);
     double g = vec3_dot(gravity, n), speed = vec3_dot(layer.v, n);

@@ -23,7 +23,7 @@ static const double held_inertia = 1e7;
 static const double max_compression = 0.05;
 
 /* More particles left out than this share of at least so many layers are worth a warning. */
-static const double max_left_out = 0.1;
+static const double max_not_entered = 0.1;
 enum { MANY_LAYERS = 10 };
 
 /* ---- held particles -------------------------------------------------------------------------- */
@@ -109,7 +109,7 @@ static int find_near(const struct pdyn_sim *sim, const struct live_inlet *inlet,
         const pdyn_body *body = &sim->body[b];
         for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
             if (sim->live->live[i] && fabs(vec3_dot(sim->x + 3 * i, normal) - plane) < reach)
-                sim->live->near[count++] = i;
+                sim->live->scratch[count++] = i;
     }
     return count;
 }
@@ -126,7 +126,7 @@ static bool is_blocked(const struct pdyn_sim *sim, const struct live_inlet *inle
     for (int k = 0; k < inlet->from->layer.count; k++) {
         place(sim, inlet, k, distance, x);
         for (int n = 0; n < near; n++) {
-            int i = sim->live->near[n];
+            int i = sim->live->scratch[n];
             if (!is_close(sim, inlet, i, x)) continue;
             double rest = sim->body[objective_body_of(&sim->objective, i)].rest_density;
             sum += sim->density[i] / rest - 1.0, count++;
@@ -140,7 +140,7 @@ static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, cons
                       int near) {
     bool any = false;
     for (int n = 0; n < near; n++) {
-        int i = sim->live->near[n];
+        int i = sim->live->scratch[n];
         if (!is_close(sim, inlet, i, x)) continue;
         if (!sim->live->holder[i]) hold(sim, inlet, i);
         any = true;
@@ -158,7 +158,7 @@ static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
         double x[3];
         place(sim, inlet, k, distance, x);
         if (hold_near(sim, inlet, x, near)) {
-            inlet->left_out++;
+            inlet->not_entered++;
             continue;
         }
         int i = live_particles_add(sim, inlet->body);
@@ -178,23 +178,24 @@ static void let_go_of_layers(struct pdyn_sim *sim, struct live_inlet *inlet) {
     }
 }
 
-static void warn_of_left_out(struct pdyn_sim *sim, const struct live_inlet *inlet, double count) {
-    double share = inlet->left_out / (inlet->layers * inlet->from->layer.count);
-    if (!(count > 0.0) || inlet->layers < MANY_LAYERS || !(share > max_left_out)) return;
+static void warn_of_not_entered(struct pdyn_sim *sim, const struct live_inlet *inlet,
+                                double count) {
+    double share = inlet->not_entered / (inlet->layers * inlet->from->layer.count);
+    if (!(count > 0.0) || inlet->layers < MANY_LAYERS || !(share > max_not_entered)) return;
     struct warning *w = warnings_count(&sim->warnings, WARNING_BLOCKED, sim->body[inlet->body].name,
                                        sim->time, (long)count, share);
     warnings_say(sim->context, w,
                  "%.0f of %.0f particles of inlet %d did not enter: others were in their way, and "
                  "less flows in than its speed says",
-                 inlet->left_out, inlet->layers * inlet->from->layer.count, inlet->number);
+                 inlet->not_entered, inlet->layers * inlet->from->layer.count, inlet->number);
 }
 
 static void enter_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
-    double before = inlet->left_out;
-    if (is_blocked(sim, inlet)) inlet->left_out += inlet->from->layer.count;
+    double before = inlet->not_entered;
+    if (is_blocked(sim, inlet)) inlet->not_entered += inlet->from->layer.count;
     else emit_layer(sim, inlet);
     inlet->layers++;
-    warn_of_left_out(sim, inlet, inlet->left_out - before);
+    warn_of_not_entered(sim, inlet, inlet->not_entered - before);
 }
 
 static void close_inlet(struct pdyn_sim *sim, struct live_inlet *inlet) {
@@ -256,7 +257,7 @@ static bool is_valid(const struct pdyn_sim *sim, const struct live_inlet *inlet)
     if (!(layers >= 0.0 && layers == floor(layers))) return false;
     if (!(inlet->free >= 0.0 && inlet->free <= layers && inlet->free == floor(inlet->free)))
         return false;
-    if (!(inlet->left_out >= 0.0 && inlet->left_out <= particles)) return false;
+    if (!(inlet->not_entered >= 0.0 && inlet->not_entered <= particles)) return false;
     return layers <= most && (inlet->closed || layers >= layers_due(sim, inlet));
 }
 
@@ -271,7 +272,7 @@ static bool holders_are_valid(const struct pdyn_sim *sim, const int *holder) {
 
 static void persist_holders(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct live_particles *p = sim->live;
-    int *holder = a->view.reading ? p->near : p->holder;
+    int *holder = a->view.reading ? p->scratch : p->holder;
     snapshot_file_bytes(a, holder, (size_t)sim->objective.particles * sizeof *holder);
     if (!a->view.reading || a->status != PDYN_OK) return;
     bool valid = holders_are_valid(sim, holder);
@@ -286,7 +287,7 @@ void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
         inlet_control_persist(sim, k, a);
         SNAPSHOT(a, p->inlet[k].layers);
         SNAPSHOT(a, p->inlet[k].free);
-        SNAPSHOT(a, p->inlet[k].left_out);
+        SNAPSHOT(a, p->inlet[k].not_entered);
         snapshot_file_flags(a, &p->inlet[k].closed, 1, "the flag of an inlet is neither 0 nor 1");
         if (a->view.reading && a->status == PDYN_OK)
             snapshot_file_require(a, is_valid(sim, &p->inlet[k]),

@@ -90,7 +90,7 @@ static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
         ARRAY(p->live, sim->objective.particles),
         ARRAY(p->vacant, sim->bodies),
         ARRAY(p->slot, sim->objective.particles),
-        ARRAY(p->near, sim->objective.particles),
+        ARRAY(p->scratch, sim->objective.particles),
         ARRAY(p->holder, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->inertia, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->inlet, p->inlets),
@@ -121,17 +121,17 @@ void live_particles_free(struct pdyn_sim *sim) {
     FREE_ARRAY(sim->context, sim->live, 1);
 }
 
-/* Whether the stack of body b lists each of its particles that are not live once. near: scratch,
- * marks the particles that are listed. */
+/* Whether the stack of body b lists each of its particles that are not live once. scratch marks
+ * the particles that are listed. */
 static bool stack_is_valid(const struct pdyn_sim *sim, int b) {
     const struct live_particles *p = sim->live;
     const pdyn_body *body = &sim->body[b];
     int vacant = 0, end = body->first + body->count;
-    for (int i = body->first; i < end; i++) vacant += !p->live[i], p->near[i] = 0;
+    for (int i = body->first; i < end; i++) vacant += !p->live[i], p->scratch[i] = 0;
     if (p->vacant[b] != vacant) return false;
     for (int k = body->first; k < body->first + vacant; k++) {
         int i = p->slot[k];
-        if (i < body->first || i >= end || p->live[i] || p->near[i]++) return false;
+        if (i < body->first || i >= end || p->live[i] || p->scratch[i]++) return false;
     }
     return true;
 }

@@ -10,11 +10,11 @@
 
 struct live_inlet {
     struct scene_inlet *from;
-    int number, body; /* `number`: index in the body */
-    double layers;    /* layers that were due so far, an integer */
-    double free;      /* of them, those that the inlet has let go, an integer */
-    double left_out;  /* particles of them that did not enter, an integer */
-    bool closed;      /* the budget is used up */
+    int number, body;   /* `number`: index in the body */
+    double layers;      /* layers that were due so far, an integer */
+    double free;        /* of them, those that the inlet has let go, an integer */
+    double not_entered; /* particles of them that did not enter, an integer */
+    bool closed;        /* the budget is used up */
 };
 
 struct live_particles {
@@ -22,9 +22,9 @@ struct live_particles {
     int *vacant; /* bodies: number of particles that are not live */
     int *slot;   /* particles: for every body, from its first particle on, a stack of particles that
                     are not live */
-    int *near;   /* particles: scratch, particles close to a layer */
-    int *holder; /* particles: which layer of which inlet it is held in (inlets.c); 0: none. NULL:
-                    there are no inlets */
+    int *scratch; /* particles: those close to a layer, marks, or what a saved state has */
+    int *holder;  /* particles: which layer of which inlet it is held in (inlets.c); 0: none. NULL:
+                     there are no inlets */
     double *inertia; /* particles, kg: of the objective. NULL: no inlets */
     int held;        /* number of particles that inlets move */
     int inlets;

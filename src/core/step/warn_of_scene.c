@@ -197,15 +197,15 @@ static void check_contact(struct pdyn_sim *sim) {
 
 static void check_overlap(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
-    int count = sim->body[b].count + body->left_out;
+    int count = sim->body[b].count + body->overlapping;
     if (body->crossing)
         WARN(sim, OVERLAP, body->name,
              "%d piece%s of its mesh %s partly inside another one: the common part counts twice in "
              "its volume",
              body->crossing, body->crossing == 1 ? "" : "s", body->crossing == 1 ? "is" : "are");
-    if (body->left_out <= max_left_out * count) return;
+    if (body->overlapping <= max_left_out * count) return;
     WARN(sim, OVERLAP, body->name, "%d of %d particles overlap solids or surfaces and are left out",
-         body->left_out, count);
+         body->overlapping, count);
 }
 
 static void check_frames(struct pdyn_sim *sim) {
@@ -225,7 +225,7 @@ static const double loose_tolerance = 0.5;
 
 static void check_tolerance(struct pdyn_sim *sim) {
     double tolerance = sim->scene.settings.tolerance;
-    if (sim->objective.before && tolerance > loose_tolerance)
+    if (sim->objective.without_load && tolerance > loose_tolerance)
         WARN(sim, TOLERANCE, "",
              "with a tolerance of %g, steps count as solved although the forces of fluids are "
              "not balanced; expected at most %g",
