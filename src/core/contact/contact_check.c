@@ -57,11 +57,14 @@ static int triangle_number(const struct contact *c, const int *corner, int corne
 
 static pdyn_status fail_intersecting(const struct contact *c, int e, int f) {
     const int *edge = c->edge + 2 * e, *face = c->face + 3 * f;
+    double x[3] = {0};
+    for (int k = 0; k < 2; k++) vec3_add(x, 0.5, c->at + 3 * (size_t)edge[k]);
     return context_fail(
         c->context, PDYN_BAD_INPUT,
-        "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect",
+        "contact: at the start triangle %d of \"%s\" and triangle %d of \"%s\" intersect, near "
+        "(%.3g, %.3g, %.3g) m",
         triangle_number(c, edge, 2), c->name[c->group[edge[0]]], triangle_number(c, face, 3),
-        c->name[c->group[face[0]]]);
+        c->name[c->group[face[0]]], x[0], x[1], x[2]);
 }
 
 static pdyn_status check_intersections(const struct contact *c) {
