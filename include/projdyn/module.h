@@ -547,7 +547,10 @@ typedef struct pdyn_global_solver {
     /* How well it suits the scene: 0: it cannot solve it; otherwise the solver with the largest bid
      * is chosen where a scene asks for none. *reason: why, in words, for the report. NULL: 1. */
     int (*suits)(const pdyn_model *model, const char **reason);
-    /* Refers to the model from now on. After a failure free is called, too. */
+    /* Refers to the model from now on. After a failure free is called, too. It is called when a
+     * scene is loaded, and again in a run, where a constraint begins or ends or a parameter
+     * changes: what it chooses by values, such as a coarse space, must follow from steady elements,
+     * or a resumed run differs. */
     pdyn_status (*create)(void *self, pdyn_model *model);
     /* Solves H y = b. y: particles x 3, zero on entry. b: particles x 3, becomes the residual
      * b - H y. *iterations: 1 for a direct solver. */

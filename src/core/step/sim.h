@@ -49,7 +49,9 @@ struct pdyn_sim {
     double
         *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL: none */
     double *gradient; /* particles x 3: gradient of E at the iterate, N */
-    /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model */
+    /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model. Between two
+     * minimisations they are free: integrator.c, velocities.c, forces.c and solid_load.c overwrite
+     * them. */
     double *trial, *trial_gradient, *direction, *rhs;
     double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
                                     integrator needs none */
