@@ -43,7 +43,7 @@ static bool store_result(struct solver_timing *timing, const pdyn_sim *sim, doub
     return true;
 }
 
-/* Runs the steps; lowers each step time to the minimum over the rounds and sums the iterations. */
+/* Unsolved steps of the body that has most. */
 static long count_unsolved(const pdyn_sim *sim) {
     long most = 0;
     pdyn_warning w;
@@ -52,6 +52,7 @@ static long count_unsolved(const pdyn_sim *sim) {
     return most;
 }
 
+/* Runs the steps; lowers each step time to the minimum over the rounds and sums the iterations. */
 static int run_steps(const struct solver_benchmark *benchmark, struct solver_timing *timing,
                      pdyn_context *context, pdyn_sim *sim) {
     timing->outer = timing->linear = timing->residual = 0.0;

@@ -48,7 +48,7 @@ static pdyn_status add_arrays(pdyn_scene *scene) {
     struct mesh sheet = {0}, block = {0};
     struct tets tets = {0};
     struct point_list water = {0};
-    const struct scene_box box = {{-0.08, 0.08, -0.08}, {0.08, 0.16, 0.08}};
+    const struct box box = {{-0.08, 0.08, -0.08}, {0.08, 0.16, 0.08}};
     double v[3 * 64] = {0};
     pdyn_status status =
         mesh_grid(context, (const double[]){0.4, 0.3}, (const int[]){9, 7}, 0.03, &sheet);

@@ -59,7 +59,7 @@ static void test_capsules(void **state) {
 static void test_box(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
-    struct scene_box box = {{-1, 0, 2}, {1, 3, 6}};
+    struct box box = {{-1, 0, 2}, {1, 3, 6}};
     struct mesh mesh;
     assert_int_equal(primitive_box(context, &box, 0, &mesh), PDYN_OK);
     assert_int_equal(mesh_check_closed(context, &mesh, "box"), PDYN_OK);

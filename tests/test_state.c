@@ -20,13 +20,6 @@ static const char scene[] =
     "{'type': 'pin', 'vertices': {'box': {'minimum': [0.4, -1, -1], 'maximum': [1, 1, 1]}}, "
     "'path': [[0, 0, 0, 0], [0.3, 0.1, 0, 0], [0.6, 0, 0, 0]]}]}]}";
 
-static pdyn_sim *load(pdyn_context *context) {
-    pdyn_sim *sim = NULL;
-    if (pdyn_load_text(context, quoted(scene), "state", NULL, 0, &sim) != PDYN_OK)
-        fail_msg("%s", pdyn_last_error(context));
-    return sim;
-}
-
 static pdyn_context *make_context(void) {
     pdyn_context *context = test_context(1);
     assert_int_equal(pdyn_register(context, &pdyn_plugin_table), PDYN_OK);
@@ -65,7 +58,7 @@ static void test_repeated(void **state) {
     double kept[64] = {0.0}, largest = 0.0;
     int retries = 0;
     pdyn_context *context = make_context();
-    pdyn_sim *sim = load(context);
+    pdyn_sim *sim = test_load(context, scene);
     pdyn_global_solver failing = *(own = sim->solver);
     failing.solve = fail_sometimes, sim->solver = &failing;
     while (pdyn_time(sim) < 0.595) {
@@ -83,7 +76,7 @@ static void test_parameters(void **state) {
     (void)state;
     double before[64], *memory;
     pdyn_context *context = make_context();
-    pdyn_sim *sim = load(context);
+    pdyn_sim *sim = test_load(context, scene);
     while (pdyn_time(sim) < 0.3) test_step(context, sim);
     memory = sim->objective.batch[0]->view.memory;
     memcpy(before, memory, (size_t)sim->objective.batch[0]->view.elements * sizeof *before);
@@ -94,11 +87,11 @@ static void test_parameters(void **state) {
     pdyn_destroy(context);
 }
 
-/* A restored simulation goes on with the same bits. */
+/* After the state is restored, steps give the same bits as without. */
 static void test_saved(void **state) {
     (void)state;
     pdyn_context *context = make_context();
-    pdyn_sim *first = load(context), *second = load(context);
+    pdyn_sim *first = test_load(context, scene), *second = test_load(context, scene);
     for (int k = 0; k < 25; k++) test_step(context, first);
     assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
     assert_int_equal(pdyn_restore(second, "state"), PDYN_OK);

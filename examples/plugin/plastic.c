@@ -1,6 +1,6 @@
-/* Springs along the edges of a sheet that yield: an edge that is stretched or compressed by more
- * than `yield` keeps what is beyond. m is the part of its length l at rest that it has kept, the
- * memory of the element:
+/* Springs along the edges of a sheet that yield: where the strain of an edge exceeds `yield`, the
+ * excess stays when the load goes. m is this plastic strain, relative to the length l at rest; it
+ * is the memory of the element:
  *
  *     E = k/2 (|u| - (1 + m) l)^2,     p = (1 + m) l u / |u|,     u = x_b - x_a
  *     m changes at the end of a step so that |u| / l - 1 - m is in [-yield, yield]
@@ -76,7 +76,7 @@ static void end(const void *par, const pdyn_batch *b, int first, int last) {
 
 static const pdyn_constraint_type type = {
     .name = "plastic",
-    .summary = "edges of a sheet that yield and keep what is beyond",
+    .summary = "plastic edges of a sheet: strain beyond a limit stays",
     .flags = PDYN_ON_SURFACE,
     .params_size = sizeof(struct params),
     .params = params,

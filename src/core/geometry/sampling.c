@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
+pdyn_status sample_box_volume(pdyn_context *context, const struct box *box, double radius,
                               struct point_list *out) {
     double cuts[3];
     long n[3];
@@ -60,9 +60,8 @@ static pdyn_status append_boundary_point(pdyn_context *context, struct boundary_
 }
 
 /* Samples the face across axis a, at the lower or upper end. */
-static pdyn_status sample_face(pdyn_context *context, const struct scene_box *box, int a,
-                               bool upper, const struct face_grid *grid,
-                               struct boundary_points *out) {
+static pdyn_status sample_face(pdyn_context *context, const struct box *box, int a, bool upper,
+                               const struct face_grid *grid, struct boundary_points *out) {
     double pitch[3], low[3], x[3];
     long n[3] = {0};
     for (int b = 0; b < 3; b++) {
@@ -89,7 +88,7 @@ static pdyn_status sample_face(pdyn_context *context, const struct scene_box *bo
     return PDYN_OK;
 }
 
-pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box,
+pdyn_status sample_box_surface(pdyn_context *context, const struct box *box,
                                const struct face_grid *grid, struct boundary_points *out) {
     pdyn_status status = PDYN_OK;
     for (int side = 0; side < 6 && status == PDYN_OK; side++)

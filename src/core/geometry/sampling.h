@@ -15,7 +15,7 @@ static inline double sample_cells(double edge, double spacing) {
 
 /* Fills a box with a cubic lattice of particles, starting at its minimum; every particle of this
  * radius, m, is entirely inside. Appends to `out`. */
-pdyn_status sample_box_volume(pdyn_context *context, const struct scene_box *box, double radius,
+pdyn_status sample_box_volume(pdyn_context *context, const struct box *box, double radius,
                               struct point_list *out);
 
 /* Fills a sphere with a cubic lattice of particles of this radius, m, that are entirely inside; one
@@ -51,7 +51,7 @@ struct face_grid {  /* a grid of boundary points on the faces of a box */
 };
 
 /* Appends a regular grid of boundary points for every closed face of the box. */
-pdyn_status sample_box_surface(pdyn_context *context, const struct scene_box *box,
+pdyn_status sample_box_surface(pdyn_context *context, const struct box *box,
                                const struct face_grid *grid, struct boundary_points *out);
 
 struct surface_point { /* a point on a triangle */

@@ -29,7 +29,7 @@ struct fill {
 /* Computes the number of particles as sample_box_volume does, before allocating them. */
 static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     double count = 1.0, radius = fill->body->radius;
-    struct scene_box box;
+    struct box box;
     pdyn_status status = params_box(at, &box);
     for (int a = 0; a < 3 && status == PDYN_OK; a++) {
         double edge = box.max[a] - box.min[a];

@@ -75,9 +75,7 @@ static pdyn_status check_size(const struct json_at *at, double points) {
 }
 
 /* Appends the lattice point i spacings across and j spacings up from the centre. Every second point
- * is in front, as on a chessboard: layers that a falling jet draws apart stay in reach of each
- * other.
- */
+ * is in front, as on a chessboard: layers that a falling jet draws apart then stay close. */
 static pdyn_status add_point(const struct json_at *at, const struct opening *o, double i,
                              double j) {
     double x[3] = {o->center[0], o->center[1], o->center[2]};

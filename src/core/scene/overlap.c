@@ -172,7 +172,7 @@ static pdyn_status resolve_solid(const struct json_at *at, struct scene_body *bo
 static bool contains(const struct scene_solid *solid, const double x[3]) {
     double at[3];
     pose_to_rest(&solid->motion, 0.0, x, at);
-    return scene_box_contains(&solid->box, at);
+    return box_contains(&solid->box, at);
 }
 
 static bool contains_most(const struct scene_solid *solid, const struct point_list *points) {

@@ -123,11 +123,11 @@ pdyn_status params_reals(const struct json_at *at, int count, double min, double
     return status;
 }
 
-pdyn_status params_box(const struct json_at *at, struct scene_box *box) {
-    static const pdyn_param table[] = {{"minimum", PDYN_VECTOR, offsetof(struct scene_box, min),
-                                        true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
-                                       {"maximum", PDYN_VECTOR, offsetof(struct scene_box, max),
-                                        true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
+pdyn_status params_box(const struct json_at *at, struct box *box) {
+    static const pdyn_param table[] = {{"minimum", PDYN_VECTOR, offsetof(struct box, min), true, 0,
+                                        -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
+                                       {"maximum", PDYN_VECTOR, offsetof(struct box, max), true, 0,
+                                        -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", ""},
                                        {0}};
     pdyn_status status = params_read_object(at, table, box);
     for (int a = 0; a < 3 && status == PDYN_OK; a++) {

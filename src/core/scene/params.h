@@ -36,7 +36,7 @@ pdyn_status params_int(const struct json_at *at, double min, double max, int *ou
 pdyn_status params_reals(const struct json_at *at, int count, double min, double max,
                          const char *unit, double *out);
 /* Reads {"minimum": [..], "maximum": [..]}, m, with minimum < maximum along every axis. */
-pdyn_status params_box(const struct json_at *at, struct scene_box *box);
+pdyn_status params_box(const struct json_at *at, struct box *box);
 /* Reads {"center": [..], "radius": r}, m. */
 pdyn_status params_sphere(const struct json_at *at, struct scene_sphere *sphere);
 

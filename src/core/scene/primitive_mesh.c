@@ -108,7 +108,7 @@ pdyn_status primitive_plane(pdyn_context *context, const double center[3], const
 }
 
 /* Corner k is at the maximum of axis a if bit a of k is set. */
-pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, unsigned open,
+pdyn_status primitive_box(pdyn_context *context, const struct box *box, unsigned open,
                           struct mesh *out) {
     int faces = 0, *triangle;
     for (int side = 0; side < 6; side++) faces += !(open >> side & 1u);

@@ -16,7 +16,7 @@ pdyn_status primitive_plane(pdyn_context *context, const double center[3], const
                             double size, struct mesh *out);
 
 /* The closed faces of a box (`open`: bits as in scene_solid), two triangles each. */
-pdyn_status primitive_box(pdyn_context *context, const struct scene_box *box, unsigned open,
+pdyn_status primitive_box(pdyn_context *context, const struct box *box, unsigned open,
                           struct mesh *out);
 
 /* Read {"center": [..], "radius": r}, {"from": [..], "to": [..], "radius": r} and

@@ -59,7 +59,7 @@ struct scene_inlet {           /* an inlet of particles: it emits layers one spa
 };
 
 struct scene_outlet { /* an outlet: a region in which particles are removed */
-    struct scene_box box;
+    struct box box;
     bool outside; /* removes particles outside of the box, not inside */
 };
 
@@ -114,7 +114,7 @@ struct scene_solid {
     char *name;
     char color[8]; /* "#rrggbb", of pictures; "": none */
     int kind;      /* enum solid_kind */
-    struct scene_box box;
+    struct box box;
     unsigned open;  /* open faces; bit 2 a: at the minimum of axis a, bit 2 a + 1: at the maximum */
     bool is_vessel; /* a box with the fluid inside; any other solid has it on all sides */
     struct mesh mesh; /* world space, m; for solids of every shape */
@@ -138,7 +138,7 @@ struct scene_probe {
     char *name;           /* unique among bodies, solids and probes */
     int kind;             /* enum probe_kind */
     struct point_list at; /* m, where, not of a box, solid or body */
-    struct scene_box box; /* of PROBE_BOX */
+    struct box box;       /* of PROBE_BOX */
     int target;           /* index of the solid, or of the body */
     int pin;              /* of PROBE_PINS: number among the pins of the body; -1: all */
     double radius;        /* m: particles and boundary points within it count; 0: two spacings */

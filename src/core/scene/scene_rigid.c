@@ -20,7 +20,7 @@ static pdyn_status read_mesh(const struct json_at *at, double bump, struct scene
 }
 
 static pdyn_status read_box(const struct json_at *at, double bump, struct scene_body *body) {
-    struct scene_box box;
+    struct box box;
     (void)bump;
     pdyn_status status = params_box(at, &box);
     return status == PDYN_OK ? primitive_box(at->file->context, &box, 0, &body->mesh) : status;
@@ -51,20 +51,20 @@ static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
     return status == PDYN_OK ? mesh_check_oriented(context, mesh, "as placed") : status;
 }
 
-static pdyn_status read_shape(struct reader *r, const struct json_at *at) {
+static pdyn_status read_shape(struct reader *r, const struct json_at *at,
+                              struct transform *transform) {
     struct mesh *mesh = &r->body->mesh;
-    struct transform transform;
     int shape;
     pdyn_status status = reader_one_of(at, shapes, SHAPES, &shape);
-    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, transform);
     if (status != PDYN_OK) return status;
     struct json_at shape_at = json_member(at, shapes[shape]);
-    double larger = fmax(fmax(transform.scale[0], transform.scale[1]), transform.scale[2]);
+    double larger = fmax(fmax(transform->scale[0], transform->scale[1]), transform->scale[2]);
     status = shape_readers[shape](&shape_at, reader_bump(r) / larger, r->body);
     if (status == PDYN_OK)
         status = fill_count(&shape_at, mesh->vertices + (double)RIGID_POINTS, &r->particles);
     if (status != PDYN_OK) return status;
-    transform_points(&transform, mesh->vertex, mesh->vertices);
+    transform_points(transform, mesh->vertex, mesh->vertices);
     return json_wrap(&shape_at, check_mesh(r, mesh));
 }
 
@@ -113,16 +113,15 @@ static pdyn_status weigh(const struct json_at *at, struct scene_body *body) {
 
 /* "center_of_mass", a place in the shape as it is given: ballast moves the mass there, with the
  * inertia tensor that it has about its centre. */
-static pdyn_status move_centre(const struct json_at *at, struct scene_body *body) {
+static pdyn_status move_centre(const struct json_at *at, const struct transform *transform,
+                               struct scene_body *body) {
     struct json_at centre = json_member(at, "center_of_mass");
-    struct box box = box_around(body->mesh.vertex, body->mesh.vertices);
-    struct transform transform;
     double x[3], moved[3];
     if (!centre.value) return PDYN_OK;
     pdyn_status status = params_reals(&centre, 3, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "m", x);
-    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
     if (status != PDYN_OK) return status;
-    transform_points(&transform, x, 1);
+    struct box box = box_around(body->mesh.vertex, body->mesh.vertices);
+    transform_points(transform, x, 1);
     if (!box_contains(&box, x))
         return json_fail(&centre,
                          "expected a place inside of the body, found (%g, %g, %g) m as "
@@ -151,12 +150,13 @@ pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
         "mesh", "box", "sphere", "capsule", "scale", "rotate", "translate", "center_of_mass", NULL};
     static const char *const masses[] = {"density", "mass"};
     struct scene_body *body = r->body;
+    struct transform transform;
     int unused;
     body->has_mesh = body->is_rigid = true;
     pdyn_status status = params_check_keys(at, rigid_params, others);
     if (status == PDYN_OK) status = params_read(at, rigid_params, NULL, body);
     if (status == PDYN_OK) status = reader_one_of(at, masses, 2, &unused);
-    if (status == PDYN_OK) status = read_shape(r, at);
+    if (status == PDYN_OK) status = read_shape(r, at, &transform);
     if (status == PDYN_OK) status = weigh(at, body);
-    return status == PDYN_OK ? move_centre(at, body) : status;
+    return status == PDYN_OK ? move_centre(at, &transform, body) : status;
 }

@@ -29,7 +29,7 @@ static pdyn_status read_walls(struct reader *r, const struct json_at *owner,
                               const struct json_at *box) {
     struct json_at open = json_member(owner, "open");
     int sides;
-    struct scene_box *walls = &r->solid->box;
+    struct box *walls = &r->solid->box;
     pdyn_status status = params_box(box, walls);
     for (int a = 0; a < 3; a++) r->solid->motion.pivot[a] = 0.5 * (walls->min[a] + walls->max[a]);
     if (status == PDYN_OK) status = reader_count(&open, "an array of sides like \"+y\"", &sides);

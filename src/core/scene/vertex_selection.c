@@ -45,10 +45,10 @@ static pdyn_status select_listed(const struct json_at *at, struct selection *c) 
 }
 
 static pdyn_status select_box(const struct json_at *at, struct selection *c) {
-    struct scene_box box;
+    struct box box;
     pdyn_status status = params_box(at, &box);
     for (int v = 0; v < c->surface->vertices && status == PDYN_OK; v++)
-        c->selected[v] |= scene_box_contains(&box, c->surface->vertex + 3 * v);
+        c->selected[v] |= box_contains(&box, c->surface->vertex + 3 * v);
     return status;
 }
 

@@ -1,5 +1,6 @@
 #include "energy_budget.h"
 
+#include "base/registry.h"
 #include "live_particles.h"
 #include "measure.h"
 #include "scene/inlet_motion.h"
@@ -38,10 +39,10 @@ static double height_of(const struct pdyn_sim *sim, const double *x) {
 /* ---- sources of energy ----------------------------------------------------------------------- */
 
 static bool has_path(const struct scene_constraint *c) {
-    for (const pdyn_param *p = c->type->params; p->name; p++)
-        if (p->kind == PDYN_PATH &&
-            ((const pdyn_path *)((const char *)c->params + p->offset))->count)
-            return true;
+    for (const pdyn_param *p = c->type->params; p->name; p++) {
+        const pdyn_path *path = param_path(p, c->params);
+        if (path && path->count) return true;
+    }
     return false;
 }
 

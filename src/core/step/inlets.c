@@ -22,7 +22,8 @@ static const double held_inertia = 1e7;
 /* A layer that is compressed by more than this, on average, has nowhere to go. */
 static const double max_compression = 0.05;
 
-/* More particles left out than this share of at least so many layers are worth a warning. */
+/* More particles that did not enter than this share of at least so many layers are worth a warning.
+ */
 static const double max_not_entered = 0.1;
 enum { MANY_LAYERS = 10 };
 

@@ -57,10 +57,10 @@ int live_particles_add(struct pdyn_sim *sim, int b) {
 /* ---- outlets --------------------------------------------------------------------------------- */
 
 static bool outlet_contains(const struct scene_outlet *outlet, const double x[3]) {
-    return scene_box_contains(&outlet->box, x) != outlet->outside;
+    return box_contains(&outlet->box, x) != outlet->outside;
 }
 
-bool live_particles_leave(const struct scene *scene, const double x[3]) {
+bool outlets_contain(const struct scene *scene, const double x[3]) {
     for (int k = 0; k < scene->outlets; k++)
         if (outlet_contains(&scene->outlet[k], x)) return true;
     return false;
@@ -71,7 +71,7 @@ static void remove_outflow(struct pdyn_sim *sim) {
         const pdyn_body *body = &sim->body[b];
         for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
             if (sim->live->live[i] && !particle_is_held(sim, i) &&
-                live_particles_leave(&sim->scene, sim->x + 3 * i))
+                outlets_contain(&sim->scene, sim->x + 3 * i))
                 remove_particle(sim, b, i);
     }
 }

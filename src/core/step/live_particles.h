@@ -48,7 +48,7 @@ int live_particles_add(struct pdyn_sim *sim, int body);
 void live_particles_predict(struct pdyn_sim *sim);
 
 /* Whether a particle at x is in an outlet of the scene. */
-bool live_particles_leave(const struct scene *scene, const double x[3]);
+bool outlets_contain(const struct scene *scene, const double x[3]);
 
 /* Call at the end of a step: removes particles in outlets, then emits the layers that are due. */
 void live_particles_step(struct pdyn_sim *sim);

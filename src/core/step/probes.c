@@ -63,7 +63,7 @@ static void measure_box(const struct pdyn_sim *sim, const struct scene_probe *pr
     double spacing = sim_spacing(sim), count = 0.0, sum[3] = {0};
     for (int i = 0; i < sim->objective.particles; i++) {
         const double *x = sim->x + 3 * (size_t)i;
-        if (!scene_box_contains(&probe->box, x) || !is_fluid(sim, i)) continue;
+        if (!box_contains(&probe->box, x) || !is_fluid(sim, i)) continue;
         count++;
         vec3_add(sum, 1.0, sim->v + 3 * (size_t)i);
     }

@@ -1,4 +1,5 @@
 /* Warnings about inlets and outlets, and about what would begin after the end of the scene. */
+#include "base/registry.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "warn.h"
@@ -17,16 +18,14 @@ static const double room_in_front = 1.5;
 /* Whether the opening, in or inside of a wall of the vessel, flows out of it. */
 static bool leaves(const struct scene_solid *solid, const double opening[3], const double front[3],
                    double spacing) {
-    struct scene_box around = solid->box;
+    struct box around = solid->box;
     for (int a = 0; a < 3; a++) around.min[a] -= 0.5 * spacing, around.max[a] += 0.5 * spacing;
-    return solid->is_vessel && scene_box_contains(&around, opening) &&
-           !scene_box_contains(&solid->box, front);
+    return solid->is_vessel && box_contains(&around, opening) && !box_contains(&solid->box, front);
 }
 
 /* Whether a closed solid contains the place in front of the opening. */
 static bool obstructs(const struct scene_solid *solid, const double front[3]) {
-    return solid->kind == SOLID_BOX && !solid->is_vessel && !solid->open &&
-           scene_box_contains(&solid->box, front);
+    return solid->kind == SOLID_BOX && !solid->is_vessel && box_contains(&solid->box, front);
 }
 
 static void check_inlet(struct pdyn_sim *sim, const pdyn_body *body, int number) {
@@ -54,7 +53,7 @@ static void check_outlets(struct pdyn_sim *sim, const pdyn_body *body) {
     long live = 0, removed = 0;
     for (int i = body->first; i < body->first + body->count; i++) {
         if (!particle_is_live(sim, i)) continue;
-        live++, removed += live_particles_leave(&sim->scene, sim->x + 3 * (size_t)i);
+        live++, removed += outlets_contain(&sim->scene, sim->x + 3 * (size_t)i);
     }
     if ((double)removed > max_removed * (double)live)
         WARN(sim, OUTLET, body->name,
@@ -75,9 +74,8 @@ static void check_time(struct pdyn_sim *sim, const char *subject, const char *wh
 static void check_paths(struct pdyn_sim *sim, const char *subject,
                         const struct scene_constraint *c) {
     for (const pdyn_param *p = c->type->params; p->name; p++) {
-        const pdyn_path *path = (const pdyn_path *)((const char *)c->params + p->offset);
-        if (p->kind == PDYN_PATH && path->count > 1)
-            check_time(sim, subject, p->name, path->key[0]);
+        const pdyn_path *path = param_path(p, c->params);
+        if (path && path->count > 1) check_time(sim, subject, p->name, path->key[0]);
     }
 }
 

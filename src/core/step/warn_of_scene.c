@@ -105,12 +105,10 @@ static pdyn_status find_inside(const struct pdyn_sim *sim, const pdyn_body *body
     return PDYN_OK;
 }
 
-static pdyn_status check_inside(struct pdyn_sim *sim, int b, const char *kind, const char *name,
-                                const struct mesh *mesh) {
-    const pdyn_body *body = &sim->body[b];
-    struct box box = warn_box(sim, body);
+static pdyn_status check_inside(struct pdyn_sim *sim, const pdyn_body *body, const struct box *box,
+                                const struct mesh *mesh, const char *kind, const char *name) {
     bool inside;
-    pdyn_status status = find_inside(sim, body, &box, mesh, &inside);
+    pdyn_status status = find_inside(sim, body, box, mesh, &inside);
     if (status == PDYN_OK && inside)
         WARN(sim, OVERLAP, body->name, "it starts inside of the %s \"%s\"", kind, name);
     return status;
@@ -118,17 +116,19 @@ static pdyn_status check_inside(struct pdyn_sim *sim, int b, const char *kind, c
 
 /* Bodies inside a rigid body or a solid ball: contact holds them there. */
 static pdyn_status check_places(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
     pdyn_status status = PDYN_OK;
-    if (!sim->body[b].triangles) return PDYN_OK;
+    if (!body->triangles) return PDYN_OK;
+    struct box box = warn_box(sim, body);
     for (int k = 0; k < sim->bodies && status == PDYN_OK; k++) {
         const struct scene_body *other = &sim->scene.body[k];
         if (k != b && other->is_rigid)
-            status = check_inside(sim, b, "rigid body", other->name, &other->mesh);
+            status = check_inside(sim, body, &box, &other->mesh, "rigid body", other->name);
     }
     for (int s = 0; s < sim->scene.solids && status == PDYN_OK; s++) {
         const struct scene_solid *solid = &sim->scene.solid[s];
         if (solid->kind == SOLID_SPHERE || solid->kind == SOLID_CAPSULE)
-            status = check_inside(sim, b, "solid", solid->name, &solid->mesh);
+            status = check_inside(sim, body, &box, &solid->mesh, "solid", solid->name);
     }
     return status;
 }

@@ -1,4 +1,5 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
+#include "base/registry.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -42,9 +43,10 @@ static bool is_drawn(const struct pdyn_sim *sim, int b, double spacing) {
     bool drawn = false;
     for (int k = 0; k < body->constraints; k++) {
         const struct scene_constraint *c = &body->constraint[k];
-        for (const pdyn_param *p = c->type->params; p->name; p++)
-            if (p->kind == PDYN_PATH && (c->type->flags & PDYN_REACTION))
-                drawn |= ((const pdyn_path *)((const char *)c->params + p->offset))->count > 1;
+        for (const pdyn_param *p = c->type->params; p->name; p++) {
+            const pdyn_path *path = param_path(p, c->params);
+            drawn |= c->type->flags & PDYN_REACTION && path && path->count > 1;
+        }
     }
     return drawn && mesh_area(&body->mesh) > narrow * spacing * box_extent(&box);
 }
@@ -67,10 +69,10 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     const struct scene_body *body = &sim->scene.body[b];
     double spacing = 2.0 * fluid->radius, layer = fluid->rest_density * spacing;
     double excess = excess_of(sim, b, fluid->rest_density);
-    bool sheet = body->area_density > 0.0, dry = is_dry(sim, b, fluid);
+    bool sheet = body->area_density > 0.0;
     if (!sim->body[b].triangles || sim->body[b].permeability > 0.0) return;
     if (sheet && is_closed(&sim->body[b])) return;
-    if (warn_is_held(body) && !(dry && is_drawn(sim, b, spacing))) return;
+    if (warn_is_held(body) && !(is_drawn(sim, b, spacing) && is_dry(sim, b, fluid))) return;
     if (sheet && body->area_density < light_share * layer)
         WARN(sim, LIGHT, body->name,
              "its %.3g kg/m^2 are %.2g of a layer of particles %.3g m apart: it stays on the "
@@ -81,7 +83,7 @@ static void check_weight(struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
              "its %.3g kg/m^2 are less than the water of its contact thickness of %.3g m: it "
              "floats; with `permeability` it sinks",
              body->area_density, sim->scene.contact.thickness);
-    else if (excess > 0.0 && excess < sinking_share * layer && (dry || !sheet))
+    else if (excess > 0.0 && excess < sinking_share * layer && (!sheet || is_dry(sim, b, fluid)))
         WARN(sim, LIGHT, body->name,
              "it is heavier than the water it displaces by %.3g kg/m^2, less than half a layer of "
              "particles (%.3g kg/m^2): it floats or sinks too slowly; smaller particles%s",
