@@ -309,7 +309,7 @@ f -2 3 5
             self.assertEqual((pathlib.Path(name) / "square.obj").read_text().split(), wanted.split())
             done = run(source.parent, "--time", "0.02", "--set", f"bodies={json.dumps([body])}")
             self.assertEqual(done.returncode, 2)
-            self.assertIn("square.obj: this file is the mesh of the scene", done.stderr)
+            self.assertIn("square.obj: the scene reads this file", done.stderr)
             self.assertEqual(source.read_text(), text)
 
     def test_strings(self):
@@ -330,7 +330,7 @@ f -2 3 5
                 self.assertAlmostEqual(sum(w for end, w in zip(ends[:3], ends[3:]) if end == vertex), 1)
 
     def test_a_refused_run_keeps_the_last_one(self):
-        """A scene whose mesh is a file of the directory's run: nothing is removed."""
+        """A scene that reads a file of the directory's run: nothing is removed."""
         with tempfile.TemporaryDirectory() as name:
             directory = pathlib.Path(name)
             sheet = {"name": "sheet", "constraints": [{"type": "spring", "stretching_stiffness": 9}]}
@@ -342,7 +342,13 @@ f -2 3 5
             before = {p: p.stat().st_mtime_ns for p in directory.iterdir() if p.name != "lock"}
             done = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([copy])}")
             self.assertEqual(done.returncode, 2)
-            self.assertIn("sheet.obj: this file is the mesh of the scene", done.stderr)
+            self.assertIn("sheet.obj: the scene reads this file", done.stderr)
+            water = {"name": "water", "constraints": [],
+                     "particles": {"radius": 0.1, "rest_density": 1000, "fill": [
+                         {"file": str(directory / "sheet_000000.vtk")}]}}
+            frame = run(name, "--time", "0.02", "--set", f"bodies={json.dumps([water])}")
+            self.assertEqual(frame.returncode, 2)
+            self.assertIn("sheet_000000.vtk: the scene reads this file", frame.stderr)
             self.assertEqual(
                 before, {p: p.stat().st_mtime_ns for p in directory.iterdir() if p.name != "lock"})
 

@@ -7,7 +7,6 @@
 
 #include <ctype.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static void write_vertex(struct file_out *file, const double *x) {
     file_out_print(file, "v %.9g %.9g %.9g\n", x[0], x[1], x[2]);
@@ -129,25 +128,10 @@ static pdyn_status write_file(const pdyn_sim *sim, int body, const char *text, s
     return file_out_close(&file);
 }
 
-bool obj_is_source(const pdyn_sim *sim, int body, const char *path) {
-    struct stat source, target;
-    const char *obj = sim->scene.body[body].obj;
-    return obj && !stat(obj, &source) && !stat(path, &target) && source.st_ino == target.st_ino &&
-           source.st_dev == target.st_dev;
-}
-
-pdyn_status obj_refuse_source(const pdyn_sim *sim, int body, const char *path) {
-    if (!obj_is_source(sim, body, path)) return PDYN_OK;
-    return context_fail(sim->context, PDYN_BAD_INPUT,
-                        "%.1024s: this file is the mesh of the scene and would be overwritten: "
-                        "expected another directory for the run",
-                        path);
-}
-
 pdyn_status obj_write_body(const pdyn_sim *sim, int body, const char *path) {
     char *text;
     size_t size;
-    pdyn_status status = obj_refuse_source(sim, body, path);
+    pdyn_status status = own_source_refuse(sim, path);
     if (status != PDYN_OK) return status;
     status = load_source(sim, body, &text, &size);
     if (status == PDYN_OK) status = write_file(sim, body, text, size, path);

@@ -63,20 +63,13 @@ static const char *own_name(const char *path, const char *ending, const char **f
     return name && name <= NAME_LENGTH && !strcmp(path + name, ending) ? path : NULL;
 }
 
-/* Whether the scene reads this file for the texture coordinates of a body. */
-static bool is_source(const pdyn_writer *writer, const char *path) {
-    for (int b = 0; b < writer->sim->scene.bodies; b++)
-        if (obj_is_source(writer->sim, b, path)) return true;
-    return false;
-}
-
 static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
     const char *folder;
     bool own = path && (!strcmp(path, REPORT) || own_name(path, ".obj", &folder) ||
                         own_name(path, ".vtk", &folder));
     if (!own) return PDYN_OK;
     path = writer_path(writer, "%s", path);
-    return is_source(writer, path) ? PDYN_OK : frames_remove_file(writer, path);
+    return own_source(writer->sim, path) ? PDYN_OK : frames_remove_file(writer, path);
 }
 
 static pdyn_status remove_series(pdyn_writer *writer, const char *path) {

@@ -173,20 +173,11 @@ static pdyn_status begin_body(pdyn_writer *writer, int b) {
     return obj_write_body(writer->sim, b, writer_path(writer, "%s.obj", info.name));
 }
 
-/* A run that would overwrite a mesh of its scene is refused before it removes anything. */
-static pdyn_status refuse_sources(pdyn_writer *writer) {
-    pdyn_status status = PDYN_OK;
-    for (int b = 0; b < writer->sim->bodies && status == PDYN_OK; b++)
-        status = obj_refuse_source(writer->sim, b,
-                                   writer_path(writer, "%s.obj", writer->sim->body[b].name));
-    return status;
-}
-
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     pdyn_status status = store_directory(writer, directory);
     if (status == PDYN_OK) status = make_directory(writer);
     if (status == PDYN_OK) status = run_lock(writer);
-    if (status == PDYN_OK) status = refuse_sources(writer);
+    if (status == PDYN_OK) status = own_sources_check(writer);
     if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, "state.pdyn"));
     if (status == PDYN_OK) status = previous_run_remove(writer);
     if (status == PDYN_OK) status = previous_run_list(writer);

@@ -1,6 +1,7 @@
 /* The output directory of a run, private: writer.c opens, saves and resumes it, frames.c writes
  * frames and their series, metrics.c writes metrics.csv and probes.csv, run_lock.c keeps other runs
- * out, previous_run.c removes the files of the previous run. */
+ * out, own_sources.c protects what the scene has read, previous_run.c removes the files of the
+ * previous run. */
 #ifndef PDYN_WRITER_H
 #define PDYN_WRITER_H
 
@@ -45,6 +46,9 @@ pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const 
 pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
 /* Reads a JSON file; *out, which the caller frees, is NULL if it is missing or damaged. */
 pdyn_status frames_load_json(pdyn_writer *writer, const char *path, json_t **out);
+
+/* PDYN_BAD_INPUT: the scene has read a file of the directory that a run replaces or removes. */
+pdyn_status own_sources_check(pdyn_writer *writer);
 
 /* Removes the files of the previous run in the directory that its list names. */
 pdyn_status previous_run_remove(pdyn_writer *writer);

@@ -17,7 +17,7 @@ pdyn_status file_ref_path(const struct json_at *at, const char *what, char **pat
     if (!*path) return PDYN_NO_MEMORY;
     memcpy(*path, scene->name, folder);
     strcpy(*path + folder, name);
-    return PDYN_OK;
+    return scene->sources ? sources_add(scene->context, scene->sources, *path) : PDYN_OK;
 }
 
 static void free_path(const struct json_at *at, char *path, size_t size) {

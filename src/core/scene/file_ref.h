@@ -14,8 +14,8 @@ pdyn_status file_ref_particles(const struct json_at *at, struct particles *parti
 
 /* Computes the path of the file whose name is the value at `at`: a relative name is resolved from
  * the folder of the scene file, or from the current directory for a scene given as text. *path: an
- * array of *size chars that the caller frees. PDYN_BAD_INPUT: the value is no string; `what` was
- * expected. */
+ * array of *size chars that the caller frees, after a failure, too. It is noted as a source.
+ * PDYN_BAD_INPUT: the value is no string; `what` was expected. */
 pdyn_status file_ref_path(const struct json_at *at, const char *what, char **path, size_t *size);
 
 #endif

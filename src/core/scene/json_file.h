@@ -18,6 +18,7 @@ struct json_change {          /* a place of the root that was set or removed aft
 };
 
 struct array_file;
+struct sources;
 
 struct json_file {
     pdyn_context *context;
@@ -28,6 +29,7 @@ struct json_file {
     json_t *root;               /* an object, changes applied */
     struct json_change *change; /* newest first */
     struct array_file *arrays;  /* arrays that stand for files it names (array_file.h) */
+    struct sources *sources;    /* gets the files it names, while a scene is read; else NULL */
 };
 
 /* json_loadb and json_dumps, which ignore some failed allocations and then give an error of syntax

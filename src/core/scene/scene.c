@@ -238,7 +238,9 @@ static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
 }
 
 static pdyn_status read_file(struct reader *r, const struct json_file *file) {
-    struct json_at root = json_root(file);
+    struct json_file noting = *file;
+    noting.sources = &r->scene->sources;
+    struct json_at root = json_root(&noting);
     pdyn_status status = reader_copy_text(r->context, file->name, &r->scene->file);
     if (status == PDYN_OK) status = read_parts(r, &root);
     return status == PDYN_OK ? compute_fingerprint(r, root.value) : status;
@@ -292,6 +294,7 @@ void scene_free(pdyn_context *context, struct scene *scene) {
         free_text(context, &scene->probe[k].name);
     }
     FREE_ARRAY(context, scene->probe, scene->probes);
+    sources_free(context, &scene->sources);
     free_text(context, &scene->file);
     free_text(context, &scene->name);
     *scene = (struct scene){0};

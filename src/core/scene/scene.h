@@ -9,6 +9,7 @@
 #include "geometry/primitives.h"
 #include "geometry/tets.h"
 #include "projdyn/module.h"
+#include "sources.h"
 
 struct json_file;
 
@@ -181,11 +182,12 @@ struct scene_settings {    /* "time_step", "solver" and general values of a scen
 };
 
 struct scene {
-    char *file;           /* as given by the user, for messages and the report */
-    char *name;           /* "name" of the scene; may be empty */
-    uint64_t fingerprint; /* hash of the file's values, without "$schema", "name", "duration",
-                             colours, step lengths, and tolerances and iterations of the solver;
-                             and of tables */
+    char *file;             /* as given by the user, for messages and the report */
+    char *name;             /* "name" of the scene; may be empty */
+    uint64_t fingerprint;   /* hash of the file's values, without "$schema", "name", "duration",
+                               colours, step lengths, and tolerances and iterations of the solver;
+                               and of tables */
+    struct sources sources; /* files that it names */
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;
