@@ -81,7 +81,8 @@ static struct trial start(const char *solver) {
     const char *set[] = {solver, "solver.linear_tolerance=1e-12", "solver.tolerance=1e-6"};
     assert_int_equal(
         pdyn_load_text(t.context, scene("", DOWN, bodies, BALL), "test", set, 3, &t.sim), PDYN_OK);
-    assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, 1.0), PDYN_OK);
+    assert_int_equal(contact_begin(t.sim->objective.contact, t.sim->x, t.sim->v, 0.01, 1.0),
+                     PDYN_OK);
     t.n = 3 * t.sim->objective.particles;
     t.x = test_vector(t.n), t.gradient = test_vector(t.n), t.u = test_vector(t.n),
     t.y = test_vector(t.n), t.z = test_vector(t.n);

@@ -191,12 +191,36 @@ static void test_floor_of_triangles(void **state) {
     test_remove_file("floor.obj");
 }
 
+/* A ball that slides while it spins backwards is slowed by mu g. The skin of the ball turns away
+ * from the floor at its contacts, which damping must not take for a change of the normal force. */
+static void test_spinning_ball_slides(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.002", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.2, "
+                                               "'damping_ratio': 1}, "
+                                               "'solids': [{'plane': {'center': [0, 0, 0], "
+                                               "'normal': [0, 1, 0], 'size': 6}}], "
+                                               "'bodies': [{'velocity': [1, 0, 0], "
+                                               "'rigid': {'sphere': {'center': [0, 0.1035, 0], "
+                                               "'radius': 0.1}, 'mass': 4, "
+                                               "'angular_velocity': [0, 0, 10]}}]}");
+    double v[3];
+    steps(context, sim, 50);
+    mean_of(sim, 0, sim->v, v);
+    assert_true(fabs((1.0 - v[0]) / (0.2 * 9.81 * 0.1) - 1.0) < 0.03);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slope),
         cmocka_unit_test(test_stack),
         cmocka_unit_test(test_light_under_heavy),
         cmocka_unit_test(test_floor_of_triangles),
+        cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_collision_long),
     };

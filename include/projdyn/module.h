@@ -145,7 +145,8 @@ typedef struct pdyn_contact {
     double offset[3];      /* m: what points of solids add to the shortest vector */
     double separation[3];  /* m: the shortest vector when the contact was found */
     double shift[3];       /* m: what solids that move add to it in this step; 0 in a local step */
-    double damping;        /* N s/m: its part of the dashpots of rigid bodies; 0 in a local step */
+    double damping;        /* N: its part of the force of the dashpots of rigid bodies when the step
+                              begins, negative: they pull; 0 in a local step */
     double distance;       /* m: its length, below the thickness */
     double thickness;      /* m: the distance at which contact begins */
     double share;          /* of the stiffness, up to 1; less for nearly parallel edges, whose
@@ -565,7 +566,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 16u
+#define PDYN_ABI 17u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

@@ -46,8 +46,7 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     }
 }
 
-/* The normal force is that of the barrier and, on a rigid body, of the dashpots. p: the rate at
- * which u changes, m/s, at the base of the step. */
+/* The normal force is that of the barrier and, on a rigid body, of the dashpots. */
 static void begin(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
@@ -55,10 +54,7 @@ static void begin(const void *par, const pdyn_batch *b, int first, int last) {
         struct spring *spring = (struct spring *)b->data + e;
         double force =
             barrier_force(contact_stiffness(b, contact), contact->thickness, contact->distance);
-        if (contact->damping > 0.0)
-            force -= contact->damping * (vec3_dot(spring->normal, b->p + 3 * e) +
-                                         vec3_dot(spring->normal, contact->shift) / b->length);
-        spring->limit = force > 0.0 ? b->contacts->friction * force : 0.0;
+        spring->limit = b->contacts->friction * fmax(0.0, force + contact->damping);
     }
 }
 

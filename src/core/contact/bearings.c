@@ -167,11 +167,23 @@ static double rolling(const struct bearing *bearing, const struct end end[2]) {
     return bearing->force / curvature;
 }
 
+/* The force of all dashpots when the step begins, N; v: velocities then, m/s; h: length of the
+ * step, s. The contacts' own rates would be no measure of it: the skin of a body that spins has
+ * other velocities than its centre. */
+static double force_of(const struct bearing *bearing, const pdyn_dashpot *central, const double *v,
+                       double h) {
+    double rate = bearing->shift / h;
+    for (int k = 0; k < 2 * RIGID_POINTS; k++)
+        rate += central->coefficient[k] *
+                vec3_dot(bearing->normal, v + 3 * (size_t)central->particle[k]);
+    return fmax(-bearing->net, -bearing->damping * rate);
+}
+
 /* Four dashpots at the ends of a cross have the stiffness of the bearing against a push along the
  * normal and against two tilts, less what rolling has. Contacts on opposite sides, as in a slot,
  * have little net force, and nothing is damped along their mean normal. */
 static void set_dashpots(const struct contact *c, struct bearing *bearing, const double *x,
-                         pdyn_dashpot *dashpot) {
+                         const double *v, double h, pdyn_dashpot *dashpot) {
     static const double none[3] = {0};
     const struct bearings *t = c->bearings;
     const struct end end[2] = {end_of(t, bearing, 0, x), end_of(t, bearing, 1, x)};
@@ -180,6 +192,7 @@ static void set_dashpots(const struct contact *c, struct bearing *bearing, const
     double roll = rolling(bearing, end), part = bearing->net / bearing->force;
     bearing->damping = part * part * 2.0 * c->settings->damping *
                        sqrt(bearing->stiffness / inverse_mass(&central, end));
+    bearing->dashpot_force = force_of(bearing, &central, v, h);
     for (int k = 0; k < BEARING_DASHPOTS; k++) {
         double rest = fmax(0.0, tilt.s[k / 2] - roll), offset[3] = {0};
         vec3_add(offset, (k % 2 ? -1.0 : 1.0) * sqrt(2.0 * rest / bearing->stiffness),
@@ -207,7 +220,7 @@ static pdyn_status reserve_dashpots(struct contact *c) {
     return PDYN_OK;
 }
 
-pdyn_status bearings_update(struct contact *c, const double *x) {
+pdyn_status bearings_update(struct contact *c, const double *x, const double *v, double h) {
     struct bearings *t = c->bearings;
     pdyn_status status = reserve_contacts(c);
     if (status == PDYN_OK) status = gather(c);
@@ -215,12 +228,12 @@ pdyn_status bearings_update(struct contact *c, const double *x) {
     if (status != PDYN_OK) return status;
     complete(c);
     for (int k = 0; k < t->count; k++)
-        set_dashpots(c, &t->bearing[k], x, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
+        set_dashpots(c, &t->bearing[k], x, v, h, t->dashpot + (size_t)BEARING_DASHPOTS * (size_t)k);
     for (int e = 0; e < c->start.view.count; e++) {
         const struct bearing_contact *own = &t->contact[e];
         if (own->bearing < 0) continue;
         const struct bearing *bearing = &t->bearing[own->bearing];
-        c->start.contact[e].damping = bearing->damping * own->stiffness / bearing->stiffness;
+        c->start.contact[e].damping = bearing->dashpot_force * own->stiffness / bearing->stiffness;
     }
     return PDYN_OK;
 }

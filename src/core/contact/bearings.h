@@ -14,10 +14,11 @@ struct bearing {
     double force, stiffness; /* sums of -b', N, and of b'', N/m, over the contacts */
     double normal[3];        /* along the sum of the forces on the first group, length 1 */
     double net;              /* N: length of that sum */
-    double centre[2][3]; /* m: mean of the contacts' points on the groups, with the weights b'' */
-    double tilt[9];      /* N m: sum of b'' r r', r: from the centre, across the normal */
-    double shift;        /* m: what a solid that moves adds to the distance in this step */
-    double damping;      /* c of all dashpots together, N s/m */
+    double centre[2][3];  /* m: mean of the contacts' points on the groups, with the weights b'' */
+    double tilt[9];       /* N m: sum of b'' r r', r: from the centre, across the normal */
+    double shift;         /* m: what a solid that moves adds to the distance in this step */
+    double damping;       /* c of all dashpots together, N s/m */
+    double dashpot_force; /* N: of these when the step begins */
 };
 
 struct bearing_contact { /* of a contact of the beginning of the step */
@@ -40,9 +41,10 @@ struct bearings {
 pdyn_status bearings_create(struct contact *contact, const struct rigid_map *map);
 void bearings_free(struct contact *contact);
 
-/* Sets the dashpots of the contacts of the beginning of the step, and the damping of these. x:
- * positions of the system then, particles x 3, m. */
-pdyn_status bearings_update(struct contact *contact, const double *x);
+/* Sets the dashpots of the contacts of the beginning of the step, and the parts of the contacts in
+ * their force. x, v: positions, m, and velocities, m/s, of the system then, particles x 3; h:
+ * length of the step, s. */
+pdyn_status bearings_update(struct contact *contact, const double *x, const double *v, double h);
 
 /* The solid on which a dashpot acts, at its u; -1: none. */
 int bearings_solid(const struct contact *contact, int dashpot);

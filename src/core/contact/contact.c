@@ -140,13 +140,14 @@ double contact_lag(const struct contact *c, int solid) {
     return lag;
 }
 
-pdyn_status contact_begin(struct contact *c, const double *x, double time) {
+pdyn_status contact_begin(struct contact *c, const double *x, const double *v, double h,
+                          double time) {
     double start = clock_ms();
     c->ms = 0.0;
     copy_solids(c, solids_in(c, c->at), c->begin);
     if (c->moving) set_goals(c, time);
     pdyn_status status = contact_set_start(c);
-    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x);
+    if (status == PDYN_OK && c->bearings) status = bearings_update(c, x, v, h);
     c->ms += clock_ms() - start;
     return status;
 }

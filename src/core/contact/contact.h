@@ -172,9 +172,11 @@ void contact_free(struct contact *contact);
  * contact_local. */
 pdyn_status contact_check(struct contact *contact);
 
-/* Begins a step at the positions x of the last local step: the contacts there become those of the
- * beginning of the step, and solids get their poses at `time`, s, as goals. */
-pdyn_status contact_begin(struct contact *contact, const double *x, double time);
+/* Begins a step of length h, s, to `time` at the positions x of the last local step and the
+ * velocities v: the contacts there become those of the beginning of the step, and solids get their
+ * poses at `time` as goals. */
+pdyn_status contact_begin(struct contact *contact, const double *x, const double *v, double h,
+                          double time);
 
 /* Undoes a step that failed: solids go back to where it began, surfaces are at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);
