@@ -8,6 +8,7 @@ import copy
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -74,12 +75,13 @@ DUST = ("bodies.0.constraints", [])
 
 
 class Mistake:
-    """code: of the exit of check and run; check, run: texts that they print, "" if nothing is to be said."""
+    """codes: of the exit of check and run; check, run: texts that they print, "" if nothing is to be said; memory: bytes
+    that they may have."""
 
-    def __init__(self, name, scene, check="", run=None, codes=(0, 0), options=(), run_options=()):
+    def __init__(self, name, scene, check="", run=None, codes=(0, 0), options=(), run_options=(), memory=None):
         self.name, self.scene, self.codes = name, scene, codes
         self.said = (check, check if run is None else run)
-        self.options, self.run_options = list(options), list(run_options)
+        self.options, self.run_options, self.memory = list(options), list(run_options), memory
 
 
 MISTAKES = [
@@ -144,6 +146,8 @@ MISTAKES = [
                                                        ("time_step", {"maximum": 0.005, "minimum": 0.005})), "[short-step]"),
     Mistake("water compressed at the start", change(*WATER_ONLY, ("bodies.0.constraints.0.stiffness", 1),
                                                     ("bodies.0.velocity", [0, -5, 0])), "[compressed]"),
+    Mistake("more water than memory", change(*WATER_ONLY, ("bodies.0.particles.radius", 0.0025)),
+            "153600 particles take about 0.35 GB, and there are 0.34 GB", codes=(1, 1), memory=340_000_000),
     # energy from nothing
     Mistake("two blocks of water overlap",
             change(*WATER_ONLY, ("bodies.0.particles.fill.1", {"box": {
@@ -180,12 +184,17 @@ MISTAKES = [
 ]
 
 
+def limit_memory(size):
+    if size:
+        resource.setrlimit(resource.RLIMIT_AS, (size, size))
+
+
 def said_by(command, mistake, folder):
     more = ["--threads", "1", *mistake.run_options] if command == "run" else []
     if command == "run" and "-o" not in more:
         more = more + ["-o", "out", "--no-frames"]
     done = subprocess.run([PROJDYN, command, "scene.json", *more, *mistake.options], cwd=folder, capture_output=True,
-                          text=True, timeout=120)
+                          text=True, timeout=120, preexec_fn=lambda: limit_memory(mistake.memory))
     return done.returncode, done.stdout + done.stderr
 
 

@@ -22,6 +22,7 @@
     X(PROBE, "probe")                                                                              \
     X(NEVER, "never")                                                                              \
     X(OUTLET, "outlet")                                                                            \
+    X(MEMORY, "memory")                                                                            \
     X(SEAMS, "seams")                                                                              \
     X(COINCIDENT, "coincident")                                                                    \
     X(OVERLAP, "overlap")                                                                          \

@@ -15,6 +15,9 @@ struct pdyn_sim;
                  warnings_count(&(sim)->warnings, WARNING_##code, subject, 0.0, 1, 0.0),           \
                  __VA_ARGS__)
 
+/* Warns of more memory than there is, which a system often answers by ending the program without a
+ * word. Right after the bodies are made. */
+void warn_of_memory(struct pdyn_sim *sim);
 /* Raises warnings about values that are legal but surely not meant. */
 pdyn_status warn_of_scene(struct pdyn_sim *sim);
 /* The same about inlets, outlets and times, and about surfaces in a fluid: parts of it. */

@@ -6,6 +6,8 @@
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 /* Ranges of values that occur in practice. */
 static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3 */
@@ -15,6 +17,8 @@ static const double min_extent = 2e-3, max_extent = 500.0;             /* m */
 static const double max_thickness = 2.5;
 /* Share of the particles that may be left out where they overlap with something. */
 static const double max_left_out = 0.3;
+/* Memory of a particle of a fluid with its neighbour list (docs/results/speed.md). */
+static const double fluid_bytes = 2300.0;
 
 /* ---- properties of bodies -------------------------------------------------------------------- */
 
@@ -249,6 +253,24 @@ static void check_probes(struct pdyn_sim *sim) {
             break;
         }
     }
+}
+
+/* Bytes that the program may have: those of the machine, or fewer by `ulimit -v`. */
+static double memory_of_machine(void) {
+    struct rlimit limit;
+    double bytes = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (getrlimit(RLIMIT_AS, &limit) || limit.rlim_cur == RLIM_INFINITY) return bytes;
+    return fmin(bytes, (double)limit.rlim_cur);
+}
+
+void warn_of_memory(struct pdyn_sim *sim) {
+    double particles = 0.0, machine = memory_of_machine();
+    for (int b = 0; b < sim->bodies; b++)
+        if (!sim->body[b].triangles) particles += sim->body[b].count;
+    if (particles * fluid_bytes > machine)
+        WARN(sim, MEMORY, "",
+             "%.0f particles take about %.2g GB, and there are %.2g GB; expected a larger radius",
+             particles, particles * fluid_bytes * 1e-9, machine * 1e-9);
 }
 
 pdyn_status warn_of_scene(struct pdyn_sim *sim) {
