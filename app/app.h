@@ -17,6 +17,7 @@ int trade_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int list_main(int argc, char **argv);
 int mesh_main(int argc, char **argv);
+int usd_main(int argc, char **argv);
 int replay_main(int argc, char **argv);
 int view_main(int argc, char **argv);
 int render_main(int argc, char **argv);

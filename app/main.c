@@ -20,6 +20,7 @@ static const struct command {
     {"check", check_main, "load a scene and print its contents; or test a plug-in"},
     {"list", list_main, "print constraint types and solvers with their parameters and units"},
     {"mesh", mesh_main, "make triangle meshes of the surfaces of fluids"},
+    {"usd", usd_main, "write the frames of a run as USD, for Houdini, Maya and others"},
     {"replay", replay_main, "pack the frames of a run into one HTML page"},
     {"view", view_main, "run a scene and show it in a browser: drag, change, save"},
     {"render", render_main, "draw a run to a picture or a film, with Chromium and ffmpeg"},

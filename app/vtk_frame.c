@@ -2,7 +2,7 @@
  *
  *     # vtk DataFile Version 4.2 / title / BINARY / DATASET UNSTRUCTURED_GRID
  *     POINTS, CELLS, CELL_TYPES; then, except for boundary points, POINT_DATA with density and
- *     pressure (particles only) and velocity */
+ *     pressure (particles only), velocity, and normals (surfaces of fluids) */
 #include "vtk_frame.h"
 #include "app.h"
 #include "read_file.h"
@@ -231,7 +231,10 @@ static int read_point_data(struct reader *r, struct vtk_frame *frame) {
     if (code == EXIT_GOOD) code = expect_line(r, "VECTORS velocity float");
     if (code == EXIT_GOOD)
         code = read_floats(r, 3 * (size_t)frame->count, "velocity", &frame->velocity);
-    return code;
+    if (code != EXIT_GOOD || !frame->triangles || r->at == r->size) return code;
+    code = expect_line(r, "VECTORS normal float");
+    return code == EXIT_GOOD ? read_floats(r, 3 * (size_t)frame->count, "normal", &frame->normal)
+                             : code;
 }
 
 /* data: expect POINT_DATA after the cells */
@@ -263,6 +266,7 @@ int vtk_frame_read_geometry(const char *path, struct vtk_frame *frame) {
 void vtk_frame_free(struct vtk_frame *frame) {
     free(frame->x);
     free(frame->velocity);
+    free(frame->normal);
     free(frame->density);
     free(frame->pressure);
     free(frame->triangle);

@@ -1,5 +1,5 @@
-/* Reader for the VTK files that `projdyn run` writes (legacy VTK 4.2, binary, big endian). It
- * accepts exactly this layout, not VTK in general. */
+/* Reader for the VTK files that `projdyn run` and `projdyn mesh` write (legacy VTK 4.2, binary, big
+ * endian). It accepts exactly this layout, not VTK in general. */
 #ifndef VTK_FRAME_H
 #define VTK_FRAME_H
 
@@ -12,6 +12,7 @@ struct vtk_frame {
     int triangles;   /* triangles of a surface; 0: the file has one vertex cell per point */
     float *x;        /* positions, m,       count x 3 */
     float *velocity; /* m/s,                count x 3; NULL in a file without data */
+    float *normal;   /* length 1,           count x 3; NULL but in the surface of a fluid */
     float *density;  /* kg/m^3,             count; NULL for a surface */
     float *pressure; /* Pa,                 count; NULL for a surface */
     int *triangle;   /* corner indices,     triangles x 3 */

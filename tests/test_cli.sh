@@ -92,7 +92,7 @@ expect "version as a command" 0 "projdyn 0." "$program" version
 expect "unknown command" 2 'did you mean "check"' "$program" chekc
 expect "unknown command lists all" 2 "  replay " "$program" chekc
 expect "command like no other" 1 "" sh -c "'$program' frobnicate 2>&1 | grep 'did you mean'"
-for command in run sweep compare trade check list mesh replay render; do
+for command in run sweep compare trade check list mesh usd replay render; do
     expect "$command --help" 0 "Usage: projdyn $command" "$program" $command --help
 done
 if "$program" view --help 2>&1 | grep -q "no live view"; then

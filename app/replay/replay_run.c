@@ -113,8 +113,7 @@ static int check_series(const struct part *part, const char *path) {
     return EXIT_GOOD;
 }
 
-/* Reads the list of frames FOLDER/NAME.vtk.series; a part at rest has the file NAME.vtk. */
-static int read_series(const struct run *run, struct part *part) {
+int replay_open_series(const struct run *run, struct part *part) {
     char path[REPLAY_PATH], name[REPLAY_PATH];
     snprintf(name, sizeof name, "%s%s", part->folder, part->name);
     if (!replay_path(path, run, name, ".vtk.series"))
@@ -176,7 +175,7 @@ static int open_body(struct run *run, int b) {
                             run->directory, b);
     part->fluid = is_fluid(run, part->name);
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
-    int code = read_series(run, part);
+    int code = replay_open_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);
     if (code == EXIT_GOOD) code = read_color(run, part, entry, &part->color);
@@ -200,7 +199,7 @@ static int open_solid(struct run *run, int s) {
     int code = read_color(run, &part, entry, &part.color);
     if (code != EXIT_GOOD) return code;
     run->part[run->parts] = part;
-    return read_series(run, &run->part[run->parts++]);
+    return replay_open_series(run, &run->part[run->parts++]);
 }
 
 /* Boundary points on solids at rest, and on those that move, if the files are there. */
@@ -213,7 +212,7 @@ static int open_boundary(struct run *run) {
             continue;
         struct part *part = &run->part[run->parts++];
         *part = (struct part){.kind = BOUNDARY, .rest = rest, .folder = "", .name = "boundary"};
-        code = read_series(run, part);
+        code = replay_open_series(run, part);
     }
     return code;
 }

@@ -77,6 +77,9 @@ int replay_read_metrics(struct run *run);
  * points. */
 int replay_find_ranges(struct run *run);
 
+/* Reads the list of frames FOLDER/NAME.vtk.series of a part, which the caller frees (part->series);
+ * a part at rest has the file NAME.vtk. Part of replay_open. */
+int replay_open_series(const struct run *run, struct part *part);
 /* Time of frame f of a part, s. */
 double replay_time(const struct part *part, int f);
 /* Number of frames of a part that are stored: 1 for a part at rest. */

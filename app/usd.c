@@ -1,0 +1,238 @@
+/* projdyn usd: the frames of a run as one USD stage in text (OpenUSD, format "usda 1.0"), for
+ * Houdini, Maya and other programs. */
+#include "app.h"
+#include "new_file.h"
+#include "replay/replay_run.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "Usage: projdyn usd DIR [-o FILE]\n"
+    "\n"
+    "Writes the frames of a run as one file of USD, for Houdini, Maya and others: surfaces, soft "
+    "and\n"
+    "rigid bodies and solids as meshes, particles as points, fluids as meshes where `projdyn mesh "
+    "DIR`\n"
+    "has made them; with velocities, and colours of the scene.\n"
+    "\n"
+    "  -o, --output FILE  output file (default DIR/run.usda)\n"
+    "  -h, --help         prints this text\n";
+
+struct stage {
+    FILE *file;
+    const struct run *run;
+    double start, rate; /* time of the first frame, s; frames per second */
+};
+
+/* ---- values ---------------------------------------------------------------------------------- */
+
+typedef void put_fn(FILE *file, const struct vtk_frame *frame);
+
+static void put_vectors(FILE *file, const float *v, int count, int digits) {
+    for (int i = 0; i < count; i++, v += 3)
+        fprintf(file, "%s(%.*g, %.*g, %.*g)", i ? ", " : "", digits, (double)v[0], digits,
+                (double)v[1], digits, (double)v[2]);
+}
+
+static void put_points(FILE *file, const struct vtk_frame *frame) {
+    put_vectors(file, frame->x, frame->count, 7);
+}
+
+static void put_velocities(FILE *file, const struct vtk_frame *frame) {
+    put_vectors(file, frame->velocity, frame->count, 4);
+}
+
+static void put_normals(FILE *file, const struct vtk_frame *frame) {
+    put_vectors(file, frame->normal, frame->count, 4);
+}
+
+static void put_counts(FILE *file, const struct vtk_frame *frame) {
+    for (int t = 0; t < frame->triangles; t++) fputs(t ? ", 3" : "3", file);
+}
+
+static void put_corners(FILE *file, const struct vtk_frame *frame) {
+    for (int k = 0; k < 3 * frame->triangles; k++)
+        fprintf(file, "%s%d", k ? ", " : "", frame->triangle[k]);
+}
+
+/* ---- attributes ------------------------------------------------------------------------------ */
+
+static int frames_of(const struct stage *stage, const struct part *part) {
+    int listed = (int)json_array_size(part->files);
+    return listed < stage->run->frames ? listed : stage->run->frames;
+}
+
+/* One value for all times, that of the first frame. */
+static int put_constant(struct stage *stage, const struct part *part, const char *name,
+                        put_fn *put) {
+    char path[REPLAY_PATH];
+    struct vtk_frame frame;
+    int code = replay_read_frame(stage->run, part, 0, path, &frame);
+    if (code != EXIT_GOOD) return code;
+    fprintf(stage->file, "        %s = [", name);
+    put(stage->file, &frame);
+    fputs("]\n", stage->file);
+    vtk_frame_free(&frame);
+    return EXIT_GOOD;
+}
+
+/* A value for each frame. */
+static int put_samples(struct stage *stage, const struct part *part, const char *name,
+                       put_fn *put) {
+    int code = EXIT_GOOD;
+    if (part->rest) return put_constant(stage, part, name, put);
+    fprintf(stage->file, "        %s.timeSamples = {\n", name);
+    for (int f = 0; f < frames_of(stage, part) && code == EXIT_GOOD; f++) {
+        char path[REPLAY_PATH];
+        struct vtk_frame frame;
+        code = replay_read_frame(stage->run, part, f, path, &frame);
+        if (code != EXIT_GOOD) break;
+        double time = (replay_time(part, f) - stage->start) * stage->rate;
+        fprintf(stage->file, "            %.10g: [", round(time * 1e6) * 1e-6);
+        put(stage->file, &frame);
+        fputs("],\n", stage->file);
+        vtk_frame_free(&frame);
+    }
+    fputs("        }\n", stage->file);
+    return code;
+}
+
+/* "#rrggbb", sRGB, as the linear colour of USD. */
+static void put_color(struct stage *stage, const struct part *part) {
+    double c[3];
+    long hex = part->color ? strtol(part->color + 1, NULL, 16) : 0;
+    if (!part->color) return;
+    for (int k = 0; k < 3; k++) {
+        double s = (double)(hex >> 8 * (2 - k) & 255) / 255.0;
+        c[k] = s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+    }
+    fprintf(stage->file, "        color3f[] primvars:displayColor = [(%.4g, %.4g, %.4g)]\n", c[0],
+            c[1], c[2]);
+}
+
+/* ---- prims ----------------------------------------------------------------------------------- */
+
+/* The name of the prim: letters, digits and '_' alone, and no digit first; one that has changed
+ * gets the number of the part, so that it stays unique. */
+static void begin_prim(struct stage *stage, const struct part *part, const char *type) {
+    const char *name = part->name;
+    bool changed = isdigit((unsigned char)*name);
+    fprintf(stage->file, "\n    def %s \"%s", type, changed ? "_" : "");
+    for (; *name; name++) {
+        bool good = isalnum((unsigned char)*name) || *name == '_';
+        fputc(good ? *name : '_', stage->file);
+        changed |= !good;
+    }
+    if (changed) fprintf(stage->file, "_%d", (int)(part - stage->run->part));
+    fputs("\"\n    {\n", stage->file);
+    put_color(stage, part);
+}
+
+static int put_particles(struct stage *stage, const struct part *part) {
+    begin_prim(stage, part, "Points");
+    int code = put_samples(stage, part, "point3f[] points", put_points);
+    if (code == EXIT_GOOD) code = put_samples(stage, part, "vector3f[] velocities", put_velocities);
+    fprintf(stage->file,
+            "        float[] widths = [%.7g] (\n            interpolation = \"constant\"\n        "
+            ")\n    }\n",
+            2.0 * part->radius);
+    return code;
+}
+
+/* surface: the part, or the surface of a fluid, whose triangles are others in each frame. */
+static int put_mesh(struct stage *stage, const struct part *part, const struct part *surface) {
+    int (*put)(struct stage *, const struct part *, const char *, put_fn *) =
+        surface == part ? put_constant : put_samples;
+    begin_prim(stage, part, "Mesh");
+    fputs("        uniform token subdivisionScheme = \"none\"\n", stage->file);
+    int code = put(stage, surface, "int[] faceVertexCounts", put_counts);
+    if (code == EXIT_GOOD) code = put(stage, surface, "int[] faceVertexIndices", put_corners);
+    if (code == EXIT_GOOD) code = put_samples(stage, surface, "point3f[] points", put_points);
+    if (code == EXIT_GOOD && part->kind == BODY)
+        code = put_samples(stage, surface, "vector3f[] velocities", put_velocities);
+    if (code == EXIT_GOOD && surface != part) {
+        fputs("        normal3f[] normals (\n            interpolation = \"vertex\"\n        )\n",
+              stage->file);
+        code = put_samples(stage, surface, "normal3f[] normals", put_normals);
+    }
+    fputs("    }\n", stage->file);
+    return code;
+}
+
+/* A fluid: the surface that `projdyn mesh` has made, else its particles. */
+static int put_fluid(struct stage *stage, const struct part *part) {
+    char path[REPLAY_PATH];
+    struct part surface = {.kind = BODY, .folder = "mesh/", .name = part->name};
+    if (snprintf(path, sizeof path, "%s/mesh/%s.vtk.series", stage->run->directory, part->name) >=
+            REPLAY_PATH ||
+        access(path, F_OK))
+        return put_particles(stage, part);
+    int code = replay_open_series(stage->run, &surface);
+    if (code == EXIT_GOOD) code = put_mesh(stage, part, &surface);
+    json_decref(surface.series);
+    return code;
+}
+
+static int put_part(struct stage *stage, const struct part *part) {
+    if (part->kind == BOUNDARY) return EXIT_GOOD;
+    if (part->fluid) return put_fluid(stage, part);
+    return part->radius > 0.0 ? put_particles(stage, part) : put_mesh(stage, part, part);
+}
+
+/* ---- the command ----------------------------------------------------------------------------- */
+
+static int put_stage(struct stage *stage) {
+    const struct run *run = stage->run;
+    const struct part *first = &run->part[0];
+    int last = run->frames - 1, code = EXIT_GOOD;
+    stage->start = replay_time(first, 0);
+    stage->rate = last ? 1.0 / (replay_time(first, 1) - stage->start) : 24.0;
+    fprintf(stage->file,
+            "#usda 1.0\n(\n    defaultPrim = \"run\"\n    doc = \"projdyn %s\"\n"
+            "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n"
+            "    endTimeCode = %d\n    timeCodesPerSecond = %.10g\n    framesPerSecond = %.10g\n)\n"
+            "\ndef Xform \"run\"\n{",
+            pdyn_version(), last, stage->rate, stage->rate);
+    for (int p = 0; p < run->parts && code == EXIT_GOOD; p++) code = put_part(stage, &run->part[p]);
+    fputs("}\n", stage->file);
+    return code;
+}
+
+static int write_stage(const struct run *run, const char *path) {
+    char *temporary;
+    struct stage stage = {.file = new_file_open(path, &temporary), .run = run};
+    if (!stage.file) return report_write_error(path);
+    int code = put_stage(&stage);
+    bool written = new_file_close(stage.file, temporary, path, code == EXIT_GOOD);
+    if (code != EXIT_GOOD) return code;
+    if (!written) return report_write_error(path);
+    printf("%d frames written to %s\n", run->frames, path);
+    return EXIT_GOOD;
+}
+
+static bool accept_option(void *output, int option) {
+    if (option == 'o') *(const char **)output = optarg;
+    return option == 'o';
+}
+
+int usd_main(int argc, char **argv) {
+    static const struct option long_options[] = {
+        {"output", required_argument, NULL, 'o'}, {"help", no_argument, NULL, 'h'}, {0}};
+    const char *output = NULL;
+    char path[REPLAY_PATH];
+    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &output);
+    if (code >= 0) return code;
+    if (argc - optind != 1) return report_usage("usd", "one directory", usage);
+    struct run run = {.directory = argv[optind]};
+    code = replay_open(&run);
+    if (code == EXIT_GOOD && !output && !replay_path(path, &run, "run", ".usda"))
+        code = replay_error("%s: the path is too long", run.directory);
+    if (code == EXIT_GOOD) code = write_stage(&run, output ? output : path);
+    replay_close(&run);
+    return code;
+}

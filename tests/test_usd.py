@@ -1,0 +1,123 @@
+"""`projdyn usd`: a reader of the text format, written for this test, finds the frames of the run.
+
+Usage: test_usd.py PROJDYN
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+try:
+    import meshio
+    import numpy as np
+except ImportError as missing:
+    print(f"skipped: {missing}")
+    sys.exit(77)
+
+PROJDYN = os.path.abspath(sys.argv[1])
+SCENE = {
+    "duration": 0.1, "frame_interval": 0.04, "time_step": {"maximum": 0.01},
+    "solids": [{"name": "tank", "box": {"minimum": [-0.2, 0, -0.2], "maximum": [0.2, 0.4, 0.2]}, "open": ["+y"]},
+               {"name": "paddle", "box": {"minimum": [-0.02, 0.25, -0.1], "maximum": [0.02, 0.35, 0.1]},
+                "motion": [{"time": 0}, {"time": 1, "translate": [0, 0.5, 0]}]}],
+    "bodies": [{"name": "2-water", "color": "#ff0080",
+                "particles": {"radius": 0.02, "fill": [{"box": {"minimum": [-0.2, 0, -0.2], "maximum": [0.2, 0.12, 0.2]}}]},
+                "constraints": [{"type": "fluid"}]},
+               {"name": "sheet",
+                "surface": {"grid": {"size": [0.3, 0.3], "vertices": [5, 5]}, "translate": [0, 0.2, 0], "area_density": 0.5},
+                "constraints": [{"type": "spring", "stretching_stiffness": 1000}]}]}
+
+
+def numbers(text):
+    """Rows of the tuples of an array, or its numbers."""
+    values = np.array([float(word) for word in re.findall(r"[-+.\de]+", text)])
+    return values.reshape(-1, 3) if "(" in text else values
+
+
+def read_stage(text):
+    """{prim: {"type": ..., attribute: array, or {time code: array}}} and the entries of the head."""
+    head, rest = re.fullmatch(r"#usda 1\.0\n\(\n(.*?)\n\)\n\ndef Xform \"run\"\n\{(.*)\}\n", text, re.S).groups()
+    prims, found = {}, 0
+    for kind, name, body in re.findall(r"\n    def (\w+) \"(\w+)\"\n    \{\n(.*?)\n    \}\n", rest, re.S):
+        prim = prims[name] = {"type": kind}
+        found += 1
+        for key, array in re.findall(r"^        [\w\[\]]+ ([\w:]+) = \[(.*)\]", body, re.M):
+            prim[key] = numbers(array)
+        for key, samples in re.findall(r"^        [\w\[\]]+ (\w+)\.timeSamples = \{\n(.*?)\n        \}", body, re.M | re.S):
+            prim[key] = {float(time): numbers(array)
+                         for time, array in re.findall(r"^            (\S+): \[(.*)\],$", samples, re.M)}
+    assert found == rest.count("def "), "a prim of another form"
+    return dict(line.strip().split(" = ") for line in head.split("\n")), prims
+
+
+class Usd(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.holder = tempfile.TemporaryDirectory()
+        cls.directory = pathlib.Path(cls.holder.name)
+        (cls.directory / "scene.json").write_text(json.dumps(SCENE))
+        cls.program("run", "scene.json", "-o", "run", "--threads", "1", "--quiet")
+        cls.program("usd", "run", "-o", "particles.usda")
+        cls.program("mesh", "run", "--threads", "1")
+        cls.program("usd", "run")
+        cls.times = [frame["time"] for frame in json.loads((cls.directory / "run/sheet.vtk.series").read_text())["files"]]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.holder.cleanup()
+
+    @classmethod
+    def program(cls, *arguments):
+        subprocess.run([PROJDYN, *arguments], cwd=cls.directory, check=True, capture_output=True)
+
+    def stage(self, name):
+        return read_stage((self.directory / name).read_text())
+
+    def check_samples(self, samples, file, of):
+        self.assertEqual(list(samples), [0.0, 1.0, 2.0])
+        for k, values in samples.items():
+            mesh = meshio.read(self.directory / f"run/{file}_{int(k):06d}.vtk")
+            np.testing.assert_allclose(values, of(mesh), rtol=1e-3, atol=1e-6)
+
+    def test_head(self):
+        head, _ = self.stage("run/run.usda")
+        self.assertEqual((head["upAxis"], head["metersPerUnit"], head["endTimeCode"]), ('"Y"', "1", "2"))
+        self.assertAlmostEqual(float(head["timeCodesPerSecond"]), 1 / (self.times[1] - self.times[0]))
+
+    def test_surface(self):
+        _, prims = self.stage("run/run.usda")
+        self.check_samples(prims["sheet"]["points"], "sheet", lambda mesh: mesh.points)
+        self.check_samples(prims["sheet"]["velocities"], "sheet", lambda mesh: mesh.point_data["velocity"])
+        self.assertEqual(prims["sheet"]["faceVertexCounts"].tolist(), [3] * 32)
+        self.assertLess(prims["sheet"]["faceVertexIndices"].max(), 25)
+
+    def test_particles(self):
+        _, prims = self.stage("particles.usda")
+        water = prims["_2_water_0"]
+        self.assertEqual((water["type"], water["widths"].tolist()), ("Points", [0.04]))
+        self.check_samples(water["points"], "2-water", lambda mesh: mesh.points)
+        np.testing.assert_allclose(water["primvars:displayColor"], [[1, 0, 0.2159]], atol=1e-3)
+
+    def test_surface_of_a_fluid(self):
+        _, prims = self.stage("run/run.usda")
+        water = prims["_2_water_0"]
+        self.assertEqual(water["type"], "Mesh")
+        self.check_samples(water["points"], "mesh/2-water", lambda mesh: mesh.points)
+        self.check_samples(water["normals"], "mesh/2-water", lambda mesh: mesh.point_data["normal"])
+        self.check_samples({k: v.reshape(-1, 3) for k, v in water["faceVertexIndices"].items()}, "mesh/2-water",
+                           lambda mesh: mesh.cells_dict["triangle"])
+
+    def test_solids(self):
+        _, prims = self.stage("run/run.usda")
+        self.assertEqual(prims["tank"]["points"].shape, (8, 3))
+        paddle = prims["paddle"]["points"]
+        for k, time in enumerate(self.times):
+            self.assertAlmostEqual(paddle[k][:, 1].max(), 0.35 + 0.5 * time, 5)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
