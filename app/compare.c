@@ -113,8 +113,19 @@ static void print_rows(const struct solver_benchmark *benchmark, const char *hea
     }
 }
 
-/* Times of steps that did not reach the tolerance compare unequal work. */
+static bool is_unsolved(const struct solver_benchmark *benchmark) {
+    for (int k = 0; k < benchmark->solvers; k++)
+        if (benchmark->solver[k].unsolved < benchmark->steps) return false;
+    return true;
+}
+
+/* Times of steps that did not reach the tolerance compare unequal work, or the same number of outer
+ * iterations. */
 static void print_unsolved(const struct solver_benchmark *benchmark) {
+    if (is_unsolved(benchmark)) {
+        puts("every step takes all of its `outer_iterations`: compare residuals, too");
+        return;
+    }
     for (int k = 0; k < benchmark->solvers; k++) {
         const struct solver_timing *timing = &benchmark->solver[k];
         if (timing->unsolved)

@@ -46,7 +46,7 @@ void scene_options_free(struct scene_options *options) {
 }
 
 static void print_warning(void *user, pdyn_log_level level, const char *message) {
-    (void)user;
+    if (((const struct scene_options *)user)->silent) return;
     clear_progress();
     fprintf(stderr, "projdyn: %s%s\n", level == PDYN_LOG_WARNING ? "warning: " : "", message);
 }
@@ -54,7 +54,7 @@ static void print_warning(void *user, pdyn_log_level level, const char *message)
 int scene_context(const struct scene_options *options, pdyn_context **context) {
     pdyn_options settings = pdyn_default_options();
     settings.threads = options->threads;
-    settings.log = options->silent ? NULL : print_warning;
+    settings.log = print_warning, settings.log_user = (void *)options;
     settings.refuse_scene_plugins = !scene_plugins_allowed();
     pdyn_status status = pdyn_create(&settings, context);
     for (int k = 0; k < options->plugins && status == PDYN_OK; k++)

@@ -15,7 +15,7 @@ struct scene_options {
     int sets;
     const char **plugin; /* plugins: paths of plug-in files, loaded before the scene */
     int plugins;
-    bool silent; /* suppresses warnings */
+    bool silent; /* suppresses warnings; may change while a context is there */
 };
 
 /* Parses the argument of --threads; false with a message if it is no integer from 1 to 1024. */
@@ -36,7 +36,8 @@ bool scene_plugins_allowed(void);
 void scene_options_free(struct scene_options *options);
 
 /* Creates a context that prints warnings to stderr, and loads the plug-ins into it. Returns
- * EXIT_GOOD, or another exit code after a message. The caller destroys *context in both cases. */
+ * EXIT_GOOD, or another exit code after a message. The caller destroys *context in both cases,
+ * before the options end. */
 int scene_context(const struct scene_options *options, pdyn_context **context);
 
 /* Creates a context as scene_context() does, opens the scene file and applies the overrides.

@@ -31,10 +31,10 @@ struct solver_benchmark {
 int benchmark_run(struct solver_benchmark *benchmark);
 void benchmark_free(struct solver_benchmark *benchmark);
 
-/* Mean time of a step, ms, over all steps but the first one. */
+/* Mean time of a step, ms, over all steps but the first two. */
 double benchmark_step_ms(const struct solver_benchmark *benchmark,
                          const struct solver_timing *timing);
-/* Preparation, ms: loading the scene, and the time of the first step beyond the mean step. */
+/* Preparation, ms: loading the scene, and the time of the first two steps beyond the mean step. */
 double benchmark_prepare_ms(const struct solver_benchmark *benchmark,
                             const struct solver_timing *timing);
 

@@ -91,7 +91,8 @@ class Body(Fixed):
 
     def set_positions(self, positions: Any) -> None:
         """Places the particles, n x 3, m. The body does not pass what lies between."""
-        self._call(lib.pdyn_set_positions, self._rows(positions, "positions"))
+        rows = doubles(positions, (len(self), 3), "positions")
+        self._call(lib.pdyn_set_positions, rows)
 
     def set_velocities(self, velocities: Any) -> None:
         """Sets the velocities, m/s, n x 3, or three numbers."""

@@ -36,7 +36,6 @@ class Constraint(Fixed):
         info = self._info()
         self.type: str = info.type.decode()
         self.body: str = info.body.decode()
-        self.elements: int = info.elements
         self.fix()
 
     def __repr__(self) -> str:
@@ -85,6 +84,11 @@ class Constraint(Fixed):
     # ---- results at the end of the last step ----------------------------------------------------
 
     @property
+    def elements(self) -> int:
+        """Number of elements; of some types, as viscosity, another one after each step."""
+        return self._info().elements
+
+    @property
     def energy(self) -> float:
         """J."""
         return self._info().energy
@@ -130,7 +134,8 @@ class Constraint(Fixed):
         return info
 
     def _values(self) -> tuple[np.ndarray, np.ndarray]:
-        energy, distance = np.empty(self.elements), np.empty(self.elements)
+        elements = self.elements
+        energy, distance = np.empty(elements), np.empty(elements)
         self._handle.call(lib.pdyn_element_values, self._index, address(energy), address(distance))
         return energy, distance
 

@@ -96,6 +96,8 @@ class Control(unittest.TestCase):
     def test_positions_and_velocities(self):
         sim = hanging_sheet().load()
         sheet = sim.bodies["sheet"]
+        with self.assertRaises(projdyn.InputError):
+            sheet.set_positions([0, 1, 0])  # not one point for all
         sheet.set_positions(sheet.rest + [0, 1, 0])
         sheet.set_velocities(np.zeros((81, 3)) + [1, 2, 3])
         np.testing.assert_array_equal(sheet.x, sheet.rest + [0, 1, 0])

@@ -3,6 +3,7 @@ import unittest
 
 import numpy as np
 
+import projdyn
 from scenes import hanging_sheet, tank_of_water
 
 
@@ -25,6 +26,18 @@ class Probes(unittest.TestCase):
         np.testing.assert_allclose(force, info.pin_reaction, atol=1e-3)
         np.testing.assert_allclose(moment, np.cross(sim.x, pin.forces()).sum(0), atol=1e-9)
         self.assertEqual(sim.contact_forces().shape, (81, 3))
+
+    def test_elements_that_change(self):
+        """Viscosity has an element for each pair of neighbours, of another number after each step."""
+        scene = projdyn.Scene(duration=1, threads=1)
+        scene.add_fluid(box=([0, 0, 0], [0.2, 0.2, 0.2]), radius=0.02, name="water", fluid={},
+                        viscosity={"viscosity": 1})
+        sim = scene.load()
+        viscosity = sim.constraints["water", "viscosity"]
+        before = viscosity.elements
+        sim.step()
+        self.assertNotEqual(viscosity.elements, before)
+        self.assertEqual(viscosity.energies().shape, (viscosity.elements,))
 
     def test_water(self):
         sim = tank_of_water(probes=[{"name": "deep", "point": [0.12, 0.05, 0.12]},

@@ -48,11 +48,12 @@ static pdyn_status refuse_frames(pdyn_writer *writer, const char *folder) {
 
 pdyn_status own_sources_check(pdyn_writer *writer) {
     static const char *const folders[] = {"", SOLIDS_FOLDER, MESH_FOLDER};
-    static const char *const files[] = {"metrics.csv", "probes.csv", "boundary.vtk"};
+    static const char *const files[] = {"metrics.csv", "probes.csv",  "boundary.vtk",
+                                        "run.json",    "report.json", "files.json"};
     const pdyn_sim *sim = writer->sim;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 && status == PDYN_OK; k++) status = refuse_frames(writer, folders[k]);
-    for (int k = 0; k < 3 && status == PDYN_OK; k++)
+    for (int k = 0; k < 6 && status == PDYN_OK; k++)
         status = own_source_refuse(sim, writer_path(writer, "%s", files[k]));
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++)
         status = own_source_refuse(sim, writer_path(writer, "%s.obj", sim->body[b].name));

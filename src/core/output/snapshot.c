@@ -1,6 +1,7 @@
 /* Saved states: everything on which the next step of a simulation depends. */
 #include "snapshot.h"
 
+#include "scene/fingerprint.h"
 #include "step/crossings.h"
 #include "step/forces.h"
 #include "step/live_particles.h"
@@ -94,6 +95,7 @@ static pdyn_status persist_scene(struct pdyn_sim *sim, struct snapshot_file *a) 
         "start)");
     snapshot_file_expect(a, hash_bytes(HASH_BEGIN, sim->rest, objective_bytes(&sim->objective)),
                          "positions at rest");
+    snapshot_file_expect(a, fingerprint_of_meshes(&sim->scene), "meshes");
     snapshot_file_expect(a, (uint64_t)sim->boundary.at.count, "numbers of boundary points");
     snapshot_file_expect(a, (uint64_t)(sim->objective.batches - sim->control.batches),
                          "constraints");

@@ -1,18 +1,16 @@
 /* Reading a scene: its parts, references between bodies, derived parameters; freeing it. */
 #include "base/registry.h"
-#include "base/snapshot_file.h"
 #include "base/text.h"
 #include "contact_stiffness.h"
 #include "file_ref.h"
+#include "fingerprint.h"
 #include "head.h"
 #include "inlet.h"
 #include "motion.h"
 #include "overlap.h"
 #include "params.h"
 #include "reader.h"
-#include "table.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -185,65 +183,15 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     return status == PDYN_OK ? reader_each(r, &bodies, resolve_all) : status;
 }
 
-/* A copy of an object without some keys; NULL: no object, or no memory. */
-static json_t *without(const json_t *object, const char *const *keys) {
-    json_t *copy = json_copy((json_t *)object);
-    for (; copy && *keys; keys++) json_object_del(copy, *keys);
-    return copy;
-}
-
-/* Removes keys from a member of a copy of the scene, and the member if it becomes empty. */
-static void ignore_keys(json_t *values, const char *member, const char *const *keys) {
-    json_t *part = without(json_object_get(values, member), keys);
-    if (part && json_object_size(part)) json_object_set_new(values, member, part);
-    else json_decref(part), json_object_del(values, member);
-}
-
-/* Removes colours from a list of bodies or solids of a copy of the scene. */
-static void ignore_colors(json_t *values, const char *list) {
-    static const char *const color[] = {"color", NULL};
-    json_t *copy = json_copy(json_object_get(values, list)), *one;
-    size_t k;
-    json_array_foreach(copy, k, one) json_array_set_new(copy, k, without(one, color));
-    if (copy) json_object_set_new(values, list, copy);
-}
-
-/* Tables may come from files, whose numbers are not in the values. */
-static uint64_t hash_tables(const struct scene *scene, uint64_t hash) {
-    for (int b = 0; b < scene->bodies; b++)
-        for (int k = 0; k < scene->body[b].constraints; k++) {
-            const struct scene_constraint *c = &scene->body[b].constraint[k];
-            hash = table_hash(hash, c->type->params, c->params);
-        }
-    return hash;
-}
-
-/* Hash of the values that a saved state belongs to (see scene.fingerprint). */
-static pdyn_status compute_fingerprint(struct reader *r, const json_t *root) {
-    static const char *const whole[] = {"$schema", "name", "duration", NULL};
-    static const char *const step[] = {"fixed", "minimum", "maximum", "cfl", NULL};
-    static const char *const solver[] = {
-        "tolerance", "outer_iterations", "linear_tolerance", "linear_iterations", "retries", NULL};
-    errno = 0;
-    json_t *values = without(root, whole); /* without memory it may lack values */
-    if (values) ignore_keys(values, "time_step", step), ignore_keys(values, "solver", solver);
-    if (values) ignore_colors(values, "bodies"), ignore_colors(values, "solids");
-    bool no_memory = errno == ENOMEM;
-    char *dump = values && !no_memory ? json_compose(values, JSON_COMPACT | JSON_SORT_KEYS) : NULL;
-    json_decref(values);
-    if (!dump) return context_no_memory(r->context);
-    r->scene->fingerprint = hash_tables(r->scene, hash_bytes(HASH_BEGIN, dump, strlen(dump)));
-    free(dump);
-    return PDYN_OK;
-}
-
 static pdyn_status read_file(struct reader *r, const struct json_file *file) {
     struct json_file noting = *file;
     noting.sources = &r->scene->sources;
     struct json_at root = json_root(&noting);
     pdyn_status status = reader_copy_text(r->context, file->name, &r->scene->file);
+    if (status == PDYN_OK && file->on_disk)
+        status = sources_add(r->context, noting.sources, file->name);
     if (status == PDYN_OK) status = read_parts(r, &root);
-    return status == PDYN_OK ? compute_fingerprint(r, root.value) : status;
+    return status == PDYN_OK ? fingerprint_compute(r->context, root.value, r->scene) : status;
 }
 
 pdyn_status scene_read(const struct json_file *file, struct scene *out) {

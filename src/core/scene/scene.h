@@ -187,7 +187,7 @@ struct scene {
     uint64_t fingerprint;   /* hash of the file's values, without "$schema", "name", "duration",
                                colours, step lengths, and tolerances and iterations of the solver;
                                and of tables */
-    struct sources sources; /* files that it names */
+    struct sources sources; /* its file and those that it names */
     struct scene_settings settings;
     bool has_contact;
     struct scene_contact contact;

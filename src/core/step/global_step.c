@@ -13,8 +13,10 @@ enum { MAX_ROUNDS = 12 }; /* linear solves of one model */
  * be wrong. */
 static const double round_tolerance = 0.03;
 
-/* Progress of an iteration, relative to the mean of all, below which a linear solve ends: E is not
- * quadratic, and a new model is worth more than the last digits of this one. */
+/* Progress of an iteration, relative to the mean of all, below which a linear solve of a newton
+ * step ends: E is not quadratic, and a new model is worth more than the last digits of this one. A
+ * projective step has one matrix for all models, and solves to the tolerance that the user sets, so
+ * that solvers can be compared. */
 static const double min_progress = 0.3;
 
 /* Iterations of the first linear solve of a step, at least, where all constraints are static: at s,
@@ -28,13 +30,13 @@ static const double first_reduction = 0.1;
 
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {
     const struct scene_settings *settings = &sim->scene.settings;
-    bool dynamic = sim->objective.dynamic_rows;
+    bool whole = sim->objective.dynamic_rows || !settings->newton;
     /* reaches the step's tolerance, to first order */
     double enough = 0.5 * settings->tolerance / objective_norm(&sim->objective, sim->gradient);
     if (first_of_step && !solves_fluid_alone(sim)) enough = fmin(enough, first_reduction);
-    bool far = first_of_step && !dynamic && enough < settings->linear_tolerance;
+    bool far = first_of_step && !whole && enough < settings->linear_tolerance;
     return (pdyn_stop){.rel_tol = fmax(settings->linear_tolerance, enough),
-                       .min_progress = dynamic ? 0.0 : min_progress,
+                       .min_progress = whole ? 0.0 : min_progress,
                        .min_iterations = far ? MIN_ITERATIONS : 0,
                        .max_iterations = settings->linear_iterations,
                        .first_of_step = first_of_step};
