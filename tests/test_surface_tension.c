@@ -115,8 +115,33 @@ static void test_pressure(void **state) {
     pdyn_destroy(context);
 }
 
+/* A drop in the middle of a free rigid plate, all at rest, does not turn it: the drop pulls at the
+ * points that it touches, not at the corners of the plate's triangles. */
+static void test_plate(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{'gravity': [0, 0, 0], 'duration': 10, 'time_step': {'maximum': 5e-4}, 'bodies': ["
+        "{'particles': {'radius': 5e-4, 'fill': [{'box': {'minimum': [-0.003, 0, -0.003], "
+        "'maximum': [0.003, 0.006, 0.003]}}]}, 'constraints': [{'type': 'fluid', 'sound_speed': 5, "
+        "'viscosity': 0.5}" TENSION("60") "]}, {'rigid': {'box': {'minimum': [-0.008, -0.0041, "
+                                          "-0.008], 'maximum': [0.008, -0.0001, 0.008]}, "
+                                          "'density': 3000}}]}");
+    pdyn_body_info plate = pdyn_get_body(sim, 1);
+    double v[3] = {0};
+    while (pdyn_time(sim) < 0.02) test_step(context, sim);
+    for (int i = plate.first; i < plate.first + plate.count; i++)
+        vec3_add(v, 1.0 / plate.count, sim->v + 3 * i);
+    for (int i = plate.first; i < plate.first + plate.count; i++)
+        assert_true(vec3_distance(sim->v + 3 * i, v) < 0.01);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_drop), cmocka_unit_test(test_wetting),
-                                       cmocka_unit_test(test_pressure)};
+                                       cmocka_unit_test(test_pressure),
+                                       cmocka_unit_test(test_plate)};
     return cmocka_run_group_tests_name("surface_tension", tests, NULL, NULL);
 }

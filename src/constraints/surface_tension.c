@@ -38,11 +38,14 @@ struct site {         /* a particle */
     double wall[3];   /* the part of n by walls, 1/m: into the wall */
     double area;      /* a, m^2; 0 inside */
     double rate;      /* s, N/m^3 */
-    int vertex;       /* a vertex of the sheet that is near; -1: none */
+    int sample;       /* the nearest sample of sheets and bodies; -1: a solid is nearer, or none */
 };
 
-struct link { /* an element: x_i - x_j is pulled to `target` */
-    int i, j; /* j -1: nothing, a point of a solid */
+enum { ENDS = 4 };
+
+struct link { /* an element: the sum of coefficient x particle is pulled to `target` */
+    int end[ENDS];
+    double coefficient[ENDS]; /* 0: the end is not used */
     double weight, target[3];
 };
 
@@ -82,15 +85,13 @@ static void add_walls(const pdyn_batch *b, const double *x, int i, struct site *
                                                      : kernel_slope(&kernel, sqrt(squared));
         vec3_add(site->wall, share * l->volume[l->index[k]] * slope, r);
         if (squared >= nearest) continue;
-        nearest = squared, site->vertex = -1;
-        if (l->index[k] < l->particles)
-            site->vertex = l->sample_vertex[sample_corner(l, l->index[k])];
+        nearest = squared, site->sample = l->index[k] < l->particles ? l->index[k] : -1;
     }
 }
 
 static void find_site(const pdyn_batch *b, const double *x, int i, struct site *site) {
     double d = 2.0 * b->body->radius;
-    *site = (struct site){.vertex = -1};
+    *site = (struct site){.sample = -1};
     add_fluid(b, x, i, site);
     add_walls(b, x, i, site);
     vec3_add(site->normal, 1.0, site->wall);
@@ -132,13 +133,26 @@ static int add_pairs(const pdyn_batch *b, const double *x, int i, const struct s
         if (!(w > 0.0)) continue;
         int at = count++;
         if (at >= room) continue;
-        for (; at > first && link[at - 1].j > j; at--) link[at] = link[at - 1];
-        link[at] = (struct link){i, j, w, {0}};
+        for (; at > first && link[at - 1].end[1] > j; at--) link[at] = link[at - 1];
+        link[at] = (struct link){{i, j, i, i}, {1.0, -1.0}, w, {0}};
     }
     return count;
 }
 
 /* ---- walls ----------------------------------------------------------------------------------- */
+
+/* From particle i to a sample, at the weights of its corners: the sum of coefficient x particle. */
+static void tie_to_sample(const pdyn_batch *b, int i, int sample, struct link *link) {
+    const pdyn_neighbours *l = b->neighbours;
+    for (int k = 1; k < ENDS; k++) link->end[k] = i;
+    link->end[0] = i, link->coefficient[0] = 1.0;
+    if (sample < 0) return;
+    for (int k = 1; k < ENDS; k++) {
+        int corner = sample_corner(l, sample) + k - 1;
+        link->end[k] = l->sample_vertex[corner];
+        link->coefficient[k] = -l->sample_weight[corner];
+    }
+}
 
 /* The pull of walls, sheets and solids on a particle that touches them: per area, the force that
  * does the work of adhesion tension (1 + cos angle) (Dupre 1869) within a spacing, towards the
@@ -160,9 +174,10 @@ static int add_pull(const struct params *p, const pdyn_batch *b, const double *x
              along);
     double force = vec3_length(pull);
     if (!(force > 0.0)) return count;
-    struct link link = {i, site->vertex, force / d, {0}};
-    for (int a = 0; a < 3; a++)
-        link.target[a] = x[3 * i + a] - (link.j < 0 ? 0.0 : x[3 * link.j + a]);
+    struct link link = {.weight = force / d};
+    tie_to_sample(b, i, site->sample, &link);
+    for (int k = 0; k < ENDS; k++)
+        vec3_add(link.target, link.coefficient[k], x + 3 * (size_t)link.end[k]);
     vec3_add(link.target, d / force, pull);
     if (count < room) ((struct link *)b->data)[count] = link;
     return count + 1;
@@ -193,8 +208,8 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         const struct link *link = (const struct link *)b->data + e;
-        b->column[2 * e] = link->i, b->column[2 * e + 1] = link->j < 0 ? link->i : link->j;
-        b->coefficient[2 * e] = 1.0, b->coefficient[2 * e + 1] = link->j < 0 ? 0.0 : -1.0;
+        memcpy(b->column + ENDS * e, link->end, sizeof link->end);
+        memcpy(b->coefficient + ENDS * e, link->coefficient, sizeof link->coefficient);
     }
 }
 
@@ -219,7 +234,7 @@ const pdyn_constraint_type pdyn_constraint_surface_tension = {
     .scratch_size = sizeof(struct site),
     .update = update,
     .rows = 1,
-    .width = 2,
+    .width = ENDS,
     .select = select,
     .weight = weight,
     .project = project,
