@@ -214,6 +214,32 @@ static void test_spinning_ball_slides(void **state) {
     pdyn_destroy(context);
 }
 
+/* A cart hits another one through a light bumper, on a floor without friction: the momentum along
+ * the floor stays, although the limit of an impulse takes some off the bumper's. */
+static void test_bumper(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF(
+            "0.005",
+            "[0, -9.81, 0]") ", 'contact': {'thickness': 0.002, 'friction': 0}, "
+                             "'solids': [{'box': {'minimum': [-9, -1, -9], 'maximum': [9.3, 0, "
+                             "8]}}], 'bodies': ["
+                             "{'velocity': [2, 0, 0], 'rigid': {'box': {'minimum': [-0.4, 0.0018, "
+                             "-0.05], 'maximum': "
+                             "[-0.2, 0.1, 0.05]}, 'mass': 1}}, {'rigid': {'box': {'minimum': "
+                             "[-0.0215, 0.0018, -0.05], "
+                             "'maximum': [-0.002, 0.1, 0.05]}, 'mass': 0.05}}, {'rigid': {'box': "
+                             "{'minimum': [0, "
+                             "0.0018, -0.05], 'maximum': [0.2, 0.1, 0.05]}, 'mass': 1}}]}");
+    pdyn_step_info info = {0};
+    for (int n = 0; n < 80; n++) info = test_step(context, sim);
+    assert_true(fabs(info.momentum[0] - 2.0) < 0.01);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slope),
@@ -221,6 +247,7 @@ int main(void) {
         cmocka_unit_test(test_light_under_heavy),
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),
+        cmocka_unit_test(test_bumper),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_collision_long),
     };

@@ -1,6 +1,8 @@
 /* Rows of a one-sided type: the part of their forces that stops an impact (one_sided.h). */
 #include "row_loops.h"
 
+#include "projdyn/vec3.h"
+
 #include <math.h>
 
 struct impacts { /* the arguments of a parallel loop */
@@ -42,6 +44,19 @@ static void keep_impacts(void *arg, int first, int last, int block) {
         count += part > 0.5;
     }
     b->partial[block] = count;
+}
+
+void rows_scatter_between(const struct batch *b, double *y) {
+    const pdyn_batch *v = &b->view;
+    int rows = v->elements ? v->element_row[v->elements] : 0;
+    for (int r = 0; r < rows; r++) {
+        double sum = 0.0, size = 0.0;
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            sum += v->coefficient[k], size += fabs(v->coefficient[k]);
+        if (fabs(sum) > 1e-9 * size) continue;
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            vec3_add(y + 3 * (size_t)v->column[k], v->coefficient[k], b->flux + 4 * (size_t)r);
+    }
 }
 
 int rows_impacts(struct batch *b, const struct velocity_change *change, const double *acceleration,

@@ -58,26 +58,51 @@ static double kept_part(const struct pdyn_sim *sim, int i, double h, const doubl
 }
 
 /* Moves impulses (particles x 3, m/s) in v from the weight H to the weight H^2 / h, and adds the
- * latter to v_before, in their kept parts. The momentum that is not kept is returned in *excess,
- * divided by the total mass, for v and v_before. */
+ * latter to v_before, in their kept parts. lost: momentum of v and v_before, kg m/s, that the
+ * impulses between particles alone have lost by that. */
 static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
-                             double excess[2][3]) {
+                             const double *between, double lost[2][3]) {
     const struct objective *objective = &sim->objective;
-    double part = objective->h / h, mass = 0.0;
-    memset(excess, 0, 6 * sizeof **excess);
+    double part = objective->h / h;
+    memset(lost, 0, 6 * sizeof **lost);
     for (int i = 0; i < objective->particles; i++) {
-        const double *dv = impulse + 3 * i;
-        double m = objective->mass[i], kept = kept_part(sim, i, h, dv);
-        for (int a = 0; a < 3; a++) {
-            double lost = (1.0 - part) * dv[a], gained = part * dv[a];
-            sim->v[3 * i + a] -= kept * lost;
-            sim->v_before[3 * i + a] += kept * gained;
-            excess[0][a] += m * (1.0 - kept) * lost;
-            excess[1][a] -= m * (1.0 - kept) * gained;
+        double kept = kept_part(sim, i, h, impulse + 3 * i);
+        double left = objective->mass[i] * (1.0 - kept);
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            sim->v[k] -= kept * (1.0 - part) * impulse[k];
+            sim->v_before[k] += kept * part * impulse[k];
+            lost[0][k % 3] -= left * (1.0 - part) * between[k];
+            lost[1][k % 3] += left * part * between[k];
         }
-        mass += particle_is_live(sim, i) ? m : 0.0;
     }
-    for (int a = 0; a < 3; a++) excess[0][a] /= mass, excess[1][a] /= mass;
+}
+
+/* share: of each particle, kg m/s, its impulse; of the points of a rigid body that of the body. */
+static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
+    const struct objective *objective = &sim->objective;
+    const struct rigid_map *map = objective->rigid;
+    for (int i = 0; i < objective->particles; i++)
+        share[i] = objective->mass[i] * vec3_length(between + 3 * (size_t)i);
+    for (int b = 0; map && b < map->bodies; b++) {
+        double *point = share + map->body[b].first + map->body[b].vertices, sum = 0.0;
+        for (int k = 0; k < RIGID_POINTS; k++) sum += point[k];
+        for (int k = 0; k < RIGID_POINTS; k++) point[k] = sum;
+    }
+}
+
+/* Gives momentum that was lost back to the particles that have impulses of others. Their velocities
+ * change in proportion to their impulses, so what is light is not thrown, and what is far away does
+ * not move. */
+static void give_back(struct pdyn_sim *sim, const double *between, double lost[2][3],
+                      double *share) {
+    double sum = 0.0;
+    find_shares(sim, between, share);
+    for (int i = 0; i < sim->objective.particles; i++) sum += sim->objective.mass[i] * share[i];
+    if (!(sum > 0.0)) return;
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
+        sim->v[k] += share[k / 3] / sum * lost[0][k % 3];
+        sim->v_before[k] += share[k / 3] / sum * lost[1][k % 3];
+    }
 }
 
 /* Whether a particle can be held by forces that are no impacts, of pins or membranes. */
@@ -107,13 +132,34 @@ static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change
     }
 }
 
+/* Forces of impacts between particles alone, N. Where something is anchored, those of the operators
+ * of fluids, which walls take part in, are left out. */
+static void find_between(struct pdyn_sim *sim, const double *force, double *between) {
+    if (!sim->anchored) {
+        memcpy(between, force, objective_bytes(&sim->objective));
+        return;
+    }
+    memset(between, 0, objective_bytes(&sim->objective));
+    for (int b = 0; b < sim->objective.batches; b++)
+        batch_impacts_between(sim->objective.batch[b], between);
+}
+
+/* Replaces forces, N, with the sign of the gradient, by what they add to velocities in H, m/s. */
+static void to_velocities(struct pdyn_sim *sim, double *force) {
+    const struct objective *objective = &sim->objective;
+    objective_pull(objective, force);
+    for (int k = 0; k < 3 * objective->particles; k++)
+        force[k] = -objective->h * force[k] / objective->inertia[k / 3];
+}
+
 /* A two-step formula would continue the jump of v in an impact as an acceleration, and a body that
  * falls on a floor would bounce. Therefore the impulse H a of an impact acts as a displacement H^2
- * a over h, as with Euler, and is added to v_before, too. Both are sums of constraint forces, so
- * momentum is conserved. */
+ * a over h, as with Euler, and is added to v_before, too. Both are sums of constraint forces, and
+ * what a limit takes off them is given back, so momentum is conserved. */
 int integrator_impacts(struct pdyn_sim *sim, double h) {
     struct objective *objective = &sim->objective;
     double H = objective->h, *force = sim->trial_gradient, *slowed = sim->trial;
+    double *between = slowed; /* which is not needed any more then */
     struct velocity_change change = {.slowed = slowed,
                                      .particles = objective->particles,
                                      .mass = objective->rigid ? objective->rigid->mass
@@ -132,16 +178,11 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
     }
     for (int b = 0; b < objective->batches; b++)
         count += batch_impacts(objective->batch[b], &change, force);
-    double excess[2][3];
-    objective_pull(objective, force);
-    for (int k = 0; k < 3 * objective->particles; k++)
-        force[k] = -H * force[k] / objective->inertia[k / 3];
-    shift_velocities(sim, h, force, excess);
-    for (int k = 0; !sim->anchored && k < 3 * objective->particles; k++) {
-        if (!particle_is_live(sim, k / 3)) continue;
-        sim->v[k] -= excess[0][k % 3];
-        sim->v_before[k] -= excess[1][k % 3];
-    }
+    find_between(sim, force, between);
+    to_velocities(sim, force), to_velocities(sim, between);
+    double lost[2][3];
+    shift_velocities(sim, h, force, between, lost);
+    give_back(sim, between, lost, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
     return count;
