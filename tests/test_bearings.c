@@ -12,8 +12,8 @@
     "{'name': 'box', 'rigid': {'box': {'minimum': [-0.05, 0, -0.05], 'maximum': [0.05, 0.1, "      \
     "0.05]}, 'translate': [0, " height ", 0], 'density': 500}"
 #define BOX BOX_AT("0.0035")
-#define BALL                                                                                       \
-    "{'name': 'ball', 'rigid': {'sphere': {'center': [0, 0.0535, 0], 'radius': 0.05}, "            \
+#define BALL_OF(radius, height)                                                                    \
+    "{'name': 'ball', 'rigid': {'sphere': {'center': [0, " height ", 0], 'radius': " radius "}, "  \
     "'density': 500}"
 
 /* A body on a wide floor, with default settings but for the step length, s, and more of them;
@@ -70,13 +70,18 @@ static void test_slope(void **state) {
     }
 }
 
-/* A ball that rolls has 5/7 of the acceleration of one that slides without friction. */
+/* A ball that rolls has 5/7 of the acceleration of one that slides without friction. Dashpots brake
+ * it by the facets of its mesh: the smaller it is beside the thickness, the more. */
 static void test_roll(void **state) {
     (void)state;
+    static const char *const ball[] = {BALL_OF("0.05", "0.0535"), BALL_OF("0.1", "0.1035")};
+    static const double most[] = {0.05, 0.03};
     double speed, angle = 10.0 * acos(-1.0) / 180.0, theory = 5.0 / 7.0 * 9.81 * sin(angle);
-    double found = accelerate(BALL, 10.0, 0.005, &speed);
-    print_message("ball: %.4f m/s^2, theory %.4f\n", found, theory);
-    assert_true(fabs(found - theory) < 0.03 * theory);
+    for (int k = 0; k < 2; k++) {
+        double found = accelerate(ball[k], 10.0, 0.005, &speed);
+        print_message("ball: %.4f m/s^2, theory %.4f\n", found, theory);
+        assert_true(fabs(found - theory) < most[k] * theory);
+    }
 }
 
 /* A box that falls flat rises again with little more than the speed that a linear dashpot leaves of

@@ -106,31 +106,35 @@ static bool apart(const struct box *a, const struct box *b, double T) {
     return false;
 }
 
-/* The number of contacts, from all points and faces and all edges. */
+/* The number of contacts, from all points and faces and all edges. A point touches one face of a
+ * flat part, and sides within it touch nothing. */
 static int count_contacts(const struct contact *c) {
     static struct box face[MOST], edge[MOST];
+    static int touched[MOST]; /* by the first face of a flat part: the last point that touches it */
     double T = c->settings->thickness;
     int count = 0;
     assert_true(c->faces <= MOST && c->edges <= MOST);
     wrap(c, c->face, 3, c->faces, face);
     wrap(c, c->edge, 2, c->edges, edge);
+    for (int f = 0; f < c->faces; f++) touched[f] = -1;
     for (int i = 0; i < c->points; i++) {
         struct box box;
         wrap(c, &i, 1, 1, &box);
         for (int f = 0; exists(c, i) && f < (i < c->vertices ? c->faces : c->free_faces); f++)
-            if (!apart(&box, &face[f], T))
-                count += touch(c, &pair_vertex_face, &i, c->face + 3 * f);
+            if (touched[c->flat_part[f]] != i && !apart(&box, &face[f], T) &&
+                touch(c, &pair_vertex_face, &i, c->face + 3 * f))
+                touched[c->flat_part[f]] = i, count++;
     }
     for (int a = 0; a < c->free_edges; a++)
         for (int b = a + 1; b < c->edges; b++)
-            if (!apart(&edge[a], &edge[b], T))
+            if (!c->flat_edge[a] && !c->flat_edge[b] && !apart(&edge[a], &edge[b], T))
                 count += touch(c, &pair_edge_edge, c->edge + 2 * a, c->edge + 2 * b);
     return count;
 }
 
-/* Moves every point k with k % every == 0 by up to `size`, m, in each direction. */
+/* Moves every point k with k % every == 0 by up to `size`, m, in each direction; solids stay. */
 static void move_points(struct contact *c, int every, double size, uint64_t *seed) {
-    for (int i = 0; i < c->points; i++)
+    for (int i = 0; i < c->free; i++)
         for (int a = 0; i % every == 0 && a < 3; a++) c->at[3 * i + a] += size * test_random(seed);
 }
 

@@ -240,6 +240,31 @@ static void test_bumper(void **state) {
     pdyn_destroy(context);
 }
 
+/* A box turns about its middle on the diagonal of a floor of two triangles, which is no bump: mu g
+ * m on four corners stops it. */
+static void test_turning_on_a_diagonal(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.005",
+                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.3}, "
+                                      "'solids': [{'box': {'minimum': [-2, -0.2, -2], 'maximum': "
+                                      "[2, 0, 2]}}], 'bodies': ["
+                                      "{'rigid': {'box': {'minimum': [-0.1, 0.0032, -0.1], "
+                                      "'maximum': [0.1, 0.0532, 0.1]}, "
+                                      "'density': 500, 'angular_velocity': [0, 20, 0]}}]}");
+    double start[3], end[3], corner = sqrt(0.02);
+    steps(context, sim, 10);
+    vec3_cross(start, sim->x, sim->v);
+    steps(context, sim, 40);
+    vec3_cross(end, sim->x, sim->v);
+    double turn = (start[1] - end[1]) / (corner * corner) / 0.2;
+    assert_true(fabs(turn / (6.0 * 0.3 * 9.81 / (sqrt(2.0) * 0.2)) - 1.0) < 0.01);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slope),
@@ -248,6 +273,7 @@ int main(void) {
         cmocka_unit_test(test_floor_of_triangles),
         cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_bumper),
+        cmocka_unit_test(test_turning_on_a_diagonal),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_collision_long),
     };

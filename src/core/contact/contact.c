@@ -209,6 +209,7 @@ bool contact_resize(struct contact *c, enum array_action action) {
         ARRAY(c->face, 3 * (size_t)c->faces),
         ARRAY(c->edge, 2 * edges),
         ARRAY(c->across, 3 * (size_t)c->faces),
+        ARRAY(c->flat_part, c->faces),
         ARRAY(c->flat_edge, edges),
         ARRAY(c->flat_point, n),
         ARRAY(c->rest, 3 * n),

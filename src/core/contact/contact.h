@@ -129,6 +129,7 @@ struct contact {
     int *edge; /* edges_room x 2: points */
     /* flat parts of solids and rigid bodies (flat_sides.c) */
     int *across;      /* faces x 3: the face beyond the flat side opposite a corner; -1: no such */
+    int *flat_part;   /* faces: the first face of the flat part that it belongs to; or itself */
     bool *flat_edge;  /* edges_room: is such a side */
     bool *flat_point; /* points: has such sides all around */
     int groups, bodies;
@@ -157,6 +158,9 @@ struct contact {
 
 /* Finds the flat sides of solids and rigid bodies. */
 pdyn_status contact_find_flat_sides(struct contact *contact);
+/* The key of a pair, which stays the same while a vertex moves over a flat part: so does what
+ * friction remembers. */
+uint64_t contact_key(const struct contact *contact, const struct pair *pair);
 /* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
  * near and has a lower number. */
 bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,

@@ -64,8 +64,10 @@ static void set_contact(struct contact *c, int e, const struct hit *hit) {
     struct stencil *s = &c->current.stencil[e];
     pdyn_contact *to = &c->current.contact[e];
     int some = p->point[0] < c->free ? p->point[0] : p->point[3];
-    *to = (pdyn_contact){
-        .key = p->key, .distance = hit->distance, .thickness = p->thickness, .share = p->share};
+    *to = (pdyn_contact){.key = contact_key(c, p),
+                         .distance = hit->distance,
+                         .thickness = p->thickness,
+                         .share = p->share};
     memcpy(s->point, p->point, sizeof s->point);
     memcpy(s->c, hit->c, sizeof s->c);
     for (int k = 0; k < 4; k++) {

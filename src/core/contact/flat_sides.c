@@ -1,9 +1,8 @@
-/* Flat parts of solids and rigid bodies: points whose sides all lie between two triangles in one
- * plane, and the sides at such points. What touches a plane touches it with its own vertices, so
- * edges and points within a flat part take no part in contact, and of two triangles that meet at
- * such a side only the nearer one touches a vertex. Otherwise a floor of many triangles would have
- * bumps at its edges: two pairs push where one does elsewhere. The diagonal of a box's face is no
- * such side: where boxes stand on each other edge over edge, it helps to hold them. */
+/* Flat parts of solids and rigid bodies: triangles in one plane, with their common sides, and the
+ * points that have such sides all around. What touches a plane touches it with its own vertices, so
+ * these sides and points take no part in contact, and of two triangles that meet at such a side
+ * only the nearer one touches a vertex. Otherwise a floor of triangles would have bumps at its
+ * edges: two pairs push where one does elsewhere. */
 #include "contact.h"
 
 #include "projdyn/vec3.h"
@@ -81,22 +80,29 @@ static int keep_flat(struct contact *c, struct side *side, int count) {
     return kept;
 }
 
-static bool is_inside(const struct contact *c, int a, int b) {
-    return c->flat_point[a] || c->flat_point[b];
-}
-
-/* Keeps the sides inside of flat parts, and marks their edges. */
-static void mark(struct contact *c, const struct side *side, int count) {
-    for (int k = 0; k < 3 * c->faces; k++) {
-        const int *face = c->face + k / 3 * 3;
-        if (!is_inside(c, face[(k + 1) % 3], face[(k + 2) % 3])) c->across[k] = -1;
-    }
+/* Marks the edges that are flat sides. */
+static void mark_edges(struct contact *c, const struct side *side, int count) {
     for (int e = 0; e < c->edges; e++) {
         int a = c->edge[2 * e], b = c->edge[2 * e + 1];
         const struct side key = {a < b ? a : b, a < b ? b : a, 0, 0};
-        c->flat_edge[e] = count && is_inside(c, a, b) &&
-                          bsearch(&key, side, (size_t)count, sizeof *side, compare_sides);
+        c->flat_edge[e] = count && bsearch(&key, side, (size_t)count, sizeof *side, compare_sides);
     }
+}
+
+static int first_face(const struct contact *c, int face) {
+    while (c->flat_part[face] != face) face = c->flat_part[face];
+    return face;
+}
+
+/* Joins the faces on both sides of each flat side. */
+static void join_faces(struct contact *c) {
+    for (int f = 0; f < c->faces; f++) c->flat_part[f] = f;
+    for (int k = 0; k < 3 * c->faces; k++) {
+        if (c->across[k] < 0) continue;
+        int a = first_face(c, k / 3), b = first_face(c, c->across[k]);
+        c->flat_part[a > b ? a : b] = a < b ? a : b;
+    }
+    for (int f = 0; f < c->faces; f++) c->flat_part[f] = first_face(c, f);
 }
 
 pdyn_status contact_find_flat_sides(struct contact *c) {
@@ -104,13 +110,29 @@ pdyn_status contact_find_flat_sides(struct contact *c) {
     if (!side && c->faces) return PDYN_NO_MEMORY;
     int count = list_sides(c, side);
     if (count) qsort(side, (size_t)count, sizeof *side, compare_sides);
-    mark(c, side, keep_flat(c, side, count));
+    mark_edges(c, side, keep_flat(c, side, count));
+    join_faces(c);
     FREE_ARRAY(c->context, side, 3 * (size_t)c->faces);
     return PDYN_OK;
 }
 
-/* Relative difference of distances that are the same. */
+uint64_t contact_key(const struct contact *c, const struct pair *p) {
+    if (pair_kind_of(p->key) != &pair_vertex_face) return p->key;
+    uint64_t face = p->key & 0xFFFFFFFFu;
+    return p->key - face + (uint64_t)c->flat_part[face];
+}
+
+/* Relative difference of distances that are the same; weight of a corner at its opposite side.
+ * Below both, a vertex is above a side, and the face of the lower number touches it. */
 static const double same = 1e-9;
+
+/* The weight of the corner of a face that `beyond`, its neighbour, does not have. */
+static double weight_beyond(const struct contact *c, int face, int beyond, const double w[4]) {
+    const int *own = c->face + 3 * face, *other = c->face + 3 * beyond;
+    for (int k = 0; k < 3; k++)
+        if (own[k] != other[0] && own[k] != other[1] && own[k] != other[2]) return fabs(w[1 + k]);
+    return 0.0;
+}
 
 bool contact_is_beyond_flat_side(const struct contact *c, const struct pair *p,
                                  const struct hit *hit) {
@@ -118,15 +140,17 @@ bool contact_is_beyond_flat_side(const struct contact *c, const struct pair *p,
     if (pair_kind_of(p->key) != &pair_vertex_face) return false;
     for (int k = 0; k < 3; k++) {
         int other = c->across[3 * face + k];
-        if (other < 0 || hit->c[1 + k] != 0.0) continue;
+        if (other < 0 || fabs(hit->c[1 + k]) > same) continue;
         const int *corner = c->face + 3 * other,
                   point[4] = {p->point[0], corner[0], corner[1], corner[2]};
         const double *x[4];
         double w[4];
         pair_load(point, c->at, x);
         double distance = sqrt(pair_vertex_face.closest(x, w));
-        if (distance < (1.0 - same) * hit->distance) return true;
-        if (distance <= (1.0 + same) * hit->distance && other < face) return true;
+        if (distance > (1.0 + same) * hit->distance) continue;
+        if (distance < (1.0 - same) * hit->distance || other < face ||
+            weight_beyond(c, other, face, w) > same)
+            return true;
     }
     return false;
 }
