@@ -505,7 +505,7 @@ f -2 3 5
             subprocess.run([PROJDYN, "mesh", directory], check=True, capture_output=True,
                            timeout=600)
             kept = {"notes.txt", "water.obj", "water_999999.vtk", "solids/mine.vtk",
-                    "mesh/water_000000.obj"}
+                    "mesh/mine_000000.obj"}
             for file in kept:
                 (directory / file).write_text("mine")
             self.assertEqual(files_of(alone, directory), expected | kept)

@@ -128,10 +128,12 @@ static bool same_member(const json_t *a, const json_t *b, const char *name) {
 }
 
 /* Whether a message does what the one before does, to the same particle or parameter: many come
- * while the mouse moves, and the last one counts. */
+ * while the mouse moves, and the last one counts. Each "step" is one more. */
 static bool replaces(const json_t *message, const json_t *before) {
-    return same_member(message, before, "do") && same_member(message, before, "particle") &&
-           same_member(message, before, "constraint") && same_member(message, before, "name");
+    const char *what = json_string_value(json_object_get(message, "do"));
+    return what && strcmp(what, "step") && same_member(message, before, "do") &&
+           same_member(message, before, "particle") && same_member(message, before, "constraint") &&
+           same_member(message, before, "name");
 }
 
 /* Puts a message, taken over, into the inbox, with the mutex; false if it is full. */

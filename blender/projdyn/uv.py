@@ -20,7 +20,7 @@ def read_faces(lines):
         if keyword == "v":
             vertices += 1
         elif keyword == "vt":
-            points.append((float(words[0]), float(words[1])))
+            points.append((float(words[0]), float(words[1]) if len(words) > 1 else 0.0))
         elif keyword == "f":
             corners = [(word.split("/") + [""])[:2] for word in words]
             faces.append([(number(v, vertices), number(t, len(points)) if t else None)

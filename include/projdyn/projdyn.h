@@ -113,7 +113,7 @@ static inline pdyn_status pdyn_create(const pdyn_options *options, pdyn_context 
 }
 /* All simulations of the context must be freed before. NULL: does nothing. */
 PDYN_API void pdyn_destroy(pdyn_context *context);
-/* Text of the last error; never NULL. */
+/* Text of the last error; never NULL. After PDYN_BAD_CALL it may be that of an error before. */
 PDYN_API const char *pdyn_last_error(const pdyn_context *context);
 PDYN_API int pdyn_thread_count(const pdyn_context *context);
 PDYN_API size_t pdyn_bytes_in_use(const pdyn_context *context);

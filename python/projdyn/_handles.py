@@ -9,7 +9,7 @@ from typing import Any, Callable, NoReturn, Optional
 
 from ._library import lib
 from ._structs import Log, Options
-from .errors import Error, InputError, error_of
+from .errors import BAD_CALL, Error, InputError, error_of
 
 _logger = logging.getLogger("projdyn")
 _raised: list[BaseException] = []  # by messages of a call, raised at its end
@@ -52,11 +52,14 @@ class Handle:
         if not self.finalize.alive:
             raise Error("the object is closed")
         with self.lock:
+            before = lib.pdyn_last_error(self.context)
             status = function(self.pointer, *arguments)
             if _raised:
                 raise _raised.pop()
             if status:
-                text = lib.pdyn_last_error(self.context) or lib.pdyn_status_text(status)
+                text = lib.pdyn_last_error(self.context)
+                if not text or (status == BAD_CALL and text == before):
+                    text = lib.pdyn_status_text(status)
                 raise error_of(status, text.decode())
 
     def __reduce__(self) -> NoReturn:

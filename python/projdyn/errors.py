@@ -16,6 +16,7 @@ class StepError(Error):
 
 
 _BAD_INPUT = 1
+BAD_CALL = 2  # the library may have set no text
 
 
 def error_of(status: int, text: str) -> Error:

@@ -49,7 +49,8 @@ enum trial_size { SMALL, LARGE, SIZES }; /* LARGE: parallel loops have several b
 
 /* Writes a scene: one body of this kind and size with one constraint of this type; "solver": the
  * given type and step ("newton" or "projective"). */
-void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_kind kind,
+enum { TRIAL_TEXT = 1 << 16 };
+void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum body_kind kind,
                  enum trial_size size, const char *solver, const char *step);
 
 /* Gives each part of a body other numbers in the tables of its constraints, so that a wrong row

@@ -73,7 +73,8 @@ static void write_table(char *text, size_t size, const pdyn_param *p) {
  * no default). */
 static void write_params(char *text, size_t size, const pdyn_constraint_type *type) {
     for (const pdyn_param *p = type->params; p->name; p++) {
-        bool given = p->required || (p->kind == PDYN_REAL && p->def >= p->min && p->def <= p->max);
+        bool given = p->required || (p->kind == PDYN_REAL && isfinite(p->def) && p->def >= p->min &&
+                                     p->def <= p->max);
         size_t length = strlen(text);
         double value = value_for(p);
         if (given && param_is_table(p)) write_table(text, size, p);
@@ -116,7 +117,7 @@ static bool needs_other(const pdyn_constraint_type *type) {
     return false;
 }
 
-void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_kind kind,
+void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum body_kind kind,
                  enum trial_size size, const char *solver, const char *step) {
     static const char *const bodies[BODY_KINDS][SIZES] = {
         [SURFACE] = {SHEET("[5, 6]"), SHEET("[46, 46]")},
@@ -128,10 +129,10 @@ void trial_scene(char text[4096], const pdyn_constraint_type *type, enum body_ki
         "\"linear_iterations\": 20, \"outer_iterations\": 2"};
     static const char *const besides[SIZES] = {BESIDE("0.05"), BESIDE("0.0125")};
     const char *first = kind == PARTICLES && !needs_other(type) ? drops[size] : OTHER;
-    char params[1024] = "", beside[1536] = "";
+    char params[TRIAL_TEXT / 4] = "", beside[TRIAL_TEXT / 3] = "";
     write_params(params, sizeof params, type);
     if (type->matrix_free) snprintf(beside, sizeof beside, besides[size], type->name, params);
-    snprintf(text, 4096,
+    snprintf(text, TRIAL_TEXT,
              "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.004,"
              " \"solver\": {\"type\": \"%s\", \"step\": \"%s\", %s},"
              " \"bodies\": [%s, {\"name\": \"b\", %s, \"constraints\": [{\"type\": \"%s\"%s}]}%s]}",
@@ -240,7 +241,7 @@ static void release(struct trial *t) {
 
 bool trial_start(struct trial *t, struct check *check, const pdyn_constraint_type *type,
                  const char *solver) {
-    char scene[4096];
+    char scene[TRIAL_TEXT];
     *t = (struct trial){.context = trial_context(check->like, 1)};
     if (!t->context) return false;
     trial_scene(scene, type, check->kind, SMALL, solver, "newton");

@@ -148,15 +148,20 @@ bool context_arrays(pdyn_context *context, const struct array_entry *table, size
     return complete;
 }
 
+static _Thread_local char own_error[CONTEXT_ERROR];
+
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    pthread_mutex_lock(&context->lock);
-    vsnprintf(context->error, sizeof context->error, format, args);
-    pthread_mutex_unlock(&context->lock);
+    vsnprintf(own_error, sizeof own_error, format, args);
     va_end(args);
+    pthread_mutex_lock(&context->lock);
+    memcpy(context->error, own_error, sizeof own_error);
+    pthread_mutex_unlock(&context->lock);
     return status;
 }
+
+const char *context_error(void) { return own_error; }
 
 pdyn_status context_no_memory(pdyn_context *context) {
     return context_fail(context, PDYN_NO_MEMORY, "out of memory (%zu bytes in use)",

@@ -9,14 +9,14 @@
 #include <pthread.h>
 #include <stdarg.h>
 
-enum { MAX_PLUGINS = 64 };
+enum { MAX_PLUGINS = 64, CONTEXT_ERROR = 2048 };
 
 struct pdyn_context {
     pdyn_options options;
     struct pool *pool;
     pthread_mutex_t lock; /* of bytes, peak_bytes and error */
     size_t bytes, peak_bytes;
-    char error[2048];
+    char error[CONTEXT_ERROR];
     int plugins;
     const struct pdyn_plugin *plugin[MAX_PLUGINS]; /* entry 0: the library's own types */
 };
@@ -75,6 +75,8 @@ bool context_arrays(pdyn_context *context, const struct array_entry *table, size
 /* Sets the error text (printf format) and returns `status`. */
 pdyn_status context_fail(pdyn_context *context, pdyn_status status, const char *format, ...)
     PDYN_PRINTF(3, 4);
+/* The text that this thread has set last; another thread may have replaced that of the context. */
+const char *context_error(void);
 pdyn_status context_no_memory(pdyn_context *context);
 void context_log(pdyn_context *context, pdyn_log_level level, const char *format, ...)
     PDYN_PRINTF(3, 4);

@@ -38,6 +38,6 @@ pdyn_status pdyn_load_plugin(pdyn_context *context, const char *path) {
     pdyn_status status = pdyn_register(context, plugin);
     if (status != PDYN_BAD_INPUT) return status;
     char why[1024];
-    snprintf(why, sizeof why, "%.1000s", pdyn_last_error(context));
+    snprintf(why, sizeof why, "%.1000s", context_error());
     return context_fail(context, status, "%.1000s: %s", path, why);
 }

@@ -119,10 +119,10 @@ pdyn_status frames_remove_file(pdyn_writer *writer, const char *path) {
 }
 
 static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const char *file) {
-    static const char *const endings[] = {"vtk", "ply"};
-    int stem = (int)(strlen(file) - strlen("vtk"));
+    static const char *const endings[] = {"vtk", "ply", "obj"};
+    int stem = (int)(strlen(file) - strlen("vtk")), kinds = strcmp(folder, MESH_FOLDER) ? 2 : 3;
     pdyn_status status = PDYN_OK;
-    for (int k = 0; k < 2 && status == PDYN_OK; k++)
+    for (int k = 0; k < kinds && status == PDYN_OK; k++)
         status = frames_remove_file(
             writer, writer_path(writer, "%s%.*s%s", folder, stem, file, endings[k]));
     return status;
@@ -137,10 +137,11 @@ pdyn_status frames_load_json(pdyn_writer *writer, const char *path, json_t **out
     return errno == ENOMEM ? context_no_memory(writer->context) : PDYN_OK;
 }
 
-pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name) {
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *list, const char *name,
+                                 const char *folder) {
     json_t *series, *files;
     pdyn_status status =
-        frames_load_json(writer, writer_path(writer, "%s%s.vtk.series", folder, name), &series);
+        frames_load_json(writer, writer_path(writer, "%s%s.vtk.series", list, name), &series);
     files = json_object_get(series, "files");
     for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
         const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));

@@ -72,17 +72,22 @@ static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
     return own_source(writer->sim, path) ? PDYN_OK : frames_remove_file(writer, path);
 }
 
-static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
-    const char *folder, *name = own_name(path, "", &folder);
-    pdyn_status status = name ? frames_remove_listed(writer, folder, name) : PDYN_OK;
-    if (!name || status != PDYN_OK) return status;
-    status = frames_remove_file(writer, writer_path(writer, "%s%s.vtk.series", folder, name));
-    if (status != PDYN_OK || *folder) return status;
-    struct stat info; /* surfaces of fluids by `projdyn mesh`; a link is not followed */
+/* Surfaces of a fluid by `projdyn mesh`, one for each frame, or fewer; a link is not followed. */
+static pdyn_status remove_surfaces(pdyn_writer *writer, const char *name) {
+    struct stat info;
     if (lstat(writer_path(writer, "mesh"), &info) || !S_ISDIR(info.st_mode)) return PDYN_OK;
-    status = frames_remove_listed(writer, MESH_FOLDER, name);
+    pdyn_status status = frames_remove_listed(writer, "", name, MESH_FOLDER);
     if (status != PDYN_OK) return status;
     return frames_remove_file(writer, writer_path(writer, MESH_FOLDER "%s.vtk.series", name));
+}
+
+static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
+    const char *folder, *name = own_name(path, "", &folder);
+    if (!name) return PDYN_OK;
+    pdyn_status status = *folder ? PDYN_OK : remove_surfaces(writer, name);
+    if (status == PDYN_OK) status = frames_remove_listed(writer, folder, name, folder);
+    if (status != PDYN_OK) return status;
+    return frames_remove_file(writer, writer_path(writer, "%s%s.vtk.series", folder, name));
 }
 
 static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,

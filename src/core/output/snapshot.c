@@ -138,7 +138,7 @@ static pdyn_status read_state(struct pdyn_sim *sim, struct snapshot_file *a) {
     pdyn_status status = persist_state(sim, a);
     if (status != PDYN_DIVERGED) return status;
     char why[512];
-    snprintf(why, sizeof why, "%s", pdyn_last_error(sim->context));
+    snprintf(why, sizeof why, "%s", context_error());
     a->status = PDYN_OK;
     snapshot_file_require(a, false, why);
     return a->status;

@@ -137,7 +137,7 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
     pdyn_status status = state.boundary > state.moving
                              ? vtk_write_boundary(writer->sim, false, path)
                              : frames_remove_file(writer, path);
-    if (status == PDYN_OK) status = frames_remove_listed(writer, "", "boundary");
+    if (status == PDYN_OK) status = frames_remove_listed(writer, "", "boundary", "");
     if (status != PDYN_OK || state.moving) return status;
     return frames_remove_file(writer, writer_path(writer, "boundary.vtk.series"));
 }
@@ -145,7 +145,7 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
 /* Writes a solid at rest, once. Removes the files of a solid of this name in a previous run. */
 static pdyn_status begin_solid(pdyn_writer *writer, int s) {
     const struct scene_solid *solid = &writer->sim->scene.solid[s];
-    pdyn_status status = frames_remove_listed(writer, SOLIDS_FOLDER, solid->name);
+    pdyn_status status = frames_remove_listed(writer, SOLIDS_FOLDER, solid->name, SOLIDS_FOLDER);
     if (status != PDYN_OK) return status;
     if (solid->motion.keys)
         return frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk", solid->name));
@@ -168,7 +168,7 @@ static pdyn_status begin_solids(pdyn_writer *writer) {
 /* Removes the frames of a body in a previous run; writes the OBJ file of a surface, once. */
 static pdyn_status begin_body(pdyn_writer *writer, int b) {
     pdyn_body_info info = pdyn_get_body(writer->sim, b);
-    pdyn_status status = frames_remove_listed(writer, "", info.name);
+    pdyn_status status = frames_remove_listed(writer, "", info.name, "");
     if (status != PDYN_OK || !info.triangles) return status;
     return obj_write_body(writer->sim, b, writer_path(writer, "%s.obj", info.name));
 }

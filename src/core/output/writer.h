@@ -39,9 +39,10 @@ pdyn_status frames_write_series(pdyn_writer *writer, int frames);
 /* Makes room for the times of so many frames. */
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames);
 
-/* Removes the frames of a previous run that the series FOLDER/NAME.vtk.series lists. A series that
- * cannot be read lists nothing. */
-pdyn_status frames_remove_listed(pdyn_writer *writer, const char *folder, const char *name);
+/* Removes the frames of a previous run in `folder` that the series LIST/NAME.vtk.series lists; "":
+ * in the directory. A series that cannot be read lists nothing. */
+pdyn_status frames_remove_listed(pdyn_writer *writer, const char *list, const char *name,
+                                 const char *folder);
 /* Removes a file, if it exists. */
 pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
 /* Reads a JSON file; *out, which the caller frees, is NULL if it is missing or damaged. */

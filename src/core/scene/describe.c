@@ -27,12 +27,14 @@ static void line(const struct sink *to, const char *format, ...) {
 
 static void row(const struct sink *to, const char *name, const char *unit, const char *def,
                 const char *value, const char *doc) {
-    line(to, "  %-22s %-6s %-10s %-36s %s\n", name, unit, def, value, doc);
+    line(to, "  %-22s %-6s %-10s %-36s ", name, unit, def, value);
+    to->write(to->user, doc), to->write(to->user, "\n");
 }
 
 static void heading(const struct sink *to, const char *kind, const char *name,
                     const char *summary) {
-    line(to, "%s %s: %s\n\n", kind, name, summary);
+    line(to, "%s %s: ", kind, name);
+    to->write(to->user, summary), to->write(to->user, "\n\n");
     row(to, "parameter", "unit", "default", "value", "meaning");
 }
 

@@ -90,7 +90,7 @@ static pdyn_status check_kept(const struct json_at *at, const struct scene_body 
     const double *x = body->start.x + 3 * (size_t)first;
     return json_fail(at,
                      "%d of %d particles overlap %s \"%s\", the first at (%.6g, %.6g, %.6g) m; "
-                     "expected at most %g %%; without \"overlap\": \"keep\" they are left out",
+                     "expected at most %g %%; with \"overlap\": \"remove\" they are left out",
                      count, body->start.count, o->kind, o->name, x[0], x[1], x[2],
                      1e2 * max_overlap);
 }

@@ -100,10 +100,10 @@ pdyn_status params_real(const struct json_at *at, double min, double max, const 
 
 pdyn_status params_int(const struct json_at *at, double min, double max, int *out) {
     min = fmax(min, INT_MIN), max = fmin(max, INT_MAX);
-    json_int_t value = json_integer_value(at->value);
-    bool fits = (double)value >= min && (double)value <= max;
+    double value = json_number_value(at->value); /* 30.0 is a whole number, too */
+    bool fits = json_is_number(at->value) && value == floor(value) && value >= min && value <= max;
     *out = fits ? (int)value : 0;
-    if (json_is_integer(at->value) && fits) return PDYN_OK;
+    if (fits) return PDYN_OK;
     return expected_number(at, "a whole number", min, max, "");
 }
 

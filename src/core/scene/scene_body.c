@@ -63,7 +63,7 @@ static pdyn_status read_overlap(struct reader *r, const struct json_at *owner) {
     int keep = 0;
     if (!at.value) return PDYN_OK;
     pdyn_status status = reader_choice(&at, "overlap", names, 2, &keep);
-    r->body->keep_overlap |= keep;
+    r->body->keep_overlap = keep;
     return status;
 }
 

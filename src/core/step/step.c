@@ -132,7 +132,7 @@ static pdyn_status take_back(struct pdyn_sim *sim) {
  * error stays the one of the attempt; of a divergence it also says which step. */
 static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status) {
     char what[256];
-    snprintf(what, sizeof what, "%s", pdyn_last_error(sim->context));
+    snprintf(what, sizeof what, "%s", context_error());
     take_back(sim);
     if (status != PDYN_DIVERGED) return context_fail(sim->context, status, "%s", what);
     return context_fail(sim->context, PDYN_DIVERGED,

@@ -99,12 +99,17 @@ static double same_length(const struct pdyn_sim *sim, double h) {
     return fabs(h - sim->last_h) < 1e-9 * h ? sim->last_h : h;
 }
 
+/* A step that a program has given may end just before a frame, by less than this part of the next
+ * step: that frame is left out. */
+static const double least_rest = 1e-3;
+
 /* Divides the time to the next frame into equal steps, which avoids a tiny last step. */
 struct step_end timestep_choose(const struct pdyn_sim *sim, double longest) {
     const struct scene_settings *settings = &sim->scene.settings;
     double h = fmin(longest, settings->h_fixed > 0.0 ? settings->h_fixed : adaptive(sim));
-    double frame = (double)(sim->frame + 1) * settings->frame_interval, rest = frame - sim->time;
-    double steps = ceil(rest / h * (1.0 - 1e-9));
+    double frame = (double)(sim->frame + 1) * settings->frame_interval;
+    if (frame - sim->time < least_rest * h) frame += settings->frame_interval;
+    double rest = frame - sim->time, steps = ceil(rest / h * (1.0 - 1e-9));
     h = same_length(sim, rest / fmax(1.0, steps));
     return (struct step_end){h, steps <= 1.0 ? frame : sim->time + h, steps <= 1.0, false};
 }
@@ -148,6 +153,6 @@ void timestep_check(struct pdyn_sim *sim, double h, double residual) {
 }
 
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end) {
-    if (end->frame) sim->frame = end->given ? frames_until(sim, end->time) : sim->frame + 1;
+    if (end->frame) sim->frame = frames_until(sim, end->time);
     sim->time = end->time;
 }
