@@ -29,26 +29,32 @@ WIDE static void scatter_rows(void *arg, int first, int last, int block) {
 
 void batch_scatter(struct batch *b, double *y) { rows_for_particles(b, scatter_rows, y); }
 
-/* flux = w (u - p) in row r; adds twice the energy of the row. */
-INLINE void pull_row(const struct batch *b, int r, double w, v4 *energy) {
-    v4 u, p, f; /* fourth lanes are undefined */
-    memcpy(&u, b->view.u + 3 * (size_t)r, sizeof u);
-    memcpy(&p, b->view.p + 3 * (size_t)r, sizeof p);
+/* flux = w (u - p) in row r; adds twice the energy of the row. size: of the loads, four numbers, or
+ * three in the last element of a block, since the next one may be of another thread. */
+INLINE void pull_row(const struct batch *b, int r, double w, size_t size, v4 *energy) {
+    v4 u = {0}, p = {0}, f; /* fourth lanes are undefined */
+    memcpy(&u, b->view.u + 3 * (size_t)r, size);
+    memcpy(&p, b->view.p + 3 * (size_t)r, size);
     u -= p;
     f = w * u;
     *energy += f * u;
     memcpy(b->flux + 4 * (size_t)r, &f, sizeof f);
 }
 
-/* flux of the elements [first, last). Returns their energy w/2 |u - p|^2. */
-WIDE static double pull_rows(struct batch *b, int first, int last) {
+INLINE void pull_elements(struct batch *b, int first, int last, size_t size, v4 *energy) {
     const pdyn_batch *v = &b->view;
-    v4 energy = {0};
     for (int e = first; e < last; e++)
-        if (b->single) pull_row(b, e, v->weight[e], &energy);
+        if (b->single) pull_row(b, e, v->weight[e], size, energy);
         else
             for (int r = v->element_row[e]; r < v->element_row[e + 1]; r++)
-                pull_row(b, r, v->weight[e], &energy);
+                pull_row(b, r, v->weight[e], size, energy);
+}
+
+/* flux of the elements [first, last). Returns their energy w/2 |u - p|^2. */
+WIDE static double pull_rows(struct batch *b, int first, int last) {
+    v4 energy = {0};
+    pull_elements(b, first, last - 1, sizeof energy, &energy);
+    if (first < last) pull_elements(b, last - 1, last, 3 * sizeof(double), &energy);
     return 0.5 * (energy[0] + energy[1] + energy[2]);
 }
 
