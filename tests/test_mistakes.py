@@ -135,9 +135,9 @@ MISTAKES = [
     Mistake("nothing holds the cloth", change(("solids", []), ("bodies.0", None), ("bodies.0.constraints.1", None),
                                               ("contact", None), ("duration", 0.6)), "", "[fell-out]"),
     Mistake("dust falls through cloth", change(DUST, ("contact", None), ("bodies.0.particles.fill.0.box", {
-        "minimum": [-0.1, 0.31, -0.1], "maximum": [0.1, 0.38, 0.1]}), ("duration", 0.2)), "[unconstrained]", "particles passed through this body"),
+        "minimum": [-0.1, 0.31, -0.1], "maximum": [0.1, 0.38, 0.1]}), ("duration", 0.2)), "[unconstrained]", 'particles of "water" passed through this body'),
     Mistake("dust falls through the floor", change(DUST, *WATER_ONLY, ("duration", 0.3)), "[unconstrained]",
-            "particles passed through this solid"),
+            'particles of "water" passed through this solid'),
     Mistake("cloth falls through the floor", change(FREE, ("contact", None), ("bodies.0", None),
                                                     ("duration", 0.5)), "[no-contact]", "[leak]"),
     Mistake("inlet without budget left", change(("bodies.0.particles", {"radius": 0.02, "budget": 5, "inlets": [JET]}),

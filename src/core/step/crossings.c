@@ -165,6 +165,21 @@ long crossings_total(const struct pdyn_sim *sim) {
     return sim->crossings ? sim->crossings->total : 0;
 }
 
+/* The body with most particles beyond a surface; *count: how many. */
+static const pdyn_body *passer_of(const struct pdyn_sim *sim, int surface, long *count) {
+    const pdyn_body *found = sim->body;
+    *count = 0;
+    for (int b = 0; b < sim->bodies; b++) {
+        const pdyn_body *body = &sim->body[b];
+        long beyond = 0;
+        for (int i = body->first; i < body->first + body->count; i++)
+            for (int k = 0; k < BEYOND; k++)
+                beyond += abs(sim->crossings->beyond[BEYOND * (size_t)i + k]) == surface + 1;
+        if (beyond > *count) *count = beyond, found = body;
+    }
+    return found;
+}
+
 void crossings_warn(struct pdyn_sim *sim) {
     const struct crossings *c = sim->crossings;
     for (int s = 0; c && s < c->swept.count; s++) {
@@ -174,8 +189,13 @@ void crossings_warn(struct pdyn_sim *sim) {
                                            sim->time, 0, (double)count);
         if (w->count == count) continue;
         w->count = count;
-        warnings_say(sim->context, w, "%ld particle%s passed through this %s", count,
-                     count == 1 ? "" : "s", swept_is_solid(&c->swept, s) ? "solid" : "body");
+        long most;
+        const pdyn_body *body = passer_of(sim, s, &most);
+        const char *what = body->triangles ? (count == 1 ? "vertex" : "vertices")
+                                           : (count == 1 ? "particle" : "particles");
+        warnings_say(sim->context, w, "%ld %s%s of \"%s\" passed through this %s", count, what,
+                     most < count ? ", most" : "", body->name,
+                     swept_is_solid(&c->swept, s) ? "solid" : "body");
     }
 }
 

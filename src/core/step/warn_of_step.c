@@ -183,9 +183,9 @@ static void warn_fallen(struct pdyn_sim *sim) {
                                            sim->time, 0, count);
         w->count = count;
         warnings_say(sim->context, w,
-                     "%d of %d particles are far below everything else and fall for ever: nothing "
+                     "%d of %d %s are far below everything else and fall for ever: nothing "
                      "holds them and no outlet removes them",
-                     count, sim->body[b].count);
+                     count, sim->body[b].count, sim->body[b].triangles ? "vertices" : "particles");
     }
 }
 
