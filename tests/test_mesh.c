@@ -196,6 +196,8 @@ static const struct bad {
     {TEXT("a.obj", CORNERS "\nf\n"), ":5: expected a face of at least 3 vertices, found 0"},
     {TEXT("a.obj", CORNERS "f 1 2 2\n"), ":4: the face uses vertex 2 twice"},
     {TEXT("a.obj", CORNERS "f 1 2 3 -2\n"), ":4: the face uses vertex 2 twice"},
+    {TEXT("a.obj", "v 0 0 0\nv 1 -1 0\nv 0.2 0 0\nv 1 1 0\nf 2 3 4 1\n"),
+     ":5: the polygon of 4 vertices is concave: expected convex polygons or triangles"},
     {TEXT("a.obj", CORNERS "f 1 2 3/x\n"),
      ":4: expected a face corner v, v/t, v//n or v/t/n, found '3/x'"},
     {TEXT("a.obj", CORNERS "f 1/ 2 3\n"), ", found '1/'"},

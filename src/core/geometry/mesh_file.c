@@ -3,6 +3,7 @@
 
 #include "base/file_in.h"
 #include "base/text.h"
+#include "projdyn/vec3.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -150,9 +151,36 @@ pdyn_status mesh_file_corner(struct mesh_file *file, int index) {
     return status;
 }
 
+/* Twice the area of a triangle, along its normal. */
+static void area_of(const struct mesh_file *file, int triangle, double area[3]) {
+    const double *x = (const double *)file->vertex.data;
+    const int *corner = (const int *)file->triangle.data + 3 * (size_t)triangle;
+    vec3_normal(area, x + 3 * (size_t)corner[0], x + 3 * (size_t)corner[1],
+                x + 3 * (size_t)corner[2]);
+}
+
+/* Whether the fan of the current face folds over itself. */
+static bool is_folded(const struct mesh_file *file) {
+    int first = file->triangles - (file->corners - 2);
+    double all[3] = {0}, one[3];
+    for (int t = first; t < file->triangles; t++) area_of(file, t, one), vec3_add(all, 1.0, one);
+    for (int t = first; t < file->triangles; t++) {
+        area_of(file, t, one);
+        if (vec3_dot(one, all) < -1e-6 * vec3_length(one) * vec3_length(all)) return true;
+    }
+    return false;
+}
+
 pdyn_status mesh_file_end_face(const struct mesh_file *file) {
-    if (file->corners >= 3) return PDYN_OK;
-    return mesh_file_fail(file, "expected a face of at least 3 vertices, found %d", file->corners);
+    if (file->corners < 3)
+        return mesh_file_fail(file, "expected a face of at least 3 vertices, found %d",
+                              file->corners);
+    if (file->corners > 3 && is_folded(file))
+        return mesh_file_fail(file,
+                              "the polygon of %d vertices is concave: expected convex polygons "
+                              "or triangles, which every modelling program can make of it",
+                              file->corners);
+    return PDYN_OK;
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
