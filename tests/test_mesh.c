@@ -386,7 +386,8 @@ static void test_check_cloth(void **state) {
         {"v 0 0 0\nv 1e-200 0 0\nv 0 1e-200 0\nf 1 2 3\n",
          "sheet: triangle 0 (vertices 0, 1, 2) has no area"},
         {CORNERS "v 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n",
-         "sheet: the edge between vertices 0 and 1 has 3 triangles, expected at most 2"},
+         "sheet: the edge between vertices 0 and 1, at (0, 0, 0) m, has 3 triangles, expected at "
+         "most 2"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct mesh mesh;

@@ -166,7 +166,7 @@ static bool is_folded(const struct mesh_file *file) {
     for (int t = first; t < file->triangles; t++) area_of(file, t, one), vec3_add(all, 1.0, one);
     for (int t = first; t < file->triangles; t++) {
         area_of(file, t, one);
-        if (vec3_dot(one, all) < -1e-6 * vec3_length(one) * vec3_length(all)) return true;
+        if (vec3_dot(one, all) < -1e-6 * vec3_dot(all, all)) return true;
     }
     return false;
 }

@@ -4,6 +4,7 @@
 
 #include "projdyn/vec3.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -117,20 +118,22 @@ static pdyn_status check_cloth_edge(pdyn_context *context, const struct mesh *me
                             "%.1024s: triangles %d and %d have the same vertices", name,
                             side[0].corner / 3, side[1].corner / 3);
     if (count <= 2) return PDYN_OK;
+    const double *x = mesh->vertex + 3 * (size_t)side->end[0];
     return context_fail(context, PDYN_BAD_INPUT,
-                        "%.1024s: the edge between vertices %d and %d has %d triangles, "
-                        "expected at most 2",
-                        name, side->end[0], side->end[1], count);
+                        "%.1024s: the edge between vertices %d and %d, at (%.4g, %.4g, %.4g) m, "
+                        "has %d triangles, expected at most 2",
+                        name, side->end[0], side->end[1], x[0], x[1], x[2], count);
 }
 
 static pdyn_status check_closed_edge(pdyn_context *context, const struct mesh *mesh,
                                      const char *name, const struct side *side, int count) {
-    (void)mesh;
     if (count % 2 == 0) return PDYN_OK;
+    const double *x = mesh->vertex + 3 * (size_t)side->end[0];
     return context_fail(context, PDYN_BAD_INPUT,
-                        "%.1024s: the mesh is not closed: the edge between vertices %d and %d has "
-                        "%d triangle%s, expected 2",
-                        name, side->end[0], side->end[1], count, count == 1 ? "" : "s");
+                        "%.1024s: the mesh is not closed: the edge between vertices %d and %d, at "
+                        "(%.4g, %.4g, %.4g) m, has %d triangle%s, expected 2",
+                        name, side->end[0], side->end[1], x[0], x[1], x[2], count,
+                        count == 1 ? "" : "s");
 }
 
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name) {
@@ -145,7 +148,18 @@ pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, con
 }
 
 pdyn_status mesh_check_closed(pdyn_context *context, const struct mesh *mesh, const char *name) {
-    return check_edges(context, mesh, name, check_closed_edge);
+    int doubles;
+    pdyn_status status = check_edges(context, mesh, name, check_closed_edge);
+    if (status != PDYN_BAD_INPUT) return status;
+    char why[CONTEXT_ERROR];
+    snprintf(why, sizeof why, "%s", context_error());
+    status = mesh_count_duplicates(context, mesh, &doubles);
+    if (status != PDYN_OK) return status;
+    if (!doubles) return PDYN_BAD_INPUT;
+    return context_fail(context, PDYN_BAD_INPUT,
+                        "%.1500s; %d of its vertices lie where another one does already, along "
+                        "seams: merge them in the modelling program",
+                        why, doubles);
 }
 
 /* The triangles of an edge pass it in opposite directions. */
