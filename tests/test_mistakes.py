@@ -63,6 +63,14 @@ f 1 2 4
 f 2 3 4
 f 1 4 3
 """
+NEEDLES = """v 0 0.3 0
+v 0.3 0.3 0
+v 0.15 0.3 0.001
+v 0.15 0.3 0.3
+f 1 2 3
+f 1 3 4
+f 3 2 4
+"""
 HUGE = {"name": "scan", "mesh": "huge.obj"}
 ALL = {"box": {"minimum": [-9, -9, -9], "maximum": [9, 9, 9]}}
 CRATE = {"name": "crate", "rigid": {"box": {"minimum": [-0.1, 0.1, -0.1], "maximum": [0.1, 0.3, 0.1]}, "density": 500}}
@@ -92,6 +100,10 @@ MISTAKES = [
     Mistake("area density in g/m^2", change(("bodies.1.surface.area_density", 200)), "[density]"),
     Mistake("cloth in millimetres", change(("bodies.1.surface.grid.size", [1000, 1000]), ("solids", []), ("bodies.0", None)),
             "[scale]"),
+    Mistake("a needle in a mesh of cloth", change(("bodies.0", None), ("bodies.0.surface", {"mesh": "needles.obj", "area_density": 0.2}),
+                                                  ("bodies.0.constraints.1", None), ("contact", None)), "1 of its triangles"),
+    Mistake("cloth in centimetres", change(("bodies.1.surface.grid.size", [30, 30]), FREE, ("contact", None), ("bodies.0", None)),
+            "times as long as all solids; lengths are in metres"),
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),
     Mistake("a rigid ball in very thick contact", change(("bodies.0", MARBLE), ("bodies.1", None), ("contact.thickness", 0.04)),
             "times its mean edge length: contact of so fine a mesh takes long [contact-thickness]"),
@@ -209,6 +221,7 @@ def test(mistake, folder):
     (folder / "scene.json").write_text(scene)
     (folder / "squares.obj").write_text(SQUARES)
     (folder / "huge.obj").write_text(TETRAHEDRON)
+    (folder / "needles.obj").write_text(NEEDLES)
     good = True
     for command, code, text in zip(("check", "run"), mistake.codes, mistake.said):
         got, output = said_by(command, mistake, folder)

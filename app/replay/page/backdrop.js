@@ -64,14 +64,19 @@ class Backdrop {
     this.height = this.own.centre[1] = height;
   }
   drawBackground(values) {
+    if (settings.background === "white") {
+      this.gl.clearColor(1, 1, 1, 1);
+      this.gl.clear(this.gl.COLOR_BUFFER_BIT);
+      return;
+    }
     this.gl.disable(this.gl.DEPTH_TEST);
     drawWindow(this.gl, this.back, values);
     this.gl.enable(this.gl.DEPTH_TEST);
   }
-  /* After all that is opaque; nothing is drawn for an eye below the ground. */
+  /* After all that is opaque; nothing is drawn for an eye below the ground, or before white. */
   drawGround(values) {
     const gl = this.gl;
-    if (values.eye[1] <= this.height) return;
+    if (values.eye[1] <= this.height || settings.background === "white") return;
     use(gl, this.ground, { ...values, ...this.own });
     gl.bindVertexArray(null);
     gl.enable(gl.BLEND);

@@ -15,8 +15,10 @@ function viewMatrix({ right, up, back }, eye) {
 }
 
 class Camera {
-  constructor(bounds) {
+  /* pitch: of the first view, above the horizontal, rad */
+  constructor(bounds, pitch) {
     this.bounds = bounds;
+    this.first = pitch;
     this.field = 32 * Math.PI / 180;
     this.centre = bounds.map(([a, b]) => 0.5 * (a + b));
     this.radius = 0.5 * Math.hypot(...bounds.map(([a, b]) => b - a)) || 1;
@@ -27,7 +29,7 @@ class Camera {
     const [wide, , deep] = this.bounds.map(([a, b]) => b - a);
     this.target = this.centre.slice();
     this.yaw = wide >= 0.7 * deep ? 0.48 : Math.PI / 2 - 0.48;
-    this.pitch = 0.33;
+    this.pitch = this.first;
     this.scale = 1; /* factor on the distance at which the bounds fit the window */
   }
   axes() {
@@ -48,7 +50,7 @@ class Camera {
   }
   /* Distance at which all corners of the bounds are in the window with a margin of 8 %, from the first direction. */
   fit(half, aspect) {
-    const { right, up, back } = new Camera(this.bounds).axes();
+    const { right, up, back } = new Camera(this.bounds, this.first).axes();
     let distance = 0;
     for (let corner = 0; corner < 8; corner++) {
       const p = this.bounds.map((side, k) => side[corner >> k & 1] - this.centre[k]);

@@ -1,5 +1,5 @@
 /* The panel of options, the legends, and the settings that they show. */
-const settings = { look: "surface", fluid: "plain", surface: "plain", cut: "" };
+const settings = { look: "surface", fluid: "plain", surface: "plain", cut: "", background: "studio" };
 const ranges = {}; /* of the channels: {top, most} */
 const inputs = {}; /* controls by their setting, and checkboxes of the parts by name */
 
@@ -81,6 +81,7 @@ function buildOptions() {
       titled(["plain", "speed", "error", "pressure"].filter((name) => name === "plain" || ranges[name])));
   if (meta.bodies.some((b) => b.triangles))
     addSelect(looks, particles.length ? "Surfaces" : "Colour", "surface", titled(["plain", "checker", "speed", "stretch"]));
+  addSelect(looks, "Background", "background", [["studio", "studio"], ["white", "white"]]);
   addCut(looks);
   $("options").hidden = false;
   $("options").open = $("view").clientWidth > 560;

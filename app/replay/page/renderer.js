@@ -40,6 +40,12 @@ const levels = [
 /* The channel of particles that colours them; plain ones ignore it. */
 const fluidChannel = () => settings.fluid in channels ? settings.fluid : "speed";
 
+/* Of the first view, rad: from higher up where water lies in cloth, which would hide it. */
+function firstPitch() {
+  const cloth = meta.bodies.some((body) => body.triangles && body.kind !== "rigid");
+  return cloth && meta.bodies.some((body) => body.fluid) ? 0.6 : 0.33;
+}
+
 class Renderer {
   constructor(gl) {
     this.gl = gl;
@@ -47,7 +53,7 @@ class Renderer {
       throw new Error("This page needs a graphics driver with float render targets (EXT_color_buffer_float).");
     const bounds = meta.live ? guessBounds(measureBounds()) : measureBounds();
     this.groundHeight = meta.live ? Math.min(groundHeight(), bounds[1][0]) : groundHeight();
-    this.camera = new Camera(includeGround(bounds, this.groundHeight));
+    this.camera = new Camera(includeGround(bounds, this.groundHeight), firstPitch());
     this.shadows = new Shadows(gl, this.camera);
     this.backdrop = new Backdrop(gl, this.camera, this.groundHeight - 0.002 * this.camera.radius);
     this.balls = new Balls(gl);

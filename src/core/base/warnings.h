@@ -14,6 +14,7 @@
     X(NO_CONTACT, "no-contact")                                                                    \
     X(DENSITY, "density")                                                                          \
     X(SCALE, "scale")                                                                              \
+    X(SLIVERS, "slivers")                                                                          \
     X(THICKNESS, "contact-thickness")                                                              \
     X(TOLERANCE, "tolerance")                                                                      \
     X(LIGHT, "too-light")                                                                          \

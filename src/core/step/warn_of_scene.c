@@ -13,6 +13,9 @@
 static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3 */
 static const double min_area_density = 1e-3, max_area_density = 100.0; /* kg/m^2 */
 static const double min_extent = 2e-3, max_extent = 500.0;             /* m */
+static const double max_times = 10.0; /* extent of a body over that of all solids */
+/* Height of a triangle over its longest side. */
+static const double min_thinness = 0.01;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
 static const double max_thickness = 2.5;
 /* Share of the particles that may be left out where they overlap with something. */
@@ -137,13 +140,30 @@ static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     return status;
 }
 
+/* Extent of all solids together, m; INFINITY: there are none. */
+static double extent_of_solids(const struct pdyn_sim *sim) {
+    struct box box = box_empty;
+    for (int s = 0; s < sim->scene.solids; s++) {
+        const struct mesh *mesh = &sim->scene.solid[s].mesh;
+        for (int i = 0; i < mesh->vertices; i++) box_add(&box, mesh->vertex + 3 * (size_t)i);
+    }
+    return sim->scene.solids ? box_extent(&box) : INFINITY;
+}
+
 static void check_scale(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     struct box box = warn_box(sim, body);
-    double extent = box_extent(&box);
-    if (!body->triangles || (extent >= min_extent && extent <= max_extent)) return;
-    WARN(sim, SCALE, body->name,
-         "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh", extent);
+    double extent = box_extent(&box), times = extent / extent_of_solids(sim);
+    if (!body->triangles) return;
+    if (extent < min_extent || extent > max_extent)
+        WARN(sim, SCALE, body->name,
+             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
+             extent);
+    else if (times > max_times)
+        WARN(sim, SCALE, body->name,
+             "it is %.3g m long, %.2g times as long as all solids; lengths are in metres, "
+             "\"scale\" changes the unit of a mesh",
+             extent, times);
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
@@ -156,6 +176,33 @@ static void check_scale_of_solids(struct pdyn_sim *sim) {
              "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
              extent);
     }
+}
+
+/* Height of a triangle over its longest side. */
+static double thinness(const double *a, const double *b, const double *c) {
+    double normal[3],
+        side = fmax(vec3_distance(a, b), fmax(vec3_distance(b, c), vec3_distance(c, a)));
+    vec3_normal(normal, a, b, c);
+    return vec3_length(normal) / (side * side);
+}
+
+static void check_slivers(struct pdyn_sim *sim, int b) {
+    const pdyn_body *body = &sim->body[b];
+    const double *rest = body->rest, *first = NULL;
+    int count = 0;
+    for (int t = 0; !sim->scene.body[b].is_rigid && t < body->triangles; t++) {
+        const int *corner = body->triangle + 3 * (size_t)t;
+        const double *x[3];
+        for (int k = 0; k < 3; k++) x[k] = rest + 3 * (size_t)corner[k];
+        if (thinness(x[0], x[1], x[2]) >= min_thinness) continue;
+        if (!count++) first = x[0];
+    }
+    if (count)
+        WARN(
+            sim, SLIVERS, body->name,
+            "%d of its triangles are a hundred times as long as high, or more, the first at (%.4g, "
+            "%.4g, %.4g) m: steps need many iterations",
+            count, first[0], first[1], first[2]);
 }
 
 static void check_thickness(struct pdyn_sim *sim, int b) {
@@ -289,6 +336,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
         if (status != PDYN_OK) return status;
         check_density(sim, b);
         check_scale(sim, b);
+        check_slivers(sim, b);
         check_thickness(sim, b);
         check_overlap(sim, b);
     }
