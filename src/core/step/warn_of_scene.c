@@ -12,12 +12,6 @@
 /* Ranges of values that occur in practice. */
 static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3 */
 static const double min_area_density = 1e-3, max_area_density = 100.0; /* kg/m^2 */
-static const double min_extent = 2e-3, max_extent = 500.0;             /* m */
-static const double max_times = 10.0; /* extent of a body over that of all solids */
-/* Height of a triangle over its longest side. */
-static const double min_thinness = 0.01;
-/* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
-static const double max_thickness = 2.5;
 /* Share of the particles that may be left out where they overlap with something. */
 static const double max_left_out = 0.3;
 /* Memory of a particle of a fluid with its neighbour list (docs/results/speed.md). */
@@ -140,89 +134,6 @@ static pdyn_status check_places(struct pdyn_sim *sim, int b) {
     return status;
 }
 
-/* Extent of all solids together, m; INFINITY: there are none. */
-static double extent_of_solids(const struct pdyn_sim *sim) {
-    struct box box = box_empty;
-    for (int s = 0; s < sim->scene.solids; s++) {
-        const struct mesh *mesh = &sim->scene.solid[s].mesh;
-        for (int i = 0; i < mesh->vertices; i++) box_add(&box, mesh->vertex + 3 * (size_t)i);
-    }
-    return sim->scene.solids ? box_extent(&box) : INFINITY;
-}
-
-static void check_scale(struct pdyn_sim *sim, int b) {
-    const pdyn_body *body = &sim->body[b];
-    struct box box = warn_box(sim, body);
-    double extent = box_extent(&box), times = extent / extent_of_solids(sim);
-    if (!body->triangles) return;
-    if (extent < min_extent || extent > max_extent)
-        WARN(sim, SCALE, body->name,
-             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
-             extent);
-    else if (times > max_times)
-        WARN(sim, SCALE, body->name,
-             "it is %.3g m long, %.2g times as long as all solids; lengths are in metres, "
-             "\"scale\" changes the unit of a mesh",
-             extent, times);
-}
-
-static void check_scale_of_solids(struct pdyn_sim *sim) {
-    for (int s = 0; s < sim->scene.solids; s++) {
-        const struct scene_solid *solid = &sim->scene.solid[s];
-        struct box box = box_around(solid->mesh.vertex, solid->mesh.vertices);
-        double extent = box_extent(&box);
-        if (solid->kind != SOLID_MESH || (extent >= min_extent && extent <= max_extent)) continue;
-        WARN(sim, SCALE, solid->name,
-             "it is %.3g m long; lengths are in metres, \"scale\" changes the unit of a mesh",
-             extent);
-    }
-}
-
-/* Height of a triangle over its longest side. */
-static double thinness(const double *a, const double *b, const double *c) {
-    double normal[3],
-        side = fmax(vec3_distance(a, b), fmax(vec3_distance(b, c), vec3_distance(c, a)));
-    vec3_normal(normal, a, b, c);
-    return vec3_length(normal) / (side * side);
-}
-
-static void check_slivers(struct pdyn_sim *sim, int b) {
-    const pdyn_body *body = &sim->body[b];
-    const double *rest = body->rest, *first = NULL;
-    int count = 0;
-    for (int t = 0; !sim->scene.body[b].is_rigid && t < body->triangles; t++) {
-        const int *corner = body->triangle + 3 * (size_t)t;
-        const double *x[3];
-        for (int k = 0; k < 3; k++) x[k] = rest + 3 * (size_t)corner[k];
-        if (thinness(x[0], x[1], x[2]) >= min_thinness) continue;
-        if (!count++) first = x[0];
-    }
-    if (count)
-        WARN(
-            sim, SLIVERS, body->name,
-            "%d of its triangles are a hundred times as long as high, or more, the first at (%.4g, "
-            "%.4g, %.4g) m: steps need many iterations",
-            count, first[0], first[1], first[2]);
-}
-
-static void check_thickness(struct pdyn_sim *sim, int b) {
-    const pdyn_body *body = &sim->body[b];
-    double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
-    double edge = warn_mean_edge(body);
-    bool rigid = sim->scene.body[b].is_rigid;
-    if (!body->triangles || thickness <= (rigid ? max_thickness : 1.0) * edge) return;
-    if (rigid)
-        WARN(sim, THICKNESS, body->name,
-             "the contact thickness of %.3g m is %.2g times its mean edge length: contact of so "
-             "fine a mesh takes long",
-             thickness, thickness / edge);
-    else
-        WARN(sim, THICKNESS, body->name,
-             "the contact thickness of %.3g m is above its mean edge length of %.3g m: contact "
-             "acts between neighbours, and the surface cannot fold",
-             thickness, edge);
-}
-
 /* Free surfaces that something could stop: one warning for all. */
 static void check_contact(struct pdyn_sim *sim) {
     if (sim->scene.contact.thickness > 0.0 && !sim->scene.has_contact)
@@ -324,7 +235,7 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
     check_frames(sim);
     check_tolerance(sim);
     check_probes(sim);
-    check_scale_of_solids(sim);
+    warn_of_meshes(sim);
     check_elements(sim);
     check_contact(sim);
     warn_of_flow(sim);
@@ -335,9 +246,6 @@ pdyn_status warn_of_scene(struct pdyn_sim *sim) {
         pdyn_status status = check_places(sim, b);
         if (status != PDYN_OK) return status;
         check_density(sim, b);
-        check_scale(sim, b);
-        check_slivers(sim, b);
-        check_thickness(sim, b);
         check_overlap(sim, b);
     }
     return PDYN_OK;
