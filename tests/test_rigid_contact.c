@@ -265,6 +265,37 @@ static void test_turning_on_a_diagonal(void **state) {
     pdyn_destroy(context);
 }
 
+/* How far, rad, a box at rest on a table that turns with 6 rad/s is behind the table. */
+static double lag_of(const pdyn_sim *sim) {
+    double middle[3], turn = 6.0 * pdyn_time(sim);
+    mean_of(sim, 0, sim->x, middle);
+    return atan2(sin(turn + atan2(middle[2], middle[0])), cos(turn + atan2(middle[2], middle[0])));
+}
+
+/* What friction remembers turns with the table: the box does not creep. */
+static void test_turntable(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.005",
+                     "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004, 'friction': 0.5}, "
+                                      "'solids': [{'box': {'minimum': [-1, -0.2, -1], 'maximum': "
+                                      "[1, 0, 1]}, 'motion': [{'time': "
+                                      "0}, {'time': 1000, 'rotate': [0, 343774.677, 0]}]}], "
+                                      "'bodies': [{'velocity': [0, 0, -0.6], "
+                                      "'rigid': {'box': {'minimum': [-0.05, 0.0036, -0.05], "
+                                      "'maximum': [0.05, 0.0536, 0.05]}, "
+                                      "'translate': [0.1, 0, 0], 'density': 500, "
+                                      "'angular_velocity': [0, 6, 0]}}]}");
+    steps(context, sim, 200);
+    double lag = lag_of(sim);
+    steps(context, sim, 400);
+    assert_true(fabs(lag) < 0.01 && fabs(lag_of(sim) - lag) < 1e-5);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slope),
@@ -274,6 +305,7 @@ int main(void) {
         cmocka_unit_test(test_spinning_ball_slides),
         cmocka_unit_test(test_bumper),
         cmocka_unit_test(test_turning_on_a_diagonal),
+        cmocka_unit_test(test_turntable),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_collision_long),
     };

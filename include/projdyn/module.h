@@ -144,6 +144,7 @@ typedef struct pdyn_contact {
     double coefficient[4]; /* 0 for a point of a solid */
     double offset[3];      /* m: what points of solids add to the shortest vector */
     double separation[3];  /* m: the shortest vector when the contact was found */
+    double side[3];        /* m: a side of the second primitive, which turns with it */
     double shift[3];       /* m: what solids that move add to it in this step; 0 in a local step */
     double damping;        /* N: its part of the force of the dashpots of rigid bodies when the step
                               begins, negative: they pull; 0 in a local step */

@@ -10,9 +10,10 @@
 #include <string.h>
 
 struct spring {
-    double normal[3]; /* of the contact, length 1 */
-    double anchor[3]; /* m: the shortest vector at which the spring has no force */
-    double limit;     /* N: friction coefficient times normal force */
+    double normal[3];  /* of the contact, length 1 */
+    double axis[2][3]; /* along the surfaces, length 1, and turning with one of them */
+    double anchor[3];  /* m: the shortest vector at which the spring has no force */
+    double limit;      /* N: friction coefficient times normal force */
 };
 
 static const struct spring *spring_of(const pdyn_batch *b, int e) {
@@ -28,20 +29,23 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     return b->contacts->count;
 }
 
-/* The anchor is behind the shortest vector by the stretch of the step before, of which the part
- * along the surface counts. */
-static void attach(const pdyn_contact *contact, const double stretch[3], struct spring *spring) {
+/* The anchor is behind the shortest vector by the stretch of the step before, which has turned with
+ * the surfaces since. */
+static void attach(const pdyn_contact *contact, const double stretch[2], struct spring *spring) {
     for (int a = 0; a < 3; a++) spring->normal[a] = contact->separation[a] / contact->distance;
-    double along = vec3_dot(stretch, spring->normal);
-    for (int a = 0; a < 3; a++)
-        spring->anchor[a] = contact->separation[a] - (stretch[a] - along * spring->normal[a]);
+    memcpy(spring->axis[0], contact->side, sizeof contact->side);
+    vec3_add(spring->axis[0], -vec3_dot(contact->side, spring->normal), spring->normal);
+    vec3_normalise(spring->axis[0]);
+    vec3_cross(spring->axis[1], spring->normal, spring->axis[0]);
+    memcpy(spring->anchor, contact->separation, sizeof contact->separation);
+    for (int k = 0; k < 2; k++) vec3_add(spring->anchor, -stretch[k], spring->axis[k]);
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     for (int e = first; e < last; e++) {
         contact_select(b, e);
-        attach(&b->contacts->contact[e], (const double *)b->memory + 3 * e,
+        attach(&b->contacts->contact[e], (const double *)b->memory + 2 * e,
                (struct spring *)b->data + e);
     }
 }
@@ -107,10 +111,14 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     return sum;
 }
 
-/* u - p: the stretch that the spring holds */
+/* u - p along the axes: the stretch that the spring holds */
 static void end(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
-    for (int k = 3 * first; k < 3 * last; k++) ((double *)b->memory)[k] = b->u[k] - b->p[k];
+    for (int e = first; e < last; e++) {
+        double y[3], *stretch = (double *)b->memory + 2 * e;
+        vec3_subtract(y, b->u + 3 * e, b->p + 3 * e);
+        for (int k = 0; k < 2; k++) stretch[k] = vec3_dot(y, spring_of(b, e)->axis[k]);
+    }
 }
 
 const pdyn_constraint_type pdyn_constraint_friction = {
@@ -128,6 +136,6 @@ const pdyn_constraint_type pdyn_constraint_friction = {
     .project = project,
     .tangent = tangent,
     .energy = energy,
-    .memory_size = 3 * sizeof(double),
+    .memory_size = 2 * sizeof(double),
     .end = end,
 };

@@ -161,6 +161,8 @@ pdyn_status contact_find_flat_sides(struct contact *contact);
 /* The key of a pair, which stays the same while a vertex moves over a flat part: so does what
  * friction remembers. */
 uint64_t contact_key(const struct contact *contact, const struct pair *pair);
+/* A side of the second primitive of a pair, or of its flat part, m. */
+void contact_side(const struct contact *contact, const struct pair *pair, double side[3]);
 /* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
  * near and has a lower number. */
 bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,

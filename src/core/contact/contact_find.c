@@ -77,6 +77,7 @@ static void set_contact(struct contact *c, int e, const struct hit *hit) {
         vec3_add(to->separation, hit->c[k], c->at + 3 * (size_t)p->point[k]);
     }
     set_offset(c, s, to->offset);
+    contact_side(c, p, to->side);
 }
 
 static void set_contacts(void *arg, int first, int last, int block) {

@@ -122,6 +122,13 @@ uint64_t contact_key(const struct contact *c, const struct pair *p) {
     return p->key - face + (uint64_t)c->flat_part[face];
 }
 
+void contact_side(const struct contact *c, const struct pair *p, double side[3]) {
+    const int *end = p->point + 2; /* of two edges */
+    if (pair_kind_of(p->key) == &pair_vertex_face)
+        end = c->face + 3 * (size_t)c->flat_part[p->key & 0xFFFFFFFFu];
+    vec3_subtract(side, c->at + 3 * (size_t)end[1], c->at + 3 * (size_t)end[0]);
+}
+
 /* Relative difference of distances that are the same; weight of a corner at its opposite side.
  * Below both, a vertex is above a side, and the face of the lower number touches it. */
 static const double same = 1e-9;
