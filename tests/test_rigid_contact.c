@@ -296,6 +296,30 @@ static void test_turntable(void **state) {
     pdyn_destroy(context);
 }
 
+/* A box falls on a pinned plate: in the mean, the pins hold what gravity and the fall give. */
+static void test_pinned_plate(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{" STEPS_OF("0.005", "[0, -9.81, 0]") ", 'contact': {'thickness': 0.004}, 'bodies': ["
+                                               "{'velocity': [0, -2, 0], 'rigid': {'box': "
+                                               "{'minimum': [-0.05, 0.02, -0.05], 'maximum': "
+                                               "[0.05, 0.12, 0.05]}, 'mass': 1}}, {'rigid': "
+                                               "{'box': {'minimum': [-0.2, -0.02, -0.2], "
+                                               "'maximum': [0.2, 0, 0.2]}, 'mass': 1}, "
+                                               "'constraints': [{'type': 'pin', 'vertices': "
+                                               "{'all': true}}]}]}");
+    double impulse = 0.0;
+    for (int n = 0; n < 200; n++) {
+        pdyn_step_info info = test_step(context, sim);
+        impulse += info.h * info.pin_reaction[1];
+    }
+    assert_true(fabs(impulse - 2.0 * 9.81 - 2.0) < 0.05 * 2.0);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_slope),
@@ -306,6 +330,7 @@ int main(void) {
         cmocka_unit_test(test_bumper),
         cmocka_unit_test(test_turning_on_a_diagonal),
         cmocka_unit_test(test_turntable),
+        cmocka_unit_test(test_pinned_plate),
         cmocka_unit_test(test_matrix),
         cmocka_unit_test(test_collision_long),
     };

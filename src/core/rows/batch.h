@@ -30,7 +30,8 @@ struct batch {
     double eps;      /* damping of the current linearisation */
     double energy;   /* J, at the last local step */
     double left_out; /* part of impacts that the integrator left out in the last step: mean forces
-                        are w (u - p) less this part of the flux, which has the impacts then */
+                        are w (u - p) less this part of the flux, which has the impacts then, or, of
+                        pins, of themselves (forces_pass_on) */
     bool damper;     /* the second batch of pdyn_constraint_type.damping */
     bool off;        /* switched off: all weights are 0 */
 

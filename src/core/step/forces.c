@@ -32,8 +32,10 @@ static void row_distance(const struct pdyn_sim *sim, const struct batch *b, int 
 void forces_row_gradient(const struct pdyn_sim *sim, const struct batch *b, int e, int r,
                          double g[3]) {
     row_distance(sim, b, r, g);
-    for (int a = 0; a < 3; a++) g[a] *= b->view.weight[e];
-    if (b->left_out > 0.0) vec3_add(g, -b->left_out, b->flux + 4 * (size_t)r);
+    double part = batch_has_impacts(b) ? 1.0 : 1.0 - b->left_out;
+    for (int a = 0; a < 3; a++) g[a] *= part * b->view.weight[e];
+    if (batch_has_impacts(b) && b->left_out > 0.0)
+        vec3_add(g, -b->left_out, b->flux + 4 * (size_t)r);
 }
 
 static void add_rows(const struct pdyn_sim *sim, const struct batch *b, double *gradient) {
@@ -123,6 +125,30 @@ double forces_virial(const struct pdyn_sim *sim, int k) {
         sum -= b->view.weight[b->entry_element[entry]] * vec3_dot(d, b->view.u + 3 * (size_t)r);
     }
     return sum;
+}
+
+static bool holds(const struct batch *b, const pdyn_body *body) {
+    return b->type->flags & PDYN_REACTION && b->view.body == body && !b->off;
+}
+
+/* Pins of a body that pass on a force T of impacts: the part of theirs along T is left out of them
+ * as it is of the impacts. */
+static void pass_on(struct pdyn_sim *sim, const pdyn_body *body, const double passed[3]) {
+    struct objective *objective = &sim->objective;
+    struct solid_load load = {{0}, {0}};
+    for (int b = 0; b < objective->batches; b++)
+        if (holds(objective->batch[b], body)) add_row_load(sim, objective->batch[b], &load);
+    double size = vec3_dot(load.force, load.force);
+    double part = size > 0.0 ? -vec3_dot(load.force, passed) / size : 0.0;
+    for (int b = 0; b < objective->batches; b++)
+        if (holds(objective->batch[b], body))
+            objective->batch[b]->left_out = sim->left_out * fmin(1.0, fmax(0.0, part));
+}
+
+void forces_pass_on(struct pdyn_sim *sim) {
+    for (int b = 0; sim->left_out > 0.0 && b < sim->bodies; b++)
+        if (vec3_length(sim->passed_on + 3 * (size_t)b) > 0.0)
+            pass_on(sim, &sim->body[b], sim->passed_on + 3 * (size_t)b);
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */

@@ -7,6 +7,8 @@
 #include "solid_load.h"
 
 /* Forces are unknown until the next step has ended. */
+/* At the end of a step: pins that hold a body against impacts pass their mean forces on. */
+void forces_pass_on(struct pdyn_sim *sim);
 void forces_forget(struct pdyn_sim *sim);
 
 /* The gradient g = w (u - p), N, of the energy of row r of element e of a batch, less the part of

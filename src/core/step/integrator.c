@@ -57,32 +57,53 @@ static double kept_part(const struct pdyn_sim *sim, int i, double h, const doubl
     return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
 }
 
-/* Moves impulses (particles x 3, m/s) in v from the weight H to the weight H^2 / h, and adds the
- * latter to v_before, in their kept parts. lost: momentum of v and v_before, kg m/s, that the
- * impulses between particles alone have lost by that. */
-static void shift_velocities(struct pdyn_sim *sim, double h, const double *impulse,
+/* Whether pins hold the body. */
+static bool is_pinned(const struct pdyn_sim *sim, const pdyn_body *body) {
+    bool pinned = false;
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
+        pinned |= batch->view.body == body && batch->type->flags & PDYN_REACTION && !batch->off;
+    }
+    return pinned;
+}
+
+/* End of the particles of a body, with the points of a rigid one. */
+static int end_of(const struct pdyn_sim *sim, int b) {
+    return b + 1 < sim->bodies ? sim->body[b + 1].first : sim->objective.particles;
+}
+
+/* Moves impulses (particles x 3, m/s) of a body in v from the weight H to the weight H^2 / h, and
+ * adds the latter to v_before, in their kept parts. What they lose, its pins pass on; without pins
+ * it is part of lost: momentum of v and v_before, kg m/s, of the impulses between particles. */
+static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
                              const double *between, double lost[2][3]) {
     const struct objective *objective = &sim->objective;
-    double part = objective->h / h;
-    memset(lost, 0, 6 * sizeof **lost);
-    for (int i = 0; i < objective->particles; i++) {
+    double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
+    bool pinned = is_pinned(sim, &sim->body[b]);
+    memset(passed_on, 0, 3 * sizeof *passed_on);
+    for (int i = sim->body[b].first; i < end_of(sim, b); i++) {
         double kept = kept_part(sim, i, h, impulse + 3 * i);
         double left = objective->mass[i] * (1.0 - kept);
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             sim->v[k] -= kept * (1.0 - part) * impulse[k];
             sim->v_before[k] += kept * part * impulse[k];
-            lost[0][k % 3] -= left * (1.0 - part) * between[k];
-            lost[1][k % 3] += left * part * between[k];
+            lost[0][k % 3] -= pinned ? 0.0 : left * (1.0 - part) * between[k];
+            lost[1][k % 3] += pinned ? 0.0 : left * part * between[k];
+            passed_on[k % 3] += pinned ? left / objective->h * impulse[k] : 0.0;
         }
     }
 }
 
-/* share: of each particle, kg m/s, its impulse; of the points of a rigid body that of the body. */
+/* share: of each particle, kg m/s, its impulse; of the points of a rigid body that of the body; of
+ * pinned bodies none. */
 static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
-    for (int i = 0; i < objective->particles; i++)
-        share[i] = objective->mass[i] * vec3_length(between + 3 * (size_t)i);
+    for (int b = 0; b < sim->bodies; b++) {
+        double free = is_pinned(sim, &sim->body[b]) ? 0.0 : 1.0;
+        for (int i = sim->body[b].first; i < end_of(sim, b); i++)
+            share[i] = free * objective->mass[i] * vec3_length(between + 3 * (size_t)i);
+    }
     for (int b = 0; map && b < map->bodies; b++) {
         double *point = share + map->body[b].first + map->body[b].vertices, sum = 0.0;
         for (int k = 0; k < RIGID_POINTS; k++) sum += point[k];
@@ -180,8 +201,8 @@ int integrator_impacts(struct pdyn_sim *sim, double h) {
         count += batch_impacts(objective->batch[b], &change, force);
     find_between(sim, force, between);
     to_velocities(sim, force), to_velocities(sim, between);
-    double lost[2][3];
-    shift_velocities(sim, h, force, between, lost);
+    double lost[2][3] = {{0}, {0}};
+    for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, force, between, lost);
     give_back(sim, between, lost, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);

@@ -83,14 +83,15 @@ static void add_pin_reaction(const struct pdyn_sim *sim, pdyn_step_info *info) {
     for (int b = 0; b < objective->batches; b++) {
         const struct batch *pin = objective->batch[b];
         if (!(pin->type->flags & PDYN_REACTION) || pin->off) continue;
+        double force[3] = {0};
         for (int i = 0; i < pin->touch_count; i++)
             for (int t = pin->touch_start[i]; t < pin->touch_start[i + 1]; t++) {
                 const struct touch *touch = &pin->touch[t];
                 if (t == pin->touch_start[i])
-                    vec3_add(info->pin_reaction, 1.0, sim->gradient + 3 * (pin->touch_first + i));
-                vec3_add(info->pin_reaction, -touch->coefficient,
-                         pin->flux + 4 * (size_t)touch->row);
+                    vec3_add(force, 1.0, sim->gradient + 3 * (pin->touch_first + i));
+                vec3_add(force, -touch->coefficient, pin->flux + 4 * (size_t)touch->row);
             }
+        vec3_add(info->pin_reaction, 1.0 - pin->left_out, force);
     }
 }
 

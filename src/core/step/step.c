@@ -96,6 +96,7 @@ static void accept(struct pdyn_sim *sim, double h) {
     memcpy(sim->x, sim->x_next, objective_bytes(objective));
     velocities_apply_operators(sim, h);
     for (int b = 0; b < objective->batches; b++) batch_accept(objective->batch[b], sim->left_out);
+    forces_pass_on(sim);
     sim->last_h = h;
     sim->steps++;
 }
