@@ -3,9 +3,11 @@
  *
  *     p = u with p_y = max(u_y, height),     J = diag(1, 1 or 0, 1)
  *
- *     cc -shared -fPIC $(pkg-config --cflags projdyn) -o template.so template.c -lm
+ *     cc -shared -fPIC -Iinclude -o template.so template.c -lm
  *     projdyn check --conformance ./template.so
- *     projdyn run template.json
+ *     projdyn run template.json --allow-plugins
+ *
+ * -Iinclude: from the root of the source; $(pkg-config --cflags projdyn) with an installed library.
  */
 #include <projdyn/module.h>
 #include <projdyn/vec3.h>

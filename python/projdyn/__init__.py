@@ -26,6 +26,8 @@ from .simulation import Simulation, Warning
 from .solid import Load, Solid
 from .writer import Writer
 
+__version__ = version()
+
 __all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Probe",
            "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
            "version"]

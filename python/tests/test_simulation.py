@@ -211,6 +211,7 @@ class Messages(unittest.TestCase):
 
     def test_version(self):
         self.assertRegex(projdyn.version(), r"^\d+\.\d+\.\d+$")
+        self.assertEqual(projdyn.__version__, projdyn.version())
 
     def test_no_library(self):
         with self.assertRaisesRegex(ImportError, "nowhere.so: cannot open.*PROJDYN_LIBRARY"):
