@@ -5,15 +5,23 @@
  *     step,iteration,ms,gap,residual,density_mean,density_max,distance
  *
  * gap: (E - E*) / (E(first) - E*); distance: |x - x*| / |s - x*|; x* and E* from a newton step run
- * to stagnation. Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]] */
+ * to stagnation. Overrides hold for the warm-up and for the measured step.
+ * Usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]] */
 #include "base/clock.h"
 #include "step/sim.h"
 
+#include "projdyn/control.h"
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+struct input {
+    const char *scene;
+    char **set; /* overrides, KEY=VALUE */
+    int sets;
+};
 
 struct record {
     double ms, energy, residual;
@@ -44,9 +52,17 @@ static void note(void *user, const pdyn_iteration *it) {
     t->paused += clock_ms() - now;
 }
 
-static pdyn_sim *load(pdyn_context *context, const char *scene, int count, const char *const *set) {
+/* Loads the scene with the user's overrides and then those of the measurement. */
+static pdyn_sim *load(pdyn_context *context, const struct input *input, int count,
+                      const char *const *set) {
+    const char **all = malloc((size_t)(input->sets + count + 1) * sizeof *all);
+    if (!all) die("out of memory");
+    for (int k = 0; k < input->sets; k++) all[k] = input->set[k];
+    for (int k = 0; k < count; k++) all[input->sets + k] = set[k];
     pdyn_sim *sim;
-    if (pdyn_load(context, scene, set, count, &sim) != PDYN_OK) die(pdyn_last_error(context));
+    if (pdyn_load(context, input->scene, all, input->sets + count, &sim) != PDYN_OK)
+        die(pdyn_last_error(context));
+    free(all);
     return sim;
 }
 
@@ -58,20 +74,25 @@ static void copy_state(const pdyn_sim *from, pdyn_sim *to) {
     to->time = from->time, to->frame = from->frame;
 }
 
-static struct trace solve(pdyn_context *context, const char *scene, const pdyn_sim *state,
-                          const char *kind, int iterations, const char *linear) {
+/* Solves one step of length *h; where it is 0, the length that the scene chooses goes to *h. */
+static struct trace solve(pdyn_context *context, const struct input *input, const pdyn_sim *state,
+                          const char *kind, int iterations, const char *linear, double *h) {
     char step[64], outer[64], tolerance[64];
     const char *set[] = {step, outer, tolerance, "solver.tolerance=0"};
     snprintf(step, sizeof step, "solver.step=%s", kind);
     snprintf(outer, sizeof outer, "solver.outer_iterations=%d", iterations);
     snprintf(tolerance, sizeof tolerance, "solver.linear_tolerance=%s", linear);
-    struct trace t = {.sim = load(context, scene, 4, set), .capacity = iterations + 1};
+    struct trace t = {.sim = load(context, input, 4, set), .capacity = iterations + 1};
     t.record = calloc((size_t)t.capacity, sizeof *t.record);
     if (!t.record) die("out of memory");
     copy_state(state, t.sim);
     pdyn_observe(t.sim, note, &t);
     t.start = clock_ms();
-    if (pdyn_step(t.sim, NULL) != PDYN_OK) die(pdyn_last_error(context));
+    pdyn_step_info info;
+    pdyn_status status = *h > 0.0 ? pdyn_step_by(t.sim, *h, &info) : pdyn_step(t.sim, &info);
+    if (status != PDYN_OK) die(pdyn_last_error(context));
+    if (info.retries || (*h > 0.0 && fabs(info.h - *h) > 1e-9 * *h)) die("the step was shortened");
+    *h = info.h;
     return t;
 }
 
@@ -121,19 +142,21 @@ static void release(struct trace *t) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 2) die("usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS]]");
+    if (argc < 2) die("usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]]");
     double warm = argc > 2 ? atof(argv[2]) : 0.2;
     int projective = argc > 3 ? atoi(argv[3]) : 1000;
+    struct input input = {argv[1], argv + 4, argc > 4 ? argc - 4 : 0};
     pdyn_options options = pdyn_default_options();
     pdyn_context *context;
     options.threads = 1;
     if (pdyn_create(&options, &context) != PDYN_OK) die("no context");
-    pdyn_sim *state = load(context, argv[1], 0, NULL);
+    pdyn_sim *state = load(context, &input, 0, NULL);
     while (pdyn_time(state) < warm * (1.0 - 1e-9))
         if (pdyn_step(state, NULL) != PDYN_OK) die(pdyn_last_error(context));
-    struct trace best = solve(context, argv[1], state, "newton", 300, "1e-6");
-    struct trace newton = solve(context, argv[1], state, "newton", 40, "0.1");
-    struct trace classic = solve(context, argv[1], state, "projective", projective, "0.01");
+    double h = 0.0;
+    struct trace best = solve(context, &input, state, "newton", 300, "1e-6", &h);
+    struct trace newton = solve(context, &input, state, "newton", 40, "0.1", &h);
+    struct trace classic = solve(context, &input, state, "projective", projective, "0.01", &h);
     printf("step,iteration,ms,gap,residual,density_mean,density_max,distance\n");
     print("newton", &newton, &best);
     print("projective", &classic, &best);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # CG or Cholesky? Sheets of n x n vertices whose matrix is constant, over stiffness K h^2/m and the
 # tolerance of the linear solve; writes bench/cg_or_cholesky.csv and the tables of
-# docs/guide/cg-or-cholesky.md. Takes about half an hour; `quick`: less, into out/ alone.
+# docs/guide/cg-or-cholesky.md. Takes about a quarter of an hour; `quick`: less, into out/ alone.
 set -eu
 cd "$(dirname "$0")/.."
 scripts/build.sh
@@ -16,10 +16,10 @@ step=0.01 # s
 # K = number m / h^2 with m = 0.2 kg/m^2 / (n - 1)^2; bending B / d^2 = K / 1000, d = 1 m / (n - 1)
 stiffness() { awk -v n="$1" -v x="$2" -v h=$step 'BEGIN { printf "%.9g", x * 0.2 / (n - 1) ^ 2 / h ^ 2 }'; }
 bending() { awk -v n="$1" -v K="$2" 'BEGIN { printf "%.9g", 1e-3 * K / (n - 1) ^ 2 }'; }
-measure() { # n, K h^2/m, linear tolerance: three steps of three iterations, cg first
+measure() { # n, K h^2/m, linear tolerance: five steps of three iterations, three of them timed, cg first
     K=$(stiffness "$1" "$2") rounds=2
     [ "$1" -lt 200 ] || rounds=1
-    build/app/projdyn compare scenes/hanging_cloth.json --set time_step.integrator=euler --solver cg,cholesky --csv --steps 3 --rounds $rounds \
+    build/app/projdyn compare scenes/hanging_cloth.json --set time_step.integrator=euler --solver cg,cholesky --csv --steps 5 --rounds $rounds \
         --set time_step.fixed=$step --set frame_interval=1 --set solver.step=projective --set solver.tolerance=0 \
         --set solver.outer_iterations=3 --set solver.linear_tolerance="$3" --set solver.linear_iterations=3000 \
         --set bodies.sheet.surface.grid.vertices="[$1, $1]" --set bodies.sheet.constraints.pin.vertices.vertices="[0, $(($1 - 1))]" \
