@@ -142,7 +142,8 @@ static void release(struct trace *t) {
 }
 
 int main(int argc, char **argv) {
-    if (argc < 2) die("usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]]");
+    if (argc < 2)
+        die("usage: convergence SCENE [WARM_UP_SECONDS [PROJECTIVE_ITERATIONS [KEY=VALUE...]]]");
     double warm = argc > 2 ? atof(argv[2]) : 0.2;
     int projective = argc > 3 ? atoi(argv[3]) : 1000;
     struct input input = {argv[1], argv + 4, argc > 4 ? argc - 4 : 0};
