@@ -4,7 +4,7 @@
  *     coupling momentum DIRECTORY STEPS SECONDS      free water and cloth: conservation
  *     coupling basin DIRECTORY SECONDS MM...         at rest in a sheet; MM: particle spacing
  *     coupling lintearia DIRECTORY SECONDS MM...     the shape of a sheet that holds water
- *     coupling gate DIRECTORY MMxMPAxMS...           a rubber gate: spacing, modulus, step
+ *     coupling gate DIRECTORY MMxMPAxMS[:INTEGRATOR]...  a rubber gate: spacing, modulus, step
  *     coupling leaks DIRECTORY NAME:N:M:MS:S:OxL:V...  impact or bag, N particles across, mesh M,
  *                                                    at V m/s */
 #include "coupling.h"

@@ -39,7 +39,7 @@ static void write_plane(const char *path, const struct mesh *m, double slice) {
 }
 
 static const char scene[] =
-    "{'duration': 1000, 'frame_interval': 0.02, 'time_step': {'integrator': 'euler', 'maximum': "
+    "{'duration': 1000, 'frame_interval': 0.02, 'time_step': {'integrator': '%s', 'maximum': "
     "%g}, 'solver': "
     "{'tolerance': 0.1, 'outer_iterations': 40}, 'bodies': [{'name': 'water', 'particles': "
     "{'radius': %.17g, 'fill': [{'box': {'minimum': [0, 0, 0], 'maximum': [%g, %g, %.17g]}}]}, "
@@ -51,7 +51,7 @@ static const char scene[] =
 
 /* The sheet lies 0.6 spacings beyond the water, as the points of a wall do. */
 static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double d, double modulus,
-                           double h, int *across) {
+                           double h, const char *integrator, int *across) {
     char sheet[4096], wall[4096];
     int up = (int)(gate / d + 0.5);
     double ds = gate / (up + 0.5), slice = 4.0 * d;
@@ -66,9 +66,9 @@ static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double 
     double share = slice / (slice + 2.0 * d); /* width of the plate over the sheet's */
     double rigidity =
         share * modulus * thickness * thickness * thickness / (12.0 * (1.0 - 0.4 * 0.4));
-    return load(context, scene, h, 0.5 * d, width, depth, slice, 0.45 * pressure * d / 1e-3, sheet,
-                share * gate_density * thickness, share * modulus * thickness, rigidity,
-                gate - 0.6 * ds, slice, wall);
+    return load(context, scene, integrator, h, 0.5 * d, width, depth, slice,
+                0.45 * pressure * d / 1e-3, sheet, share * gate_density * thickness,
+                share * modulus * thickness, rigidity, gate - 0.6 * ds, slice, wall);
 }
 
 /* Mean x of the lowest row, m. */
@@ -81,9 +81,9 @@ static double tip(const pdyn_sim *sim, int across) {
 
 /* Displacements at the times of the experiment, and the largest displacement, m. */
 static double run(pdyn_context *context, const char *directory, FILE *csv, double d, double modulus,
-                  double h, double *at) {
+                  double h, const char *integrator, double *at) {
     int across, k = 0;
-    pdyn_sim *sim = load_gate(context, directory, d, modulus, h, &across);
+    pdyn_sim *sim = load_gate(context, directory, d, modulus, h, integrator, &across);
     double start = tip(sim, across), before = 0.0, time = 0.0, most = 0.0;
     while (k < POINTS) {
         double now = pdyn_time(sim), x = tip(sim, across) - start;
@@ -109,9 +109,11 @@ void elastic_gate(pdyn_context *context, const char *directory, int count, char 
     printf(" 46.4 |\n");
     for (int r = 0; r < count; r++) {
         double mm, modulus, ms, at[POINTS];
-        if (sscanf(runs[r], "%lfx%lfx%lf", &mm, &modulus, &ms) != 3)
-            die("expected MMxMPAxMS, found %s", runs[r]);
-        double most = run(context, directory, csv, 1e-3 * mm, 1e6 * modulus, 1e-3 * ms, at);
+        char integrator[8] = "euler";
+        if (sscanf(runs[r], "%lfx%lfx%lf:%7s", &mm, &modulus, &ms, integrator) < 3)
+            die("expected MMxMPAxMS or MMxMPAxMS:INTEGRATOR, found %s", runs[r]);
+        double most =
+            run(context, directory, csv, 1e-3 * mm, 1e6 * modulus, 1e-3 * ms, integrator, at);
         printf("| %g | %g | %g |", mm, modulus, ms);
         for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * at[k]);
         printf(" %.1f (%+.0f %%) |\n", 1e3 * most, 100.0 * (most / 0.0464 - 1.0));

@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { WIDTH = 8, EXPERIMENTS = 2, MOST_RUNS = 8 };
 
@@ -63,7 +64,10 @@ static double front(const pdyn_state *s, double spacing, double *scratch) {
     return scratch[s->particles - 1 - WIDTH / 2] + 0.5 * spacing;
 }
 
-static struct curve collapse(pdyn_context *context, const char *directory, int cells) {
+/* run: CELLS or CELLS:INTEGRATOR */
+static struct curve collapse(pdyn_context *context, const char *directory, const char *run) {
+    int cells = atoi(run);
+    const char *colon = strchr(run, ':');
     double d = base / cells, unit = sqrt(base / (2.0 * g));
     struct water water = {.spacing = d,
                           .cells = {cells, 2 * cells, WIDTH},
@@ -71,7 +75,8 @@ static struct curve collapse(pdyn_context *context, const char *directory, int c
                           .viscosity = 0.02,
                           .step = 0.32 / cells * unit,
                           .adaptive = true,
-                          .duration = 10.0 * unit};
+                          .duration = 10.0 * unit,
+                          .integrator = colon ? colon + 1 : NULL};
     char name[64];
     snprintf(name, sizeof name, "martin_moyce_%d", cells);
     FILE *csv = open_csv(directory, name);
@@ -162,7 +167,7 @@ void martin_moyce(pdyn_context *context, const char *directory, int count, char 
     struct curve run[MOST_RUNS];
     if (count > MOST_RUNS) die("at most %d resolutions", MOST_RUNS);
     for (int k = 0; k < EXPERIMENTS; k++) experiment[k].curve = read_curve(experiment[k].path);
-    for (int r = 0; r < count; r++) run[r] = collapse(context, directory, atoi(cells[r]));
+    for (int r = 0; r < count; r++) run[r] = collapse(context, directory, cells[r]);
     print_head(count, cells);
     for (int k = 0; k < EXPERIMENTS; k++) print_times(&experiment[k], run, count);
     for (int k = 0; k < EXPERIMENTS; k++) print_measures(&experiment[k], run, count);

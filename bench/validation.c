@@ -1,7 +1,7 @@
 /* The fluid against experiments and exact results. Each command writes CSV files into DIRECTORY and
  * prints a table as markdown:
  *
- *     validation martin_moyce DIRECTORY CELLS...        dam break, CELLS particles across the base
+ *     validation martin_moyce DIRECTORY CELLS[:INTEGRATOR]...  dam break, CELLS particles across
  *     validation tank DIRECTORY SECONDS DEPTHxWIDTH...  at rest, so many particles deep and wide
  *     validation sloshing DIRECTORY SECONDS CELLS       first mode, CELLS particles along the tank
  *
@@ -34,14 +34,15 @@ static void write_scene(const struct water *water, char *text, size_t size) {
     const int *n = water->cells;
     snprintf(text, size,
              "{\"duration\": %.17g, \"frame_interval\": %.17g, \"time_step\": {\"integrator\": "
-             "\"euler\", \"%s\": %.17g}, "
+             "\"%s\", \"%s\": %.17g}, "
              "\"solver\": {%s}, \"bodies\": [{\"name\": \"water\", \"velocity\": [%.17g, 0, 0], "
              "\"particles\": {\"radius\": %.17g, \"rest_density\": %d, \"fill\": [{\"box\": "
              "{\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}}]}, \"constraints\": "
              "[{\"type\": \"fluid\", \"stiffness\": %.17g, \"viscosity\": %.17g}]}], \"solids\": "
              "[{\"box\": {\"minimum\": [0, 0, 0], \"maximum\": [%.17g, %.17g, %.17g]}, \"open\": "
              "[\"+y\"]}]}",
-             water->duration, water->duration, water->adaptive ? "maximum" : "fixed", water->step,
+             water->duration, water->duration, water->integrator ? water->integrator : "euler",
+             water->adaptive ? "maximum" : "fixed", water->step,
              water->cut_short ? cut_short : solved, water->speed, 0.5 * d, DENSITY, n[0] * d,
              n[1] * d, n[2] * d, stiffness(water), water->viscosity, tank[0], tank[1], tank[2]);
 }

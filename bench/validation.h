@@ -18,6 +18,7 @@ struct water {
     bool adaptive;    /* `step` is the maximum; the CFL condition shortens steps */
     bool cut_short;   /* one linear solve of ten iterations per step instead of a converged solve */
     double duration;  /* s */
+    const char *integrator; /* NULL: "euler" */
 };
 
 void *allocate(size_t count, size_t size); /* zeros */
