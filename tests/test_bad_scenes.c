@@ -88,9 +88,9 @@ static const struct bad_scene bad_scenes[] = {
     {TOP("'solver': {'step': 'Newton'}"),
      "scene.json:2:21: solver.step: unknown step \"Newton\"; did you mean \"newton\"?; "
      "known: newton, projective"},
-    {TOP("'solver': {'outer_iterations': 20.0}"),
+    {TOP("'solver': {'outer_iterations': 20.5}"),
      "scene.json:2:33: solver.outer_iterations: expected a whole number from 1 to 100000, "
-     "found 20.0"},
+     "found 20.5"},
     {TOP("'solver': {'outer_iterations': 0}"),
      "scene.json:2:33: solver.outer_iterations: expected a whole number from 1 to 100000, "
      "found 0"},

@@ -67,7 +67,7 @@ static const struct shipped shipped[] = {
      .compression = 1.0e-4,
      .low = {0, 0, 0},
      .high = {1.6, TOP, 0.5}},
-    {.name = "dominoes", .seconds = 1.0, .kinetic = {0.0045, 0.012}, .lowest = {-0.001, 0.002}},
+    {.name = "dominoes", .seconds = 1.0, .kinetic = {0.0063, 0.0157}, .lowest = {-0.001, 0.002}},
     {.name = "double_dam_break",
      .seconds = 0.188,
      .kinetic = {98.7, 247},
