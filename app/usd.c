@@ -2,7 +2,7 @@
  * Houdini, Maya and other programs. */
 #include "app.h"
 #include "new_file.h"
-#include "replay/replay_run.h"
+#include "run_directory.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -70,9 +70,9 @@ static int frames_of(const struct stage *stage, const struct part *part) {
 /* One value for all times, that of the first frame. */
 static int put_constant(struct stage *stage, const struct part *part, const char *name,
                         put_fn *put) {
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     struct vtk_frame frame;
-    int code = replay_read_frame(stage->run, part, 0, path, &frame);
+    int code = part_read_frame(stage->run, part, 0, path, &frame);
     if (code != EXIT_GOOD) return code;
     fprintf(stage->file, "        %s = [", name);
     put(stage->file, &frame);
@@ -88,11 +88,11 @@ static int put_samples(struct stage *stage, const struct part *part, const char 
     if (part->rest) return put_constant(stage, part, name, put);
     fprintf(stage->file, "        %s.timeSamples = {\n", name);
     for (int f = 0; f < frames_of(stage, part) && code == EXIT_GOOD; f++) {
-        char path[REPLAY_PATH];
+        char path[RUN_PATH];
         struct vtk_frame frame;
-        code = replay_read_frame(stage->run, part, f, path, &frame);
+        code = part_read_frame(stage->run, part, f, path, &frame);
         if (code != EXIT_GOOD) break;
-        double time = (replay_time(part, f) - stage->start) * stage->rate;
+        double time = (part_time(part, f) - stage->start) * stage->rate;
         fprintf(stage->file, "            %.10g: [", round(time * 1e6) * 1e-6);
         put(stage->file, &frame);
         fputs("],\n", stage->file);
@@ -166,13 +166,13 @@ static int put_mesh(struct stage *stage, const struct part *part, const struct p
 
 /* A fluid: the surface that `projdyn mesh` has made, else its particles. */
 static int put_fluid(struct stage *stage, const struct part *part) {
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     struct part surface = {.kind = BODY, .folder = "mesh/", .name = part->name};
     if (snprintf(path, sizeof path, "%s/mesh/%s.vtk.series", stage->run->directory, part->name) >=
-            REPLAY_PATH ||
+            RUN_PATH ||
         access(path, F_OK))
         return put_particles(stage, part);
-    int code = replay_open_series(stage->run, &surface);
+    int code = part_open_series(stage->run, &surface);
     if (code == EXIT_GOOD) code = put_mesh(stage, part, &surface);
     json_decref(surface.series);
     return code;
@@ -190,8 +190,8 @@ static int put_stage(struct stage *stage) {
     const struct run *run = stage->run;
     const struct part *first = &run->part[0];
     int last = run->frames - 1, code = EXIT_GOOD;
-    stage->start = replay_time(first, 0);
-    stage->rate = last ? 1.0 / (replay_time(first, 1) - stage->start) : 24.0;
+    stage->start = part_time(first, 0);
+    stage->rate = last ? 1.0 / (part_time(first, 1) - stage->start) : 24.0;
     fprintf(stage->file,
             "#usda 1.0\n(\n    defaultPrim = \"run\"\n    doc = \"projdyn %s\"\n"
             "    metersPerUnit = 1\n    upAxis = \"Y\"\n    startTimeCode = 0\n"
@@ -224,15 +224,15 @@ int usd_main(int argc, char **argv) {
     static const struct option long_options[] = {
         {"output", required_argument, NULL, 'o'}, {"help", no_argument, NULL, 'h'}, {0}};
     const char *output = NULL;
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &output);
     if (code >= 0) return code;
     if (argc - optind != 1) return report_usage("usd", "one directory", usage);
     struct run run = {.directory = argv[optind]};
-    code = replay_open(&run);
-    if (code == EXIT_GOOD && !output && !replay_path(path, &run, "run", ".usda"))
-        code = replay_error("%s: the path is too long", run.directory);
+    code = run_open(&run);
+    if (code == EXIT_GOOD && !output && !run_path(path, &run, "run", ".usda"))
+        code = run_error("%s: the path is too long", run.directory);
     if (code == EXIT_GOOD) code = write_stage(&run, output ? output : path);
-    replay_close(&run);
+    run_close(&run);
     return code;
 }

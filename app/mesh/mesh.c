@@ -87,12 +87,12 @@ static int make_surface(const struct vtk_frame *frame, const char *path, double 
 
 static int write_surface(const struct run *run, const struct part *part, int f,
                          const struct mesh_options *options, const struct surface *surface) {
-    char path[REPLAY_PATH], title[512];
+    char path[RUN_PATH], title[512];
     const char *name = part->name, *ending = options->format->name;
     if (snprintf(path, sizeof path, "%s/mesh/%s_%06d.%s", run->directory, name, f, ending) >=
-        REPLAY_PATH)
-        return replay_error("%s: the path is too long", run->directory);
-    snprintf(title, sizeof title, "%.200s t=%.9g s", name, replay_time(part, f));
+        RUN_PATH)
+        return run_error("%s: the path is too long", run->directory);
+    snprintf(title, sizeof title, "%.200s t=%.9g s", name, part_time(part, f));
     return surface_write(surface, options->format, path, title);
 }
 
@@ -107,15 +107,15 @@ static void add_to_summary(struct mesh_summary *summary, const struct surface *s
 
 static int mesh_frame(const struct run *run, const struct part *part, int f,
                       const struct mesh_options *options, struct mesh_summary *summary) {
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     struct vtk_frame frame;
     struct obstacles obstacles = {0};
     struct surface surface = {0};
     double radius = part->radius;
-    int code = replay_read_frame(run, part, f, path, &frame);
+    int code = part_read_frame(run, part, f, path, &frame);
     if (code != EXIT_GOOD) return code;
     if (frame.triangles || !frame.velocity)
-        code = replay_error("%s: expected particles with velocities", path);
+        code = run_error("%s: expected particles with velocities", path);
     else code = mesh_read_obstacles(run, f, &obstacles);
     if (code == EXIT_GOOD)
         code = make_surface(&frame, path, radius, &obstacles, (int)options->threads, &surface);
@@ -129,17 +129,17 @@ static int mesh_frame(const struct run *run, const struct part *part, int f,
 
 /* Writes DIR/mesh/BODY.vtk.series, which lists the frames with their times. */
 static int write_series(const struct run *run, const struct part *part,
-                        const struct mesh_options *options, char path[REPLAY_PATH]) {
+                        const struct mesh_options *options, char path[RUN_PATH]) {
     const char *name = part->name;
     char *temporary;
-    if (snprintf(path, REPLAY_PATH, "%s/mesh/%s.vtk.series", run->directory, name) >= REPLAY_PATH)
-        return replay_error("%s: the path is too long", run->directory);
+    if (snprintf(path, RUN_PATH, "%s/mesh/%s.vtk.series", run->directory, name) >= RUN_PATH)
+        return run_error("%s: the path is too long", run->directory);
     FILE *file = new_file_open(path, &temporary);
     if (!file) return report_write_error(path);
     fprintf(file, "{\"file-series-version\": \"1.0\", \"files\": [");
     for (int f = (int)options->first; f <= options->last; f++)
         fprintf(file, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}",
-                f > options->first ? "," : "", name, f, replay_time(part, f));
+                f > options->first ? "," : "", name, f, part_time(part, f));
     fprintf(file, "]}\n");
     return new_file_close(file, temporary, path, true) ? EXIT_GOOD : report_write_error(path);
 }
@@ -149,11 +149,11 @@ static int write_series(const struct run *run, const struct part *part,
 static int mesh_body(const struct run *run, const struct part *part,
                      const struct mesh_options *options) {
     struct mesh_summary s = {.least = INFINITY, .most = -INFINITY, .seconds = wall_seconds()};
-    char path[REPLAY_PATH] = "";
+    char path[RUN_PATH] = "";
     int code = EXIT_GOOD;
     if (!(part->radius > 0.0))
-        return replay_error("%s/report.json: radius_m of body \"%s\": expected a number above 0",
-                            run->directory, part->name);
+        return run_error("%s/report.json: radius_m of body \"%s\": expected a number above 0",
+                         run->directory, part->name);
     for (int f = (int)options->first; f <= options->last && code == EXIT_GOOD; f++)
         code = mesh_frame(run, part, f, options, &s);
     if (code == EXIT_GOOD && !strcmp(options->format->name, "vtk"))
@@ -168,27 +168,27 @@ static int mesh_body(const struct run *run, const struct part *part,
 }
 
 static int make_folder(const struct run *run) {
-    char path[REPLAY_PATH];
-    if (!replay_path(path, run, "mesh", ""))
-        return replay_error("%s: the path is too long", run->directory);
+    char path[RUN_PATH];
+    if (!run_path(path, run, "mesh", ""))
+        return run_error("%s: the path is too long", run->directory);
     if (!mkdir(path, 0777) || (errno == EEXIST && !access(path, X_OK))) return EXIT_GOOD;
-    return replay_error("%s: cannot make the directory: %s", path, strerror(errno));
+    return run_error("%s: cannot make the directory: %s", path, strerror(errno));
 }
 
 static int mesh_run(struct run *run, struct mesh_options *options) {
-    int code = replay_open(run), fluids = 0;
+    int code = run_open(run), fluids = 0;
     if (code != EXIT_GOOD) return code;
-    if (!run->report) return replay_error("%s: expected a report.json", run->directory);
+    if (!run->report) return run_error("%s: expected a report.json", run->directory);
     if (options->last == LONG_MAX) options->last = run->frames - 1;
     if (options->last >= run->frames)
-        return replay_error("--frames: expected frames up to %d, found %ld", run->frames - 1,
-                            options->last);
+        return run_error("--frames: expected frames up to %d, found %ld", run->frames - 1,
+                         options->last);
     code = make_folder(run);
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
         if (run->part[p].fluid) code = mesh_body(run, &run->part[p], options), fluids++;
     if (code == EXIT_GOOD && !fluids)
-        return replay_error("%s/report.json: expected a body with the constraint \"fluid\"",
-                            run->directory);
+        return run_error("%s/report.json: expected a body with the constraint \"fluid\"",
+                         run->directory);
     return code;
 }
 
@@ -204,6 +204,6 @@ int mesh_main(int argc, char **argv) {
     if (argc - optind != 1) return report_usage("mesh", "one directory", usage);
     struct run run = {.directory = argv[optind]};
     code = mesh_run(&run, &options);
-    replay_close(&run);
+    run_close(&run);
     return code;
 }

@@ -3,8 +3,8 @@
 
 static int add_part(const struct run *run, const struct part *part, int f, struct obstacles *out) {
     struct vtk_frame frame;
-    char path[REPLAY_PATH];
-    int code = replay_read_frame(run, part, f, path, &frame);
+    char path[RUN_PATH];
+    int code = part_read_frame(run, part, f, path, &frame);
     if (code != EXIT_GOOD) return code;
     if (frame.triangles) code = obstacles_add(out, &frame);
     vtk_frame_free(&frame);

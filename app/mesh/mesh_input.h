@@ -3,7 +3,7 @@
 #define MESH_INPUT_H
 
 #include "obstacles.h"
-#include "replay/replay_run.h"
+#include "run_directory.h"
 
 /* Reads the triangles of all surface bodies and solids at frame f and builds their tree. The caller
  * frees *out in any case. Returns an exit code, after a message unless it is EXIT_GOOD. */

@@ -2,7 +2,7 @@
 #include "browser.h"
 #include "film.h"
 #include "replay_page.h"
-#include "replay_run.h"
+#include "run_directory.h"
 #include "temporary_folder.h"
 
 #include <errno.h>
@@ -46,7 +46,7 @@ static bool parse_size(const char *text, struct options *options) {
     if (good && options->width >= 16 && options->height >= 16 && options->width <= 8192 &&
         options->height <= 8192 && options->width % 2 == 0 && options->height % 2 == 0)
         return true;
-    replay_error("render: --size %s: expected WIDTHxHEIGHT, even numbers from 16 to 8192", text);
+    run_error("render: --size %s: expected WIDTHxHEIGHT, even numbers from 16 to 8192", text);
     return false;
 }
 
@@ -54,7 +54,7 @@ static bool parse_number(const char *option, const char *text, double least, dou
     char *end;
     *out = strtod(text, &end);
     if (end != text && !*end && *out >= least && *out <= 1e6) return true;
-    replay_error("render: %s %s: expected a number from %g to 1e6", option, text, least);
+    run_error("render: %s %s: expected a number from %g to 1e6", option, text, least);
     return false;
 }
 
@@ -74,23 +74,23 @@ static bool accept_option(void *self, int option) {
 
 /* Frames a second of simulated time, on average; 25 for a single frame. */
 static double simulated_rate(const struct run *run) {
-    double span = replay_time(&run->part[0], run->frames - 1) - replay_time(&run->part[0], 0);
+    double span = part_time(&run->part[0], run->frames - 1) - part_time(&run->part[0], 0);
     return span > 0.0 ? (run->frames - 1) / span : 25.0;
 }
 
 /* Sets the frame of a picture; EXIT_BAD_INPUT if the run does not have it. */
 static int choose_frame(const struct run *run, struct options *options) {
     if (options->frame >= run->frames)
-        return replay_error("render: --frame %ld: expected at most %d, the last frame of the run",
-                            options->frame, run->frames - 1);
+        return run_error("render: --frame %ld: expected at most %d, the last frame of the run",
+                         options->frame, run->frames - 1);
     if (options->frame < 0) options->frame = run->frames - 1;
     double nearest = INFINITY;
     for (int f = 0; f < run->frames && !isnan(options->time); f++) {
-        double away = fabs(replay_time(&run->part[0], f) - options->time);
+        double away = fabs(part_time(&run->part[0], f) - options->time);
         if (away < nearest) options->frame = f;
         nearest = fmin(nearest, away);
     }
-    double end = replay_time(&run->part[0], run->frames - 1), rate = simulated_rate(run);
+    double end = part_time(&run->part[0], run->frames - 1), rate = simulated_rate(run);
     if (options->time > end + 1.0 / rate)
         fprintf(stderr, "projdyn: render: --time %g: the run ends at %g s, whose frame is drawn\n",
                 options->time, end);
@@ -116,7 +116,7 @@ static int check_view(struct browser *browser, const char *view) {
     int code = browser_evaluate(browser, "viewFault(location.hash.slice(1))", &fault);
     if (code != EXIT_GOOD) return code;
     const char *text = json_string_value(fault);
-    if (*text) code = replay_error("render: --view %s: %s", view, text);
+    if (*text) code = run_error("render: --view %s: %s", view, text);
     json_decref(fault);
     return code;
 }
@@ -144,7 +144,7 @@ static int draw_frames(const struct run *run, const struct options *options, con
 }
 
 static int render(struct run *run, struct options *options) {
-    char page[REPLAY_PATH], folder[TEMPORARY_FOLDER];
+    char page[RUN_PATH], folder[TEMPORARY_FOLDER];
     int code = replay_load(run);
     if (code == EXIT_GOOD) code = choose_frame(run, options);
     if (code == EXIT_GOOD) code = temporary_folder_make("render", folder);
@@ -174,14 +174,14 @@ int render_main(int argc, char **argv) {
     if (argc - optind != 1 || !options.output)
         return report_usage("render", "one directory and -o FILE", usage);
     if (!film_find_format(options.output, &format))
-        return replay_error("render: %s: expected a name that ends with .png, .mp4, .webm or .gif",
-                            options.output);
+        return run_error("render: %s: expected a name that ends with .png, .mp4, .webm or .gif",
+                         options.output);
     if (format == FILM_PNG && !film_check_number(options.output))
-        return replay_error("render: %s: expected at most one '%%', as in NAME_%%04d.png",
-                            options.output);
+        return run_error("render: %s: expected at most one '%%', as in NAME_%%04d.png",
+                         options.output);
     signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
     struct run run = {.directory = argv[optind]};
     code = render(&run, &options);
-    replay_close(&run);
+    run_close(&run);
     return code;
 }

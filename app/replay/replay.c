@@ -13,10 +13,10 @@ static const char usage[] =
     "  -h, --help         prints this text\n";
 
 static int replay(struct run *run, const char *output) {
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     int code = replay_load(run);
-    if (code == EXIT_GOOD && !output && !replay_path(path, run, "replay", ".html"))
-        code = replay_error("%s: the path is too long", run->directory);
+    if (code == EXIT_GOOD && !output && !run_path(path, run, "replay", ".html"))
+        code = run_error("%s: the path is too long", run->directory);
     if (code == EXIT_GOOD) code = replay_write_page(run, output ? output : path);
     if (code == EXIT_GOOD) printf("%d frames written to %s\n", run->frames, output ? output : path);
     return code;
@@ -36,6 +36,6 @@ int replay_main(int argc, char **argv) {
     if (argc - optind != 1) return report_usage("replay", "one directory", usage);
     struct run run = {.directory = argv[optind]};
     code = replay(&run, output);
-    replay_close(&run);
+    run_close(&run);
     return code;
 }

@@ -8,7 +8,7 @@ static json_t *box_to_json(const struct box *box) {
 
 static json_t *frame_points_to_json(const struct run *run, const struct part *part) {
     json_t *points = json_array();
-    for (int f = 0; f < replay_frames(run, part); f++)
+    for (int f = 0; f < part_frames(run, part); f++)
         json_array_append_new(points, json_integer(part->frame_points[f]));
     return points;
 }
@@ -75,7 +75,7 @@ static json_t *warnings_to_json(const struct run *run) {
 json_t *replay_metadata(const struct run *run) {
     json_t *times = json_array();
     for (int f = 0; f < run->frames; f++)
-        json_array_append_new(times, json_real(replay_time(&run->part[0], f)));
+        json_array_append_new(times, json_real(part_time(&run->part[0], f)));
     return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?, s:O*, s:O*}", "about",
                      facts_to_json(run), "times", times, "bodies", parts_to_json(run, BODY),
                      "solids", parts_to_json(run, SOLID), "boundary", parts_to_json(run, BOUNDARY),

@@ -38,7 +38,7 @@ static int parse_header(struct run *run, char *line, const char *path, json_t *o
     }
     for (int k = 0; k < COLUMNS; k++)
         if (!json_object_get(run->metrics, columns[k]))
-            return replay_error("%s:1: expected the column \"%s\"", path, columns[k]);
+            return run_error("%s:1: expected the column \"%s\"", path, columns[k]);
     return EXIT_GOOD;
 }
 
@@ -51,20 +51,20 @@ static int parse_row(struct run *run, char *line, const char *path, int number,
         if (cells >= json_array_size(order) || k >= COLUMNS) continue;
         json_t *value = parse_cell(cell);
         if (!value)
-            return replay_error("%s:%d: %s: expected a number, found \"%.40s\"", path, number,
-                                columns[k], cell);
+            return run_error("%s:%d: %s: expected a number, found \"%.40s\"", path, number,
+                             columns[k], cell);
         json_array_append_new(json_object_get(run->metrics, columns[k]), value);
     }
     if (cells != json_array_size(order))
-        return replay_error("%s:%d: expected %zu cells, found %zu", path, number,
-                            json_array_size(order), cells);
+        return run_error("%s:%d: expected %zu cells, found %zu", path, number,
+                         json_array_size(order), cells);
     return EXIT_GOOD;
 }
 
 int replay_read_metrics(struct run *run) {
-    char path[REPLAY_PATH], *text;
+    char path[RUN_PATH], *text;
     size_t size;
-    if (!replay_path(path, run, "metrics", ".csv") || access(path, F_OK)) return EXIT_GOOD;
+    if (!run_path(path, run, "metrics", ".csv") || access(path, F_OK)) return EXIT_GOOD;
     int code = read_file(path, &text, &size);
     if (code != EXIT_GOOD) return code;
     run->metrics = json_object();

@@ -44,7 +44,7 @@ int replay_print_page(const struct run *run, FILE *file) {
 }
 
 static int report_errno(const char *path, const char *what) {
-    replay_error("%s: %s: %s", path, what, strerror(errno));
+    run_error("%s: %s: %s", path, what, strerror(errno));
     return EXIT_FAILED;
 }
 

@@ -133,14 +133,14 @@ static void quantise_frame(const struct part *part, struct plane *plane,
 
 static int write_frame(const struct run *run, const struct part *part, struct stream *stream,
                        struct plane *plane, int f) {
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     struct vtk_frame frame;
-    int code = replay_read_frame(run, part, f, path, &frame);
+    int code = part_read_frame(run, part, f, path, &frame);
     if (code != EXIT_GOOD) return code;
     code = replay_check_frame(part, &frame, path);
     if (code == EXIT_GOOD && frame.count != part->frame_points[f])
-        code = replay_error("%s: the file changed during the replay: expected %d points, found %d",
-                            path, part->frame_points[f], frame.count);
+        code = run_error("%s: the file changed during the replay: expected %d points, found %d",
+                         path, part->frame_points[f], frame.count);
     unsigned char *scratch = malloc(2 * (size_t)part->count + 1);
     double *filled = part->fluid ? replay_find_filled(&frame, part->radius) : NULL;
     if (code == EXIT_GOOD && (!scratch || (part->fluid && !filled))) code = report_no_memory();
@@ -176,7 +176,7 @@ int replay_write_data(const struct run *run, struct stream *stream) {
     for (int p = 0; p < run->parts; p++) write_triangles(stream, &run->part[p]);
     for (int f = 0; f < run->frames && code == EXIT_GOOD && !stream->failed; f++)
         for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
-            if (f < replay_frames(run, &run->part[p]))
+            if (f < part_frames(run, &run->part[p]))
                 code = write_frame(run, &run->part[p], stream, plane[p], f);
     stream_end_data(stream, code == EXIT_GOOD);
     free_planes(run, plane);

@@ -69,12 +69,12 @@ static int init_part(struct part *part, struct vtk_frame *frame, int frames) {
 int replay_check_frame(const struct part *part, const struct vtk_frame *frame, const char *path) {
     bool other_count = part->triangles && frame->count != part->count;
     if (other_count || frame->triangles != part->triangles)
-        return replay_error("%s: expected %d points and %d triangles as in the first frame, "
-                            "found %d and %d",
-                            path, part->count, part->triangles, frame->count, frame->triangles);
+        return run_error("%s: expected %d points and %d triangles as in the first frame, "
+                         "found %d and %d",
+                         path, part->count, part->triangles, frame->count, frame->triangles);
     size_t size = 3 * (size_t)frame->triangles * sizeof *frame->triangle;
     if (size && memcmp(frame->triangle, part->triangle, size))
-        return replay_error("%s: expected the same triangles as in the first frame", path);
+        return run_error("%s: expected the same triangles as in the first frame", path);
     return EXIT_GOOD;
 }
 
@@ -87,8 +87,8 @@ static int check_point_count(const struct run *run, const struct part *part,
     long long most = json_integer_value(count), least = frame->triangles ? most : 0;
     if (!run->report || part->kind != BODY || (frame->count >= least && frame->count <= most))
         return EXIT_GOOD;
-    return replay_error("%s: expected %s%lld points (\"count\" in report.json), found %d", path,
-                        frame->triangles ? "" : "at most ", most, frame->count);
+    return run_error("%s: expected %s%lld points (\"count\" in report.json), found %d", path,
+                     frame->triangles ? "" : "at most ", most, frame->count);
 }
 
 /* Updates the ranges of a part with frame f. */
@@ -109,21 +109,12 @@ static int add_frame(const struct run *run, struct part *part, struct vtk_frame 
     return EXIT_GOOD;
 }
 
-int replay_read_frame(const struct run *run, const struct part *part, int f, char path[REPLAY_PATH],
-                      struct vtk_frame *frame) {
-    json_t *entry = json_array_get(part->files, part->rest ? 0 : (size_t)f);
-    const char *name = json_string_value(json_object_get(entry, "name"));
-    int length = snprintf(path, REPLAY_PATH, "%s/%s%s", run->directory, part->folder, name);
-    if (length >= REPLAY_PATH) return replay_error("%s: the path is too long", name);
-    return part->kind == BODY ? vtk_frame_read(path, frame) : vtk_frame_read_geometry(path, frame);
-}
-
 static int find_part_ranges(const struct run *run, struct part *part) {
-    char path[REPLAY_PATH];
+    char path[RUN_PATH];
     part->box = box_empty;
-    for (int f = 0; f < replay_frames(run, part); f++) {
+    for (int f = 0; f < part_frames(run, part); f++) {
         struct vtk_frame frame;
-        int code = replay_read_frame(run, part, f, path, &frame);
+        int code = part_read_frame(run, part, f, path, &frame);
         if (code != EXIT_GOOD) return code;
         code = add_frame(run, part, &frame, f, path);
         vtk_frame_free(&frame);
@@ -141,6 +132,16 @@ int replay_find_ranges(struct run *run) {
         if (!run->part[p].count) run->part[p].box = (struct box){0};
     }
     if (seen || run->live) return EXIT_GOOD;
-    return replay_error("%s: expected at least one particle in some frame, found none",
-                        run->directory);
+    return run_error("%s: expected at least one particle in some frame, found none",
+                     run->directory);
+}
+
+int replay_load(struct run *run) {
+    int code = run_open(run);
+    if (code == EXIT_GOOD && !run->report)
+        fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
+              "not shown\n",
+              stderr);
+    if (code == EXIT_GOOD) code = replay_read_metrics(run);
+    return code == EXIT_GOOD ? replay_find_ranges(run) : code;
 }

@@ -19,7 +19,7 @@ int live_open(struct live *live, const struct scene_options *scene, char **page)
 }
 
 void live_close(struct live *live) {
-    replay_close(&live->run);
+    run_close(&live->run);
     json_decref(live->notes);
     json_decref(live->told);
     pdyn_free(live->sim);

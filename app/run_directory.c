@@ -1,5 +1,6 @@
 /* Finds parts and frames in the output directory of a run. */
-#include "replay_run.h"
+#include "run_directory.h"
+
 #include "read_file.h"
 
 #include <dirent.h>
@@ -13,7 +14,7 @@
 
 /* ---- messages and paths ---------------------------------------------------------------------- */
 
-int replay_error(const char *format, ...) {
+int run_error(const char *format, ...) {
     va_list args;
     fputs("projdyn: ", stderr);
     va_start(args, format);
@@ -23,10 +24,9 @@ int replay_error(const char *format, ...) {
     return EXIT_BAD_INPUT;
 }
 
-bool replay_path(char path[REPLAY_PATH], const struct run *run, const char *name,
-                 const char *ending) {
-    int length = snprintf(path, REPLAY_PATH, "%s/%s%s", run->directory, name, ending);
-    return length >= 0 && length < REPLAY_PATH;
+bool run_path(char path[RUN_PATH], const struct run *run, const char *name, const char *ending) {
+    int length = snprintf(path, RUN_PATH, "%s/%s%s", run->directory, name, ending);
+    return length >= 0 && length < RUN_PATH;
 }
 
 static bool is_plain_name(const char *name) { return name && *name && !strchr(name, '/'); }
@@ -41,9 +41,8 @@ static int load_json(const char *path, json_t **out) {
     *out = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     free(text);
     if (!*out)
-        return replay_error("%s:%d:%d: expected JSON: %s", path, error.line, error.column,
-                            error.text);
-    if (!json_is_object(*out)) return replay_error("%s: expected a JSON object", path);
+        return run_error("%s:%d:%d: expected JSON: %s", path, error.line, error.column, error.text);
+    if (!json_is_object(*out)) return run_error("%s: expected a JSON object", path);
     return EXIT_GOOD;
 }
 
@@ -67,7 +66,7 @@ static int find_series(struct run *run) {
     struct dirent **entry;
     int count = scandir(run->directory, &entry, is_series, compare_names);
     if (count < 0)
-        return replay_error("%s: cannot read the directory: %s", run->directory, strerror(errno));
+        return run_error("%s: cannot read the directory: %s", run->directory, strerror(errno));
     run->body_list = json_array();
     for (int i = 0; i < count; i++) {
         int length = (int)(strlen(entry[i]->d_name) - strlen(".vtk.series"));
@@ -81,16 +80,16 @@ static int find_series(struct run *run) {
 
 /* Sets run->report and run->body_list from report.json or, if it is missing, the file names. */
 static int find_bodies(struct run *run) {
-    char path[REPLAY_PATH];
-    if (!replay_path(path, run, "report", ".json"))
-        return replay_error("%s: the path is too long", run->directory);
+    char path[RUN_PATH];
+    if (!run_path(path, run, "report", ".json"))
+        return run_error("%s: the path is too long", run->directory);
     bool has_report = access(path, F_OK) == 0;
     int code = has_report ? load_json(path, &run->report) : find_series(run);
     if (code != EXIT_GOOD) return code;
     if (has_report) run->body_list = json_incref(json_object_get(run->report, "bodies"));
     if (json_array_size(run->body_list)) return EXIT_GOOD;
-    if (has_report) return replay_error("%s: expected an array \"bodies\" with a body in it", path);
-    return replay_error(
+    if (has_report) return run_error("%s: expected an array \"bodies\" with a body in it", path);
+    return run_error(
         "%s: expected the output of a run (report.json or NAME.vtk.series), found neither",
         run->directory);
 }
@@ -98,14 +97,14 @@ static int find_bodies(struct run *run) {
 /* Checks that the frames are file names without a directory, with increasing times. */
 static int check_series(const struct part *part, const char *path) {
     double last = -INFINITY;
-    if (!json_is_array(part->files)) return replay_error("%s: expected an array \"files\"", path);
+    if (!json_is_array(part->files)) return run_error("%s: expected an array \"files\"", path);
     for (size_t f = 0; f < json_array_size(part->files); f++) {
         json_t *entry = json_array_get(part->files, f), *time = json_object_get(entry, "time");
         if (!is_plain_name(json_string_value(json_object_get(entry, "name"))))
-            return replay_error(
+            return run_error(
                 "%s: files[%zu]: expected the \"name\" of a file in the same directory", path, f);
         if (!json_is_number(time) || json_number_value(time) <= last)
-            return replay_error(
+            return run_error(
                 "%s: files[%zu]: expected a \"time\" greater than that of the previous frame", path,
                 f);
         last = json_number_value(time);
@@ -113,11 +112,11 @@ static int check_series(const struct part *part, const char *path) {
     return EXIT_GOOD;
 }
 
-int replay_open_series(const struct run *run, struct part *part) {
-    char path[REPLAY_PATH], name[REPLAY_PATH];
+int part_open_series(const struct run *run, struct part *part) {
+    char path[RUN_PATH], name[RUN_PATH];
     snprintf(name, sizeof name, "%s%s", part->folder, part->name);
-    if (!replay_path(path, run, name, ".vtk.series"))
-        return replay_error("%s: the path is too long", part->name);
+    if (!run_path(path, run, name, ".vtk.series"))
+        return run_error("%s: the path is too long", part->name);
     snprintf(name, sizeof name, "%s.vtk", part->name);
     int code = EXIT_GOOD;
     if (part->rest)
@@ -135,8 +134,8 @@ static int read_body_number(const struct run *run, int b, const char *key, doubl
     *out = json_number_value(value);
     if (!value || json_is_null(value)) return EXIT_GOOD;
     if (json_is_number(value) && *out >= 0.0 && *out < 1e9) return EXIT_GOOD;
-    return replay_error("%s/report.json: bodies[%d].%s: expected a number from 0 to 1e9",
-                        run->directory, b, key);
+    return run_error("%s/report.json: bodies[%d].%s: expected a number from 0 to 1e9",
+                     run->directory, b, key);
 }
 
 /* Reads the "color" of an entry of report.json, which the page takes as it is; NULL without one. */
@@ -148,8 +147,8 @@ static int read_color(const struct run *run, const struct part *part, const json
     if (!value || (color && color[0] == '#' && strlen(color) == 7 &&
                    strspn(color + 1, "0123456789abcdefABCDEF") == 6))
         return EXIT_GOOD;
-    return replay_error("%s/report.json: \"%s\": expected a \"color\" \"#rrggbb\"", run->directory,
-                        part->name);
+    return run_error("%s/report.json: \"%s\": expected a \"color\" \"#rrggbb\"", run->directory,
+                     part->name);
 }
 
 /* Whether the report has a constraint of type fluid on the body; true without a report. */
@@ -171,11 +170,11 @@ static int open_body(struct run *run, int b) {
     *part = (struct part){.kind = BODY, .folder = ""};
     part->name = json_string_value(json_object_get(entry, "name"));
     if (!is_plain_name(part->name))
-        return replay_error("%s/report.json: bodies[%d]: expected a \"name\" without '/'",
-                            run->directory, b);
+        return run_error("%s/report.json: bodies[%d]: expected a \"name\" without '/'",
+                         run->directory, b);
     part->fluid = is_fluid(run, part->name);
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
-    int code = replay_open_series(run, part);
+    int code = part_open_series(run, part);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);
     if (code == EXIT_GOOD) code = read_color(run, part, entry, &part->color);
@@ -192,39 +191,47 @@ static int open_solid(struct run *run, int s) {
     if (json_unpack(entry, "{s:s, s:s, s:b}", "name", &part.name, "kind", &part.shape, "moving",
                     &moving) ||
         !is_plain_name(part.name))
-        return replay_error("%s/report.json: solids[%d]: expected \"name\", \"kind\" and "
-                            "\"moving\", a name without '/'",
-                            run->directory, s);
+        return run_error("%s/report.json: solids[%d]: expected \"name\", \"kind\" and "
+                         "\"moving\", a name without '/'",
+                         run->directory, s);
     part.rest = !moving;
     int code = read_color(run, &part, entry, &part.color);
     if (code != EXIT_GOOD) return code;
     run->part[run->parts] = part;
-    return replay_open_series(run, &run->part[run->parts++]);
+    return part_open_series(run, &run->part[run->parts++]);
 }
 
 /* Boundary points on solids at rest, and on those that move, if the files are there. */
 static int open_boundary(struct run *run) {
     int code = EXIT_GOOD;
     for (int rest = 0; rest < 2 && code == EXIT_GOOD; rest++) {
-        char path[REPLAY_PATH];
-        if (!replay_path(path, run, "boundary", rest ? ".vtk" : ".vtk.series") ||
-            access(path, F_OK))
+        char path[RUN_PATH];
+        if (!run_path(path, run, "boundary", rest ? ".vtk" : ".vtk.series") || access(path, F_OK))
             continue;
         struct part *part = &run->part[run->parts++];
         *part = (struct part){.kind = BOUNDARY, .rest = rest, .folder = "", .name = "boundary"};
-        code = replay_open_series(run, part);
+        code = part_open_series(run, part);
     }
     return code;
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-double replay_time(const struct part *part, int f) {
+double part_time(const struct part *part, int f) {
     return json_number_value(json_object_get(json_array_get(part->files, (size_t)f), "time"));
 }
 
-int replay_frames(const struct run *run, const struct part *part) {
+int part_frames(const struct run *run, const struct part *part) {
     return part->rest ? 1 : run->frames;
+}
+
+int part_read_frame(const struct run *run, const struct part *part, int f, char path[RUN_PATH],
+                    struct vtk_frame *frame) {
+    json_t *entry = json_array_get(part->files, part->rest ? 0 : (size_t)f);
+    const char *name = json_string_value(json_object_get(entry, "name"));
+    int length = snprintf(path, RUN_PATH, "%s/%s%s", run->directory, part->folder, name);
+    if (length >= RUN_PATH) return run_error("%s: the path is too long", name);
+    return part->kind == BODY ? vtk_frame_read(path, frame) : vtk_frame_read_geometry(path, frame);
 }
 
 /* Sets run->frames to the number of frames that all parts have (a killed run may lack the last
@@ -235,22 +242,21 @@ static int count_frames(struct run *run) {
         size_t more = json_array_size(run->part[p].files);
         if (more < frames && !run->part[p].rest) frames = more;
     }
-    if (!frames) return replay_error("%s: expected at least one frame, found none", run->directory);
+    if (!frames) return run_error("%s: expected at least one frame, found none", run->directory);
     run->frames = (int)frames;
     for (int p = 1; p < run->parts; p++)
         for (int f = 0; f < run->frames && !run->part[p].rest; f++) {
-            double time = replay_time(&run->part[p], f), expected = replay_time(&run->part[0], f);
+            double time = part_time(&run->part[p], f), expected = part_time(&run->part[0], f);
             if (fabs(time - expected) > 1e-9 * (1.0 + fabs(expected)))
-                return replay_error(
-                    "%s/%s%s.vtk.series: files[%d]: expected the time %.9g of \"%s\", "
-                    "found %.9g",
-                    run->directory, run->part[p].folder, run->part[p].name, f, expected,
-                    run->part[0].name, time);
+                return run_error("%s/%s%s.vtk.series: files[%d]: expected the time %.9g of \"%s\", "
+                                 "found %.9g",
+                                 run->directory, run->part[p].folder, run->part[p].name, f,
+                                 expected, run->part[0].name, time);
         }
     return EXIT_GOOD;
 }
 
-int replay_open(struct run *run) {
+int run_open(struct run *run) {
     int code = find_bodies(run);
     if (code != EXIT_GOOD) return code;
     int bodies = (int)json_array_size(run->body_list);
@@ -263,17 +269,7 @@ int replay_open(struct run *run) {
     return code == EXIT_GOOD ? count_frames(run) : code;
 }
 
-int replay_load(struct run *run) {
-    int code = replay_open(run);
-    if (code == EXIT_GOOD && !run->report)
-        fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
-              "not shown\n",
-              stderr);
-    if (code == EXIT_GOOD) code = replay_read_metrics(run);
-    return code == EXIT_GOOD ? replay_find_ranges(run) : code;
-}
-
-void replay_close(struct run *run) {
+void run_close(struct run *run) {
     for (int p = 0; p < run->parts; p++) {
         struct part *part = &run->part[p];
         json_decref(part->series);
