@@ -224,7 +224,7 @@ static void test_stiff_jet(void **state) {
         assert_true(info.h > 6e-3);
         assert_true(info.density_error_max < 1e-4);
         for (int k = 0; k < 3 * s.particles; k++)
-            assert_true(!s.live[k / 3] || particle_is_held(sim, k / 3) ||
+            assert_true(!s.live[k / 3] || particle_is_pushed(sim, k / 3) ||
                         (s.x[k] > -beyond && s.x[k] < high[k % 3] + beyond));
     }
     pdyn_free(sim);
@@ -325,8 +325,8 @@ static void test_falling_jet(void **state) {
     assert_true(fabs(jet_area(0.18, 0.22) - 0.37) < 0.1);
 }
 
-/* A held layer moves exactly as the inlet says while water presses against it. */
-static void test_held(void **state) {
+/* A pushed layer moves exactly as the inlet says while water presses against it. */
+static void test_pushed(void **state) {
     (void)state;
     pdyn_context *context = test_context(1);
     pdyn_sim *sim =
@@ -334,20 +334,20 @@ static void test_held(void **state) {
                                   ", 'fill': [{'box': {'minimum': [-0.16, 0.02, -0.16], 'maximum': "
                                   "[0.16, 0.3, 0.16]}}]",
                                   "", "0.4", TOP_OPEN));
-    int held = 0;
+    int pushed = 0;
     for (int n = 0; n < 60; n++) {
         double time = test_step(context, sim).time;
         for (int i = 0; i < sim->objective.particles; i++) {
             const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
-            if (!particle_is_held(sim, i)) continue;
+            if (!particle_is_pushed(sim, i)) continue;
             double layer = (0.3 * time - x[1]) / 0.02;
             assert_true(v[0] == 0.0 && v[1] == 0.3 && v[2] == 0.0);
             assert_true(x[1] > -0.0201 && x[1] < 0.0201);
             assert_true(fabs(2.0 * layer - round(2.0 * layer)) < 1e-9);
-            held++;
+            pushed++;
         }
     }
-    assert_true(held > 60 * 21);
+    assert_true(pushed > 60 * 21);
     pdyn_free(sim);
     pdyn_destroy(context);
 }
@@ -407,7 +407,7 @@ int main(void) {
         cmocka_unit_test(test_flow),
         cmocka_unit_test(test_full),
         cmocka_unit_test(test_falling_jet),
-        cmocka_unit_test(test_held),
+        cmocka_unit_test(test_pushed),
         cmocka_unit_test(test_saved),
         cmocka_unit_test(test_failing_allocator),
     };

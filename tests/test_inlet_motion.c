@@ -41,17 +41,17 @@ static void test_tap(void **state) {
     assert_int_equal(sim->live->emitted, 2 * LAYER); /* the layers of a shut opening */
     for (int n = 0; n < 100; n++) {
         double time = test_step(context, sim).time, way = tap_way(time);
-        int held = 0;
+        int pushed = 0;
         for (int i = 0; i < sim->objective.particles; i++) {
             const double *x = sim->x + 3 * i, *v = sim->v + 3 * i;
-            if (!particle_is_held(sim, i)) continue;
+            if (!particle_is_pushed(sim, i)) continue;
             double layer = (way - (x[0] - 0.5)) / spacing;
             assert_true(fabs(2.0 * layer - round(2.0 * layer)) < 1e-9); /* staggered */
             assert_true(x[0] - 0.5 > -1.001 * spacing && x[0] - 0.5 < 1.001 * spacing);
             assert_true(fabs(v[0] - tap_speed(time)) < 1e-9 && v[1] == 0.0 && v[2] == 0.0);
-            held++;
+            pushed++;
         }
-        assert_true(held == LAYER || held == 2 * LAYER);
+        assert_true(pushed == LAYER || pushed == 2 * LAYER);
         assert_int_equal(sim->live->emitted, LAYER * (floor(way / spacing + 1e-9) + 2.0));
     }
     assert_int_equal(pdyn_get_body(sim, 0).count, LAYER * floor((0.45 + 0.7) / spacing + 2.0001));
@@ -94,7 +94,7 @@ static void test_hose(void **state) {
             double rest[3] = {0.2 + c * arm[0] + s * arm[1] - 2.0 * time, c * arm[1] - s * arm[0],
                               at[2] - 0.6 * time};
             double x[3], v[3], layer = (0.5 - rest[0]) / spacing;
-            if (!particle_is_held(sim, i)) continue;
+            if (!particle_is_pushed(sim, i)) continue;
             assert_true(fabs(2.0 * layer - round(2.0 * layer)) < 1e-9);
             assert_true(fabs(rest[1]) < 0.0201 && fabs(rest[2]) < 0.0201);
             turned(rest, time, x, v);

@@ -77,7 +77,7 @@ static void carry_block(void *arg, int first, int last, int block) {
     const struct call *c = arg;
     (void)block;
     for (int i = c->first + first; i < c->first + last; i++)
-        if (!particle_is_held(c->sim, i)) carry(c, i);
+        if (!particle_is_pushed(c->sim, i)) carry(c, i);
 }
 
 static void carry_all(struct pdyn_sim *sim) {

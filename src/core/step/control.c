@@ -36,7 +36,7 @@ static pdyn_status make_solvers(struct pdyn_sim *sim) {
 
 void control_find_anchored(struct pdyn_sim *sim) {
     sim->anchored =
-        sim->control.anchored || sim->control.holds || (sim->live && sim->live->held > 0);
+        sim->control.anchored || sim->control.holds || (sim->live && sim->live->pushed > 0);
 }
 
 pdyn_status control_settle(struct pdyn_sim *sim) {

@@ -101,7 +101,7 @@ static void find_passed(void *arg, int first, int last, int block) {
                                      .slack = c->slack[s->body - s->sim->body],
                                      .first_surface = s->first_surface};
         c->passed[i] = 0;
-        if (!particle_is_live(s->sim, i) || particle_is_held(s->sim, i)) continue;
+        if (!particle_is_live(s->sim, i) || particle_is_pushed(s->sim, i)) continue;
         if (can_pass(s, i, true)) crossing_path_test(&path, &c->swept.resting);
         if (can_pass(s, i, false)) crossing_path_test(&path, &c->swept.moving);
         if (path.direction)

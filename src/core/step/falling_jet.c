@@ -11,10 +11,10 @@ struct layer { /* means over its particles */
     double centre[3], v[3], pressure;
 };
 
-static struct layer measure(const struct pdyn_sim *sim, int holder) {
+static struct layer measure(const struct pdyn_sim *sim, int pusher) {
     struct layer sum = {0};
     for (int i = 0; i < sim->objective.particles; i++) {
-        if (sim->live->holder[i] != holder) continue;
+        if (sim->live->pusher[i] != pusher) continue;
         vec3_add(sum.centre, 1.0, sim->x + 3 * (size_t)i);
         vec3_add(sum.v, 1.0, sim->v + 3 * (size_t)i);
         sum.pressure += sim->pressure[i], sum.count++;
@@ -33,10 +33,10 @@ static void radius_of(const struct pdyn_sim *sim, const struct layer *layer, con
 }
 
 static double largest_radius(const struct pdyn_sim *sim, const struct layer *layer,
-                             const double n[3], int holder) {
+                             const double n[3], int pusher) {
     double r[3], largest = 0.0;
     for (int i = 0; i < sim->objective.particles; i++) {
-        if (sim->live->holder[i] != holder) continue;
+        if (sim->live->pusher[i] != pusher) continue;
         radius_of(sim, layer, n, i, r);
         largest = fmax(largest, vec3_length(r));
     }
@@ -51,10 +51,10 @@ static void add_radial(struct pdyn_sim *sim, int i, double rate, const double r[
     vec3_add(sim->x_before + 3 * (size_t)i, -rate * sim->history, r);
 }
 
-void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, int holder) {
+void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, int pusher) {
     const double *gravity = sim->scene.settings.gravity;
     const pdyn_body *body = &sim->body[inlet->body];
-    const struct layer layer = measure(sim, holder);
+    const struct layer layer = measure(sim, pusher);
     double n[3], r[3], spacing = 2.0 * body->radius;
     inlet_direction(inlet->from, sim->time, n);
     double g = vec3_dot(gravity, n), speed = vec3_dot(layer.v, n);
@@ -62,9 +62,9 @@ void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, in
     if (!layer.count || !(g > 0.0) || !(speed > 0.0) || layer.pressure > pressure_of_layer) return;
     /* not faster than the jet itself, where it is stretched within its own width */
     double rate =
-        -fmin(0.5 * g / speed, speed / fmax(spacing, largest_radius(sim, &layer, n, holder)));
+        -fmin(0.5 * g / speed, speed / fmax(spacing, largest_radius(sim, &layer, n, pusher)));
     for (int i = 0; i < sim->objective.particles; i++) {
-        if (sim->live->holder[i] != holder) continue;
+        if (sim->live->pusher[i] != pusher) continue;
         radius_of(sim, &layer, n, i, r);
         add_radial(sim, i, rate, r);
     }

@@ -12,8 +12,8 @@
 struct pdyn_sim;
 struct live_inlet;
 
-/* Gives the radial velocity to the particles of `holder`, a layer that the inlet lets go. Not in a
+/* Gives the radial velocity to the particles of `pusher`, a layer that the inlet lets go. Not in a
  * pool, whose pressure carries the water, and where the flow does not fall. */
-void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, int holder);
+void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, int pusher);
 
 #endif

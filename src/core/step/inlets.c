@@ -16,8 +16,8 @@ static const double min_gap = 0.9;
  * behind the opening, so that nothing gets between the layers and a wall around it. */
 static const double in_front = 0.5;
 
-/* Inertia of a held particle, in masses. Rounding of positions makes larger ones inexact. */
-static const double held_inertia = 1e7;
+/* Inertia of a pushed particle, in masses. Rounding of positions makes larger ones inexact. */
+static const double pushed_inertia = 1e7;
 
 /* A layer that is compressed by more than this, on average, has nowhere to go. */
 static const double max_compression = 0.05;
@@ -27,30 +27,31 @@ static const double max_compression = 0.05;
 static const double max_not_entered = 0.1;
 enum { MANY_LAYERS = 10 };
 
-/* ---- held particles -------------------------------------------------------------------------- */
+/* ---- pushed particles --------------------------------------------------------------------------
+ */
 
-static void set_holder(struct pdyn_sim *sim, int i, int holder) {
+static void set_pusher(struct pdyn_sim *sim, int i, int pusher) {
     struct live_particles *p = sim->live;
-    p->held += (holder != 0) - (p->holder[i] != 0);
-    p->holder[i] = holder;
-    p->inertia[i] = (holder ? held_inertia : 1.0) * sim->objective.mass[i];
+    p->pushed += (pusher != 0) - (p->pusher[i] != 0);
+    p->pusher[i] = pusher;
+    p->inertia[i] = (pusher ? pushed_inertia : 1.0) * sim->objective.mass[i];
     sim->objective.weights++;
     control_find_anchored(sim);
 }
 
-/* The holder of particles in a layer: an inlet holds at most two at once. */
-static int holder_of(const struct pdyn_sim *sim, const struct live_inlet *inlet, double layer) {
+/* The pusher of particles in a layer: an inlet pushes at most two at once. */
+static int pusher_of(const struct pdyn_sim *sim, const struct live_inlet *inlet, double layer) {
     return 1 + 2 * (int)(inlet - sim->live->inlet) + (fmod(layer, 2.0) > 0.0);
 }
 
 static const struct live_inlet *inlet_of(const struct pdyn_sim *sim, int i) {
-    return &sim->live->inlet[(sim->live->holder[i] - 1) / 2];
+    return &sim->live->inlet[(sim->live->pusher[i] - 1) / 2];
 }
 
 /* The particle moves with the inlet, and seems to have done so before. */
-static void hold(struct pdyn_sim *sim, const struct live_inlet *inlet, int i) {
+static void push(struct pdyn_sim *sim, const struct live_inlet *inlet, int i) {
     double before = sim->time - sim->history, *x = sim->x + 3 * i;
-    set_holder(sim, i, holder_of(sim, inlet, inlet->layers));
+    set_pusher(sim, i, pusher_of(sim, inlet, inlet->layers));
     inlet_velocity(inlet->from, sim->time, x, sim->v + 3 * i);
     memset(sim->constraint_acceleration + 3 * i, 0, 3 * sizeof *sim->constraint_acceleration);
     if (!sim->x_before) return;
@@ -60,18 +61,18 @@ static void hold(struct pdyn_sim *sim, const struct live_inlet *inlet, int i) {
 }
 
 void inlets_predict(struct pdyn_sim *sim) {
-    for (int i = 0; sim->live && sim->live->held && i < sim->objective.particles; i++) {
-        if (!particle_is_held(sim, i)) continue;
+    for (int i = 0; sim->live && sim->live->pushed && i < sim->objective.particles; i++) {
+        if (!particle_is_pushed(sim, i)) continue;
         double *s = sim->objective.s + 3 * i;
         memcpy(s, sim->x + 3 * i, 3 * sizeof *s);
         inlet_carry(inlet_of(sim, i)->from, sim->time, sim->objective.time, s);
     }
 }
 
-/* Others have moved held particles a little, as their inertia is finite. */
+/* Others have moved pushed particles a little, as their inertia is finite. */
 static void put_back(struct pdyn_sim *sim) {
-    for (int i = 0; sim->live->held && i < sim->objective.particles; i++) {
-        if (!particle_is_held(sim, i)) continue;
+    for (int i = 0; sim->live->pushed && i < sim->objective.particles; i++) {
+        if (!particle_is_pushed(sim, i)) continue;
         const struct scene_inlet *from = inlet_of(sim, i)->from;
         double begin = sim->time - sim->last_h;
         memcpy(sim->x + 3 * i, sim->objective.s + 3 * i, 3 * sizeof *sim->x);
@@ -143,7 +144,7 @@ static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, cons
     for (int n = 0; n < near; n++) {
         int i = sim->live->scratch[n];
         if (!is_close(sim, inlet, i, x)) continue;
-        if (!sim->live->holder[i]) hold(sim, inlet, i);
+        if (!sim->live->pusher[i]) push(sim, inlet, i);
         any = true;
     }
     return any;
@@ -164,7 +165,7 @@ static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
         }
         int i = live_particles_add(sim, inlet->body);
         memcpy(sim->x + 3 * i, x, sizeof x);
-        hold(sim, inlet, i);
+        push(sim, inlet, i);
     }
 }
 
@@ -172,10 +173,10 @@ static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
 static void let_go_of_layers(struct pdyn_sim *sim, struct live_inlet *inlet) {
     double free = inlet_layers_beyond(inlet->from, sim->time, spacing_of(sim, inlet), in_front);
     for (; inlet->free < fmin(free, inlet->layers); inlet->free++) {
-        int holder = holder_of(sim, inlet, inlet->free);
-        falling_jet_narrow(sim, inlet, holder);
+        int pusher = pusher_of(sim, inlet, inlet->free);
+        falling_jet_narrow(sim, inlet, pusher);
         for (int i = 0; i < sim->objective.particles; i++)
-            if (sim->live->holder[i] == holder) set_holder(sim, i, 0);
+            if (sim->live->pusher[i] == pusher) set_pusher(sim, i, 0);
     }
 }
 
@@ -262,23 +263,23 @@ static bool is_valid(const struct pdyn_sim *sim, const struct live_inlet *inlet)
     return layers <= most && (inlet->closed || layers >= layers_due(sim, inlet));
 }
 
-/* Only live particles have a holder, which is one of the inlets. */
-static bool holders_are_valid(const struct pdyn_sim *sim, const int *holder) {
+/* Only live particles have a pusher, which is one of the inlets. */
+static bool pushers_are_valid(const struct pdyn_sim *sim, const int *pusher) {
     for (int i = 0; i < sim->objective.particles; i++)
-        if (holder[i] < 0 || holder[i] > 2 * sim->live->inlets ||
-            (holder[i] && !sim->live->live[i]))
+        if (pusher[i] < 0 || pusher[i] > 2 * sim->live->inlets ||
+            (pusher[i] && !sim->live->live[i]))
             return false;
     return true;
 }
 
-static void persist_holders(struct pdyn_sim *sim, struct snapshot_file *a) {
+static void persist_pushers(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct live_particles *p = sim->live;
-    int *holder = a->view.reading ? p->scratch : p->holder;
-    snapshot_file_bytes(a, holder, (size_t)sim->objective.particles * sizeof *holder);
+    int *pusher = a->view.reading ? p->scratch : p->pusher;
+    snapshot_file_bytes(a, pusher, (size_t)sim->objective.particles * sizeof *pusher);
     if (!a->view.reading || a->status != PDYN_OK) return;
-    bool valid = holders_are_valid(sim, holder);
+    bool valid = pushers_are_valid(sim, pusher);
     snapshot_file_require(a, valid, "an inlet moves a particle that does not belong to it");
-    for (int i = 0; valid && i < sim->objective.particles; i++) set_holder(sim, i, holder[i]);
+    for (int i = 0; valid && i < sim->objective.particles; i++) set_pusher(sim, i, pusher[i]);
 }
 
 void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
@@ -294,5 +295,5 @@ void inlets_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
             snapshot_file_require(a, is_valid(sim, &p->inlet[k]),
                                   "the number of layers of an inlet does not belong to its time");
     }
-    persist_holders(sim, a);
+    persist_pushers(sim, a);
 }

@@ -70,7 +70,7 @@ static void remove_outflow(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies && sim->scene.outlets; b++) {
         const pdyn_body *body = &sim->body[b];
         for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
-            if (sim->live->live[i] && !particle_is_held(sim, i) &&
+            if (sim->live->live[i] && !particle_is_pushed(sim, i) &&
                 outlets_contain(&sim->scene, sim->x + 3 * i))
                 remove_particle(sim, b, i);
     }
@@ -91,7 +91,7 @@ static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
         ARRAY(p->vacant, sim->bodies),
         ARRAY(p->slot, sim->objective.particles),
         ARRAY(p->scratch, sim->objective.particles),
-        ARRAY(p->holder, p->inlets ? sim->objective.particles : 0),
+        ARRAY(p->pusher, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->inertia, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->inlet, p->inlets),
     };
@@ -159,7 +159,7 @@ void live_particles_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
 
 void live_particles_update_lists(struct pdyn_sim *sim) {
     if (sim->live && sim->neighbours)
-        neighbours_set_live(sim->neighbours, sim->live->live, sim->live->holder);
+        neighbours_set_live(sim->neighbours, sim->live->live, sim->live->pusher);
 }
 
 void live_particles_predict(struct pdyn_sim *sim) {

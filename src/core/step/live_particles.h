@@ -23,10 +23,10 @@ struct live_particles {
     int *slot;   /* particles: for every body, from its first particle on, a stack of particles that
                     are not live */
     int *scratch; /* particles: those close to a layer, marks, or what a saved state has */
-    int *holder;  /* particles: which layer of which inlet it is held in (inlets.c); 0: none. NULL:
-                     there are no inlets */
+    int *pusher; /* particles: which layer of which inlet it is pushed in (inlets.c); 0: none. NULL:
+                    there are no inlets */
     double *inertia; /* particles, kg: of the objective. NULL: no inlets */
-    int held;        /* number of particles that inlets move */
+    int pushed;      /* number of particles that inlets move */
     int inlets;
     struct live_inlet *inlet;
     long emitted, removed; /* totals */
@@ -64,8 +64,8 @@ static inline bool particle_is_live(const struct pdyn_sim *sim, int i) {
 }
 
 /* Whether an inlet moves the particle. */
-static inline bool particle_is_held(const struct pdyn_sim *sim, int i) {
-    return sim->live && sim->live->inlets && sim->live->holder[i];
+static inline bool particle_is_pushed(const struct pdyn_sim *sim, int i) {
+    return sim->live && sim->live->inlets && sim->live->pusher[i];
 }
 
 #endif

@@ -40,7 +40,7 @@ static pdyn_status start_between(struct pdyn_sim *sim, double part, double *ener
     const double *x = carried_x(sim);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         sim->x_next[k] =
-            x[k] + (particle_is_held(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
+            x[k] + (particle_is_pushed(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
     return start_at(sim, sim->x_next, &least, energy, sim->gradient);
 }
 
@@ -49,7 +49,7 @@ static double inertial_energy_at_rest(const struct pdyn_sim *sim) {
     double sum = 0.0;
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
         double moved = sim->objective.s[k] - carried_x(sim)[k];
-        if (!particle_is_held(sim, k / 3))
+        if (!particle_is_pushed(sim, k / 3))
             sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
     }
     return sum;

@@ -67,7 +67,7 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
     mean_velocity(sim, mean);
     for (int i = 0; i < objective->particles; i++) {
         double speed = vec3_distance(sim->v + 3 * i, mean);
-        if (!particle_is_live(sim, i) || particle_is_held(sim, i)) continue;
+        if (!particle_is_live(sim, i) || particle_is_pushed(sim, i)) continue;
         gained += energy_gain(sim, i, h);
         kinetic += 0.5 * objective->mass[i] * speed * speed;
     }
