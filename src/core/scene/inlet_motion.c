@@ -63,10 +63,6 @@ double inlet_layers(const struct scene_inlet *inlet, double time, double spacing
 
 /* ---- the pose -------------------------------------------------------------------------------- */
 
-static struct pose pose_at(const struct scene_inlet *inlet, double time) {
-    return pose_between(&inlet->motion, pose_key_before(&inlet->motion, time), time);
-}
-
 void inlet_place(const struct scene_inlet *inlet, double time, double x[3]) {
     if (!inlet->motion.keys) return;
     vec3_add(x, -1.0, inlet->motion.pivot);
@@ -84,7 +80,7 @@ void inlet_carry(const struct scene_inlet *inlet, double from, double to, double
 void inlet_direction(const struct scene_inlet *inlet, double time, double direction[3]) {
     memcpy(direction, inlet->direction, sizeof inlet->direction);
     if (!inlet->motion.keys) return;
-    struct pose pose = pose_at(inlet, time);
+    struct pose pose = pose_at(&inlet->motion, time);
     transform_directions(&pose.at, direction, 1);
 }
 
@@ -93,7 +89,7 @@ void inlet_velocity(const struct scene_inlet *inlet, double time, const double x
     inlet_direction(inlet, time, direction);
     memset(v, 0, 3 * sizeof *v);
     if (inlet->motion.keys) {
-        struct pose pose = pose_at(inlet, time);
+        struct pose pose = pose_at(&inlet->motion, time);
         vec3_subtract(arm, x, pose.at.translate);
         pose_velocity(&pose, arm, v);
     }

@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-struct pose pose_between(const struct scene_motion *motion, int k, double time) {
+/* The pose between key k and key k + 1; constant before the first and after the last key. */
+static struct pose pose_between(const struct scene_motion *motion, int k, double time) {
     const struct scene_key *a = &motion->key[k < 0 ? 0 : k];
     const struct scene_key *b = &motion->key[k + 1 < motion->keys ? k + 1 : k];
     double span = b->time - a->time, part = span > 0.0 ? (time - a->time) / span : 0.0;
@@ -22,10 +23,15 @@ struct pose pose_between(const struct scene_motion *motion, int k, double time) 
     return pose;
 }
 
-int pose_key_before(const struct scene_motion *motion, double time) {
+/* Index of the last key at or before `time`, s; -1: none. */
+static int key_before(const struct scene_motion *motion, double time) {
     int k = -1;
     while (k + 1 < motion->keys && motion->key[k + 1].time <= time) k++;
     return k;
+}
+
+struct pose pose_at(const struct scene_motion *motion, double time) {
+    return pose_between(motion, key_before(motion, time), time);
 }
 
 /* Columns of the rotation matrix. */
@@ -37,7 +43,7 @@ static void rotated_axes(const struct transform *t, double axes[9]) {
 
 void pose_place(const struct scene_motion *motion, const double *placed, int count, double time,
                 double *x) {
-    struct pose pose = pose_between(motion, pose_key_before(motion, time), time);
+    struct pose pose = pose_at(motion, time);
     double axes[9];
     rotated_axes(&pose.at, axes);
     for (int i = 0; i < count; i++, x += 3, placed += 3) {
@@ -58,7 +64,7 @@ void pose_to_rest(const struct scene_motion *motion, double time, const double x
                   double rest[3]) {
     memcpy(rest, x, 3 * sizeof *rest);
     if (!motion->keys) return;
-    struct pose pose = pose_between(motion, pose_key_before(motion, time), time);
+    struct pose pose = pose_at(motion, time);
     double axes[9], from_pivot[3];
     rotated_axes(&pose.at, axes);
     vec3_subtract(from_pivot, x, pose.at.translate);
@@ -108,7 +114,7 @@ struct box pose_box(const struct scene_motion *motion, const double *x, int coun
 double pose_top_speed(const struct scene_motion *motion, const struct box *box, double from,
                       double to) {
     double speed = 0.0;
-    for (int k = pose_key_before(motion, from); k < motion->keys; k++) {
+    for (int k = key_before(motion, from); k < motion->keys; k++) {
         double begin = k < 0 ? from : fmax(from, motion->key[k].time);
         double end = k + 1 < motion->keys ? fmin(to, motion->key[k + 1].time) : to;
         if (begin >= to) break;

@@ -11,12 +11,9 @@ struct pose {
     double velocity[3], turning[3]; /* m/s; rad/s: rates of the angles about x, y and z */
 };
 
-/* The pose between key k and key k + 1 at `time`, s; constant before the first and after the last
- * key. */
-struct pose pose_between(const struct scene_motion *motion, int k, double time);
-
-/* Index of the last key at or before `time`, s; -1: none. */
-int pose_key_before(const struct scene_motion *motion, double time);
+/* The pose at `time`, s: linear between two keys, constant before the first and after the last one.
+ */
+struct pose pose_at(const struct scene_motion *motion, double time);
 
 /* Computes the positions x, count x 3, m, at `time`, s, of points given relative to the pivot in
  * the initial placement. x may be `placed`. */

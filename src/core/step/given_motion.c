@@ -31,7 +31,7 @@ static pdyn_status check(struct pdyn_sim *sim, const struct scene_motion *motion
 
 /* The pose at a time, as a key. */
 static struct scene_key key_at(const struct scene_motion *motion, double time) {
-    struct pose pose = pose_between(motion, pose_key_before(motion, time), time);
+    struct pose pose = pose_at(motion, time);
     struct scene_key key = given_key(time, pose.at.translate, pose.at.rotate);
     for (int a = 0; a < 3; a++) key.translate[a] -= motion->pivot[a];
     return key;
