@@ -28,9 +28,4 @@ struct integrator {
  * earlier steps. */
 void integrator_forget(struct pdyn_sim *sim);
 
-/* Call after a step of length h, s, with its velocities known. Replaces velocities of impacts by
- * those of an Euler step, also in the history. Returns the number of constraints with an impact; 0
- * with Euler. */
-int integrator_impacts(struct pdyn_sim *sim, double h);
-
 #endif

@@ -50,7 +50,7 @@ struct pdyn_sim {
         *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL: none */
     double *gradient; /* particles x 3: gradient of E at the iterate, N */
     /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model. Between two
-     * minimisations they are free: integrator.c, velocities.c, forces.c and solid_load.c overwrite
+     * minimisations they are free: impacts.c, velocities.c, forces.c and solid_load.c overwrite
      * them. */
     double *trial, *trial_gradient, *direction, *rhs;
     double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
@@ -62,7 +62,7 @@ struct pdyn_sim {
     double last_h;   /* s, length of the last step; 0 before the first */
     int impacts;     /* number of constraints with an impact in the last step */
     double left_out; /* 1 - (H / h)^2: the part of their forces that does not change velocities
-                        (integrator_impacts) */
+                        (impacts.h) */
     double
         *passed_on; /* bodies x 3, N: the part of the impacts' forces that pins of the body hold */
     double history; /* s, time from x_before to x; 0: the history must not be used */

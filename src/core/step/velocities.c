@@ -2,6 +2,7 @@
 #include "velocities.h"
 
 #include "applied_force.h"
+#include "impacts.h"
 #include "live_particles.h"
 #include "rigid_bodies.h"
 
@@ -101,7 +102,7 @@ void velocities_update(struct pdyn_sim *sim, double h) {
     }
     compute_velocities(sim, sim->x_base, sim->objective.h);
     rigid_bodies_set_velocities(sim);
-    sim->impacts = integrator_impacts(sim, h);
+    sim->impacts = impacts_correct(sim, h);
     double part = sim->objective.h / h;
     sim->left_out = sim->v_before ? 1.0 - part * part : 0.0;
 }

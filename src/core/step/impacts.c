@@ -1,0 +1,172 @@
+/* Impacts with bdf2 (docs/theory/time-integration.md#impacts). */
+#include "impacts.h"
+
+#include "rigid_bodies.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* The part of an impulse, dv, m/s, that particle i gets: it changes v by at most twice the distance
+ * to the Euler velocity, (x_next - x) / h, and v_before by at most twice the distance to v.
+ * Otherwise a light vertex or body, pressed by water, a heavy body or a plate and held by other
+ * forces, would be thrown. */
+static double kept_part(const struct pdyn_sim *sim, int i, double h, const double *dv) {
+    double part = sim->objective.h / h, size = vec3_length(dv), missing = 0.0;
+    for (int k = 3 * i; k < 3 * i + 3; k++) {
+        double left = (sim->x_next[k] - sim->x[k]) / h - sim->v[k];
+        missing += left * left;
+    }
+    double changed = vec3_distance(sim->v + 3 * (size_t)i, sim->v_before + 3 * (size_t)i);
+    double kept = 1.0, lost = (1.0 - part) * size, gained = part * size;
+    if (lost * lost > 4.0 * missing) kept = 2.0 * sqrt(missing) / lost;
+    return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
+}
+
+/* Whether pins hold the body. */
+static bool is_pinned(const struct pdyn_sim *sim, const pdyn_body *body) {
+    bool pinned = false;
+    for (int b = 0; b < sim->objective.batches; b++) {
+        const struct batch *batch = sim->objective.batch[b];
+        pinned |= batch->view.body == body && batch->type->flags & PDYN_REACTION && !batch->off;
+    }
+    return pinned;
+}
+
+/* End of the particles of a body, with the points of a rigid one. */
+static int end_of(const struct pdyn_sim *sim, int b) {
+    return b + 1 < sim->bodies ? sim->body[b + 1].first : sim->objective.particles;
+}
+
+/* Moves impulses (particles x 3, m/s) of a body in v from the weight H to the weight H^2 / h, and
+ * adds the latter to v_before, in their kept parts. What they lose, its pins pass on; without pins
+ * it is part of lost: momentum of v and v_before, kg m/s, of the impulses between particles. */
+static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
+                             const double *between, double lost[2][3]) {
+    const struct objective *objective = &sim->objective;
+    double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
+    bool pinned = is_pinned(sim, &sim->body[b]);
+    memset(passed_on, 0, 3 * sizeof *passed_on);
+    for (int i = sim->body[b].first; i < end_of(sim, b); i++) {
+        double kept = kept_part(sim, i, h, impulse + 3 * i);
+        double left = objective->mass[i] * (1.0 - kept);
+        for (int k = 3 * i; k < 3 * i + 3; k++) {
+            sim->v[k] -= kept * (1.0 - part) * impulse[k];
+            sim->v_before[k] += kept * part * impulse[k];
+            lost[0][k % 3] -= pinned ? 0.0 : left * (1.0 - part) * between[k];
+            lost[1][k % 3] += pinned ? 0.0 : left * part * between[k];
+            passed_on[k % 3] += pinned ? left / objective->h * impulse[k] : 0.0;
+        }
+    }
+}
+
+/* share: of each particle, kg m/s, its impulse; of the points of a rigid body that of the body; of
+ * pinned bodies none. */
+static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
+    const struct objective *objective = &sim->objective;
+    const struct rigid_map *map = objective->rigid;
+    for (int b = 0; b < sim->bodies; b++) {
+        double free = is_pinned(sim, &sim->body[b]) ? 0.0 : 1.0;
+        for (int i = sim->body[b].first; i < end_of(sim, b); i++)
+            share[i] = free * objective->mass[i] * vec3_length(between + 3 * (size_t)i);
+    }
+    for (int b = 0; map && b < map->bodies; b++) {
+        double *point = share + map->body[b].first + map->body[b].vertices, sum = 0.0;
+        for (int k = 0; k < RIGID_POINTS; k++) sum += point[k];
+        for (int k = 0; k < RIGID_POINTS; k++) point[k] = sum;
+    }
+}
+
+/* Gives momentum that was lost back to the particles that have impulses of others. Their velocities
+ * change in proportion to their impulses, so what is light is not thrown, and what is far away does
+ * not move. */
+static void give_back(struct pdyn_sim *sim, const double *between, double lost[2][3],
+                      double *share) {
+    double sum = 0.0;
+    find_shares(sim, between, share);
+    for (int i = 0; i < sim->objective.particles; i++) sum += sim->objective.mass[i] * share[i];
+    if (!(sum > 0.0)) return;
+    for (int k = 0; k < 3 * sim->objective.particles; k++) {
+        sim->v[k] += share[k / 3] / sum * lost[0][k % 3];
+        sim->v_before[k] += share[k / 3] / sum * lost[1][k % 3];
+    }
+}
+
+/* Whether a particle can be held by forces that are no impacts, of pins or membranes. */
+static bool has_other_forces(const struct pdyn_sim *sim) {
+    bool others = false;
+    for (int b = 0; b < sim->objective.batches; b++)
+        others |= !batch_has_impacts(sim->objective.batch[b]);
+    return others;
+}
+
+/* kept (3 x particles, of which it uses a third): acceleration of each particle by all constraints
+ * over that by one-sided ones, at most 1. A pinned vertex does not yield to water, however light it
+ * is. */
+static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change, double *kept) {
+    struct objective *objective = &sim->objective;
+    memset(kept, 0, objective_bytes(objective));
+    for (int b = 0; b < objective->batches; b++) {
+        if (!batch_has_impacts(objective->batch[b])) continue;
+        batch_find_acceleration(objective->batch[b], change);
+        objective_axpy(objective, 1.0, change->scratch, kept);
+    }
+    for (int i = 0; i < objective->particles; i++) {
+        double one_sided = vec3_length(kept + 3 * (size_t)i);
+        double all = vec3_distance(sim->x_next + 3 * (size_t)i, objective->s + 3 * (size_t)i) /
+                     (objective->h * objective->h);
+        kept[i] = all < one_sided ? all / one_sided : 1.0; /* rows up to i have been read */
+    }
+}
+
+/* Forces of impacts between particles alone, N. Where something is anchored, those of the operators
+ * of fluids, which walls take part in, are left out. */
+static void find_between(struct pdyn_sim *sim, const double *force, double *between) {
+    if (!sim->anchored) {
+        memcpy(between, force, objective_bytes(&sim->objective));
+        return;
+    }
+    memset(between, 0, objective_bytes(&sim->objective));
+    for (int b = 0; b < sim->objective.batches; b++)
+        batch_impacts_between(sim->objective.batch[b], between);
+}
+
+/* Replaces forces, N, with the sign of the gradient, by what they add to velocities in H, m/s. */
+static void to_velocities(struct pdyn_sim *sim, double *force) {
+    const struct objective *objective = &sim->objective;
+    objective_pull(objective, force);
+    for (int k = 0; k < 3 * objective->particles; k++)
+        force[k] = -objective->h * force[k] / objective->inertia[k / 3];
+}
+
+int impacts_correct(struct pdyn_sim *sim, double h) {
+    struct objective *objective = &sim->objective;
+    double H = objective->h, *force = sim->trial_gradient, *slowed = sim->trial;
+    double *between = slowed; /* which is not needed any more then */
+    struct velocity_change change = {.slowed = slowed,
+                                     .particles = objective->particles,
+                                     .mass = objective->rigid ? objective->rigid->mass
+                                                              : objective->inertia,
+                                     .rigid = objective->rigid,
+                                     .h = H,
+                                     .scratch = sim->direction};
+    int count = 0;
+    if (!sim->v_before) return 0;
+    memset(force, 0, objective_bytes(objective));
+    memcpy(slowed, sim->v_before, objective_bytes(objective));
+    objective_axpy(objective, -1.0, sim->v, slowed);
+    if (has_other_forces(sim)) {
+        find_kept(sim, &change, sim->rhs);
+        change.kept = sim->rhs;
+    }
+    for (int b = 0; b < objective->batches; b++)
+        count += batch_impacts(objective->batch[b], &change, force);
+    find_between(sim, force, between);
+    to_velocities(sim, force), to_velocities(sim, between);
+    double lost[2][3] = {{0}, {0}};
+    for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, force, between, lost);
+    give_back(sim, between, lost, sim->direction);
+    rigid_bodies_project(sim, sim->x_next, sim->v);
+    rigid_bodies_project(sim, sim->x, sim->v_before);
+    return count;
+}

@@ -1,0 +1,16 @@
+/* Impacts with bdf2. A two-step formula would continue the jump of v in an impact as an
+ * acceleration, and a body that falls on a floor would bounce. Therefore the impulse H a of an
+ * impact acts as a displacement H^2 a over h, as with Euler, and is added to v_before, too. Both
+ * are sums of constraint forces, and what a limit takes off them is given back, or held by pins, so
+ * momentum is conserved. */
+#ifndef PDYN_IMPACTS_H
+#define PDYN_IMPACTS_H
+
+#include "sim.h"
+
+/* Call after a step of length h, s, with its velocities known. Corrects velocities and those of the
+ * step before, and sets sim->passed_on. Returns the number of constraints with an impact; 0 with
+ * Euler. */
+int impacts_correct(struct pdyn_sim *sim, double h);
+
+#endif
