@@ -192,8 +192,10 @@ int batch_impacts(struct batch *b, const struct velocity_change *change, double 
                  : rows_impacts(b, change, change->scratch, force);
 }
 
-void batch_impacts_between(const struct batch *b, double *force) {
-    if (batch_has_impacts(b) && !b->op) rows_scatter_between(b, force);
+bool batch_impacts_between(const struct batch *b, double *force) {
+    if (!batch_has_impacts(b) || b->op || !b->view.elements) return false;
+    rows_scatter_between(b, force);
+    return true;
 }
 
 void batch_limit(struct batch *b, const double *x, double *max_step) {

@@ -164,8 +164,9 @@ void batch_find_acceleration(struct batch *batch, const struct velocity_change *
  * step, N, with the sign of the gradient. Returns the number of constraints or rows with an impact.
  * Overwrites the flux of rows. */
 int batch_impacts(struct batch *batch, const struct velocity_change *change, double *force);
-/* After batch_impacts, rows tier: adds the impacts between particles alone, and none of solids. */
-void batch_impacts_between(const struct batch *batch, double *force);
+/* After batch_impacts, rows tier: adds the impacts between particles alone, and none of solids.
+ * Returns whether there are rows. */
+bool batch_impacts_between(const struct batch *batch, double *force);
 /* Rows tier: y += G' flux */
 void batch_scatter(struct batch *batch, double *y);
 

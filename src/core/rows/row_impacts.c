@@ -48,8 +48,7 @@ static void keep_impacts(void *arg, int first, int last, int block) {
 
 void rows_scatter_between(const struct batch *b, double *y) {
     const pdyn_batch *v = &b->view;
-    int rows = v->elements ? v->element_row[v->elements] : 0;
-    for (int r = 0; r < rows; r++) {
+    for (int r = 0; r < v->element_row[v->elements]; r++) {
         double sum = 0.0, size = 0.0;
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
             sum += v->coefficient[k], size += fabs(v->coefficient[k]);

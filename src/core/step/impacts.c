@@ -119,16 +119,15 @@ static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change
     }
 }
 
-/* Forces of impacts between particles alone, N. Where something is anchored, those of the operators
- * of fluids, which walls take part in, are left out. */
-static void find_between(struct pdyn_sim *sim, const double *force, double *between) {
-    if (!sim->anchored) {
-        memcpy(between, force, objective_bytes(&sim->objective));
-        return;
-    }
-    memset(between, 0, objective_bytes(&sim->objective));
-    for (int b = 0; b < sim->objective.batches; b++)
-        batch_impacts_between(sim->objective.batch[b], between);
+/* Forces of impacts between particles alone, N; false: there are none. Where something is anchored,
+ * those of the operators of fluids, which walls take part in, are left out. */
+static bool find_between(struct pdyn_sim *sim, const double *force, double *between) {
+    bool any = !sim->anchored;
+    if (any) memcpy(between, force, objective_bytes(&sim->objective));
+    else memset(between, 0, objective_bytes(&sim->objective));
+    for (int b = 0; sim->anchored && b < sim->objective.batches; b++)
+        any |= batch_impacts_between(sim->objective.batch[b], between);
+    return any;
 }
 
 /* Replaces forces, N, with the sign of the gradient, by what they add to velocities in H, m/s. */
@@ -161,11 +160,12 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
     }
     for (int b = 0; b < objective->batches; b++)
         count += batch_impacts(objective->batch[b], &change, force);
-    find_between(sim, force, between);
-    to_velocities(sim, force), to_velocities(sim, between);
+    bool any = find_between(sim, force, between);
+    to_velocities(sim, force);
+    if (any) to_velocities(sim, between);
     double lost[2][3] = {{0}, {0}};
     for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, force, between, lost);
-    give_back(sim, between, lost, sim->direction);
+    if (any) give_back(sim, between, lost, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
     return count;
