@@ -32,11 +32,12 @@ PDYN_API pdyn_status pdyn_constraint_load(const pdyn_sim *sim, int constraint, d
                                           double moment[3]);
 /* Forces of contact, friction, and friction with the fluid, N, particles x 3. */
 PDYN_API pdyn_status pdyn_contact_forces(const pdyn_sim *sim, double *force);
-/* Values of each element of a constraint, without its damping; pdyn_constraint_info.elements now, as
- * some types have another number after each step. NULL: not wanted. energy, J. distance: |G x - p|, from the element to its manifold, in the unit
- * of its rows: the change of length of a spring, m; the norm of the strain of a triangle times
- * sqrt(area), m, of a tetrahedron times sqrt(volume), m^1.5; the change of curvature of bending
- * times the area, m; 0 for a matrix-free constraint. PDYN_BAD_CALL: no such constraint. */
+/* Values of each element of a constraint, without its damping; pdyn_constraint_info.elements now,
+ * as some types have another number after each step. NULL: not wanted. energy, J. distance: |G x -
+ * p|, from the element to its manifold, in the unit of its rows: the change of length of a spring,
+ * m; the norm of the strain of a triangle times sqrt(area), m, of a tetrahedron times sqrt(volume),
+ * m^1.5; the change of curvature of bending times the area, m; 0 for a matrix-free constraint.
+ * PDYN_BAD_CALL: no such constraint. */
 PDYN_API pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *energy,
                                          double *distance);
 
