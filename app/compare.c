@@ -113,7 +113,7 @@ static void print_rows(const struct solver_benchmark *benchmark, const char *hea
     }
 }
 
-static bool is_unsolved(const struct solver_benchmark *benchmark) {
+static bool all_are_unsolved(const struct solver_benchmark *benchmark) {
     for (int k = 0; k < benchmark->solvers; k++)
         if (benchmark->solver[k].unsolved < benchmark->steps) return false;
     return true;
@@ -122,7 +122,7 @@ static bool is_unsolved(const struct solver_benchmark *benchmark) {
 /* Times of steps that did not reach the tolerance compare unequal work, or the same number of outer
  * iterations. */
 static void print_unsolved(const struct solver_benchmark *benchmark) {
-    if (is_unsolved(benchmark)) {
+    if (all_are_unsolved(benchmark)) {
         puts("every step takes all of its `outer_iterations`: compare residuals, too");
         return;
     }

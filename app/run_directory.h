@@ -76,4 +76,9 @@ int part_frames(const struct run *run, const struct part *part);
 /* Reads frame f of a part, for a part at rest its only one; path: of the file that was read. */
 int part_read_frame(const struct run *run, const struct part *part, int f, char path[RUN_PATH],
                     struct vtk_frame *frame);
+/* The command `projdyn NAME DIR [-o FILE]` (argv[0]: NAME), whose `write` opens the run and writes
+ * FILE; by default DIR/`file`. */
+int run_to_file(int argc, char **argv, const char *usage, const char *file,
+                int (*write)(struct run *run, const char *output));
+
 #endif

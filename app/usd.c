@@ -203,36 +203,17 @@ static int put_stage(struct stage *stage) {
     return code;
 }
 
-static int write_stage(const struct run *run, const char *path) {
+static int write_stage(struct run *run, const char *path) {
     char *temporary;
+    int code = run_open(run);
+    if (code != EXIT_GOOD) return code;
     struct stage stage = {.file = new_file_open(path, &temporary), .run = run};
     if (!stage.file) return report_write_error(path);
-    int code = put_stage(&stage);
+    code = put_stage(&stage);
     bool written = new_file_close(stage.file, temporary, path, code == EXIT_GOOD);
-    if (code != EXIT_GOOD) return code;
-    if (!written) return report_write_error(path);
-    printf("%d frames written to %s\n", run->frames, path);
-    return EXIT_GOOD;
-}
-
-static bool accept_option(void *output, int option) {
-    if (option == 'o') *(const char **)output = optarg;
-    return option == 'o';
+    return code == EXIT_GOOD && !written ? report_write_error(path) : code;
 }
 
 int usd_main(int argc, char **argv) {
-    static const struct option long_options[] = {
-        {"output", required_argument, NULL, 'o'}, {"help", no_argument, NULL, 'h'}, {0}};
-    const char *output = NULL;
-    char path[RUN_PATH];
-    int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &output);
-    if (code >= 0) return code;
-    if (argc - optind != 1) return report_usage("usd", "one directory", usage);
-    struct run run = {.directory = argv[optind]};
-    code = run_open(&run);
-    if (code == EXIT_GOOD && !output && !run_path(path, &run, "run", ".usda"))
-        code = run_error("%s: the path is too long", run.directory);
-    if (code == EXIT_GOOD) code = write_stage(&run, output ? output : path);
-    run_close(&run);
-    return code;
+    return run_to_file(argc, argv, usage, "run.usda", write_stage);
 }

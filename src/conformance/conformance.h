@@ -47,9 +47,9 @@ pdyn_context *trial_context(const pdyn_context *like, int threads);
 
 enum trial_size { SMALL, LARGE, SIZES }; /* LARGE: parallel loops have several blocks */
 
+enum { TRIAL_TEXT = 1 << 16 }; /* size of the text of a scene */
 /* Writes a scene: one body of this kind and size with one constraint of this type; "solver": the
  * given type and step ("newton" or "projective"). */
-enum { TRIAL_TEXT = 1 << 16 };
 void trial_scene(char text[TRIAL_TEXT], const pdyn_constraint_type *type, enum body_kind kind,
                  enum trial_size size, const char *solver, const char *step);
 

@@ -128,27 +128,16 @@ static void offer_lattice(struct selection *s, const struct pattern *p, int tria
                   (const double[3]){1.0 - (i + j) / p->cuts, i / p->cuts, j / p->cuts});
 }
 
-static double area_of(const double *vertex, int triangles, const int *triangle) {
-    double sum = 0.0, normal[3];
-    const double *c[3];
-    for (int t = 0; t < triangles; t++) {
-        corners_of(vertex, triangle, t, c);
-        vec3_normal(normal, c[0], c[1], c[2]);
-        sum += 0.5 * vec3_length(normal);
-    }
-    return sum;
-}
-
 /* Refuses a surface that would take too long. */
-static pdyn_status check_size(pdyn_context *context, const char *name, double spacing, double area,
-                              double count) {
+static pdyn_status check_size(pdyn_context *context, const char *name, double spacing,
+                              const struct mesh *mesh, double count) {
     if (count <= SURFACE_CANDIDATES) return PDYN_OK;
     return context_fail(context, PDYN_BAD_INPUT,
                         "the surface of \"%s\" has %.3g m^2, too many for samples %g m apart "
                         "(%.3g points to choose from, at most %d): if its mesh is not in metres, "
                         "give it a \"scale\"; else make it no larger than fluid reaches, or the "
                         "particles larger",
-                        name, area, spacing, count, SURFACE_CANDIDATES);
+                        name, mesh_area(mesh), spacing, count, SURFACE_CANDIDATES);
 }
 
 /* Selects from the candidates of all triangles. */
@@ -263,8 +252,10 @@ pdyn_status sample_triangles(pdyn_context *context, const char *name, const doub
                              int triangles, const int *triangle, double spacing,
                              struct surface_points *out) {
     struct selection s = {context, vertex, triangle, {.distance = 0.75 * spacing}, out, PDYN_OK};
-    s.status = check_size(context, name, spacing, area_of(vertex, triangles, triangle),
-                          count_all(vertex, triangles, triangle, spacing));
+    const struct mesh mesh = {
+        .vertex = (double *)vertex, .triangles = triangles, .triangle = (int *)triangle};
+    s.status =
+        check_size(context, name, spacing, &mesh, count_all(vertex, triangles, triangle, spacing));
     if (s.status == PDYN_OK) select_points(&s, triangles, spacing);
     if (s.status == PDYN_OK && out->count)
         s.status = share_surface(context, vertex, triangles, triangle, spacing, s.set.at.x, out);

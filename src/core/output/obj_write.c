@@ -131,9 +131,7 @@ static pdyn_status write_file(const pdyn_sim *sim, int body, const char *text, s
 pdyn_status obj_write_body(const pdyn_sim *sim, int body, const char *path) {
     char *text;
     size_t size;
-    pdyn_status status = own_source_refuse(sim, path);
-    if (status != PDYN_OK) return status;
-    status = load_source(sim, body, &text, &size);
+    pdyn_status status = load_source(sim, body, &text, &size);
     if (status == PDYN_OK) status = write_file(sim, body, text, size, path);
     if (text) FREE_ARRAY(sim->context, text, size + 1);
     return status;

@@ -14,12 +14,8 @@
  * left. */
 pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path);
 pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
-/* Whether the scene has read the file at `path`; PDYN_BAD_INPUT if it has. */
-bool own_source(const pdyn_sim *sim, const char *path);
-pdyn_status own_source_refuse(const pdyn_sim *sim, const char *path);
 /* Writes the current shape of a surface as OBJ, with texture coordinates, groups and materials of
- * the scene's OBJ file, or texture coordinates of a grid. PDYN_BAD_INPUT: that file has changed, or
- * the scene has read the file at `path`. */
+ * the scene's OBJ file, or texture coordinates of a grid. PDYN_BAD_INPUT: that file has changed. */
 pdyn_status obj_write_body(const pdyn_sim *sim, int body, const char *path);
 /* Writes the boundary points on solids at rest, or on those that move. */
 pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path);

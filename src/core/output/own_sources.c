@@ -18,7 +18,7 @@ bool own_source(const pdyn_sim *sim, const char *path) {
     return false;
 }
 
-pdyn_status own_source_refuse(const pdyn_sim *sim, const char *path) {
+static pdyn_status refuse(const pdyn_sim *sim, const char *path) {
     if (!own_source(sim, path)) return PDYN_OK;
     return context_fail(sim->context, PDYN_BAD_INPUT,
                         "%.1024s: the scene reads this file, which the run would replace: "
@@ -40,8 +40,7 @@ static pdyn_status refuse_frames(pdyn_writer *writer, const char *folder) {
     for (size_t k = 0; k < sources->count && status == PDYN_OK; k++) {
         const char *slash = strrchr(sources->path[k], '/');
         const char *name = slash ? slash + 1 : sources->path[k];
-        if (is_frame(name))
-            status = own_source_refuse(writer->sim, writer_path(writer, "%s%s", folder, name));
+        if (is_frame(name)) status = refuse(writer->sim, writer_path(writer, "%s%s", folder, name));
     }
     return status;
 }
@@ -54,8 +53,8 @@ pdyn_status own_sources_check(pdyn_writer *writer) {
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 && status == PDYN_OK; k++) status = refuse_frames(writer, folders[k]);
     for (int k = 0; k < 6 && status == PDYN_OK; k++)
-        status = own_source_refuse(sim, writer_path(writer, "%s", files[k]));
+        status = refuse(sim, writer_path(writer, "%s", files[k]));
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++)
-        status = own_source_refuse(sim, writer_path(writer, "%s.obj", sim->body[b].name));
+        status = refuse(sim, writer_path(writer, "%s.obj", sim->body[b].name));
     return status;
 }

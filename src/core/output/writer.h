@@ -50,6 +50,8 @@ pdyn_status frames_load_json(pdyn_writer *writer, const char *path, json_t **out
 
 /* PDYN_BAD_INPUT: the scene has read a file of the directory that a run replaces or removes. */
 pdyn_status own_sources_check(pdyn_writer *writer);
+/* Whether the scene has read the file at `path`. */
+bool own_source(const pdyn_sim *sim, const char *path);
 
 /* Removes the files of the previous run in the directory that its list names. */
 pdyn_status previous_run_remove(pdyn_writer *writer);

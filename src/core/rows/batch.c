@@ -159,6 +159,10 @@ void batch_rest_diagonal(struct batch *b, double *blocks) {
 
 /* ---- after a step ---------------------------------------------------------------------------- */
 
+bool batch_pins(const struct batch *b, const pdyn_body *body) {
+    return b->type->flags & PDYN_REACTION && b->view.body == body && !b->off;
+}
+
 bool batch_has_impacts(const struct batch *b) { return b->op || (b->type->flags & PDYN_ONE_SIDED); }
 
 void batch_find_acceleration(struct batch *b, const struct velocity_change *change) {

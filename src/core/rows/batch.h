@@ -155,6 +155,8 @@ struct velocity_change {  /* by a step of effective length h, s */
 
 /* Whether the forces of a batch can be impacts. */
 bool batch_has_impacts(const struct batch *batch);
+/* Whether a batch holds a body by pins. */
+bool batch_pins(const struct batch *batch, const pdyn_body *body);
 
 /* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
  * gradient of its energy over the masses. Ignores change->kept. */

@@ -63,8 +63,7 @@ pdyn_status fingerprint_compute(pdyn_context *context, const json_t *root, struc
 
 /* ---- meshes ---------------------------------------------------------------------------------- */
 
-static uint64_t hash_mesh(uint64_t hash, const struct mesh *mesh) {
-    hash = hash_bytes(hash, mesh->vertex, 3 * (size_t)mesh->vertices * sizeof *mesh->vertex);
+static uint64_t hash_triangles(uint64_t hash, const struct mesh *mesh) {
     return hash_bytes(hash, mesh->triangle, 3 * (size_t)mesh->triangles * sizeof *mesh->triangle);
 }
 
@@ -72,9 +71,13 @@ uint64_t fingerprint_of_meshes(const struct scene *scene) {
     uint64_t hash = HASH_BEGIN;
     for (int b = 0; b < scene->bodies; b++) {
         const struct tets *tets = &scene->body[b].tets;
-        hash = hash_mesh(hash, &scene->body[b].mesh);
+        hash = hash_triangles(hash, &scene->body[b].mesh);
         hash = hash_bytes(hash, tets->corner, 4 * (size_t)tets->count * sizeof *tets->corner);
     }
-    for (int s = 0; s < scene->solids; s++) hash = hash_mesh(hash, &scene->solid[s].mesh);
+    for (int s = 0; s < scene->solids; s++) {
+        const struct mesh *mesh = &scene->solid[s].mesh;
+        hash = hash_bytes(hash, mesh->vertex, 3 * (size_t)mesh->vertices * sizeof *mesh->vertex);
+        hash = hash_triangles(hash, mesh);
+    }
     return hash;
 }

@@ -11,8 +11,7 @@ struct pose {
     double velocity[3], turning[3]; /* m/s; rad/s: rates of the angles about x, y and z */
 };
 
-/* The pose at `time`, s: linear between two keys, constant before the first and after the last one.
- */
+/* The pose at `time`, s: linear between keys, constant before the first and after the last one. */
 struct pose pose_at(const struct scene_motion *motion, double time);
 
 /* Computes the positions x, count x 3, m, at `time`, s, of points given relative to the pivot in

@@ -127,21 +127,17 @@ double forces_virial(const struct pdyn_sim *sim, int k) {
     return sum;
 }
 
-static bool holds(const struct batch *b, const pdyn_body *body) {
-    return b->type->flags & PDYN_REACTION && b->view.body == body && !b->off;
-}
-
 /* Pins of a body that pass on a force T of impacts: the part of theirs along T is left out of them
  * as it is of the impacts. */
 static void pass_on(struct pdyn_sim *sim, const pdyn_body *body, const double passed[3]) {
     struct objective *objective = &sim->objective;
     struct solid_load load = {{0}, {0}};
     for (int b = 0; b < objective->batches; b++)
-        if (holds(objective->batch[b], body)) add_row_load(sim, objective->batch[b], &load);
+        if (batch_pins(objective->batch[b], body)) add_row_load(sim, objective->batch[b], &load);
     double size = vec3_dot(load.force, load.force);
     double part = size > 0.0 ? -vec3_dot(load.force, passed) / size : 0.0;
     for (int b = 0; b < objective->batches; b++)
-        if (holds(objective->batch[b], body))
+        if (batch_pins(objective->batch[b], body))
             objective->batch[b]->left_out = sim->left_out * fmin(1.0, fmax(0.0, part));
 }
 

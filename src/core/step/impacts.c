@@ -26,10 +26,8 @@ static double kept_part(const struct pdyn_sim *sim, int i, double h, const doubl
 /* Whether pins hold the body. */
 static bool is_pinned(const struct pdyn_sim *sim, const pdyn_body *body) {
     bool pinned = false;
-    for (int b = 0; b < sim->objective.batches; b++) {
-        const struct batch *batch = sim->objective.batch[b];
-        pinned |= batch->view.body == body && batch->type->flags & PDYN_REACTION && !batch->off;
-    }
+    for (int b = 0; b < sim->objective.batches; b++)
+        pinned |= batch_pins(sim->objective.batch[b], body);
     return pinned;
 }
 
@@ -77,12 +75,13 @@ static void find_shares(const struct pdyn_sim *sim, const double *between, doubl
     }
 }
 
-/* Gives momentum that was lost back to the particles that have impulses of others. Their velocities
- * change in proportion to their impulses, so what is light is not thrown, and what is far away does
- * not move. */
+/* Gives the lost momentum back to the particles that have impulses between particles, in proportion
+ * to these: a light particle changes its velocity no more than a heavy one with the same impulse,
+ * and a particle without an impulse not at all. */
 static void give_back(struct pdyn_sim *sim, const double *between, double lost[2][3],
                       double *share) {
     double sum = 0.0;
+    if (!(vec3_length(lost[0]) > 0.0 || vec3_length(lost[1]) > 0.0)) return;
     find_shares(sim, between, share);
     for (int i = 0; i < sim->objective.particles; i++) sum += sim->objective.mass[i] * share[i];
     if (!(sum > 0.0)) return;

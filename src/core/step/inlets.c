@@ -22,13 +22,11 @@ static const double pushed_inertia = 1e7;
 /* A layer that is compressed by more than this, on average, has nowhere to go. */
 static const double max_compression = 0.05;
 
-/* More particles that did not enter than this share of at least so many layers are worth a warning.
- */
+/* More particles that did not enter than this share of at least so many layers: a warning. */
 static const double max_not_entered = 0.1;
 enum { MANY_LAYERS = 10 };
 
-/* ---- pushed particles --------------------------------------------------------------------------
- */
+/* ---- pushed particles ------------------------------------------------------------------------ */
 
 static void set_pusher(struct pdyn_sim *sim, int i, int pusher) {
     struct live_particles *p = sim->live;

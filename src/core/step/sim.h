@@ -58,16 +58,15 @@ struct pdyn_sim {
     double *x_base, *v_base;     /* particles x 3: base of the step (integrator.h), m and m/s */
     double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
                                         last step */
-    bool unsolved;   /* the last step was not solved: its end is no guess for the next one */
-    double last_h;   /* s, length of the last step; 0 before the first */
-    int impacts;     /* number of constraints with an impact in the last step */
-    double left_out; /* 1 - (H / h)^2: the part of their forces that does not change velocities
-                        (impacts.h) */
-    double
-        *passed_on; /* bodies x 3, N: the part of the impacts' forces that pins of the body hold */
-    double history; /* s, time from x_before to x; 0: the history must not be used */
-    double eps;     /* damping of the next global step, continued from step to step */
-    bool anchored;  /* a constraint can change the momentum of the system */
+    bool unsolved;     /* the last step was not solved: its end is no guess for the next one */
+    double last_h;     /* s, length of the last step; 0 before the first */
+    int impacts;       /* number of constraints with an impact in the last step */
+    double left_out;   /* 1 - (H / h)^2: the part of their forces that does not change velocities
+                          (impacts.h) */
+    double *passed_on; /* bodies x 3, N: of impacts, the force that pins of the body hold */
+    double history;    /* s, time from x_before to x; 0: the history must not be used */
+    double eps;        /* damping of the next global step, continued from step to step */
+    bool anchored;     /* a constraint can change the momentum of the system */
 
     struct live_particles *live; /* NULL: all particles are live */
 

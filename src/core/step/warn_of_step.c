@@ -164,11 +164,8 @@ static bool has_outlet_around(const struct scene *scene) {
 
 /* Pins hold the body, which they may lower as far as they like. */
 static bool is_pinned(const struct pdyn_sim *sim, int b) {
-    for (int k = 0; k < sim->constraints; k++) {
-        const struct batch *batch = sim->objective.batch[k];
-        bool own = batch->view.body == &sim->body[b];
-        if (own && (batch->type->flags & PDYN_REACTION) && !batch->off) return true;
-    }
+    for (int k = 0; k < sim->constraints; k++)
+        if (batch_pins(sim->objective.batch[k], &sim->body[b])) return true;
     return false;
 }
 
