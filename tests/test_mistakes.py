@@ -102,6 +102,11 @@ MISTAKES = [
             "[scale]"),
     Mistake("a needle in a mesh of cloth", change(("bodies.0", None), ("bodies.0.surface", {"mesh": "needles.obj", "area_density": 0.2}),
                                                   ("bodies.0.constraints.1", None), ("contact", None)), "1 of its triangles"),
+    Mistake("cells larger than the mesh is thick", change(("bodies.0", None), ("bodies.0", {
+        "name": "soft", "volume": {"mesh": "huge.obj", "scale": 1e-4, "cell": 0.03, "density": 900},
+        "constraints": [{"type": "tet", "stiffness": 2e4}]})), "[coarse]"),
+    Mistake("a volume of triangles without \"cell\"", change(("bodies.0", None), ("bodies.0", {
+        "volume": {"mesh": "huge.obj", "density": 900}})), '"cell" fills', codes=(2, 2)),
     Mistake("cloth in centimetres", change(("bodies.1.surface.grid.size", [30, 30]), FREE, ("contact", None), ("bodies.0", None)),
             "times as long as all solids; lengths are in metres"),
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),

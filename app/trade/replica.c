@@ -75,6 +75,13 @@ static void coarsen_grid(const json_t *body, size_t b, double factor, struct set
                 coarse_vertices(vertices, 0, factor), coarse_vertices(vertices, 1, factor));
 }
 
+static void coarsen_cells(const json_t *body, size_t b, double factor, struct setting *replica) {
+    const json_t *volume = json_object_get(body, "volume");
+    if (json_object_get(volume, "cell") && !has_numbered_pins(body))
+        setting_add(replica, "bodies.%zu.volume.cell=%.9g", b,
+                    factor * scene_number(volume, "cell", 0.0));
+}
+
 void replica_make(const json_t *scene, double factor, struct setting *replica) {
     const json_t *step = json_object_get(scene, "time_step");
     size_t b;
@@ -82,6 +89,7 @@ void replica_make(const json_t *scene, double factor, struct setting *replica) {
     json_array_foreach(json_object_get(scene, "bodies"), b, body) {
         coarsen_particles(scene, body, b, factor, replica);
         coarsen_grid(body, b, factor, replica);
+        coarsen_cells(body, b, factor, replica);
     }
     if (replica->sets && !json_object_get(step, "fixed"))
         setting_add(replica, "time_step.cfl=%.9g", scene_number(step, "cfl", 1.0) / factor);

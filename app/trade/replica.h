@@ -10,6 +10,7 @@
  *
  *     particle radius          r -> c r
  *     vertices per grid side   n -> 1 + (n - 1)/c
+ *     cell of a volume         a -> c a
  *     fluid stiffness          w -> c w          (bulk modulus ~ w/d is unchanged)
  *     fluid viscosity          nu -> nu/c^2      (kinematic viscosity ~ nu d^2/h is unchanged)
  *     time_step.cfl            -> cfl/c          (counts radii: the step length h is unchanged)

@@ -128,21 +128,25 @@ class Scene:
 
     def add_soft(self, vertices: Any = None, tets: Any = None, *, density: float,
                  name: Optional[str] = None, velocity: Any = None, grid: Any = None,
-                 mesh: Optional[Path] = None, scale: Any = None, rotate: Any = None,
-                 translate: Any = None, fluid_friction: Optional[float] = None,
+                 triangles: Any = None, mesh: Optional[Path] = None, cell: Optional[float] = None,
+                 scale: Any = None, rotate: Any = None, translate: Any = None, fluid_friction: Optional[float] = None,
                  **constraints: Constraints) -> str:
         """Adds a soft solid and returns its name.
 
         vertices: n x 3, m, and tets: m x 4, indices from 0; or grid={"size": .., "cells": ..}; or
-        mesh, the path of a file. density: kg/m^3. Otherwise as add_cloth.
+        mesh, the path of a file of tetrahedra. With cell, their size, m: vertices and triangles,
+        m x 3, or the file are a closed mesh, which is filled. density: kg/m^3. Otherwise as
+        add_cloth.
         """
         name = name or self._free_name("bodies", "body")
-        if vertices is not None:
+        if triangles is not None:
+            mesh = self._mesh(name, vertices, triangles)
+        elif vertices is not None:
             mesh = f"{name}.msh"
             x, t = doubles(vertices, (None, 3), "vertices"), indices(tets, (None, 4), "tets")
             self._handle.call(lib.pdyn_scene_tets, mesh.encode(), len(x), address(x), len(t),
                               address(t))
-        volume = _given(grid=grid, mesh=mesh, scale=scale, rotate=rotate, translate=translate,
+        volume = _given(grid=grid, mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
                         density=density, fluid_friction=fluid_friction)
         return self._add_body(name, "volume", volume, velocity, constraints)
 

@@ -63,9 +63,12 @@ class Scenes(unittest.TestCase):
         scene.add_rigid([[12, 0, 0], [13, 0, 0], [12, 1, 0], [12, 0, 1]],
                         [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], mass=3, name="stone",
                         velocity=[0, 1, 0])
+        scene.add_soft([[15, 0, 0], [16, 0, 0], [15, 1, 0], [15, 0, 1]], name="jelly", cell=0.1,
+                       triangles=[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], density=500)
         scene.add_solid([[9, 0, 0], [10, 0, 0], [9, 1, 0]], [[0, 1, 2]], name="wall")
         sim = scene.load()
-        self.assertEqual(list(sim.bodies), ["sheet", "soft", "drops", "crate", "stone"])
+        self.assertEqual(list(sim.bodies), ["sheet", "soft", "drops", "crate", "stone", "jelly"])
+        self.assertGreater(len(sim.bodies["jelly"].tets), 500)
         self.assertEqual(list(sim.solids), ["wall"])
         np.testing.assert_array_equal(sim.bodies["sheet"].x, vertices + [0, 2, 0])
         np.testing.assert_array_equal(sim.bodies["sheet"].triangles, triangles)

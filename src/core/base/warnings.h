@@ -15,6 +15,7 @@
     X(DENSITY, "density")                                                                          \
     X(SCALE, "scale")                                                                              \
     X(SLIVERS, "slivers")                                                                          \
+    X(COARSE, "coarse")                                                                            \
     X(THICKNESS, "contact-thickness")                                                              \
     X(TOLERANCE, "tolerance")                                                                      \
     X(LIGHT, "too-light")                                                                          \

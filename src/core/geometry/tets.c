@@ -136,6 +136,46 @@ pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *me
     return status == PDYN_OK ? find_surface(context, name, mesh, tets) : status;
 }
 
+/* ---- pieces ---------------------------------------------------------------------------------- */
+
+/* Labels each vertex with the smallest index of its piece. */
+static void label_pieces(const struct mesh *mesh, const struct tets *tets, int *label) {
+    for (int i = 0; i < mesh->vertices; i++) label[i] = i;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int t = 0; t < tets->count; t++) {
+            const int *c = tets->corner + 4 * (size_t)t;
+            int lowest = label[c[0]];
+            for (int k = 1; k < 4; k++)
+                if (label[c[k]] < lowest) lowest = label[c[k]];
+            for (int k = 0; k < 4; k++) {
+                changed |= label[c[k]] != lowest;
+                label[c[k]] = lowest;
+            }
+        }
+    }
+}
+
+pdyn_status tets_count_small(pdyn_context *context, const struct mesh *mesh,
+                             const struct tets *tets, double volume, int *count) {
+    int *label = NEW_ARRAY(context, mesh->vertices, int);
+    double *sum = NEW_ARRAY(context, mesh->vertices, double), largest = 0.0;
+    *count = 0;
+    if (label && sum) {
+        label_pieces(mesh, tets, label);
+        for (int t = 0; t < tets->count; t++) sum[label[tets->corner[4 * t]]] += tets->volume[t];
+        for (int i = 0; i < mesh->vertices; i++) {
+            largest = fmax(largest, sum[i]);
+            *count += sum[i] > 0.0 && sum[i] < volume;
+        }
+        *count -= largest < volume;
+    }
+    pdyn_status status = label && sum ? PDYN_OK : PDYN_NO_MEMORY;
+    FREE_ARRAY(context, label, mesh->vertices);
+    FREE_ARRAY(context, sum, mesh->vertices);
+    return status;
+}
+
 void tets_free(pdyn_context *context, struct tets *tets) {
     FREE_ARRAY(context, tets->corner, 4 * (size_t)tets->count);
     FREE_ARRAY(context, tets->volume, tets->count);

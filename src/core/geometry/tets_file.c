@@ -293,7 +293,7 @@ static pdyn_status read_any(struct reader *r, const char *path) {
     if (ends_with(path, length, ".msh")) return read_one(r, path, parse_msh);
     return context_fail(r->file->context, PDYN_BAD_INPUT,
                         "%.1024s: expected a mesh of tetrahedra ending with .node, .ele or .msh; "
-                        "TetGen and Gmsh make one of a closed mesh of triangles",
+                        "\"cell\" fills a closed mesh of triangles with tetrahedra",
                         path);
 }
 

@@ -84,6 +84,8 @@ struct scene_body {
     char *obj;        /* the OBJ file that the mesh comes from; NULL: another source */
     int grid[2];      /* vertices along the sides of a grid; 0: another source */
     struct tets tets; /* of a volume, whose surface is `mesh` */
+    double filled; /* volume of the tetrahedra over that of the mesh they fill; 0: another source */
+    int crumbs;    /* loose pieces of these, each smaller than 8 cells */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
     bool keep_overlap;                /* particles that overlap obstacles stay */
     int overlapping;     /* number of particles that overlapped with something and were left out */

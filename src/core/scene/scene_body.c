@@ -170,10 +170,52 @@ static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
     return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
 }
 
+/* Fills a closed mesh, in its place, with tetrahedra, and says how well these fit. */
+static pdyn_status fill_with_tets(struct reader *r, double cell, struct mesh *surface) {
+    struct scene_body *body = r->body;
+    struct mesh_turned turned;
+    double filled = 0.0;
+    pdyn_status status = mesh_check(r->context, surface, "as placed");
+    if (status == PDYN_OK) status = mesh_check_closed(r->context, surface, "\"cell\"");
+    if (status == PDYN_OK) status = mesh_orient_pieces(r->context, surface, &turned);
+    if (status == PDYN_OK) status = tets_fill(r->context, surface, cell, &body->mesh, &body->tets);
+    if (status == PDYN_OK) status = tets_finish(r->context, "filled", &body->mesh, &body->tets);
+    if (status != PDYN_OK) return status;
+    for (int t = 0; t < body->tets.count; t++) filled += body->tets.volume[t];
+    body->filled =
+        filled / fabs(mesh_volume(surface->triangles, surface->triangle, surface->vertex));
+    return tets_count_small(r->context, &body->mesh, &body->tets, 8.0 * cell * cell * cell,
+                            &body->crumbs);
+}
+
+static pdyn_status read_filled_mesh(struct reader *r, const struct json_at *at,
+                                    const struct json_at *cell_at,
+                                    const struct transform *transform) {
+    struct mesh surface = {0};
+    double cell;
+    pdyn_status status = params_real(cell_at, 1e-6, 1e6, "m", &cell);
+    if (status == PDYN_OK) status = file_ref_mesh(at, &surface, NULL);
+    if (status != PDYN_OK) return status;
+    transform_points(transform, surface.vertex, surface.vertices);
+    status = json_wrap(at, fill_with_tets(r, cell, &surface));
+    mesh_free(r->context, &surface);
+    return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
+}
+
+/* Places tetrahedra. */
+static pdyn_status place_tets(struct reader *r, const struct json_at *at,
+                              const struct transform *transform) {
+    struct scene_body *body = r->body;
+    transform_points(transform, body->mesh.vertex, body->mesh.vertices);
+    return json_wrap(at, tets_finish(r->context, "as placed", &body->mesh, &body->tets));
+}
+
 static pdyn_status read_volume(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+    static const char *const others[] = {"grid",   "mesh",      "cell", "scale",
+                                         "rotate", "translate", NULL};
     struct scene_body *body = r->body;
     struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    struct json_at cell = json_member(at, "cell");
     struct transform transform;
     int shape;
     body->has_mesh = true;
@@ -181,11 +223,12 @@ static pdyn_status read_volume(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK) status = reader_one_of(at, others, 2, &shape);
     if (status == PDYN_OK) status = params_read(at, volume_params, NULL, body);
     if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
-    if (status == PDYN_OK) status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
+    if (status == PDYN_OK && cell.value && grid.value)
+        status = json_fail_at_key(&cell, "\"cell\" needs a \"mesh\"");
     if (status != PDYN_OK) return status;
-    transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
-    return json_wrap(grid.value ? &grid : &mesh,
-                     tets_finish(r->context, "as placed", &body->mesh, &body->tets));
+    if (cell.value) return read_filled_mesh(r, &mesh, &cell, &transform);
+    status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
+    return status == PDYN_OK ? place_tets(r, grid.value ? &grid : &mesh, &transform) : status;
 }
 
 /* ---- constraints ----------------------------------------------------------------------------- */

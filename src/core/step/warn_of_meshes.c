@@ -1,4 +1,5 @@
-/* Warnings about meshes: their scale, thin triangles, and edges beside the contact thickness. */
+/* Warnings about meshes: their scale, thin triangles, coarse tetrahedra, and edges beside the
+ * contact thickness. */
 #include "sim.h"
 #include "warn.h"
 
@@ -6,7 +7,8 @@
 
 /* Extents that occur in practice. */
 static const double min_extent = 2e-3, max_extent = 500.0; /* m */
-static const double max_times = 10.0; /* extent of a body over that of all solids */
+static const double max_times = 10.0;  /* extent of a body over that of all solids */
+static const double min_filled = 0.85; /* of the volume of a mesh, by tetrahedra */
 /* Height of a triangle over its longest side. */
 static const double min_thinness = 0.01;
 /* Contact thickness of a rigid body, in mean edge lengths; pairs grow with its square. */
@@ -77,6 +79,20 @@ static void check_slivers(struct pdyn_sim *sim, int b) {
             count, first[0], first[1], first[2]);
 }
 
+/* Warns where "cell" is too large for the mesh that it fills. */
+static void check_filled(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    if (body->crumbs)
+        WARN(sim, COARSE, body->name,
+             "loose pieces smaller than eight cells: %d; beside them the mesh is thinner than "
+             "\"cell\"",
+             body->crumbs);
+    else if (body->filled > 0.0 && body->filled < min_filled)
+        WARN(sim, COARSE, body->name,
+             "its tetrahedra fill %.2g %% of its mesh: parts thinner than \"cell\" are missing",
+             100.0 * body->filled);
+}
+
 static void check_thickness(struct pdyn_sim *sim, int b) {
     const pdyn_body *body = &sim->body[b];
     double thickness = sim->scene.has_contact ? sim->scene.contact.thickness : 0.0;
@@ -100,6 +116,7 @@ void warn_of_meshes(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
         check_scale(sim, b);
         check_slivers(sim, b);
+        check_filled(sim, b);
         check_thickness(sim, b);
     }
 }
