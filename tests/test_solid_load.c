@@ -2,6 +2,7 @@
  * friction, wrong calls. */
 #include "scene_support.h"
 
+#include "projdyn/probe.h"
 #include "projdyn/vec3.h"
 
 #include <string.h>
@@ -166,29 +167,33 @@ static void test_tank(void **state) {
     pdyn_destroy(c);
 }
 
-/* Impacts under BDF2 in weightlessness: the impulse of the loads is the momentum that the bodies
- * lose. */
-static void assert_impulse(const char *contact, double speed, const char *bodies) {
-    char head[256];
+/* Impacts under BDF2 in weightlessness: the impulse of the loads, and that of the body's probe, is
+ * the momentum that the body loses. */
+static void assert_impulse(const char *contact, double speed, double error, const char *bodies) {
+    char head[512];
     pdyn_context *c = test_context(2);
     snprintf(head, sizeof head,
              "%s'gravity': [0, 0, 0], 'time_step': {'fixed': 0.004}, "
-             "'solver': {'tolerance': 0.01, 'outer_iterations': 200}",
+             "'solver': {'tolerance': 0.001, 'outer_iterations': 200}, "
+             "'probes': [{'name': 'push', 'body': 'it'}]",
              contact);
     pdyn_sim *sim = test_load(c, scene(head, bodies,
                                        "{'name': 'floor', 'box': {'minimum': [-0.4, -0.1, -0.4], "
                                        "'maximum': [0.7, 0, 0.7]}}"));
-    double impulse = 0.0, brought = speed * mass_of(sim);
+    double impulse = 0.0, pushed = 0.0, brought = speed * mass_of(sim);
     struct total load;
     pdyn_step_info info;
     do {
         info = test_step(c, sim);
         get(sim, 0, &load);
         impulse -= info.h * load.force[1];
+        pushed += info.h * pdyn_get_probe(sim, 0).value[1];
     } while (info.time < 0.4);
     double lost = brought + info.momentum[1];
-    print_message("impulse %.3f of the momentum lost\n", impulse / lost);
-    assert_true(lost > 0.5 * brought && fabs(impulse / lost - 1.0) < 0.05);
+    print_message("impulse %.4f, of the body %.4f of the momentum lost\n", impulse / lost,
+                  pushed / lost);
+    assert_true(lost > 0.5 * brought && fabs(impulse / lost - 1.0) < error);
+    assert_true(fabs(pushed / lost - 1.0) < error);
     pdyn_free(sim);
     pdyn_destroy(c);
 }
@@ -197,18 +202,23 @@ static void assert_impulse(const char *contact, double speed, const char *bodies
 
 static void test_impacts(void **state) {
     (void)state;
-    assert_impulse(
-        "", 2.0,
-        "{'velocity': [0, -2, 0], 'particles': {'radius': 0.0125, 'fill': [{'box': {'minimum': "
-        "[0, 0.05, 0], 'maximum': [0.2, 0.25, 0.2]}}]}, "
-        "'constraints': [{'type': 'fluid', 'sound_speed': 100}]}");
-    assert_impulse(TOUCHING, 0.4,
-                   GRID_SHEET("'velocity': [0, -0.4, 0], ", "0.24, 0.24", "9, 9",
+    assert_impulse("", 2.0, 0.05,
+                   "{'name': 'it', 'velocity': [0, -2, 0], 'particles': {'radius': 0.0125, 'fill': "
+                   "[{'box': {'minimum': "
+                   "[0, 0.05, 0], 'maximum': [0.2, 0.25, 0.2]}}]}, "
+                   "'constraints': [{'type': 'fluid', 'sound_speed': 100}]}");
+    assert_impulse(TOUCHING, 0.4, 0.002,
+                   GRID_SHEET("'name': 'it', 'velocity': [0, -0.4, 0], ", "0.24, 0.24", "9, 9",
                               "'translate': [0.15, 0.05, 0.15], 'area_density': 0.3",
                               SPRINGS("500")));
-    assert_impulse(TOUCHING, 2.0,
-                   "{'velocity': [0, -2, 0], 'rigid': {'box': {'minimum': [0, 0.05, 0], "
-                   "'maximum': [0.1, 0.15, 0.1]}, 'density': 500}}");
+    assert_impulse(TOUCHING, 4.0, 0.002,
+                   "{'name': 'it', 'velocity': [0, -4, 0], 'volume': {'grid': {'size': [0.2, 0.2, "
+                   "0.2], 'cells': [3, 3, 3]}, 'translate': [0.1, 0.12, 0.1], 'density': 125}, "
+                   "'constraints': [{'type': 'tet', 'stiffness': 1e5}]}");
+    assert_impulse(
+        TOUCHING, 2.0, 0.002,
+        "{'name': 'it', 'velocity': [0, -2, 0], 'rigid': {'box': {'minimum': [0, 0.05, 0], "
+        "'maximum': [0.1, 0.15, 0.1]}, 'density': 500}}");
 }
 
 /* Water falls on a fixed ball above a floor: first the whole load is on the ball, then on the

@@ -202,6 +202,10 @@ bool batch_impacts_between(const struct batch *b, double *force) {
     return true;
 }
 
+void batch_keep_impacts(struct batch *b, const double *kept) {
+    if (batch_has_impacts(b) && !b->op && b->view.elements) rows_keep_impacts(b, kept);
+}
+
 void batch_limit(struct batch *b, const double *x, double *max_step) {
     if (b->op && b->type->matrix_free->limit) b->type->matrix_free->limit(b->op, x, max_step);
 }

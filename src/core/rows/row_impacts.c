@@ -46,13 +46,30 @@ static void keep_impacts(void *arg, int first, int last, int block) {
     b->partial[block] = count;
 }
 
+/* The sum of a row's coefficients; 0 where it joins particles alone: nothing else has a part in it.
+ */
+static double sum_of_row(const struct batch *b, int r) {
+    double sum = 0.0, size = 0.0;
+    for (int k = b->view.row_entry[r]; k < b->view.row_entry[r + 1]; k++)
+        sum += b->view.coefficient[k], size += fabs(b->view.coefficient[k]);
+    return fabs(sum) > 1e-9 * size ? sum : 0.0;
+}
+
+void rows_keep_impacts(struct batch *b, const double *kept) {
+    const pdyn_batch *v = &b->view;
+    for (int r = 0; r < v->element_row[v->elements]; r++) {
+        double sum = sum_of_row(b, r), part = 0.0;
+        if (sum == 0.0) continue;
+        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
+            part += v->coefficient[k] / sum * kept[v->column[k]];
+        for (int a = 0; a < 3; a++) b->flux[4 * (size_t)r + (size_t)a] *= part;
+    }
+}
+
 void rows_scatter_between(const struct batch *b, double *y) {
     const pdyn_batch *v = &b->view;
     for (int r = 0; r < v->element_row[v->elements]; r++) {
-        double sum = 0.0, size = 0.0;
-        for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
-            sum += v->coefficient[k], size += fabs(v->coefficient[k]);
-        if (fabs(sum) > 1e-9 * size) continue;
+        if (sum_of_row(b, r) != 0.0) continue;
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
             vec3_add(y + 3 * (size_t)v->column[k], v->coefficient[k], b->flux + 4 * (size_t)r);
     }

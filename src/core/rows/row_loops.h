@@ -69,6 +69,8 @@ void rows_diagonal(struct batch *batch, double *blocks);
  * acceleration: particles x 3, m/s^2, minus that by all forces of the batch. */
 int rows_impacts(struct batch *batch, const struct velocity_change *change,
                  const double *acceleration, double *force);
+/* Flux times the kept part, of the rows in which solids have a part. */
+void rows_keep_impacts(struct batch *batch, const double *kept);
 /* y += G' flux of the rows that tie particles to particles alone: their forces sum to zero. */
 void rows_scatter_between(const struct batch *batch, double *y);
 

@@ -67,6 +67,11 @@ static bool is_of_contact(const struct batch *batch, const struct batch *none) {
            type == &pdyn_constraint_seepage;
 }
 
+static bool is_any(const struct batch *batch, const struct batch *none) {
+    (void)batch, (void)none;
+    return true;
+}
+
 /* force = the sum over the chosen batches; 0 while forces are unknown. */
 static void sum_forces(const struct pdyn_sim *sim, choose_fn *choose,
                        const struct batch *constraint, double *force) {
@@ -112,6 +117,13 @@ void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load)
         if (batch_belongs_to(objective->batch[b], objective->batch[k]))
             (objective->batch[b]->op ? add_operator_load : add_row_load)(sim, objective->batch[b],
                                                                          load);
+}
+
+void forces_add_body_load(const struct pdyn_sim *sim, int b, struct solid_load *load) {
+    const struct objective_body *body = &sim->objective.body[b];
+    sum_forces(sim, is_any, NULL, sim->trial);
+    for (int i = body->first; i < body->first + body->count; i++)
+        solid_load_add(load, sim->x + 3 * (size_t)i, sim->trial + 3 * (size_t)i);
 }
 
 double forces_virial(const struct pdyn_sim *sim, int k) {

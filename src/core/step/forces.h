@@ -6,9 +6,9 @@
 #include "rows/batch.h"
 #include "solid_load.h"
 
-/* Forces are unknown until the next step has ended. */
 /* At the end of a step: pins that hold a body against impacts pass their mean forces on. */
 void forces_pass_on(struct pdyn_sim *sim);
+/* Forces are unknown until the next step has ended. */
 void forces_forget(struct pdyn_sim *sim);
 
 /* The gradient g = w (u - p), N, of the energy of row r of element e of a batch, less the part of
@@ -20,6 +20,9 @@ void forces_row_gradient(const struct pdyn_sim *sim, const struct batch *batch, 
 /* Adds to a load the force of constraint k of the scene, at the positions of the end of the step.
  * Nothing while forces are unknown. May overwrite sim->trial. */
 void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load);
+
+/* Adds to a load the force of all constraints on body b. Overwrites sim->trial. */
+void forces_add_body_load(const struct pdyn_sim *sim, int b, struct solid_load *load);
 
 /* The sum of force . position over the particles of constraint k, N m, of rows whose forces sum to
  * zero. */

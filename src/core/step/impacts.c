@@ -37,10 +37,11 @@ static int end_of(const struct pdyn_sim *sim, int b) {
 }
 
 /* Moves impulses (particles x 3, m/s) of a body in v from the weight H to the weight H^2 / h, and
- * adds the latter to v_before, in their kept parts. What they lose, its pins pass on; without pins
- * it is part of lost: momentum of v and v_before, kg m/s, of the impulses between particles. */
+ * adds the latter to v_before, in their kept parts, which it writes to kept_parts (particles). What
+ * they lose, its pins pass on; without pins it is part of lost: momentum of v and v_before, kg m/s,
+ * of the impulses between particles. */
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
-                             const double *between, double lost[2][3]) {
+                             const double *between, double lost[2][3], double *kept_parts) {
     const struct objective *objective = &sim->objective;
     double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
     bool pinned = is_pinned(sim, &sim->body[b]);
@@ -48,6 +49,7 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double
     for (int i = sim->body[b].first; i < end_of(sim, b); i++) {
         double kept = kept_part(sim, i, h, impulse + 3 * i);
         double left = objective->mass[i] * (1.0 - kept);
+        kept_parts[i] = pinned ? 1.0 : kept;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             sim->v[k] -= kept * (1.0 - part) * impulse[k];
             sim->v_before[k] += kept * part * impulse[k];
@@ -89,6 +91,21 @@ static void give_back(struct pdyn_sim *sim, const double *between, double lost[2
         sim->v[k] += share[k / 3] / sum * lost[0][k % 3];
         sim->v_before[k] += share[k / 3] / sum * lost[1][k % 3];
     }
+}
+
+/* Takes what velocities did not get off the impacts of solids (kept: the parts that particles got):
+ * loads on solids change momentum by what bodies get. The vertices of a rigid body have the mean of
+ * its points. */
+static void keep_impacts(struct pdyn_sim *sim, double *kept) {
+    const struct rigid_map *map = sim->objective.rigid;
+    for (int b = 0; map && b < map->bodies; b++) {
+        double *vertex = kept + map->body[b].first, sum = 0.0;
+        const double *point = vertex + map->body[b].vertices;
+        for (int k = 0; k < RIGID_POINTS; k++) sum += point[k] / RIGID_POINTS;
+        for (int k = 0; k < map->body[b].vertices; k++) vertex[k] = sum;
+    }
+    for (int b = 0; b < sim->objective.batches; b++)
+        batch_keep_impacts(sim->objective.batch[b], kept);
 }
 
 /* Whether a particle can be held by forces that are no impacts, of pins or membranes. */
@@ -163,7 +180,9 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
     to_velocities(sim, force);
     if (any) to_velocities(sim, between);
     double lost[2][3] = {{0}, {0}};
-    for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, force, between, lost);
+    for (int b = 0; b < sim->bodies; b++)
+        shift_velocities(sim, b, h, force, between, lost, sim->rhs);
+    keep_impacts(sim, sim->rhs);
     if (any) give_back(sim, between, lost, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);

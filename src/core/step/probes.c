@@ -109,16 +109,10 @@ static void measure_inside(const struct pdyn_sim *sim, const struct scene_probe 
     out[1] = out[0] > 0.0 ? virial / (3.0 * out[0]) : 0.0;
 }
 
-/* The force of all constraints on a body, and its moment about the origin: mass times acceleration
- * in the step, without gravity and applied forces. */
+/* The force of all constraints on a body, and its moment about the origin. */
 static void measure_body(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
-    const struct objective_body *body = &sim->objective.body[probe->target];
     struct solid_load load = {{0}, {0}};
-    for (int i = body->first; i < body->first + body->count; i++) {
-        double force[3] = {0};
-        vec3_add(force, sim->objective.mass[i], sim->constraint_acceleration + 3 * (size_t)i);
-        solid_load_add(&load, sim->x + 3 * (size_t)i, force);
-    }
+    forces_add_body_load(sim, probe->target, &load);
     copy_load(&load, out);
 }
 
