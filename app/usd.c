@@ -117,19 +117,30 @@ static void put_color(struct stage *stage, const struct part *part) {
 
 /* ---- prims ----------------------------------------------------------------------------------- */
 
+enum { PRIM_NAME = 128 }; /* above the 64 characters that the name of a body has */
+
+/* Whether a part has this name. */
+static bool is_name_of_part(const struct run *run, const char *name) {
+    bool found = false;
+    for (int p = 0; p < run->parts; p++) found |= !strcmp(run->part[p].name, name);
+    return found;
+}
+
 /* The name of the prim: letters, digits and '_' alone, and no digit first; one that has changed
- * gets the number of the part, so that it stays unique. */
+ * gets the number of the part, and then '_' as long as a part has this name, so that it is unique.
+ */
 static void begin_prim(struct stage *stage, const struct part *part, const char *type) {
-    const char *name = part->name;
-    bool changed = isdigit((unsigned char)*name);
-    fprintf(stage->file, "\n    def %s \"%s", type, changed ? "_" : "");
-    for (; *name; name++) {
-        bool good = isalnum((unsigned char)*name) || *name == '_';
-        fputc(good ? *name : '_', stage->file);
-        changed |= !good;
-    }
-    if (changed) fprintf(stage->file, "_%d", (int)(part - stage->run->part));
-    fputs("\"\n    {\n", stage->file);
+    char name[PRIM_NAME + 32]; /* room for the additions */
+    bool digit = isdigit((unsigned char)*part->name);
+    int size = snprintf(name, PRIM_NAME, "%s%s", digit ? "_" : "", part->name);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c)) *c = '_';
+    if (digit || strcmp(name, part->name) != 0)
+        size += snprintf(name + size, 16, "_%d", (int)(part - stage->run->part));
+    while (strcmp(name, part->name) != 0 && is_name_of_part(stage->run, name) &&
+           size < (int)sizeof name - 1)
+        name[size++] = '_', name[size] = 0;
+    fprintf(stage->file, "\n    def %s \"%s\"\n    {\n", type, name);
     put_color(stage, part);
 }
 
@@ -180,7 +191,7 @@ static int put_fluid(struct stage *stage, const struct part *part) {
 
 static int put_part(struct stage *stage, const struct part *part) {
     if (part->kind == BOUNDARY) return EXIT_GOOD;
-    if (part->fluid) return put_fluid(stage, part);
+    if (part_is_fluid(part)) return put_fluid(stage, part);
     return part->radius > 0.0 ? put_particles(stage, part) : put_mesh(stage, part, part);
 }
 

@@ -173,6 +173,10 @@ static void test_step_by(void **state) {
     continues(sim, sheet);
     good(pdyn_step(sim, &info));
     assert_true(info.time < 0.3);
+    good(pdyn_step_by(sim, 0.3 - 1e-7 - info.time, &info)); /* the frame at 0.3 is left out */
+    good(pdyn_step(sim, &info));
+    assert_true(!info.frame && info.time > 0.3);
+    continues(sim, sheet);
     assert_int_equal(pdyn_step_by(sim, 0.0, NULL), PDYN_BAD_INPUT);
     assert_int_equal(pdyn_step_by(sim, NAN, NULL), PDYN_BAD_INPUT);
     assert_int_equal(pdyn_step_by(NULL, 0.1, NULL), PDYN_BAD_CALL);

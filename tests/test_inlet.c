@@ -278,6 +278,35 @@ static void test_flow(void **state) {
 }
 
 /* A closed box is filled, not beyond: then nothing enters any more, with a warning. */
+/* The length of the first step, s, of a pond whose bottom is at y. */
+static double first_step(double y) {
+    char text[2048];
+    pdyn_step_info info;
+    pdyn_context *c = test_context(1);
+    snprintf(text, sizeof text,
+             SCENE("'duration': 1, 'frame_interval': 1, 'time_step': {'cfl': 10, 'maximum': 0.05}, "
+                   "'solver': {'type': 'dual'}",
+                   "{'particles': {'radius': 0.02, 'budget': 50, 'fill': [{'box': {'minimum': "
+                   "[0, %g, 0], 'maximum': [0.4, %g, 0.4]}}], 'inlets': [{'disc': {'center': "
+                   "[0.2, %g, 0.2], 'radius': 0.1}, 'direction': [0, -1, 0], 'speed': 0.1, "
+                   "'start': 5}]}, 'constraints': [{'type': 'fluid', 'sound_speed': 20}]}",
+                   ""),
+             y, y + 0.2, y + 0.4);
+    pdyn_sim *sim = test_load(c, text);
+    assert_int_equal(pdyn_step(sim, &info), PDYN_OK);
+    pdyn_free(sim);
+    pdyn_destroy(c);
+    return info.h;
+}
+
+/* Particles that are not live rest at the origin, however far it is from the water. */
+static void test_far_from_origin(void **state) {
+    (void)state;
+    double near = first_step(0.0), far = first_step(1000.0);
+    print_message("first steps %g and %g s\n", near, far);
+    assert_true(near > 1e-3 && near < 0.01 && fabs(far / near - 1.0) < 1e-6);
+}
+
 static void test_full(void **state) {
     (void)state;
     struct warnings warnings = {"particles of inlet 0 did not enter", 0};
@@ -406,6 +435,7 @@ int main(void) {
         cmocka_unit_test(test_stiff_jet),
         cmocka_unit_test(test_flow),
         cmocka_unit_test(test_full),
+        cmocka_unit_test(test_far_from_origin),
         cmocka_unit_test(test_falling_jet),
         cmocka_unit_test(test_pushed),
         cmocka_unit_test(test_saved),

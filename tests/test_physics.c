@@ -306,6 +306,27 @@ static void test_one_length(void **state) {
     pdyn_destroy(context);
 }
 
+/* Of two bodies of particles, the smaller particles limit the step, in any order. */
+static void test_two_radii(void **state) {
+    (void)state;
+#define DROPS(radius, x)                                                                           \
+    "{'velocity': [0, -8, 0], 'particles': {'radius': " radius ", 'fill': [{'sphere': "            \
+    "{'center': [" x ", 0, 0], 'radius': 0.2}}]}}"
+    static const char *const scenes[] = {
+        SCENE("'duration': 1, 'time_step': {'maximum': 0.1}, 'gravity': [0, 0, 0]",
+              DROPS("0.01", "0") ", " DROPS("0.1", "1"), ""),
+        SCENE("'duration': 1, 'time_step': {'maximum': 0.1}, 'gravity': [0, 0, 0]",
+              DROPS("0.1", "1") ", " DROPS("0.01", "0"), "")};
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *context = test_context(1);
+        pdyn_sim *sim = test_load(context, scenes[k]);
+        double h = test_step(context, sim).h;
+        assert_true(h <= 0.01 / 8 * (1 + 1e-9) && h > 0.8 * 0.01 / 8);
+        pdyn_free(sim);
+        pdyn_destroy(context);
+    }
+}
+
 /* A diverging step fails, and the state before it stays. */
 static void test_divergence(void **state) {
     (void)state;
@@ -368,13 +389,14 @@ static void test_no_allocation(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_momentum),     cmocka_unit_test(test_hydrostatic_rest),
-        cmocka_unit_test(test_stiff_column), cmocka_unit_test(test_cut_short),
-        cmocka_unit_test(test_deep_water),   cmocka_unit_test(test_narrow_tank),
-        cmocka_unit_test(test_long_step),    cmocka_unit_test(test_pin_reaction),
-        cmocka_unit_test(test_pin_path),     cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_one_length),   cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_numbers),      cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_momentum),      cmocka_unit_test(test_hydrostatic_rest),
+        cmocka_unit_test(test_stiff_column),  cmocka_unit_test(test_cut_short),
+        cmocka_unit_test(test_deep_water),    cmocka_unit_test(test_narrow_tank),
+        cmocka_unit_test(test_long_step),     cmocka_unit_test(test_pin_reaction),
+        cmocka_unit_test(test_pin_path),      cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_one_length),    cmocka_unit_test(test_two_radii),
+        cmocka_unit_test(test_divergence),    cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_no_allocation),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

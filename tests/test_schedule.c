@@ -68,6 +68,18 @@ static void test_program(void **state) {
     pdyn_free(sim);
 }
 
+/* Before the first step, too. */
+static void test_program_starts(void **state) {
+    (void)state;
+    pdyn_sim *sim = test_load(context, HELD(", 'from': 0.1"));
+    assert_false(pdyn_is_enabled(sim, PIN));
+    assert_int_equal(pdyn_enable(sim, PIN, true), PDYN_OK);
+    for (int k = 0; k < 3; k++) step(sim);
+    assert_true(pdyn_is_enabled(sim, PIN));
+    assert_true(fabs(pdyn_get_state(sim).v[1]) < 1e-3);
+    pdyn_free(sim);
+}
+
 /* Saved before, at and after the time, a run continues with the same bits. */
 static void test_resume(void **state) {
     (void)state;
@@ -88,6 +100,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_times),
         cmocka_unit_test(test_program),
+        cmocka_unit_test(test_program_starts),
         cmocka_unit_test(test_resume),
     };
     return cmocka_run_group_tests_name("schedule", tests, set_up, tear_down);

@@ -35,7 +35,10 @@ static void scale_step(struct setting *setting, const json_t *scene, double fact
         setting_add(setting, "time_step.fixed=%.9g", factor * fixed);
         return;
     }
-    setting_add(setting, "time_step.maximum=%.9g", factor * scene_number(step, "maximum", 0.005));
+    double maximum = factor * scene_number(step, "maximum", 0.005);
+    setting_add(setting, "time_step.maximum=%.9g", maximum);
+    if (maximum < scene_number(step, "minimum", 1e-5))
+        setting_add(setting, "time_step.minimum=%.9g", maximum);
     setting_add(setting, "time_step.cfl=%.9g", factor * scene_number(step, "cfl", 1.0));
 }
 

@@ -311,7 +311,8 @@ def _parts(kind: str, given: Constraints) -> Sequence[dict[str, Any]]:
 
 def _element(elements: Sequence[Any], key: str) -> Any:
     """Element of an array of a scene by its name, its type or its index."""
-    for element in elements:
-        if isinstance(element, dict) and key in (element.get("name"), element.get("type")):
+    for index, element in enumerate(elements):
+        named = isinstance(element, dict) and key in (element.get("name"), element.get("type"))
+        if named or key == str(index):
             return element
-    return elements[int(key)]
+    raise KeyError(key)

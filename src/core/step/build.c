@@ -9,6 +9,7 @@
 #include "probes.h"
 #include "rigid_bodies.h"
 #include "scene/scene_file.h"
+#include "schedule.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -38,8 +39,9 @@ static pdyn_status build(struct pdyn_sim *sim) {
     sim->floor = warn_floor(sim);
     status = warn_of_scene(sim);
     if (status != PDYN_OK) return status;
-    return acceleration_create(&sim->acceleration, sim->scene.settings.acceleration,
-                               &sim->objective);
+    status =
+        acceleration_create(&sim->acceleration, sim->scene.settings.acceleration, &sim->objective);
+    return status == PDYN_OK ? schedule_start(sim) : status;
 }
 
 pdyn_status pdyn_scene_load(pdyn_scene *scene, pdyn_sim **out) {

@@ -86,8 +86,8 @@ static pdyn_status change_forces(struct pdyn_sim *sim, int first, int count, con
         return PDYN_NO_MEMORY;
     double *own = *all + 3 * (size_t)first;
     sim->control.driven = true;
-    for (size_t k = 0; k < 3 * (size_t)count; k++)
-        own[k] = keep * own[k] + (force ? force[k] : 0.0);
+    for (int k = 0; k < 3 * count; k++)
+        if (particle_is_live(sim, first + k / 3)) own[k] = keep * own[k] + (force ? force[k] : 0.0);
     return PDYN_OK;
 }
 

@@ -2,6 +2,7 @@
 #include "timestep.h"
 
 #include "inlets.h"
+#include "live_particles.h"
 #include "solid_approach.h"
 
 #include "projdyn/vec3.h"
@@ -20,19 +21,24 @@ static double max_acceleration(const struct pdyn_sim *sim) {
     return applied + vec3_length(sim->scene.settings.gravity);
 }
 
-/* Upper bound of the speed of fluid particles after a time h, m/s: current speed plus
- * gravity. *radius: m, of these particles; 0: there are none. */
-static double max_particle_speed(const struct pdyn_sim *sim, double h, double *radius) {
+static double max_speed(const struct pdyn_sim *sim, const pdyn_body *body) {
     double speed = 0.0;
-    *radius = 0.0;
+    for (int i = body->first; i < body->first + body->count; i++)
+        speed = fmax(speed, vec3_length(sim->v + 3 * i));
+    return speed;
+}
+
+/* The largest number of its radii that a fluid particle travels in a step h at a speed of at least
+ * `others` + h `acceleration`, m/s and m/s^2; 0: there are none. */
+static double max_radii(const struct pdyn_sim *sim, double h, double acceleration, double others) {
+    double radii = 0.0;
     for (int b = 0; b < sim->bodies; b++) {
         const pdyn_body *body = &sim->body[b];
         if (body->radius == 0.0) continue;
-        *radius = body->radius;
-        for (int i = body->first; i < body->first + body->count; i++)
-            speed = fmax(speed, vec3_length(sim->v + 3 * i));
+        double speed = fmax(others, max_speed(sim, body) + h * acceleration);
+        radii = fmax(radii, speed * h / body->radius);
     }
-    return speed + h * max_acceleration(sim);
+    return radii;
 }
 
 /* Hydrostatic pressure at the bottom of the fluids at rest, Pa, if all were the densest one. */
@@ -43,6 +49,7 @@ static double resting_pressure(const struct pdyn_sim *sim) {
         const pdyn_body *body = &sim->body[b];
         density = fmax(density, body->rest_density);
         for (int i = body->first; i < body->first + body->count && body->radius > 0.0; i++) {
+            if (!particle_is_live(sim, i)) continue;
             double depth = vec3_dot(g, sim->x + 3 * i);
             low = fmin(low, depth), high = fmax(high, depth);
         }
@@ -80,16 +87,15 @@ static double rearrangement_limit(const struct pdyn_sim *sim) {
 }
 
 /* CFL condition (Weiler et al. 2016): no particle, solid and inlet travels more than `cfl` radii
- * per step. Pressure and contact with moving solids limit the step, too. The step length may shrink
- * at once and grows by at most 10 % per step. */
+ * per step, radii of its body. Pressure and contact with moving solids limit the step, too. The
+ * step length may shrink at once and grows by at most 10 % per step. */
 static double adaptive(const struct pdyn_sim *sim) {
     const struct scene_settings *settings = &sim->scene.settings;
-    double radius,
-        h = sim->last_h > 0.0 ? fmin(settings->h_max, 1.1 * sim->last_h) : settings->h_max;
-    double speed = fmax(max_particle_speed(sim, h, &radius),
-                        kinematic_speed(&sim->motion, sim->time, sim->time + h));
-    speed = fmax(speed, inlets_top_speed(sim, h));
-    if (radius > 0.0 && speed * h > settings->cfl * radius) h = settings->cfl * radius / speed;
+    double h = sim->last_h > 0.0 ? fmin(settings->h_max, 1.1 * sim->last_h) : settings->h_max;
+    double others =
+        fmax(kinematic_speed(&sim->motion, sim->time, sim->time + h), inlets_top_speed(sim, h));
+    double radii = max_radii(sim, h, max_acceleration(sim), others);
+    if (radii > settings->cfl) h *= settings->cfl / radii;
     h = solid_approach_limit(sim, fmin(h, rearrangement_limit(sim)));
     return fmax(h, settings->h_min);
 }
@@ -128,10 +134,9 @@ struct step_end timestep_given(const struct pdyn_sim *sim, double h) {
 /* Warns if the CFL condition asks for a step shorter than the minimum. */
 static void check_speed(struct pdyn_sim *sim, double h) {
     const struct scene_settings *settings = &sim->scene.settings;
-    double radius, distance = max_particle_speed(sim, 0.0, &radius) * h;
-    if (radius == 0.0 || distance <= 2.0 * settings->cfl * radius) return;
-    struct warning *w =
-        warnings_count(&sim->warnings, WARNING_SHORT_STEP, "", sim->time, 1, distance / radius);
+    double radii = max_radii(sim, h, 0.0, 0.0);
+    if (radii <= 2.0 * settings->cfl) return;
+    struct warning *w = warnings_count(&sim->warnings, WARNING_SHORT_STEP, "", sim->time, 1, radii);
     warnings_say(sim->context, w,
                  "a particle travels up to %.3g radii in the shortest step of %g s (\"minimum\"): "
                  "walls may not hold it",
@@ -153,6 +158,6 @@ void timestep_check(struct pdyn_sim *sim, double h, double residual) {
 }
 
 void timestep_advance(struct pdyn_sim *sim, const struct step_end *end) {
-    if (end->frame) sim->frame = frames_until(sim, end->time);
+    sim->frame = frames_until(sim, end->time); /* a frame may have been left out */
     sim->time = end->time;
 }

@@ -1,5 +1,6 @@
 /* Warnings about surfaces in a fluid: meshes that it does not see well, bodies that do not sink. */
 #include "base/registry.h"
+#include "live_particles.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -31,7 +32,7 @@ static bool is_dry(const struct pdyn_sim *sim, int b, const pdyn_body *fluid) {
     bool dry = true;
     for (int a = 0; a < 3; a++) box.min[a] -= fluid->radius, box.max[a] += fluid->radius;
     for (int i = fluid->first; i < fluid->first + fluid->count && dry; i++)
-        dry = !box_contains(&box, sim->x + 3 * (size_t)i);
+        dry = !particle_is_live(sim, i) || !box_contains(&box, sim->x + 3 * (size_t)i);
     return dry;
 }
 
