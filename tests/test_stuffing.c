@@ -109,11 +109,40 @@ static void test_refusals(void **state) {
     pdyn_destroy(context);
 }
 
+/* Two tetrahedra of 1/6 m^3 that share an edge, which has four triangles. */
+static const char touching[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv -1 0 0\nv 0 -1 0\n"
+                               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+                               "f 1 6 5\nf 1 5 4\nf 1 4 6\nf 5 6 4\n";
+
+/* A rigid body refuses them, and takes the surface of the tetrahedra that fill them. */
+static void test_rigid(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim;
+    test_write_file("touching.obj", touching, strlen(touching));
+    const char *text = quoted("{'duration': 1, 'bodies': [{'rigid': {'mesh': 'touching.obj', "
+                              "'density': 600}}]}");
+    test_write_file("scene.json", text, strlen(text));
+    assert_int_equal(pdyn_load(context, "scene.json", NULL, 0, &sim), PDYN_BAD_INPUT);
+    assert_non_null(strstr(pdyn_last_error(context), "\"cell\" makes a surface"));
+    const char *const cell = "bodies.0.rigid.cell=0.05";
+    assert_int_equal(pdyn_load(context, "scene.json", &cell, 1, &sim), PDYN_OK);
+    double mass = 0.0;
+    for (int i = 0; i < sim->objective.particles; i++) mass += sim->objective.mass[i];
+    assert_true(mass > 0.95 * 200 && mass < 1.001 * 200);
+    assert_int_equal(sim->body[0].tets, 0);
+    test_remove_file("touching.obj");
+    test_remove_file("scene.json");
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball),
         cmocka_unit_test(test_thin_parts),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_rigid),
     };
     return cmocka_run_group_tests_name("stuffing", tests, test_enter_directory,
                                        test_leave_directory);

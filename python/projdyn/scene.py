@@ -154,22 +154,22 @@ class Scene:
                   density: Optional[float] = None, mass: Optional[float] = None,
                   name: Optional[str] = None, velocity: Any = None, angular_velocity: Any = None,
                   box: Optional[Box] = None, sphere: Any = None, capsule: Any = None,
-                  mesh: Optional[Path] = None, scale: Any = None, rotate: Any = None,
-                  translate: Any = None, fluid_friction: Optional[float] = None,
-                  **constraints: Constraints) -> str:
+                  mesh: Optional[Path] = None, cell: Optional[float] = None, scale: Any = None,
+                  rotate: Any = None, translate: Any = None,
+                  fluid_friction: Optional[float] = None, **constraints: Constraints) -> str:
         """Adds a rigid body and returns its name.
 
         vertices: n x 3, m, and triangles: m x 3, indices from 0, counter-clockwise as seen from
         outside; or box: (minimum, maximum), m; or sphere, capsule as in a scene file; or mesh, the
-        path of a file. Either density, kg/m^3, or mass, kg. velocity: m/s, and angular_velocity:
+        path of a file; cell, m, as in a scene file. Either density, kg/m^3, or mass, kg. velocity: m/s, and angular_velocity:
         rad/s, at the start. Otherwise as add_cloth.
         """
         name = name or self._free_name("bodies", "body")
         if vertices is not None:
             mesh = self._mesh(name, vertices, triangles)
         rigid = _given(box=None if box is None else _box(box), sphere=sphere, capsule=capsule,
-                       mesh=mesh, scale=scale, rotate=rotate, translate=translate, density=density,
-                       mass=mass, angular_velocity=angular_velocity, fluid_friction=fluid_friction)
+                       mesh=mesh, cell=cell, scale=scale, rotate=rotate, translate=translate,
+                       density=density, mass=mass, angular_velocity=angular_velocity, fluid_friction=fluid_friction)
         return self._add_body(name, "rigid", rigid, velocity, constraints)
 
     def add_fluid(self, positions: Any = None, *, radius: float, velocities: Any = None,

@@ -2,6 +2,7 @@
 #include "base/registry.h"
 #include "file_ref.h"
 #include "fill.h"
+#include "filled_mesh.h"
 #include "inlet.h"
 #include "inlet_motion.h"
 #include "params.h"
@@ -170,38 +171,6 @@ static pdyn_status read_tet_mesh(struct reader *r, const struct json_at *at) {
     return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
 }
 
-/* Fills a closed mesh, in its place, with tetrahedra, and says how well these fit. */
-static pdyn_status fill_with_tets(struct reader *r, double cell, struct mesh *surface) {
-    struct scene_body *body = r->body;
-    struct mesh_turned turned;
-    double filled = 0.0;
-    pdyn_status status = mesh_check(r->context, surface, "as placed");
-    if (status == PDYN_OK) status = mesh_check_closed(r->context, surface, "\"cell\"");
-    if (status == PDYN_OK) status = mesh_orient_pieces(r->context, surface, &turned);
-    if (status == PDYN_OK) status = tets_fill(r->context, surface, cell, &body->mesh, &body->tets);
-    if (status == PDYN_OK) status = tets_finish(r->context, "filled", &body->mesh, &body->tets);
-    if (status != PDYN_OK) return status;
-    for (int t = 0; t < body->tets.count; t++) filled += body->tets.volume[t];
-    body->filled =
-        filled / fabs(mesh_volume(surface->triangles, surface->triangle, surface->vertex));
-    return tets_count_small(r->context, &body->mesh, &body->tets, 8.0 * cell * cell * cell,
-                            &body->crumbs);
-}
-
-static pdyn_status read_filled_mesh(struct reader *r, const struct json_at *at,
-                                    const struct json_at *cell_at,
-                                    const struct transform *transform) {
-    struct mesh surface = {0};
-    double cell;
-    pdyn_status status = params_real(cell_at, 1e-6, 1e6, "m", &cell);
-    if (status == PDYN_OK) status = file_ref_mesh(at, &surface, NULL);
-    if (status != PDYN_OK) return status;
-    transform_points(transform, surface.vertex, surface.vertices);
-    status = json_wrap(at, fill_with_tets(r, cell, &surface));
-    mesh_free(r->context, &surface);
-    return status == PDYN_OK ? fill_count(at, r->body->mesh.vertices, &r->particles) : status;
-}
-
 /* Places tetrahedra. */
 static pdyn_status place_tets(struct reader *r, const struct json_at *at,
                               const struct transform *transform) {
@@ -226,7 +195,10 @@ static pdyn_status read_volume(struct reader *r, const struct json_at *at) {
     if (status == PDYN_OK && cell.value && grid.value)
         status = json_fail_at_key(&cell, "\"cell\" needs a \"mesh\"");
     if (status != PDYN_OK) return status;
-    if (cell.value) return read_filled_mesh(r, &mesh, &cell, &transform);
+    if (cell.value) {
+        status = filled_mesh_read(&mesh, &cell, &transform, body);
+        return status == PDYN_OK ? fill_count(&mesh, body->mesh.vertices, &r->particles) : status;
+    }
     status = grid.value ? read_tet_grid(r, &grid) : read_tet_mesh(r, &mesh);
     return status == PDYN_OK ? place_tets(r, grid.value ? &grid : &mesh, &transform) : status;
 }

@@ -2,6 +2,7 @@
 
 #include "file_ref.h"
 #include "fill.h"
+#include "filled_mesh.h"
 #include "params.h"
 #include "primitive_mesh.h"
 #include "transform.h"
@@ -10,6 +11,7 @@
 #include "projdyn/svd3.h"
 #include "projdyn/vec3.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* ---- shape ----------------------------------------------------------------------------------- */
@@ -36,36 +38,55 @@ static pdyn_status read_capsule(const struct json_at *at, double bump, struct sc
     return primitive_read_capsule(at, bump, &body->mesh, middle);
 }
 
-enum { SHAPES = 4 };
+enum { MESH, SHAPES = 4 };
 static const char *const shapes[SHAPES] = {"mesh", "box", "sphere", "capsule"};
 static pdyn_status (*const shape_readers[SHAPES])(const struct json_at *at, double bump,
                                                   struct scene_body *body) = {
     read_mesh, read_box, read_sphere, read_capsule};
 
-static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
-    pdyn_context *context = r->context;
-    pdyn_status status = mesh_check(context, mesh, "as placed");
-    if (status == PDYN_OK) status = mesh_check_cloth(context, mesh, "as placed");
-    if (status == PDYN_OK) status = mesh_check_closed(context, mesh, "as placed");
+/* Checks that edges have two triangles, and turns triangles and pieces to face the same way. */
+static pdyn_status check_surface(struct reader *r, const struct mesh *mesh) {
+    pdyn_status status = mesh_check_cloth(r->context, mesh, "as placed");
     if (status == PDYN_OK) status = reader_orient_pieces(r);
-    return status == PDYN_OK ? mesh_check_oriented(context, mesh, "as placed") : status;
+    return status == PDYN_OK ? mesh_check_oriented(r->context, mesh, "as placed") : status;
+}
+
+static pdyn_status check_mesh(struct reader *r, const struct mesh *mesh) {
+    char what[CONTEXT_ERROR / 2];
+    pdyn_status status = mesh_check(r->context, mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_closed(r->context, mesh, "as placed");
+    if (status != PDYN_OK) return status;
+    status = check_surface(r, mesh);
+    if (status != PDYN_BAD_INPUT) return status;
+    snprintf(what, sizeof what, "%s", context_error());
+    return context_fail(r->context, status, "%s; \"cell\" makes a surface without such faults",
+                        what);
+}
+
+/* Reads and places one of the shapes. */
+static pdyn_status place_shape(struct reader *r, const struct json_at *at, int shape,
+                               const struct transform *transform) {
+    struct mesh *mesh = &r->body->mesh;
+    double larger = fmax(fmax(transform->scale[0], transform->scale[1]), transform->scale[2]);
+    pdyn_status status = shape_readers[shape](at, reader_bump(r) / larger, r->body);
+    if (status == PDYN_OK) transform_points(transform, mesh->vertex, mesh->vertices);
+    return status;
 }
 
 static pdyn_status read_shape(struct reader *r, const struct json_at *at,
                               struct transform *transform) {
-    struct mesh *mesh = &r->body->mesh;
     int shape;
     pdyn_status status = reader_one_of(at, shapes, SHAPES, &shape);
     if (status == PDYN_OK) status = transform_read(at, 1e-6, transform);
     if (status != PDYN_OK) return status;
-    struct json_at shape_at = json_member(at, shapes[shape]);
-    double larger = fmax(fmax(transform->scale[0], transform->scale[1]), transform->scale[2]);
-    status = shape_readers[shape](&shape_at, reader_bump(r) / larger, r->body);
+    struct json_at shape_at = json_member(at, shapes[shape]), cell = json_member(at, "cell");
+    if (cell.value && shape != MESH) return json_fail_at_key(&cell, "\"cell\" needs a \"mesh\"");
+    if (cell.value) status = filled_mesh_read_surface(&shape_at, &cell, transform, r->body);
+    else status = place_shape(r, &shape_at, shape, transform);
     if (status == PDYN_OK)
-        status = fill_count(&shape_at, mesh->vertices + (double)RIGID_POINTS, &r->particles);
-    if (status != PDYN_OK) return status;
-    transform_points(transform, mesh->vertex, mesh->vertices);
-    return json_wrap(&shape_at, check_mesh(r, mesh));
+        status =
+            fill_count(&shape_at, r->body->mesh.vertices + (double)RIGID_POINTS, &r->particles);
+    return status == PDYN_OK ? json_wrap(&shape_at, check_mesh(r, &r->body->mesh)) : status;
 }
 
 /* ---- mass ------------------------------------------------------------------------------------ */
@@ -146,8 +167,9 @@ static const pdyn_param rigid_params[] = {
     {0}};
 
 pdyn_status scene_read_rigid(struct reader *r, const struct json_at *at) {
-    static const char *const others[] = {
-        "mesh", "box", "sphere", "capsule", "scale", "rotate", "translate", "center_of_mass", NULL};
+    static const char *const others[] = {"mesh",           "cell",  "box",    "sphere",
+                                         "capsule",        "scale", "rotate", "translate",
+                                         "center_of_mass", NULL};
     static const char *const masses[] = {"density", "mass"};
     struct scene_body *body = r->body;
     struct transform transform;

@@ -82,7 +82,7 @@ static void check_slivers(struct pdyn_sim *sim, int b) {
 /* Warns where "cell" is too large for the mesh that it fills. */
 static void check_filled(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
-    if (body->crumbs)
+    if (body->crumbs && !body->is_rigid)
         WARN(sim, COARSE, body->name,
              "loose pieces smaller than eight cells: %d; beside them the mesh is thinner than "
              "\"cell\"",

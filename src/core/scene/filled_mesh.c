@@ -1,0 +1,68 @@
+#include "filled_mesh.h"
+
+#include "file_ref.h"
+#include "params.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Fills a closed mesh, in its place, and says how well the tetrahedra fit. */
+static pdyn_status fill(pdyn_context *context, double cell, struct mesh *surface,
+                        struct scene_body *body) {
+    struct mesh_turned turned;
+    double filled = 0.0;
+    pdyn_status status = mesh_check(context, surface, "as placed");
+    if (status == PDYN_OK) status = mesh_check_closed(context, surface, "\"cell\"");
+    if (status == PDYN_OK) status = mesh_orient_pieces(context, surface, &turned);
+    if (status == PDYN_OK) status = tets_fill(context, surface, cell, &body->mesh, &body->tets);
+    if (status == PDYN_OK) status = tets_finish(context, "filled", &body->mesh, &body->tets);
+    if (status != PDYN_OK) return status;
+    for (int t = 0; t < body->tets.count; t++) filled += body->tets.volume[t];
+    body->filled =
+        filled / fabs(mesh_volume(surface->triangles, surface->triangle, surface->vertex));
+    return tets_count_small(context, &body->mesh, &body->tets, 8.0 * cell * cell * cell,
+                            &body->crumbs);
+}
+
+pdyn_status filled_mesh_read(const struct json_at *at, const struct json_at *cell_at,
+                             const struct transform *transform, struct scene_body *body) {
+    struct mesh surface = {0};
+    double cell;
+    pdyn_status status = params_real(cell_at, 1e-6, 1e6, "m", &cell);
+    if (status == PDYN_OK) status = file_ref_mesh(at, &surface, NULL);
+    if (status != PDYN_OK) return status;
+    transform_points(transform, surface.vertex, surface.vertices);
+    status = json_wrap(at, fill(at->file->context, cell, &surface, body));
+    mesh_free(at->file->context, &surface);
+    return status;
+}
+
+/* Leaves out the vertices that no triangle has. number: vertices. */
+static pdyn_status keep_outside(pdyn_context *context, struct mesh *mesh, int *number) {
+    struct mesh outside;
+    int kept = 0;
+    for (int k = 0; k < 3 * mesh->triangles; k++) number[mesh->triangle[k]] = 1;
+    for (int i = 0; i < mesh->vertices; i++) number[i] = number[i] ? kept++ : -1;
+    pdyn_status status = mesh_allocate(context, kept, mesh->triangles, &outside);
+    if (status != PDYN_OK) return status;
+    for (int i = 0; i < mesh->vertices; i++)
+        if (number[i] >= 0)
+            memcpy(outside.vertex + 3 * (size_t)number[i], mesh->vertex + 3 * (size_t)i,
+                   3 * sizeof *mesh->vertex);
+    for (int k = 0; k < 3 * mesh->triangles; k++) outside.triangle[k] = number[mesh->triangle[k]];
+    mesh_free(context, mesh);
+    *mesh = outside;
+    return PDYN_OK;
+}
+
+pdyn_status filled_mesh_read_surface(const struct json_at *at, const struct json_at *cell,
+                                     const struct transform *transform, struct scene_body *body) {
+    pdyn_context *context = at->file->context;
+    pdyn_status status = filled_mesh_read(at, cell, transform, body);
+    tets_free(context, &body->tets);
+    if (status != PDYN_OK) return status;
+    int vertices = body->mesh.vertices, *number = NEW_ARRAY(context, vertices, int);
+    status = number ? keep_outside(context, &body->mesh, number) : PDYN_NO_MEMORY;
+    FREE_ARRAY(context, number, vertices);
+    return status;
+}
