@@ -50,8 +50,11 @@ function includeParts(bounds, parts) {
   return bounds;
 }
 
-/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40, and moving solids. Three
- * pairs, m. */
+/* Solids to look at: those that move, and obstacles; no tanks and floors. */
+const isSubject = (solid) => !solid.rest || ["mesh", "sphere", "capsule"].includes(solid.kind);
+
+/* Bounds of the view: ranges of the coordinates of the bodies over all frames, of at most 40, and solids to look at.
+ * Three pairs, m. */
 function measureBounds() {
   const bounds = [0, 1, 2].map(() => [Infinity, -Infinity]), step = Math.max(1, Math.floor(frameCount() / 40));
   const floor = floorOfView();
@@ -62,7 +65,7 @@ function measureBounds() {
         bounds[k] = [Math.min(bounds[k][0], low), Math.max(bounds[k][1], high)];
       }
   if (bounds[0][0] > bounds[0][1]) return [[0, 1], [0, 1], [0, 1]];
-  return includeParts(bounds, meta.solids.filter((solid) => !solid.rest));
+  return includeParts(bounds, meta.solids.filter(isSubject));
 }
 
 /* Extends the bounds down to the ground unless it is far below (0.7 times their largest side). */
