@@ -169,6 +169,10 @@ static pdyn_status read_parts(struct reader *r, const struct json_at *root) {
     struct json_at bodies = json_member(root, "bodies"), solids = json_member(root, "solids");
     struct json_at outlets = json_member(root, "outlets"), contact = json_member(root, "contact");
     struct json_at plugins = json_member(root, "plugins"), probes = json_member(root, "probes");
+    struct json_at foreign = json_member(root, "Configuration");
+    if (foreign.value)
+        return json_fail_at_key(&foreign, "this is a scene of SPlisHSPlasH; \"python3 -m "
+                                          "projdyn.splishsplash FILE\" converts it");
     pdyn_status status = params_check_keys(root, settings_general_params, others);
     if (status == PDYN_OK) status = read_plugins(r, &plugins);
     if (status == PDYN_OK) status = settings_read(r, root);
