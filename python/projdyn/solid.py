@@ -37,7 +37,9 @@ class Solid(Fixed):
         """Moves the solid evenly so that at `time`, s, it has this pose, in which it rests.
 
         translate: m, and rotate: degrees about x, then y, then z through the pivot, both from the
-        place of the solid in the scene. InputError: the solid has no "motion" in the scene.
+        place of the solid in the scene. It replaces what is left of an earlier motion: moves that
+        follow each other are called one after the other, each when the last has ended. InputError:
+        the solid has no "motion" in the scene.
         """
         step, turn = doubles(translate, (3,), "translate"), doubles(rotate, (3,), "rotate")
         self._handle.call(lib.pdyn_move_solid, self._index, number(time, "time"),
