@@ -435,7 +435,7 @@ typedef struct pdyn_constraint_type {
     /* Damping time, s: stress = stiffness (strain + damping x rate of strain). Above 0, core makes
      * a second batch of the same rows with the weights times damping / h. At the beginning of every
      * step, damping_rest makes u = G x the rest shape of that batch: it changes `data`, then at
-     * most 512 doubles an element, so that u is its own projection. With bdf2 core extrapolates the
+     * most 512 doubles an element, such that p(u) = u. With bdf2 core extrapolates the
      * data of two steps. NULL: no damping; both or none. */
     double (*damping)(const void *params);
     void (*damping_rest)(const void *params, const pdyn_batch *batch, int first, int last);

@@ -67,7 +67,8 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
         }
 }
 
-/* |u| at the base: that of x^ would be too long where u rotates. */
+/* Extrapolates the length |u| to the base: the length of the extrapolated vector would be too large
+ * where u rotates. */
 static void begin(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
     double part = b->extrapolation;

@@ -39,7 +39,7 @@ static const double end_tolerance = 0.1, inner_tolerance = 0.3, max_reduction = 
 enum { MAX_COUPLED = 10 };
 
 /* Factor of these tolerances: 1 in the first solves of a step, then less from solve to solve, down
- * to `finest`. Beside a stiff fluid what a rough solve leaves outweighs what it gains. */
+ * to `finest`. With a stiff fluid the error of an inexact solve exceeds what the solve gains. */
 enum { ROUGH_SOLVES = 7 };
 static const double refinement = 0.5, finest = 0.03;
 

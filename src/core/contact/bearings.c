@@ -156,8 +156,9 @@ static double inverse_mass(const pdyn_dashpot *d, const struct end end[2]) {
     return sum;
 }
 
-/* F R, 1/R = sum of 1/R_i over the bodies, R_i: the height of its centre above the bearing. A body
- * that rolls has the second moment F R, and its rolling changes no force. */
+/* F R, 1/R = sum of 1/R_i over the bodies, R_i: the height of its centre above the bearing. The
+ * second moment of a body that rolls contains F R, although rolling changes no force: it is taken
+ * off before the tilt is damped. */
 static double rolling(const struct bearing *bearing, const struct end end[2]) {
     double curvature = 0.0;
     for (int side = 0; side < 2; side++) {

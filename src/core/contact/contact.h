@@ -128,7 +128,8 @@ struct contact {
     int edges, free_edges, edges_room;
     int *edge; /* edges_room x 2: points */
     /* flat parts of solids and rigid bodies (flat_sides.c) */
-    int *across;      /* faces x 3: the face beyond the flat side opposite a corner; -1: no such */
+    int *across;      /* faces x 3: the face beyond the side opposite a corner; -1: the side is not
+                         flat */
     int *flat_part;   /* faces: the first face of the flat part that it belongs to; or itself */
     bool *flat_edge;  /* edges_room: is such a side */
     bool *flat_point; /* points: has such sides all around */

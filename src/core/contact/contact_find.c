@@ -28,8 +28,9 @@ void contact_list_free(pdyn_context *context, struct contact_list *list) {
 
 /* ---- of a local step ------------------------------------------------------------------------- */
 
-/* A pair is skipped where its distance is larger than its thickness by more than this part of it,
- * so that the rounding of lower bounds, which a resumed run sums in another way, does not count. */
+/* A pair is skipped where its distance exceeds its thickness by more than this part of it. The
+ * slack is far above the rounding of the lower bounds: a resumed run adds these up in another
+ * order, and must find the same pairs. */
 static const double rounding = 1e-6;
 
 /* Writes the pairs of a block that are closer than their thickness to c->hits.hit + first. A pair

@@ -1,8 +1,8 @@
 /* Flat parts of solids and rigid bodies: triangles in one plane, with their common sides, and the
- * points that have such sides all around. What touches a plane touches it with its own vertices, so
- * these sides and points take no part in contact, and of two triangles that meet at such a side
- * only the nearer one touches a vertex. Otherwise a floor of triangles would have bumps at its
- * edges: two pairs push where one does elsewhere. */
+ * points that have such sides all around. Against a plane, the pairs of its faces with the vertices
+ * of the other body suffice, so these sides and points take no part in contact; and of two
+ * triangles that meet at such a side only the nearer one pairs with a vertex. Otherwise a floor of
+ * triangles would have bumps at its edges: two pairs push where one does elsewhere. */
 #include "contact.h"
 
 #include "projdyn/vec3.h"

@@ -61,7 +61,7 @@ pdyn_status residual_create(struct objective *o) {
 
 void residual_free(struct objective *o) { FREE_VECTOR(o->context, o->without_load, o->particles); }
 
-/* A constraint puts no load on its own body: what acts there are the forces that are solved for. */
+/* A constraint puts no load on its own body: its forces there are part of the residual. */
 static bool is_own(const struct batch *batch, const struct objective_body *body) {
     return batch->view.body == body->of;
 }

@@ -26,12 +26,12 @@ struct batch {
     void *op;                   /* operator tier: the type's state */
     struct one_sided one_sided; /* operator tier: its constraints */
     struct surface_samples
-        *samples;    /* operator tier: vectors end with these samples; NULL: without */
+        *samples;    /* operator tier: vectors have their values appended; NULL: no samples */
     double eps;      /* damping of the current linearisation */
     double energy;   /* J, at the last local step */
-    double left_out; /* part of impacts that the integrator left out in the last step: mean forces
-                        are w (u - p) less this part of the flux, which has the impacts then, or, of
-                        pins, of themselves (forces_pass_on) */
+    double left_out; /* part of impact forces that did not change velocities in the last step. The
+                        mean force is w (u - p) less left_out times the flux, which holds the
+                        impact forces; for pins, less left_out times itself (forces_pass_on) */
     bool damper;     /* the second batch of pdyn_constraint_type.damping */
     bool off;        /* switched off: all weights are 0 */
 

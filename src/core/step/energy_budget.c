@@ -14,7 +14,7 @@ static const double normal_density_error = 0.02;
 /* Water in front of a moving solid reaches several times its speed. */
 static const double jet_speed = 10.0;
 static const double slow_speed = 1e-3; /* m/s */
-/* Beyond all heights and energies, but finite. */
+/* Stands for infinity: saved states refuse numbers that are not finite. */
 static const double far = 1e300;
 /* Rises of the total energy that are worth a warning: a share of the energies in motion, and of the
  * weight times the height of the scene. */

@@ -60,7 +60,7 @@ void falling_jet_narrow(struct pdyn_sim *sim, const struct live_inlet *inlet, in
     double g = vec3_dot(gravity, n), speed = vec3_dot(layer.v, n);
     double pressure_of_layer = body->rest_density * vec3_length(gravity) * spacing;
     if (!layer.count || !(g > 0.0) || !(speed > 0.0) || layer.pressure > pressure_of_layer) return;
-    /* not faster than the jet itself, where it is stretched within its own width */
+    /* bounded by the speed of the jet over its radius */
     double rate =
         -fmin(0.5 * g / speed, speed / fmax(spacing, largest_radius(sim, &layer, n, pusher)));
     for (int i = 0; i < sim->objective.particles; i++) {

@@ -181,7 +181,7 @@ static void persist_hold(struct pdyn_sim *sim, struct hold *h, struct snapshot_f
     if (a->status == PDYN_OK) set_params(sim, h);
 }
 
-/* The state has been settled: no hold is released. */
+/* Call after control_settle, so that no released hold is left. */
 void holds_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct control *c = &sim->control;
     int count = (int)c->holds;

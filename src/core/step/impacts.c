@@ -9,8 +9,8 @@
 
 /* The part of an impulse, dv, m/s, that particle i gets: it changes v by at most twice the distance
  * to the Euler velocity, (x_next - x) / h, and v_before by at most twice the distance to v.
- * Otherwise a light vertex or body, pressed by water, a heavy body or a plate and held by other
- * forces, would be thrown. */
+ * Without this bound, a light vertex or body that other forces hold against the impulse would get
+ * far too large a velocity. */
 static double kept_part(const struct pdyn_sim *sim, int i, double h, const double *dv) {
     double part = sim->objective.h / h, size = vec3_length(dv), missing = 0.0;
     for (int k = 3 * i; k < 3 * i + 3; k++) {
@@ -60,8 +60,8 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double
     }
 }
 
-/* share: of each particle, kg m/s, its impulse; of the points of a rigid body that of the body; of
- * pinned bodies none. */
+/* share[i]: size of the impulse of particle i, kg m/s; for the points of a rigid body the sum over
+ * them; 0 for pinned bodies. */
 static void find_shares(const struct pdyn_sim *sim, const double *between, double *share) {
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
@@ -116,9 +116,9 @@ static bool has_other_forces(const struct pdyn_sim *sim) {
     return others;
 }
 
-/* kept (3 x particles, of which it uses a third): acceleration of each particle by all constraints
- * over that by one-sided ones, at most 1. A pinned vertex does not yield to water, however light it
- * is. */
+/* kept[i]: acceleration of particle i by all constraints over that by one-sided ones, at most 1: a
+ * pinned vertex does not yield to water, however light it is. kept has 3 numbers per particle as
+ * scratch; entry i is written after row i was read. */
 static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change, double *kept) {
     struct objective *objective = &sim->objective;
     memset(kept, 0, objective_bytes(objective));
@@ -131,7 +131,7 @@ static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change
         double one_sided = vec3_length(kept + 3 * (size_t)i);
         double all = vec3_distance(sim->x_next + 3 * (size_t)i, objective->s + 3 * (size_t)i) /
                      (objective->h * objective->h);
-        kept[i] = all < one_sided ? all / one_sided : 1.0; /* rows up to i have been read */
+        kept[i] = all < one_sided ? all / one_sided : 1.0;
     }
 }
 

@@ -1,16 +1,16 @@
 /* Impacts with bdf2. A two-step formula would continue the jump of v in an impact as an
  * acceleration, and a body that falls on a floor would bounce. Therefore the impulse H a of an
  * impact acts as a displacement H^2 a over h, as with Euler, and is added to v_before, too. Both
- * are sums of constraint forces, and what a limit takes off them is given back, or held by pins, so
- * momentum is conserved. */
+ * are sums of constraint forces. A limit may take a part of them; that part goes to other particles
+ * or to the pins of the body, so momentum is conserved. */
 #ifndef PDYN_IMPACTS_H
 #define PDYN_IMPACTS_H
 
 #include "sim.h"
 
 /* Call after a step of length h, s, with its velocities known. Corrects velocities and those of the
- * step before, and sets sim->passed_on. Returns the number of constraints with an impact; 0 with
- * Euler. */
+ * step before, takes what the limit leaves out off the impacts of solids, and sets sim->passed_on.
+ * Returns the number of constraints with an impact; 0 with Euler. */
 int impacts_correct(struct pdyn_sim *sim, double h);
 
 #endif

@@ -46,7 +46,8 @@ static const struct live_inlet *inlet_of(const struct pdyn_sim *sim, int i) {
     return &sim->live->inlet[(sim->live->pusher[i] - 1) / 2];
 }
 
-/* The particle moves with the inlet, and seems to have done so before. */
+/* From now on the inlet moves the particle; its state of the step before is set as if it had done
+ * so then, too. */
 static void push(struct pdyn_sim *sim, const struct live_inlet *inlet, int i) {
     double before = sim->time - sim->history, *x = sim->x + 3 * i;
     set_pusher(sim, i, pusher_of(sim, inlet, inlet->layers));

@@ -11,9 +11,9 @@
 struct live_inlet {
     struct scene_inlet *from;
     int number, body;   /* `number`: index in the body */
-    double layers;      /* layers that were due so far, an integer */
-    double free;        /* of them, those that the inlet has let go, an integer */
-    double not_entered; /* particles of them that did not enter, an integer */
+    double layers;      /* number of layers that were due so far, a whole number */
+    double free;        /* number of these layers that move freely, a whole number */
+    double not_entered; /* number of their particles that did not enter, a whole number */
     bool closed;        /* the budget is used up */
 };
 
@@ -22,7 +22,7 @@ struct live_particles {
     int *vacant; /* bodies: number of particles that are not live */
     int *slot;   /* particles: for every body, from its first particle on, a stack of particles that
                     are not live */
-    int *scratch; /* particles: those close to a layer, marks, or what a saved state has */
+    int *scratch; /* particles: indices of those close to a layer, or marks */
     int *pusher; /* particles: which layer of which inlet it is pushed in (inlets.c); 0: none. NULL:
                     there are no inlets */
     double *inertia; /* particles, kg: of the objective. NULL: no inlets */

@@ -74,8 +74,8 @@ static double adapt_to_length(double eps, const struct line_step *step) {
     return step->length < 1.0 ? more_damping(eps, 10.0) : less_damping(eps, 10.0);
 }
 
-/* With a dual solver it falls from step to step; beside rows a step after an unsolved one begins
- * undamped. */
+/* eps at the start of a step. With a dual solver eps falls from step to step; beside rows a step
+ * after an unsolved one begins undamped. */
 static double damping_at_start(const struct pdyn_sim *sim) {
     if (!sim->solver->dual) return sim->eps;
     if (!solves_fluid_alone(sim) && sim->unsolved) return 0.0;
@@ -125,9 +125,9 @@ static pdyn_status advance_solids(struct pdyn_sim *sim, double *energy) {
                              : status;
 }
 
-/* A step that ends where it starts has the forces of the step before. Forces that are one step late
- * feed every oscillation, so a start is the end only where next to nothing changes: up to this part
- * of the tolerance. Multipliers are no forces of the step before. */
+/* The starting point counts as solved only below this part of the tolerance. It has the forces of
+ * the step before, and forces that are one step late feed every oscillation. A dual solver starts
+ * with pressures instead, which need no such bound. */
 static const double start_part = 1e-3;
 
 static bool is_solved(const struct pdyn_sim *sim, const struct progress *p) {

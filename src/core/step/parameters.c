@@ -217,8 +217,8 @@ static void persist_path(struct batch *b, pdyn_path *path, struct snapshot_file 
         snapshot_file_require(a, path->key[k] > path->key[k - 4], "keys are not in order");
 }
 
-/* Whether a number has changed. A parameter that is absent has a value outside of its bounds, which
- * may be infinite. */
+/* Saves or reads a number; returns whether it has changed. A parameter that the scene leaves out
+ * has a value outside of its bounds, which may be infinite. */
 static bool persist_value(const struct batch *b, const pdyn_param *p, double *field,
                           struct snapshot_file *a) {
     int count = p->kind == PDYN_VECTOR ? 3 : 1;

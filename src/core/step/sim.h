@@ -63,7 +63,7 @@ struct pdyn_sim {
     int impacts;       /* number of constraints with an impact in the last step */
     double left_out;   /* 1 - (H / h)^2: the part of their forces that does not change velocities
                           (impacts.h) */
-    double *passed_on; /* bodies x 3, N: of impacts, the force that pins of the body hold */
+    double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
     double history;    /* s, time from x_before to x; 0: the history must not be used */
     double eps;        /* damping of the next global step, continued from step to step */
     bool anchored;     /* a constraint can change the momentum of the system */

@@ -54,8 +54,8 @@ void solver_choice_open(struct pdyn_sim *sim);
 /* Chooses the solver of the next step after a step that took so many linear iterations. */
 void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved);
 
-/* Whether the solver on trial has taken more work than it may, or the one in use many times its own
- * cost. */
+/* Whether the solver on trial has taken more work than it may, or the solver in use has taken many
+ * times its mean work. */
 bool solver_choice_has_lost(const struct pdyn_sim *sim, int iterations);
 
 /* The other solver continues the step: after a lost trial, in an impact, or where a dual solver

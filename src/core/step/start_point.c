@@ -8,7 +8,8 @@
 #include <string.h>
 
 /* x = s + h^2 a, a: the constraints' acceleration of the last step, which is likely to be needed
- * again. (A start without gravity gives the same density, but unsolved steps then lose motion.) */
+ * again. (Tried: s without gravity. It gives the same density, but unsolved steps lose momentum.)
+ */
 static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     double h = sim->objective.h;
     memcpy(x, sim->objective.s, objective_bytes(&sim->objective));
@@ -33,8 +34,7 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
-/* The local step at a part of the path from the state to s, at whose end held particles are always.
- */
+/* The local step at x + part (s - x); pushed particles go the whole way to s. */
 static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
     double least;
     const double *x = carried_x(sim);

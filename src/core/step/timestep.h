@@ -8,7 +8,7 @@
 struct step_end {   /* end of the coming step */
     double h, time; /* s: length of the step; time at its end, exact at a frame */
     bool frame;     /* the step ends at the next frame, or goes beyond it */
-    bool given;     /* by the caller: the end need not be that of a frame */
+    bool given;     /* the caller gave the length, so the step may pass a frame */
 };
 
 /* Chooses the next step, at most `longest`, s; INFINITY: the scene decides. */

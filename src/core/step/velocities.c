@@ -79,8 +79,8 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
             sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
 }
 
-/* After an unsolved step, computes Euler velocities from the displacement: x^ of a two-step formula
- * was not reached and says nothing about the velocity. */
+/* After an unsolved step, computes Euler velocities v = (x_next - x) / h: the error of x_next would
+ * enter (x_next - x^) / H of a two-step formula one and a half times. */
 static void update_unsolved(struct pdyn_sim *sim, double h) {
     compute_velocities(sim, sim->x, h);
     remove_energy_gain(sim, h);
