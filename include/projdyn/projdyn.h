@@ -179,7 +179,7 @@ typedef struct pdyn_iteration {
     int iteration;         /* 0: the starting point of the step */
     int linear_iterations; /* in this iteration */
     double energy;         /* J, minimised function */
-    double residual;       /* largest |grad E| / (|M g| + load) of a body */
+    double residual;       /* largest pdyn_body_info.residual, at x */
     double damping;        /* eps: 0 for "newton", 1 for "projective" */
     const double *x;       /* particles x 3 */
 } pdyn_iteration;
@@ -345,7 +345,8 @@ PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double forc
                                      double moment[3]);
 
 /* Save the state to a file, or restore it in a simulation loaded from the same scene, whose
- * duration, step lengths, and tolerances and iterations of the solver may differ. Without a
+ * duration, step lengths, retries, tolerances and iterations of the solver, and names and colours
+ * that no result depends on may differ. Without a
  * difference, the restored simulation continues with the same bits as without interruption. The
  * file appears complete or not at all. PDYN_BAD_INPUT: not a saved state, or of another scene or
  * version, or a field is not valid. PDYN_IO_FAILED, PDYN_NO_MEMORY. After a failure the simulation

@@ -21,6 +21,7 @@ from .constraint import Constraint, Parameter
 from .errors import Error, InputError, StepError
 from .inlet import Inlet
 from .probe import Probe
+from .rigid import Rigid
 from .scene import Scene, load
 from .simulation import Simulation, Warning
 from .solid import Load, Solid
@@ -29,5 +30,5 @@ from .writer import Writer
 __version__ = version()
 
 __all__ = ["Body", "Constraint", "Error", "Inlet", "InputError", "Load", "Parameter", "Probe",
-           "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
+           "Rigid", "Scene", "Simulation", "Solid", "StepError", "StepInfo", "Warning", "Writer", "load",
            "version"]

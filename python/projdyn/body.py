@@ -14,6 +14,8 @@ from ._structs import BodyInfo
 from .errors import InputError
 from .inlet import Inlet
 
+POINTS = 4  # of a rigid body, which have its mass, behind its vertices
+
 
 class Body(Fixed):
     """A fluid, a sheet, a soft solid or a rigid body of n particles (vertices).
@@ -34,6 +36,7 @@ class Body(Fixed):
     radius          m, of a particle; 0 for a surface
     rest_density    kg/m^3, of a body of particles; 0 for a surface
     inlets          list of Inlet, in the order of the scene
+    is_rigid        bool: it is a Rigid (rigid.py)
     """
 
     def __init__(self, handle: Handle, index: int, state: dict) -> None:
@@ -52,7 +55,9 @@ class Body(Fixed):
         self.triangles = view(info.triangle, (info.triangles, 3), handle, np.intc)
         self.edges = view(info.edge, (info.edges, 2), handle, np.intc)
         self.tets = view(info.tet, (info.tets, 4), handle, np.intc)
+        self._all = state
         self._total = state["mass"][info.first:self._end(len(state["mass"]))]
+        self.is_rigid = len(self._total) == n + POINTS
         self.radius: float = info.radius
         self.rest_density: float = info.rest_density
         inlets = lib.pdyn_inlets(handle.pointer, index)

@@ -18,6 +18,7 @@ from ._structs import State, StepInfo, WarningInfo
 from .body import Body
 from .constraint import Constraint
 from .probe import Probe, probes_of
+from .rigid import body_of
 from .solid import Solid
 from .writer import Writer
 
@@ -53,7 +54,7 @@ class Simulation(Fixed):
         self.x: np.ndarray = arrays["x"]
         self.v: np.ndarray = arrays["v"]
         self.mass: np.ndarray = arrays["mass"]
-        bodies = (Body(handle, k, arrays) for k in range(state.bodies))
+        bodies = (body_of(handle, k, arrays) for k in range(state.bodies))
         self.bodies: dict[str, Body] = Names({body.name: body for body in bodies})
         self.constraints = _constraints(handle, state)
         self.solids = _solids(handle)

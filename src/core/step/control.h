@@ -11,9 +11,10 @@ struct control {
     bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
     bool anchored; /* sim->anchored without holds and inlets */
     double *force; /* particles x 3, N; NULL: none was ever set */
-    struct hold **hold;
-    size_t holds, room;
-    int batches; /* of holds: the last ones of the objective */
+    struct hold *hold; /* holds: the first `settled` have batches and ascending particles */
+    size_t holds, room, settled;
+    struct hold_group *group; /* bodies: of the batches of holds, the last of the objective */
+    int batches;              /* number of these */
 };
 
 /* PDYN_BAD_CALL: there is no simulation, or it has failed. */

@@ -1,77 +1,95 @@
 #include "hold.h"
 
-#include "base/registry.h"
 #include "live_particles.h"
 #include "sim.h"
 
 #include "projdyn/control.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double max_stiffness = 1e15; /* N/m */
 
-/* ---- parameters of a pin --------------------------------------------------------------------- */
+/* ---- the constraint -------------------------------------------------------------------------- */
 
-static void *field_of(const pdyn_constraint_type *type, void *params, const char *name) {
-    const pdyn_param *p = type->params;
-    while (strcmp(p->name, name) != 0) p++;
-    return (char *)params + p->offset;
+static const struct hold *hold_at(const void *par, int element) {
+    const struct hold_group *group = par;
+    return group->control->hold + group->first + element;
 }
 
-static const pdyn_body *body_of(const struct pdyn_sim *sim, int particle) {
-    return &sim->body[objective_body_of(&sim->objective, particle)];
+static int elements(const void *par, const pdyn_body *body) {
+    (void)body;
+    return ((const struct hold_group *)par)->count;
 }
 
-static void set_params(struct pdyn_sim *sim, struct hold *h) {
-    const pdyn_constraint_type *pin = registry_constraint(sim->context, "pin");
-    const double *rest = sim->rest + 3 * (size_t)h->particle;
-    h->index = h->particle - body_of(sim, h->particle)->first;
-    for (int a = 0; a < 3; a++) h->key[1 + a] = h->target[a] - rest[a];
-    *(pdyn_vertices *)field_of(pin, h->params, "vertices") = (pdyn_vertices){1, &h->index};
-    *(pdyn_path *)field_of(pin, h->params, "path") = (pdyn_path){1, h->key};
-    *(double *)field_of(pin, h->params, "stiffness") = h->stiffness;
+static void select_points(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        b->column[e] = hold_at(par, e)->particle, b->coefficient[e] = 1.0;
 }
+
+static void weight(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++) b->weight[e] = hold_at(par, e)->stiffness;
+}
+
+static void project(const void *par, const pdyn_batch *b, int first, int last) {
+    for (int e = first; e < last; e++)
+        memcpy(b->p + 3 * (size_t)e, hold_at(par, e)->target, 3 * sizeof *b->p);
+}
+
+static const pdyn_constraint_type held = {
+    .name = "hold",
+    .summary = "holds points where a program says",
+    .flags = PDYN_ANCHORED | PDYN_REACTION,
+    .params_size = sizeof(struct hold_group),
+    .params = (const pdyn_param[]){{0}},
+    .elements = elements,
+    .rows = 1,
+    .width = 1,
+    .select = select_points,
+    .weight = weight,
+    .project = project,
+};
 
 /* ---- the list -------------------------------------------------------------------------------- */
 
-static void free_hold(struct pdyn_sim *sim, struct hold *h) {
-    size_t size = registry_constraint(sim->context, "pin")->params_size;
-    if (h->params) context_resize(sim->context, h->params, size, 0);
-    FREE_ARRAY(sim->context, h, 1);
-}
-
 static struct hold *add_hold(struct pdyn_sim *sim) {
     struct control *c = &sim->control;
-    size_t size = registry_constraint(sim->context, "pin")->params_size;
-    struct hold **list =
+    struct hold *list =
         context_grow(sim->context, c->hold, &c->room, c->holds + 1, sizeof *c->hold);
     if (!list) return NULL;
     c->hold = list;
-    struct hold *h = NEW_ARRAY(sim->context, 1, struct hold);
-    if (h && !(h->params = context_array(sim->context, 1, size))) FREE_ARRAY(sim->context, h, 1);
-    if (h) c->hold[c->holds++] = h;
-    return h;
+    return &c->hold[c->holds++];
+}
+
+static int compare_holds(const void *a, const void *b) {
+    return ((const struct hold *)a)->particle - ((const struct hold *)b)->particle;
 }
 
 /* The hold of a particle, or NULL. */
 static struct hold *find_hold(const struct pdyn_sim *sim, int particle) {
-    for (size_t k = 0; k < sim->control.holds; k++)
-        if (sim->control.hold[k]->particle == particle) return sim->control.hold[k];
-    return NULL;
+    const struct control *c = &sim->control;
+    const struct hold key = {.particle = particle};
+    struct hold *found =
+        c->settled ? bsearch(&key, c->hold, c->settled, sizeof key, compare_holds) : NULL;
+    for (size_t k = c->settled; k < c->holds && !found; k++)
+        if (c->hold[k].particle == particle) found = &c->hold[k];
+    return found;
 }
 
 /* A released hold stays until its batch is gone. */
-static void remove_released(struct pdyn_sim *sim) {
-    struct control *c = &sim->control;
+static void remove_released(struct control *c) {
     size_t kept = 0;
     for (size_t k = 0; k < c->holds; k++)
-        if (c->hold[k]->released) free_hold(sim, c->hold[k]);
-        else c->hold[kept++] = c->hold[k];
+        if (!c->hold[k].released) c->hold[kept++] = c->hold[k];
     c->holds = kept;
 }
 
 /* ---- batches --------------------------------------------------------------------------------- */
+
+static const pdyn_body *body_of(const struct pdyn_sim *sim, int particle) {
+    return &sim->body[objective_body_of(&sim->objective, particle)];
+}
 
 static void drop_batches(struct pdyn_sim *sim) {
     struct objective *objective = &sim->objective;
@@ -89,28 +107,42 @@ static pdyn_status reserve_batches(struct objective *objective, int count) {
     return PDYN_OK;
 }
 
-pdyn_status holds_make_batches(struct pdyn_sim *sim) {
-    struct objective *objective = &sim->objective;
-    const pdyn_constraint_type *pin = registry_constraint(sim->context, "pin");
+/* Makes the batch of the holds from `first` on that have its body. */
+static pdyn_status make_batch(struct pdyn_sim *sim, size_t first) {
+    struct control *c = &sim->control;
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
+    const pdyn_body *body = body_of(sim, c->hold[first].particle);
+    struct hold_group *group = &c->group[c->batches];
+    *group = (struct hold_group){c, first, 0};
+    while (first < c->holds && body_of(sim, c->hold[first].particle) == body)
+        group->count++, first++;
+    const struct batch_def def = {&held, group, body, lists, &sim->services};
+    pdyn_status status = objective_add_batch(&sim->objective, &def);
+    if (status == PDYN_OK) c->batches++;
+    return status;
+}
+
+pdyn_status holds_make_batches(struct pdyn_sim *sim) {
+    struct control *c = &sim->control;
     drop_batches(sim);
-    remove_released(sim);
-    pdyn_status status = reserve_batches(objective, objective->batches + (int)sim->control.holds);
-    for (size_t k = 0; status == PDYN_OK && k < sim->control.holds; k++) {
-        const struct hold *h = sim->control.hold[k];
-        const struct batch_def def = {pin, h->params, body_of(sim, h->particle), lists,
-                                      &sim->services};
-        status = objective_add_batch(objective, &def);
-        if (status == PDYN_OK) sim->control.batches++;
-    }
+    remove_released(c);
+    if (c->holds) qsort(c->hold, c->holds, sizeof *c->hold, compare_holds);
+    c->settled = c->holds;
+    if (c->holds && !c->group &&
+        !(c->group = NEW_ARRAY(sim->context, sim->bodies, struct hold_group)))
+        return PDYN_NO_MEMORY;
+    pdyn_status status = reserve_batches(&sim->objective, sim->objective.batches + sim->bodies);
+    for (size_t k = 0; status == PDYN_OK && k < c->holds;
+         k += (size_t)c->group[c->batches - 1].count)
+        status = make_batch(sim, k);
     return status;
 }
 
 void holds_free(struct pdyn_sim *sim) {
     struct control *c = &sim->control;
-    while (c->holds) free_hold(sim, c->hold[--c->holds]);
     FREE_ARRAY(sim->context, c->hold, c->room);
-    c->room = 0;
+    FREE_ARRAY(sim->context, c->group, sim->bodies);
+    c->holds = c->room = c->settled = 0;
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */
@@ -143,16 +175,12 @@ pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness, const doubl
     pdyn_status status = check_hold(sim, particle, stiffness, target);
     if (status != PDYN_OK) return status;
     struct hold *h = find_hold(sim, particle);
-    if (h && h->stiffness == stiffness && !h->released) {
-        memcpy(h->target, target, sizeof h->target);
-        set_params(sim, h);
-        return PDYN_OK;
-    }
+    bool same = h && h->stiffness == stiffness && !h->released;
     if (!h && !(h = add_hold(sim))) return PDYN_NO_MEMORY;
-    sim->control.driven = sim->control.stale = true;
-    h->particle = particle, h->stiffness = stiffness, h->released = false;
+    sim->control.driven = true;
+    sim->control.stale |= !same;
+    *h = (struct hold){.particle = particle, .stiffness = stiffness};
     memcpy(h->target, target, sizeof h->target);
-    set_params(sim, h);
     return PDYN_OK;
 }
 
@@ -178,7 +206,6 @@ static void persist_hold(struct pdyn_sim *sim, struct hold *h, struct snapshot_f
     snapshot_file_range(a, &h->stiffness, 1, max_stiffness, "the stiffness of a hold");
     snapshot_file_require(a, h->stiffness >= 0.0, "the stiffness of a hold is negative");
     h->particle = (int)particle;
-    if (a->status == PDYN_OK) set_params(sim, h);
 }
 
 /* Call after control_settle, so that no released hold is left. */
@@ -187,12 +214,12 @@ void holds_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     int count = (int)c->holds;
     snapshot_file_count(a, &count, 4 * sizeof(double), "the number of holds is out of range");
     if (a->view.reading && (count || c->holds)) {
-        for (size_t k = 0; k < c->holds; k++) c->hold[k]->released = true;
+        for (size_t k = 0; k < c->holds; k++) c->hold[k].released = true;
         c->stale = true;
     }
     size_t first = a->view.reading ? c->holds : 0;
     for (int k = 0; k < count && a->status == PDYN_OK; k++) {
         if (a->view.reading && !add_hold(sim)) a->status = PDYN_NO_MEMORY;
-        else persist_hold(sim, c->hold[first + (size_t)k], a);
+        else persist_hold(sim, &c->hold[first + (size_t)k], a);
     }
 }

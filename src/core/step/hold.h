@@ -1,5 +1,8 @@
-/* Holds: pins that a program puts on single particles (pdyn_hold). Each is a constraint of the type
- * "pin" with one element, and a batch of its own behind all others of the objective. */
+/* Holds: springs that a program ties between single particles and places (pdyn_hold),
+ *
+ *     u = x_i,     p = target,     J = 0,     E = w/2 |u - p|^2,     w: stiffness
+ *
+ * All holds of a body are one batch, behind all batches of the scene. */
 #ifndef PDYN_HOLD_H
 #define PDYN_HOLD_H
 
@@ -12,9 +15,13 @@ struct hold {
     double stiffness; /* N/m */
     double target[3]; /* m */
     bool released;    /* to be removed when batches are made */
-    int index;        /* of the particle in its body */
-    double key[4];    /* of the pin's path */
-    void *params;     /* of the type "pin"; refers to index and key */
+};
+
+struct control;
+struct hold_group { /* the parameters of a batch: holds of one body */
+    const struct control *control;
+    size_t first; /* in control->hold */
+    int count;
 };
 
 /* Removes released holds and makes the batches of all others anew. No solver refers to them. */

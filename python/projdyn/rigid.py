@@ -1,0 +1,85 @@
+"""Rigid bodies: pose, motion, force and moment."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ._arrays import address, doubles
+from ._handles import Handle
+from ._library import lib
+from .body import POINTS, Body
+
+
+class Rigid(Body):
+    """A rigid body, with all that a body has.
+
+    Its mass and inertia are those of four points of a fourth of the mass each, which follow its n
+    vertices in arrays of all particles. Rotations are 3 x 3 matrices.
+    """
+
+    @property
+    def position(self) -> np.ndarray:
+        """3, m: the centre of mass."""
+        return self._points("x").mean(0)
+
+    @property
+    def rotation(self) -> np.ndarray:
+        """3 x 3: from the place in the scene to the present one, x = position + R (rest - c)."""
+        rest, now = self.rest - self.rest.mean(0), self.x - self.x.mean(0)
+        return np.linalg.lstsq(rest, now, rcond=None)[0].T
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """3, m/s: of the centre of mass."""
+        return self._points("v").mean(0)
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """3 x 3, kg m^2: inertia tensor about the centre of mass, in the present pose."""
+        arms = self._arms()
+        return 0.25 * self.total_mass * (np.sum(arms**2) * np.eye(3) - arms.T @ arms)
+
+    @property
+    def angular_velocity(self) -> np.ndarray:
+        """3, rad/s."""
+        moments = np.cross(self._arms(), self._points("v")).sum(0)
+        return np.linalg.solve(self.inertia, 0.25 * self.total_mass * moments)
+
+    # ---- between two steps ----------------------------------------------------------------------
+
+    def set_wrench(self, force: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> None:
+        """Sets a force through the centre of mass, N, and a moment about it, N m, which act until
+        they are set again, beside the forces on the vertices. They hold the direction that they
+        have; the moment turns with the body, so set it in every step where the body turns."""
+        push, turn = doubles(force, (3,), "force"), doubles(moment, (3,), "moment")
+        spin = np.linalg.solve(self.inertia, turn)
+        forces = 0.25 * (push + self.total_mass * np.cross(spin, self._arms()))
+        self._handle.call(lib.pdyn_set_forces, self.particles.stop, POINTS,
+                          address(doubles(forces, (POINTS, 3), "forces")))
+
+    def set_pose(self, position: Any, rotation: Any = np.eye(3)) -> None:
+        """Places the body: its centre of mass, m, and its rotation from the place in the scene."""
+        turn, place = doubles(rotation, (3, 3), "rotation"), doubles(position, (3,), "position")
+        now = self.rotation.T @ (self.x - self.position).T
+        self.set_positions((place[:, None] + turn @ now).T)
+
+    def set_motion(self, velocity: Any = (0, 0, 0), angular_velocity: Any = (0, 0, 0)) -> None:
+        """Sets the velocity of the centre of mass, m/s, and the angular velocity, rad/s."""
+        move = doubles(velocity, (3,), "velocity")
+        spin = doubles(angular_velocity, (3,), "angular_velocity")
+        self.set_velocities(move + np.cross(spin, self.x - self.position))
+
+    # ---- parts ----------------------------------------------------------------------------------
+
+    def _points(self, name: str) -> np.ndarray:
+        return self._all[name][self.particles.stop:self.particles.stop + POINTS]
+
+    def _arms(self) -> np.ndarray:
+        return self._points("x") - self.position
+
+
+def body_of(handle: Handle, index: int, state: dict) -> Body:
+    """The body of this index, a Rigid where it is one."""
+    body = Body(handle, index, state)
+    return Rigid(handle, index, state) if body.is_rigid else body
