@@ -15,13 +15,13 @@
 
 enum { STEPS = 12 }; /* of a bisection: the place of a cut is known to 2^-12 of its edge */
 
-/* A node is moved onto the mesh if one of its edges is cut closer than this share of the edge
- * (Labelle and Shewchuk 2007, table 2: dihedral angles of 12 to 165 degrees for smooth surfaces).
- */
+/* A node is moved onto the mesh if one of its edges is cut closer than this share of the edge: the
+ * values with which Labelle and Shewchuk bound dihedral angles by 10.7 and 164.8 degrees on smooth
+ * surfaces, with diagonals chosen in another way than here. */
 static const double move_along_axis = 0.24999, move_diagonally = 0.41189;
 
-/* Cuts are no closer to nodes, so that every tetrahedron has a volume. Nodes that are not moved
- * have closer ones only where they returned to their place. */
+/* Cuts are no closer to nodes, so that every tetrahedron has a volume. It matters for nodes that
+ * returned to their place: others have no closer cuts along an axis. */
 static const double min_share = 0.25;
 
 /* The edges of a node, in half cells: the first seven lead to nodes with a higher index. */
