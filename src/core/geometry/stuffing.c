@@ -8,6 +8,7 @@
  *     --> nodes return to their place where parts of the result touch along an edge
  */
 #include "mesh_query.h"
+#include "outer_edges.h"
 #include "tets.h"
 
 #include <stdlib.h>
@@ -36,6 +37,7 @@ struct stuffing {
     long n[3], points;      /* of the lattice of half cells */
     signed char *sign;      /* points; of no meaning where no node is */
     signed char *moved;     /* points: the edge along which a node is moved; -1: it is not */
+    int restored;           /* nodes that have moved back */
     size_t count, capacity; /* of tetrahedra */
     int64_t *corner;        /* count x 4: see key_of_cut */
 };
@@ -239,11 +241,6 @@ static void add_all(struct stuffing *s) {
 
 /* ---- numbering ------------------------------------------------------------------------------- */
 
-static int compare_keys(const void *a, const void *b) {
-    int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
-    return (p > q) - (p < q);
-}
-
 /* Numbers the vertices in the order of their keys. */
 static pdyn_status number_vertices(pdyn_context *context, const struct stuffing *s,
                                    struct mesh *mesh, struct tets *tets) {
@@ -256,7 +253,7 @@ static pdyn_status number_vertices(pdyn_context *context, const struct stuffing 
     }
     tets->count = (int)s->count;
     memcpy(key, s->corner, corners * sizeof *key);
-    qsort(key, corners, sizeof *key, compare_keys);
+    qsort(key, corners, sizeof *key, keys_compare);
     size_t vertices = 0;
     for (size_t k = 0; k < corners; k++)
         if (!vertices || key[k] != key[vertices - 1]) key[vertices++] = key[k];
@@ -264,7 +261,7 @@ static pdyn_status number_vertices(pdyn_context *context, const struct stuffing 
     for (size_t k = 0; k < vertices && status == PDYN_OK; k++)
         position_of(s, key[k], mesh->vertex + 3 * k);
     for (size_t k = 0; k < corners && status == PDYN_OK; k++) {
-        const int64_t *found = bsearch(&s->corner[k], key, vertices, sizeof *key, compare_keys);
+        const int64_t *found = bsearch(&s->corner[k], key, vertices, sizeof *key, keys_compare);
         tets->corner[k] = (int)(found - key);
     }
     FREE_ARRAY(context, key, corners);
@@ -273,89 +270,15 @@ static pdyn_status number_vertices(pdyn_context *context, const struct stuffing 
 
 /* ---- edges where parts touch ----------------------------------------------------------------- */
 
-enum { FACE_KEYS = 3, EDGE_KEYS = 2 };
-
-static int compare_key_lists(const int64_t *p, const int64_t *q, int keys) {
-    int order = 0;
-    for (int k = 0; k < keys && !order; k++) order = compare_keys(p + k, q + k);
-    return order;
-}
-
-static int compare_faces(const void *a, const void *b) {
-    return compare_key_lists(a, b, FACE_KEYS);
-}
-
-static int compare_edges(const void *a, const void *b) {
-    return compare_key_lists(a, b, EDGE_KEYS);
-}
-
-/* Number of lists equal to the first, of those from `first` to `end`, which are sorted. */
-static size_t equal_lists(const int64_t *list, size_t first, size_t end, int keys) {
-    size_t next = first + 1;
-    while (next < end &&
-           !compare_key_lists(list + (size_t)keys * first, list + (size_t)keys * next, keys))
-        next++;
-    return next - first;
-}
-
-/* Writes the faces of all tetrahedra to `face`, sorted; keeps those of a single one. */
-static size_t outer_faces(const struct stuffing *s, int64_t *face) {
-    size_t kept = 0, faces = 4 * s->count;
-    for (size_t f = 0; f < faces; f++) {
-        int64_t *to = face + FACE_KEYS * f;
-        for (size_t c = 0, k = 0; c < 4; c++)
-            if (c != f % 4) to[k++] = s->corner[f / 4 * 4 + c];
-        qsort(to, FACE_KEYS, sizeof *to, compare_keys);
-    }
-    qsort(face, faces, FACE_KEYS * sizeof *face, compare_faces);
-    for (size_t f = 0, equal; f < faces; f += equal) {
-        equal = equal_lists(face, f, faces, FACE_KEYS);
-        if (equal == 1)
-            memmove(face + FACE_KEYS * kept++, face + FACE_KEYS * f, FACE_KEYS * sizeof *face);
-    }
-    return kept;
-}
-
-/* Moves a node back to its place; false: it is there. */
-static bool restore_node(struct stuffing *s, int64_t key) {
+/* Moves a node back to its place, if it was moved. */
+static void restore_node(void *user, int64_t key) {
+    struct stuffing *s = user;
     double x[3];
-    if (key >= s->points || s->moved[key] < 0) return false;
+    if (key >= s->points || s->moved[key] < 0) return;
     lattice_point(s, (long)key, x);
     s->sign[key] = mesh_query_contains(s->inside, x) ? 1 : -1;
     s->moved[key] = -1;
-    return true;
-}
-
-/* Moves nodes back whose edges have more than two outer faces: where no node is on the mesh, the
- * outside is a manifold. Returns their number. */
-static int restore_nodes(struct stuffing *s, size_t faces, const int64_t *face, int64_t *edges) {
-    static const int ends[3][2] = {{0, 1}, {0, 2}, {1, 2}};
-    size_t count = 3 * faces;
-    int restored = 0;
-    for (size_t e = 0; e < count; e++)
-        for (int k = 0; k < EDGE_KEYS; k++)
-            edges[EDGE_KEYS * e + (size_t)k] = face[e / 3 * FACE_KEYS + (size_t)ends[e % 3][k]];
-    qsort(edges, count, EDGE_KEYS * sizeof *edges, compare_edges);
-    for (size_t e = 0, equal; e < count; e += equal) {
-        equal = equal_lists(edges, e, count, EDGE_KEYS);
-        if (equal <= 2) continue;
-        for (size_t k = 0; k < EDGE_KEYS; k++)
-            restored += restore_node(s, edges[EDGE_KEYS * e + k]);
-    }
-    return restored;
-}
-
-static pdyn_status separate_parts(pdyn_context *context, struct stuffing *s, bool *done) {
-    size_t size = 4 * FACE_KEYS * s->count;
-    int64_t *face = NEW_ARRAY(context, size, int64_t), *edges = NULL;
-    if (!face) return PDYN_NO_MEMORY;
-    size_t faces = outer_faces(s, face), edge_size = 3 * EDGE_KEYS * faces;
-    edges = NEW_ARRAY(context, edge_size, int64_t);
-    pdyn_status status = edges ? PDYN_OK : PDYN_NO_MEMORY;
-    if (edges) *done = !restore_nodes(s, faces, face, edges);
-    FREE_ARRAY(context, edges, edge_size);
-    FREE_ARRAY(context, face, size);
-    return status;
+    s->restored++;
 }
 
 /* Lists the tetrahedra. */
@@ -375,15 +298,16 @@ static pdyn_status list_tets(pdyn_context *context, struct stuffing *s, double c
 
 static pdyn_status stuff(pdyn_context *context, struct stuffing *s, double cell, struct mesh *mesh,
                          struct tets *tets) {
-    bool done = false;
     pdyn_status status = create_lattice(context, cell, s);
     if (status != PDYN_OK) return status;
     find_signs(s);
     move_nodes(s);
-    while (status == PDYN_OK && !done) {
+    do { /* without nodes on the mesh, no outer edge has more than two faces */
+        s->restored = 0;
         status = list_tets(context, s, cell);
-        if (status == PDYN_OK) status = separate_parts(context, s, &done);
-    }
+        if (status == PDYN_OK)
+            status = outer_edges_visit(context, s->count, s->corner, restore_node, s);
+    } while (status == PDYN_OK && s->restored);
     return status == PDYN_OK ? number_vertices(context, s, mesh, tets) : status;
 }
 
