@@ -3,7 +3,7 @@
 # and docs/, one document after the other; then the indented `projdyn` commands, shortened; then
 # doxygen for the reference. Checks first that every relative link of a document leads to a file, and
 # that the constraint of README.md builds and passes the conformance check, and that the guide explains
-# every warning.
+# every warning and lists every scene.
 # Arguments: the build folder, the source folder.
 set -eu
 build=$(realpath "$1") root=$(realpath "$2")
@@ -33,6 +33,12 @@ for code in $(sed -n 's/^ *X([A-Z_]*, "\([a-z-]*\)").*/\1/p' "$root/src/core/bas
     grep -q "^| .$code. |" docs/guide/troubleshooting.md || { echo "not ok warning $code: not in troubleshooting.md"; exit 1; }
 done
 echo "ok warnings"
+
+# The guide lists every scene.
+for scene in scenes/*.json; do
+    grep -q "^| .${scene#scenes/}. |" docs/guide/scene.md || { echo "not ok $scene: not in scene.md"; exit 1; }
+done
+echo "ok scenes"
 
 sed -n '/^```c$/,/^```$/{/^```/d;p}' README.md >readme.c
 cc -shared -fPIC $(pkg-config --cflags projdyn) -o readme.so readme.c -lm

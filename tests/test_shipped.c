@@ -169,6 +169,7 @@ static const struct shipped shipped[] = {
      .compression = 4.4e-5,
      .low = {0, 0, 0},
      .high = {1.4, TOP, 0.6}},
+    {.name = "soft_knots", .seconds = 0.2, .kinetic = {6, 15}, .lowest = {0, 0.012}, .fall = 0.07},
     {.name = "strainer",
      .seconds = 0.25,
      .kinetic = {7.4, 18.3},
