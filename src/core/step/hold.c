@@ -107,15 +107,15 @@ static pdyn_status reserve_batches(struct objective *objective, int count) {
     return PDYN_OK;
 }
 
-/* Makes the batch of the holds from `first` on that have its body. */
-static pdyn_status make_batch(struct pdyn_sim *sim, size_t first) {
+/* Makes the batch of the holds from *first on that have its body; moves *first behind them. */
+static pdyn_status make_batch(struct pdyn_sim *sim, size_t *first) {
     struct control *c = &sim->control;
     const pdyn_neighbours *lists = sim->neighbours ? neighbours_view(sim->neighbours) : NULL;
-    const pdyn_body *body = body_of(sim, c->hold[first].particle);
+    const pdyn_body *body = body_of(sim, c->hold[*first].particle);
     struct hold_group *group = &c->group[c->batches];
-    *group = (struct hold_group){c, first, 0};
-    while (first < c->holds && body_of(sim, c->hold[first].particle) == body)
-        group->count++, first++;
+    *group = (struct hold_group){c, *first, 0};
+    for (; *first < c->holds && body_of(sim, c->hold[*first].particle) == body; ++*first)
+        group->count++;
     const struct batch_def def = {&held, group, body, lists, &sim->services};
     pdyn_status status = objective_add_batch(&sim->objective, &def);
     if (status == PDYN_OK) c->batches++;
@@ -132,9 +132,7 @@ pdyn_status holds_make_batches(struct pdyn_sim *sim) {
         !(c->group = NEW_ARRAY(sim->context, sim->bodies, struct hold_group)))
         return PDYN_NO_MEMORY;
     pdyn_status status = reserve_batches(&sim->objective, sim->objective.batches + sim->bodies);
-    for (size_t k = 0; status == PDYN_OK && k < c->holds;
-         k += (size_t)c->group[c->batches - 1].count)
-        status = make_batch(sim, k);
+    for (size_t k = 0; status == PDYN_OK && k < c->holds;) status = make_batch(sim, &k);
     return status;
 }
 
