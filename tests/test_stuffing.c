@@ -137,12 +137,23 @@ static void test_rigid(void **state) {
     pdyn_destroy(context);
 }
 
+/* Every allocation fails once: nothing is left behind. */
+static void test_memory(void **state) {
+    (void)state;
+    test_write_file("touching.obj", touching, strlen(touching));
+    test_failing_scene("{'duration': 1, 'solver': {'type': 'cg'}, 'bodies': [{'volume': {'mesh': "
+                       "'touching.obj', 'cell': 0.3, 'density': 500}, 'constraints': [{'type': "
+                       "'tet', 'stiffness': 2e4}]}]}");
+    test_failing_scene("{'duration': 1, 'solver': {'type': 'cg'}, 'bodies': [{'rigid': {'mesh': "
+                       "'touching.obj', 'cell': 0.3, 'density': 500}}]}");
+    test_remove_file("touching.obj");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_thin_parts),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_rigid),
+        cmocka_unit_test(test_ball),     cmocka_unit_test(test_thin_parts),
+        cmocka_unit_test(test_refusals), cmocka_unit_test(test_rigid),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests_name("stuffing", tests, test_enter_directory,
                                        test_leave_directory);

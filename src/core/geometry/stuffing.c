@@ -246,12 +246,12 @@ static pdyn_status number_vertices(pdyn_context *context, const struct stuffing 
                                    struct mesh *mesh, struct tets *tets) {
     size_t corners = 4 * s->count;
     int64_t *key = NEW_ARRAY(context, corners, int64_t);
+    tets->count = (int)s->count;
     tets->corner = NEW_ARRAY(context, corners, int);
     if (!key || !tets->corner) {
         FREE_ARRAY(context, key, corners);
         return PDYN_NO_MEMORY;
     }
-    tets->count = (int)s->count;
     memcpy(key, s->corner, corners * sizeof *key);
     qsort(key, corners, sizeof *key, keys_compare);
     size_t vertices = 0;
