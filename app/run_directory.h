@@ -25,29 +25,24 @@ enum part_kind { BODY, SOLID, BOUNDARY };
 /* A body, a solid or the boundary points. */
 struct part {
     enum part_kind kind;
-    bool rest;           /* one file for all frames */
-    const char *folder;  /* of its files in the directory of the run: "" or "solids/" */
-    const char *name;    /* owned by the report, or by run->body_list */
-    const char *color;   /* "#rrggbb"; NULL: none of its own */
-    const char *shape;   /* of a solid: "box", "mesh", ...; "rigid" of a rigid body */
-    json_t *series;      /* content of NAME.vtk.series, or the like for a part at rest */
-    json_t *files;       /* its array of frames */
-    int count;           /* points, maximum over the frames */
-    int triangles;       /* 0 for particles and boundary points */
-    int *frame_points;   /* points of each frame; particles may enter and leave */
-    int *triangle;       /* triangles x 3 */
-    struct box box;      /* of all points in all frames */
-    bool fluid;          /* has a constraint of type fluid; without a report true: part_is_fluid */
-    double radius;       /* of particles, m */
-    double rest_density; /* of particles, kg/m^3; 0: unknown */
-    int channels;        /* the first so many values of enum channel are there */
+    bool rest;             /* one file for all frames */
+    const char *folder;    /* of its files in the directory of the run: "" or "solids/" */
+    const char *name;      /* owned by the report, or by run->body_list */
+    const char *color;     /* "#rrggbb"; NULL: none of its own */
+    const char *shape;     /* of a solid: "box", "mesh", ...; "rigid" of a rigid body */
+    json_t *series;        /* content of NAME.vtk.series, or the like for a part at rest */
+    json_t *files;         /* its array of frames */
+    int count;             /* points, maximum over the frames */
+    int triangles;         /* 0 for particles and boundary points */
+    int *frame_points;     /* points of each frame; particles may enter and leave */
+    int *triangle;         /* triangles x 3 */
+    struct box box;        /* of all points in all frames */
+    bool fluid;            /* particles with a constraint of type fluid */
+    double radius;         /* of particles, m */
+    double rest_density;   /* of particles, kg/m^3; 0: unknown */
+    int channels;          /* the first so many values of enum channel are there */
     double most[CHANNELS]; /* largest value of each */
 };
-
-/* Whether a part whose first frame was read is particles of a fluid. */
-static inline bool part_is_fluid(const struct part *part) {
-    return part->fluid && !part->triangles;
-}
 
 struct run {
     const char *directory;

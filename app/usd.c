@@ -135,10 +135,9 @@ static void begin_prim(struct stage *stage, const struct part *part, const char 
     int size = snprintf(name, PRIM_NAME, "%s%s", digit ? "_" : "", part->name);
     for (char *c = name; *c; c++)
         if (!isalnum((unsigned char)*c)) *c = '_';
-    if (digit || strcmp(name, part->name) != 0)
-        size += snprintf(name + size, 16, "_%d", (int)(part - stage->run->part));
-    while (strcmp(name, part->name) != 0 && is_name_of_part(stage->run, name) &&
-           size < (int)sizeof name - 1)
+    bool changed = strcmp(name, part->name) != 0;
+    if (changed) size += snprintf(name + size, 16, "_%d", (int)(part - stage->run->part));
+    while (changed && is_name_of_part(stage->run, name) && size < (int)sizeof name - 1)
         name[size++] = '_', name[size] = 0;
     fprintf(stage->file, "\n    def %s \"%s\"\n    {\n", type, name);
     put_color(stage, part);
@@ -191,7 +190,7 @@ static int put_fluid(struct stage *stage, const struct part *part) {
 
 static int put_part(struct stage *stage, const struct part *part) {
     if (part->kind == BOUNDARY) return EXIT_GOOD;
-    if (part_is_fluid(part)) return put_fluid(stage, part);
+    if (part->fluid) return put_fluid(stage, part);
     return part->radius > 0.0 ? put_particles(stage, part) : put_mesh(stage, part, part);
 }
 

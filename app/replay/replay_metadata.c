@@ -25,7 +25,7 @@ static json_t *most_to_json(const struct part *part) {
 static json_t *part_to_json(const struct run *run, const struct part *part) {
     return json_pack("{s:s, s:s?, s:s*, s:b, s:b, s:i, s:o, s:i, s:o, s:f, s:o}", "name",
                      part->name, "kind", part->shape, "color", part->color, "rest", part->rest,
-                     "fluid", part_is_fluid(part), "count", part->count, "points",
+                     "fluid", part->fluid, "count", part->count, "points",
                      frame_points_to_json(run, part), "triangles", part->triangles, "box",
                      box_to_json(&part->box), "radius", part->radius, "most", most_to_json(part));
 }

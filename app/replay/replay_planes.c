@@ -142,9 +142,8 @@ static int write_frame(const struct run *run, const struct part *part, struct st
         code = run_error("%s: the file changed during the replay: expected %d points, found %d",
                          path, part->frame_points[f], frame.count);
     unsigned char *scratch = malloc(2 * (size_t)part->count + 1);
-    double *filled = part_is_fluid(part) ? replay_find_filled(&frame, part->radius) : NULL;
-    if (code == EXIT_GOOD && (!scratch || (part_is_fluid(part) && !filled)))
-        code = report_no_memory();
+    double *filled = part->fluid ? replay_find_filled(&frame, part->radius) : NULL;
+    if (code == EXIT_GOOD && (!scratch || (part->fluid && !filled))) code = report_no_memory();
     if (code == EXIT_GOOD) {
         quantise_frame(part, plane, &frame, filled);
         for (int p = 0; p < plane_count(part); p++)

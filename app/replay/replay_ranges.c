@@ -59,6 +59,7 @@ static double estimate_radius(const struct vtk_frame *frame) {
 static int init_part(struct part *part, struct vtk_frame *frame, int frames) {
     part->triangles = frame->triangles;
     part->triangle = frame->triangle;
+    part->fluid &= !part->triangles; /* without a report, of a sheet, too */
     part->count = frame->count;
     frame->triangle = NULL;
     if (part->kind == BODY) part->channels = part->triangles ? SPEED + 1 : CHANNELS;

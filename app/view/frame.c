@@ -121,10 +121,10 @@ static bool code_part(const struct part *part, const struct vtk_frame *frame, js
                       struct bytes *out) {
     struct box box = box_empty;
     double most[CHANNELS];
-    double *filled = part_is_fluid(part) ? replay_find_filled(frame, part->radius) : NULL;
+    double *filled = part->fluid ? replay_find_filled(frame, part->radius) : NULL;
     replay_extend_box(&box, frame);
     if (!frame->count) box = (struct box){0};
-    bool good = (filled || !part_is_fluid(part)) && code_points(frame, &box, out);
+    bool good = (filled || !part->fluid) && code_points(frame, &box, out);
     for (int c = 0; c < part->channels && good; c++)
         good = code_channel(part, frame, (enum channel)c, filled, &most[c], out);
     free(filled);

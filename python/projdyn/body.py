@@ -17,6 +17,19 @@ from .inlet import Inlet
 POINTS = 4  # of a rigid body, which have its mass, behind its vertices
 
 
+def body_info(handle: Handle, index: int) -> BodyInfo:
+    """What the library tells of a body; without a name if there is none."""
+    info = BodyInfo()
+    lib.pdyn_get_body_sized(handle.pointer, index, byref(info), sizeof(info))
+    return info
+
+
+def end_of_masses(handle: Handle, index: int, particles: int) -> int:
+    """End of the masses of a body: those of a rigid one are at four points behind its vertices."""
+    after = body_info(handle, index + 1)
+    return after.first if after.name else particles
+
+
 class Body(Fixed):
     """A fluid, a sheet, a soft solid or a rigid body of n particles (vertices).
 
@@ -39,6 +52,8 @@ class Body(Fixed):
     is_rigid        bool: it is a Rigid (rigid.py)
     """
 
+    is_rigid = False
+
     def __init__(self, handle: Handle, index: int, state: dict) -> None:
         self._handle, self._index = handle, index
         info = self._info()
@@ -56,8 +71,8 @@ class Body(Fixed):
         self.edges = view(info.edge, (info.edges, 2), handle, np.intc)
         self.tets = view(info.tet, (info.tets, 4), handle, np.intc)
         self._all = state
-        self._total = state["mass"][info.first:self._end(len(state["mass"]))]
-        self.is_rigid = len(self._total) == n + POINTS
+        end = end_of_masses(handle, index, len(state["mass"]))
+        self._total = state["mass"][info.first:end]
         self.radius: float = info.radius
         self.rest_density: float = info.rest_density
         inlets = lib.pdyn_inlets(handle.pointer, index)
@@ -121,15 +136,7 @@ class Body(Fixed):
     # ---- parts ----------------------------------------------------------------------------------
 
     def _info(self) -> BodyInfo:
-        info = BodyInfo()
-        lib.pdyn_get_body_sized(self._handle.pointer, self._index, byref(info), sizeof(info))
-        return info
-
-    def _end(self, particles: int) -> int:
-        """End of its masses: those of a rigid body are at four points behind its vertices."""
-        info = BodyInfo()
-        lib.pdyn_get_body_sized(self._handle.pointer, self._index + 1, byref(info), sizeof(info))
-        return info.first if info.name else particles
+        return body_info(self._handle, self._index)
 
     def _rows(self, values: Any, what: str) -> np.ndarray:
         if np.shape(values) == (3,):

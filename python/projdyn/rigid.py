@@ -8,7 +8,7 @@ import numpy as np
 from ._arrays import address, doubles
 from ._handles import Handle
 from ._library import lib
-from .body import POINTS, Body
+from .body import POINTS, Body, body_info, end_of_masses
 
 
 class Rigid(Body):
@@ -17,6 +17,8 @@ class Rigid(Body):
     Its mass and inertia are those of four points of a fourth of the mass each, which follow its n
     vertices in arrays of all particles. Rotations are 3 x 3 matrices.
     """
+
+    is_rigid = True
 
     @property
     def position(self) -> np.ndarray:
@@ -81,5 +83,6 @@ class Rigid(Body):
 
 def body_of(handle: Handle, index: int, state: dict) -> Body:
     """The body of this index, a Rigid where it is one."""
-    body = Body(handle, index, state)
-    return Rigid(handle, index, state) if body.is_rigid else body
+    info = body_info(handle, index)
+    points = end_of_masses(handle, index, len(state["mass"])) - info.first - info.count
+    return (Rigid if points == POINTS else Body)(handle, index, state)

@@ -57,6 +57,10 @@ pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, con
 /* The checks of mesh_check_cloth for edges: at most two triangles, no duplicate triangles. */
 pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, const char *name);
 
+/* Calls visit(user, vertex) for both ends of every edge of more than two triangles. */
+pdyn_status mesh_visit_crowded_edges(pdyn_context *context, const struct mesh *mesh,
+                                     void (*visit)(void *user, int vertex), void *user);
+
 /* Checks that each of `vertices` vertices is among `count` indices; `what` is what they form. */
 pdyn_status mesh_check_used(pdyn_context *context, const char *name, int vertices, const int *index,
                             int count, const char *what);

@@ -8,7 +8,6 @@
  *     --> nodes return to their place where parts of the result touch along an edge
  */
 #include "mesh_query.h"
-#include "outer_edges.h"
 #include "tets.h"
 
 #include <stdlib.h>
@@ -40,6 +39,7 @@ struct stuffing {
     int restored;           /* nodes that have moved back */
     size_t count, capacity; /* of tetrahedra */
     int64_t *corner;        /* count x 4: see key_of_cut */
+    int64_t *key;           /* of the vertices, ascending */
 };
 
 /* ---- the lattice ----------------------------------------------------------------------------- */
@@ -241,38 +241,42 @@ static void add_all(struct stuffing *s) {
 
 /* ---- numbering ------------------------------------------------------------------------------- */
 
-/* Numbers the vertices in the order of their keys. */
-static pdyn_status number_vertices(pdyn_context *context, const struct stuffing *s,
-                                   struct mesh *mesh, struct tets *tets) {
-    size_t corners = 4 * s->count;
-    int64_t *key = NEW_ARRAY(context, corners, int64_t);
+static int compare_keys(const void *a, const void *b) {
+    int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* Numbers the vertices in the order of their keys, which it leaves in s->key. Positions are left to
+ * place_vertices. */
+static pdyn_status number_vertices(pdyn_context *context, struct stuffing *s, struct mesh *mesh,
+                                   struct tets *tets) {
+    size_t corners = 4 * s->count, vertices = 0;
     tets->count = (int)s->count;
     tets->corner = NEW_ARRAY(context, corners, int);
-    if (!key || !tets->corner) {
-        FREE_ARRAY(context, key, corners);
-        return PDYN_NO_MEMORY;
-    }
-    memcpy(key, s->corner, corners * sizeof *key);
-    qsort(key, corners, sizeof *key, keys_compare);
-    size_t vertices = 0;
+    if (!tets->corner) return PDYN_NO_MEMORY;
+    memcpy(s->key, s->corner, corners * sizeof *s->key);
+    qsort(s->key, corners, sizeof *s->key, compare_keys);
     for (size_t k = 0; k < corners; k++)
-        if (!vertices || key[k] != key[vertices - 1]) key[vertices++] = key[k];
-    pdyn_status status = mesh_allocate(context, (int)vertices, 0, mesh);
-    for (size_t k = 0; k < vertices && status == PDYN_OK; k++)
-        position_of(s, key[k], mesh->vertex + 3 * k);
-    for (size_t k = 0; k < corners && status == PDYN_OK; k++) {
-        const int64_t *found = bsearch(&s->corner[k], key, vertices, sizeof *key, keys_compare);
-        tets->corner[k] = (int)(found - key);
+        if (!vertices || s->key[k] != s->key[vertices - 1]) s->key[vertices++] = s->key[k];
+    for (size_t k = 0; k < corners; k++) {
+        const int64_t *found =
+            bsearch(&s->corner[k], s->key, vertices, sizeof *s->key, compare_keys);
+        tets->corner[k] = (int)(found - s->key);
     }
-    FREE_ARRAY(context, key, corners);
-    return status;
+    return mesh_allocate(context, (int)vertices, 0, mesh);
+}
+
+static void place_vertices(const struct stuffing *s, struct mesh *mesh) {
+    for (int i = 0; i < mesh->vertices; i++)
+        position_of(s, s->key[i], mesh->vertex + 3 * (size_t)i);
 }
 
 /* ---- edges where parts touch ----------------------------------------------------------------- */
 
-/* Moves a node back to its place, if it was moved. */
-static void restore_node(void *user, int64_t key) {
+/* Moves the node of a vertex back to its place, if it was moved. */
+static void restore_node(void *user, int vertex) {
     struct stuffing *s = user;
+    int64_t key = s->key[vertex];
     double x[3];
     if (key >= s->points || s->moved[key] < 0) return;
     lattice_point(s, (long)key, x);
@@ -281,10 +285,25 @@ static void restore_node(void *user, int64_t key) {
     s->restored++;
 }
 
+/* Restores the nodes on outer edges of more than two faces. */
+static pdyn_status separate_parts(pdyn_context *context, struct stuffing *s, struct mesh *mesh,
+                                  const struct tets *tets) {
+    pdyn_status status = tets_find_surface(context, "filled", mesh, tets);
+    if (status == PDYN_OK) status = mesh_visit_crowded_edges(context, mesh, restore_node, s);
+    FREE_ARRAY(context, mesh->triangle, 3 * (size_t)mesh->triangles);
+    mesh->triangles = 0;
+    return status;
+}
+
+static void free_list(pdyn_context *context, struct stuffing *s) {
+    FREE_ARRAY(context, s->corner, 4 * s->capacity);
+    FREE_ARRAY(context, s->key, 4 * s->capacity);
+    s->count = s->capacity = 0;
+}
+
 /* Lists the tetrahedra. */
 static pdyn_status list_tets(pdyn_context *context, struct stuffing *s, double cell) {
-    FREE_ARRAY(context, s->corner, 4 * s->capacity);
-    s->count = s->capacity = 0;
+    free_list(context, s);
     add_all(s); /* counts */
     if (!s->count)
         return context_fail(context, PDYN_BAD_INPUT,
@@ -292,8 +311,10 @@ static pdyn_status list_tets(pdyn_context *context, struct stuffing *s, double c
                             cell);
     s->capacity = s->count, s->count = 0;
     s->corner = NEW_ARRAY(context, 4 * s->capacity, int64_t);
-    if (s->corner) add_all(s);
-    return s->corner ? PDYN_OK : PDYN_NO_MEMORY;
+    s->key = NEW_ARRAY(context, 4 * s->capacity, int64_t);
+    if (!s->corner || !s->key) return PDYN_NO_MEMORY;
+    add_all(s);
+    return PDYN_OK;
 }
 
 static pdyn_status stuff(pdyn_context *context, struct stuffing *s, double cell, struct mesh *mesh,
@@ -303,22 +324,26 @@ static pdyn_status stuff(pdyn_context *context, struct stuffing *s, double cell,
     find_signs(s);
     move_nodes(s);
     do { /* without nodes on the mesh, no outer edge has more than two faces */
+        mesh_free(context, mesh);
+        tets_free(context, tets);
         s->restored = 0;
         status = list_tets(context, s, cell);
-        if (status == PDYN_OK)
-            status = outer_edges_visit(context, s->count, s->corner, restore_node, s);
+        if (status == PDYN_OK) status = number_vertices(context, s, mesh, tets);
+        if (status == PDYN_OK) status = separate_parts(context, s, mesh, tets);
     } while (status == PDYN_OK && s->restored);
-    return status == PDYN_OK ? number_vertices(context, s, mesh, tets) : status;
+    if (status == PDYN_OK) place_vertices(s, mesh);
+    return status;
 }
 
 pdyn_status tets_fill(pdyn_context *context, const struct mesh *surface, double cell,
                       struct mesh *mesh, struct tets *tets) {
     struct mesh_query inside;
     struct stuffing s = {.inside = &inside};
+    *mesh = (struct mesh){0}, *tets = (struct tets){0};
     pdyn_status status = mesh_query_create(context, surface, &inside);
     if (status != PDYN_OK) return status;
     status = stuff(context, &s, cell, mesh, tets);
-    FREE_ARRAY(context, s.corner, 4 * s.capacity);
+    free_list(context, &s);
     FREE_ARRAY(context, s.sign, s.points);
     FREE_ARRAY(context, s.moved, s.points);
     mesh_query_free(context, &inside);

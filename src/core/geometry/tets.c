@@ -113,8 +113,8 @@ static int keep_outer(pdyn_context *context, const char *name, struct face *face
     return kept;
 }
 
-static pdyn_status find_surface(pdyn_context *context, const char *name, struct mesh *mesh,
-                                const struct tets *tets) {
+pdyn_status tets_find_surface(pdyn_context *context, const char *name, struct mesh *mesh,
+                              const struct tets *tets) {
     size_t count = 4 * (size_t)tets->count;
     struct face *face = sorted_faces(context, tets);
     if (!face) return PDYN_NO_MEMORY;
@@ -125,7 +125,7 @@ static pdyn_status find_surface(pdyn_context *context, const char *name, struct 
         memcpy(mesh->triangle + 3 * t, face[t].corner, sizeof face->corner);
     FREE_ARRAY(context, face, count);
     if (kept < 0) return PDYN_BAD_INPUT;
-    return mesh->triangle ? mesh_check_edges(context, mesh, name) : PDYN_NO_MEMORY;
+    return mesh->triangle ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
 pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *mesh,
@@ -133,7 +133,8 @@ pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *me
     pdyn_status status = mesh_check_used(context, name, mesh->vertices, tets->corner,
                                          4 * tets->count, "tetrahedron");
     if (status == PDYN_OK) status = compute_volumes(context, name, mesh, tets);
-    return status == PDYN_OK ? find_surface(context, name, mesh, tets) : status;
+    if (status == PDYN_OK) status = tets_find_surface(context, name, mesh, tets);
+    return status == PDYN_OK ? mesh_check_edges(context, mesh, name) : status;
 }
 
 /* ---- pieces ---------------------------------------------------------------------------------- */

@@ -38,6 +38,11 @@ pdyn_status tets_fill(pdyn_context *context, const struct mesh *surface, double 
 pdyn_status tets_finish(pdyn_context *context, const char *name, struct mesh *mesh,
                         struct tets *tets);
 
+/* Computes the triangles of the surface, the faces of a single tetrahedron; positions are not used.
+ * The mesh has none before. PDYN_BAD_INPUT: a face has more than two tetrahedra. */
+pdyn_status tets_find_surface(pdyn_context *context, const char *name, struct mesh *mesh,
+                              const struct tets *tets);
+
 /* Counts the pieces that share no vertex with the others and are smaller than `volume`, m^3, except
  * the largest piece, of tetrahedra that passed tets_finish. */
 pdyn_status tets_count_small(pdyn_context *context, const struct mesh *mesh,

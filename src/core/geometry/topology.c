@@ -140,6 +140,19 @@ pdyn_status mesh_check_edges(pdyn_context *context, const struct mesh *mesh, con
     return check_edges(context, mesh, name, check_cloth_edge);
 }
 
+pdyn_status mesh_visit_crowded_edges(pdyn_context *context, const struct mesh *mesh,
+                                     void (*visit)(void *user, int vertex), void *user) {
+    int sides = 3 * mesh->triangles, last;
+    struct side *side = sorted_sides(context, mesh);
+    if (!side) return PDYN_NO_MEMORY;
+    for (int first = 0; first < sides; first = last) {
+        last = edge_end(side, sides, first);
+        for (int k = 0; last - first > 2 && k < 2; k++) visit(user, side[first].end[k]);
+    }
+    FREE_ARRAY(context, side, sides);
+    return PDYN_OK;
+}
+
 pdyn_status mesh_check_cloth(pdyn_context *context, const struct mesh *mesh, const char *name) {
     pdyn_status status = mesh_check_used(context, name, mesh->vertices, mesh->triangle,
                                          3 * mesh->triangles, "triangle");
