@@ -8,14 +8,16 @@
 extern const pdyn_constraint_type pdyn_constraint_fluid;
 
 #define WATER(constraints)                                                                         \
-    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004}, \"frame_interval\": 0.01,"               \
+    "{\"duration\": 1, \"time_step\": {\"fixed\": 0.004, \"integrator\": \"euler\"}, "             \
+    "\"frame_interval\": 0.01,"                                                                    \
     " \"solver\": {\"type\": \"cg\", \"tolerance\": 1e-9, \"linear_tolerance\": 1e-12,"            \
     " \"outer_iterations\": 60, \"linear_iterations\": 1000}, \"bodies\": [{\"name\": \"water\","  \
     " \"particles\": {\"radius\": 0.02, \"fill\": [{\"box\": {\"minimum\": [0, 0, 0],"             \
     " \"maximum\": [0.16, 0.12, 0.16]}}]}, \"constraints\": [" constraints                         \
     "]}], \"solids\": [{\"name\": \"floor\", \"box\": {\"minimum\": [0, 0, 0], \"maximum\":"       \
     " [0.2, 1, 0.2]}}]}"
-#define HALF "\"stiffness\": 1000, \"viscosity\": 0"
+#define DAMPED "\"viscosity\": 0, \"damping\": 0.01"
+#define HALF   "\"stiffness\": 1000, " DAMPED
 
 /* The fluid's constraint under another name, which changes no velocities and tells nothing. */
 static pdyn_operator silent;
@@ -32,10 +34,11 @@ static pdyn_context *context_of_both(int threads) {
     return context;
 }
 
-/* Two constraints of half the stiffness are one of the whole. */
+/* Two constraints of half the stiffness are one of the whole; not with bdf2, where the impact part
+ * of a force depends on the stiffness of its own constraint. */
 static void test_two(void **state) {
     static const char *const scene[] = {
-        WATER("{\"type\": \"fluid\", \"stiffness\": 2000, \"viscosity\": 0}"),
+        WATER("{\"type\": \"fluid\", \"stiffness\": 2000, " DAMPED "}"),
         WATER("{\"type\": \"fluid\", " HALF "}, {\"type\": \"twin\", " HALF "}"),
         WATER("{\"type\": \"twin\", " HALF "}, {\"type\": \"fluid\", " HALF "}")};
     const char *const set = *state;

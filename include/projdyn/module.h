@@ -96,6 +96,8 @@ typedef struct pdyn_scene_info {
                         density (|gravity| height + speed^2 / 2) over all bodies at their start,
                         with rest_density where that is more than their own density, and of
                         rest_density speed^2 / 2 over moving solids. 0 without gravity */
+    double size;     /* m, edge of a cube with the volume of the body's particles at their start */
+    double step;     /* s, the length of the longest step, time_step.maximum or fixed */
 } pdyn_scene_info;
 
 typedef struct pdyn_param_fault {
@@ -302,6 +304,8 @@ typedef struct pdyn_operator {
     void (*free)(void *self);
     /* Takes new neighbour lists, also the first ones. Returns false without memory. */
     bool (*neighbours)(void *self, const pdyn_neighbours *lists);
+    /* A step of length h, s, begins. A step that is repeated begins again. NULL: nothing to do. */
+    void (*begin)(void *self, double h);
     /* Local step at x: returns the energy, J, and adds its gradient, N (particles x 3). */
     double (*local)(void *self, const double *x, double *gradient);
     /* This and the next three: the constraints at the x of the last local step. */
@@ -329,6 +333,9 @@ typedef struct pdyn_operator {
      * a particle of the body passing a surface. No iterate moves farther at once. NULL: no limit.
      */
     void (*limit)(void *self, const double *x, double *max_step);
+    /* The energy, J, that constraint i stores at the x of the last local step, where that of the
+     * local step contains what damping takes away. NULL: k_i / 2 max(0, C_i)^2. */
+    double (*stored)(const void *self, int i);
     /* The step that ended at the x of the last local step was accepted. NULL: nothing to do. */
     void (*accept)(void *self);
     /* Adds the force on every boundary point, N, at the x of the last local step: minus sum of
@@ -567,7 +574,7 @@ typedef struct pdyn_global_solver {
 /* ---- plug-ins -------------------------------------------------------------------------------- */
 
 /* Moves when one of the tables here changes its layout. */
-#define PDYN_ABI 17u
+#define PDYN_ABI 18u
 
 typedef struct pdyn_plugin {
     unsigned abi; /* PDYN_ABI: stays the first of all */

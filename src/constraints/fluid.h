@@ -14,9 +14,11 @@ struct fluid_params {
     double stiffness;                /* w, N/m; -1 before fluid_resolve if the scene gives none */
     double compression, sound_speed; /* 1, m/s; 0 before fluid_resolve if the scene gives none */
     double viscosity;                /* XSPH factor per step, 1 */
+    double damping;                  /* s; -1 before fluid_resolve if the scene gives none */
 };
 
-/* Computes two of stiffness, compression and sound_speed from the third (fluid_stiffness.c). */
+/* Computes two of stiffness, compression and sound_speed from the third, and damping if it is not
+ * given (fluid_stiffness.c). */
 pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene);
 
 extern const pdyn_operator fluid_operator;

@@ -1,5 +1,13 @@
 /* Local step of the fluid operator: at positions x it computes, for each fluid particle, C_i, grad
- * C_i and the energy (fluid.c), and stores the kernel's gradient and value of each pair. */
+ * C_i and the energy (fluid.c), and stores the kernel's gradient and value of each pair.
+ *
+ * With damping tau, pressure is k (C + tau dC/dt). In a step of length h this is a constraint of
+ * the same kind, with another stiffness and another rest state (C^n: at the beginning of the step):
+ *
+ *     k (C + tau (C - C^n) / h) = factor k (C - part C^n),
+ *     factor = 1 + tau / h,  part = tau / (h + tau)
+ *
+ * C^n counts where it is positive: the fluid does not resist before it is compressed. */
 #include "fluid_chunk.h"
 
 #include "projdyn/vec3.h"
@@ -67,10 +75,10 @@ INLINE void add_neighbours(struct fluid *f, const v4 *at, int first, int last, d
 INLINE double store_constraint(struct fluid *f, int i, const struct sum *sum) {
     v4 gradient = {sum->gradient[0], sum->gradient[1], sum->gradient[2], 0.0};
     memcpy(f->gradient + 4 * i, &gradient, sizeof gradient);
-    f->value[i] = sum->c, f->squares[i] = sum->squares;
-    if (f->stiffness[i] == 0.0) f->stiffness[i] = fluid_stiffness_at(f, i);
-    f->flux[i] = sum->c > 0.0 ? f->stiffness[i] * sum->c : 0.0;
-    return 0.5 * f->flux[i] * sum->c;
+    f->value[i] = sum->c - f->part * f->compressed[i], f->squares[i] = sum->squares;
+    if (f->stiffness[i] == 0.0) f->stiffness[i] = fluid_stiffness_at(f, sum->squares);
+    f->flux[i] = f->value[i] > 0.0 ? f->stiffness[i] * f->value[i] : 0.0;
+    return 0.5 * f->flux[i] * f->value[i];
 }
 
 /* Computes and stores constraint i, with its pairs from *front on; returns its energy. */

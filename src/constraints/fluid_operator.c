@@ -17,6 +17,8 @@ static bool resize_particles(struct fluid *f, bool allocate) {
         {(void **)&f->x, 4 * points, sizeof(double)},
         {(void **)&f->gradient, 4 * particles, sizeof(double)},
         {(void **)&f->vector, 4 * particles, sizeof(double)},
+        {(void **)&f->compressed, particles, sizeof(double)},
+        {(void **)&f->measured, particles, sizeof(double)},
         {(void **)&f->value, particles, sizeof(double)},
         {(void **)&f->squares, particles, sizeof(double)},
         {(void **)&f->stiffness, particles, sizeof(double)},
@@ -55,6 +57,7 @@ static void *create(const void *par, const pdyn_body *body, const pdyn_services 
     f->spacing = 2.0 * body->radius, f->particle_volume = fluid_particle_volume(body);
     f->first = body->first, f->count = body->count;
     f->rest_density = body->rest_density;
+    f->factor = 1.0;
     return f;
 }
 
@@ -101,6 +104,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
         f->surface = fluid_surface_kernel(lists->kernel, f->spacing);
         f->particles = lists->particles, f->points = lists->points;
         if (!resize_particles(f, true)) return false;
+        for (int i = 0; i < f->particles; i++) f->compressed[i] = -1.0;
     }
     if (f->volumes != lists->volume_revision) set_points(f);
     size_t pairs = place_blocks(f);
@@ -115,6 +119,24 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
 }
 
 /* ---- callbacks ------------------------------------------------------------------------- */
+
+/* Within a step E is a function of x with an exact gradient: k_i and C^n are constant. */
+static void begin_range(void *arg, int first, int last, int block) {
+    (void)block;
+    struct fluid *f = ((const struct fluid_call *)arg)->f;
+    for (int i = first; i < last; i++)
+        f->stiffness[i] =
+            f->measured[i] > 0.0 ? f->factor * fluid_stiffness_at(f, f->measured[i]) : 0.0;
+}
+
+/* In the first step C^n is not known, and nothing is damped. */
+static void begin(void *self, double h) {
+    struct fluid *f = self;
+    bool known = f->count && f->compressed[f->first] >= 0.0;
+    double damping = known ? f->params.damping : 0.0;
+    f->factor = 1.0 + damping / h, f->part = damping / (h + damping);
+    for_particles(f, f->particles, begin_range, NULL, NULL);
+}
 
 static double local(void *self, const double *x, double *gradient) {
     struct fluid *f = self;
@@ -134,10 +156,21 @@ static pdyn_one_sided one_sided(void *self) {
                             .held = f->weight_sum};
 }
 
+/* C_i */
+static double compression(const struct fluid *f, int i) {
+    return f->value[i] + f->part * f->compressed[i];
+}
+
+static double stored(const void *self, int i) {
+    const struct fluid *f = self;
+    double c = fmax(0.0, compression(f, f->first + i));
+    return 0.5 * f->stiffness[f->first + i] / f->factor * c * c;
+}
+
 static void density(void *self, double *out) {
     const struct fluid *f = self;
     for (int i = f->first; i < f->first + f->count; i++)
-        out[i] = f->rest_density * (1.0 + f->value[i]);
+        out[i] = f->rest_density * (1.0 + compression(f, i));
 }
 
 /* Pressure from virtual work: flux dC = -p dV and dC = -dV / V give p = flux / V. */
@@ -146,40 +179,49 @@ static void pressure(void *self, double *out) {
     for (int i = f->first; i < f->first + f->count; i++) out[i] = f->flux[i] / f->particle_volume;
 }
 
-/* k_i is updated between steps only: within a step E is a function of x with an exact gradient. */
-static void set_stiffness(void *arg, int first, int last, int block) {
+/* Between steps value_i is C_i. */
+static void end_step(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
-    for (int i = first; i < last; i++) f->stiffness[i] = fluid_stiffness_at(f, i);
+    for (int i = first; i < last; i++) {
+        f->value[i] += f->part * f->compressed[i];
+        f->compressed[i] = fmax(0.0, f->value[i]);
+        f->measured[i] = f->squares[i];
+    }
 }
 
 static void accept(void *self) {
     struct fluid *f = self;
-    for_particles(f, f->particles, set_stiffness, NULL, NULL);
+    for_particles(f, f->particles, end_step, NULL, NULL);
+    f->part = 0.0;
 }
 
-/* Stiffness is 0 before the first step. */
+/* False for NaN. */
+static bool in_range(double number) { return number >= 0.0 && number < 1e100; }
+
+/* compressed is -1 before the first step. */
 static pdyn_status persist(void *self, pdyn_snapshot *snapshot) {
     struct fluid *f = self;
-    const double low =
-        fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, INFINITY, f->spacing);
-    const double high =
-        fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, 0.0, f->spacing);
+    size_t bytes = (size_t)f->count * sizeof(double);
     bool valid = true;
-    snapshot->bytes(snapshot, f->stiffness + f->first, (size_t)f->count * sizeof *f->stiffness);
-    for (int i = f->first; i < f->first + f->count; i++)
-        valid &= f->stiffness[i] == 0.0 || (f->stiffness[i] >= low && f->stiffness[i] <= high);
+    snapshot->bytes(snapshot, f->compressed + f->first, bytes);
+    snapshot->bytes(snapshot, f->measured + f->first, bytes);
+    for (int i = f->first; i < f->first + f->count; i++) {
+        valid &= f->compressed[i] == -1.0 || in_range(f->compressed[i]);
+        valid &= in_range(f->measured[i]);
+    }
     return valid || !snapshot->reading
                ? PDYN_OK
                : f->services->set_error(
                      f->services->core, PDYN_BAD_INPUT,
-                     "not a saved state of this scene: a stiffness of the fluid is out of range");
+                     "not a saved state of this scene: a density of the fluid is out of range");
 }
 
 const pdyn_operator fluid_operator = {
     .create = create,
     .free = release,
     .neighbours = neighbours,
+    .begin = begin,
     .local = local,
     .one_sided = one_sided,
     .rate = fluid_rate,
@@ -190,6 +232,7 @@ const pdyn_operator fluid_operator = {
     .velocity = fluid_viscosity,
     .persist = persist,
     .limit = fluid_limit,
+    .stored = stored,
     .accept = accept,
     .boundary_force = fluid_boundary_force,
     .set_params = set_params,

@@ -7,7 +7,7 @@
  *
  * Pairs are stored in float, sums and everything else in double. Both directions of a pair hold the
  * same rounded numbers, so momentum and the symmetry of H are exact to double precision. Memory: 20
- * bytes per listed neighbour, 160 per particle of the system and 32 per boundary point. */
+ * bytes per listed neighbour, 176 per particle of the system and 32 per boundary point. */
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 
@@ -27,6 +27,7 @@ struct fluid {
     unsigned volumes, boundary;      /* revisions of the volumes and boundary points in x */
     double rest_density;             /* kg/m^3 */
     double spacing, particle_volume; /* m, m^3 */
+    double factor, part;             /* of damping in a step (fluid_local.c) */
     size_t pairs;                    /* capacity of pair_index and pair */
     int *block_start;                /* blocks + 1: first pair of each block of points */
     int *pair_start, *pair_end;      /* particles: range of pairs within the support */
@@ -36,10 +37,12 @@ struct fluid {
     double *x;          /* points x 4: positions of the last local step, relative volume */
     double *gradient;   /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
     double *vector;     /* particles x 4: input of a pass */
-    double *value;      /* particles: C_i */
+    double *compressed; /* particles: max(0, C_i) at the end of the step before; -1: not known */
+    double *measured;   /* particles: |grad C_i|^2 at the end of the step before; 0: not known */
+    double *value;      /* particles: C_i - part compressed_i (fluid_local.c) */
     double *squares;    /* particles: |grad C_i|^2, 1/m^2 */
-    double *stiffness;  /* particles: k_i of the energy, N m; 0: not computed yet */
-    double *flux;       /* particles: k_i max(0, C_i), N m */
+    double *stiffness;  /* particles: factor k_i (fluid.h) of `measured`, N m; 0: not known */
+    double *flux;       /* particles: stiffness_i max(0, value_i), N m */
     double *weight_sum; /* particles: sum of the weights of its constraints, N/m */
     double *multiplier; /* particles: multipliers of `force`; 0 for other particles than fluid */
     double *partial;    /* blocks: energy, J */
@@ -58,6 +61,10 @@ static inline void *fluid_resize(struct fluid *f, void *block, size_t old_count,
     return f->services->allocate(f->services->core, block, old_count * size, count * size);
 }
 
+static inline double fluid_stiffness_at(const struct fluid *f, double squares) {
+    return fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, squares, f->spacing);
+}
+
 static inline bool is_fluid(const struct fluid *f, int i) {
     return i >= f->first && i < f->first + f->count;
 }
@@ -66,10 +73,6 @@ static inline void for_particles(struct fluid *f, int count, pdyn_range_fn *fn, 
                                  double *out) {
     struct fluid_call call = {f, in, out, NULL};
     f->services->parallel_for(f->services->core, count, FLUID_GRAIN, fn, &call);
-}
-
-static inline double fluid_stiffness_at(const struct fluid *f, int i) {
-    return fluid_energy_stiffness(f->lists->kernel, f->params.stiffness, f->squares[i], f->spacing);
 }
 
 /* True for a block of particles with fluid or pairs: most samples of a large surface have none. */

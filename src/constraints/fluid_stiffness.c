@@ -6,7 +6,10 @@
  *     compression      rho g D / K                D: head of the fluid
  *
  * c = |grad C|^2 d^2 on a cubic lattice. Settled particles away from walls have the same value
- * within 1 % (cubic spline, measured in a tank of 20 x 20 x 20 particles). */
+ * within 1 % (cubic spline, measured in a tank of 20 x 20 x 20 particles).
+ *
+ * Damping: water would bounce where steps resolve the time in which sound crosses it
+ * (docs/theory/time-integration.md#water-that-lands). What steps leave of that time is damped. */
 #include "fluid.h"
 
 #include "projdyn/vec3.h"
@@ -35,5 +38,6 @@ pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
                                   given};
     p->compression = length * pressure / p->stiffness;
     p->sound_speed = sqrt(p->stiffness / (length * rho));
+    if (p->damping < 0.0) p->damping = fmax(0.0, scene->size / p->sound_speed - scene->step);
     return (pdyn_param_fault){0};
 }

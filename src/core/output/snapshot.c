@@ -74,6 +74,7 @@ static void persist_modules(struct pdyn_sim *sim, struct snapshot_file *a) {
         struct batch *batch = sim->objective.batch[b];
         if (batch->op && batch->type->matrix_free->persist)
             note_status(a, batch->type->matrix_free->persist(batch->op, &a->view));
+        if (batch->op && a->status == PDYN_OK) one_sided_persist(&batch->one_sided, a);
         size_t size = batch->type->memory_size;
         if (size) row_memory_persist(sim->context, &batch->memory, size, a);
         if (a->view.reading && a->status == PDYN_OK && batch_is_static(batch)) batch_recall(batch);

@@ -37,6 +37,7 @@ pdyn_status batch_open(struct batch *b, const double *x, const double *v,
                        const struct batch_step *step) {
     b->view.h = step->h, b->view.time = step->time;
     b->view.length = step->length, b->view.extrapolation = step->extrapolation;
+    if (b->op && b->type->matrix_free->begin) b->type->matrix_free->begin(b->op, step->length);
     return b->type->update && !updates_always(b) ? batch_update(b, x, v) : PDYN_OK;
 }
 
@@ -181,8 +182,8 @@ void batch_find_acceleration(struct batch *b, const struct velocity_change *chan
 static int operator_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     one_sided_rate_acceleration(&b->one_sided, extend(b, change->scratch));
     one_sided_rate_slowed(&b->one_sided, extend(b, change->slowed));
-    int count =
-        one_sided_impacts(&b->one_sided, b->view.body->mass[0], change->h, begin_output(b, force));
+    int count = one_sided_impacts(&b->one_sided, b->view.body->mass[0], change->h, change->solved,
+                                  begin_output(b, force));
     end_output(b, force);
     return count;
 }
@@ -210,12 +211,20 @@ void batch_limit(struct batch *b, const double *x, double *max_step) {
     if (b->op && b->type->matrix_free->limit) b->type->matrix_free->limit(b->op, x, max_step);
 }
 
+static double sum_stored(const struct batch *b) {
+    double sum = 0.0;
+    for (int i = 0; i < b->one_sided.at.count; i++) sum += b->type->matrix_free->stored(b->op, i);
+    return sum;
+}
+
 /* The forces of the step are stored first: `accept` may change the stiffness. */
-void batch_accept(struct batch *b, double left_out) {
+void batch_accept(struct batch *b, double left_out, bool solved) {
     b->left_out = batch_has_impacts(b) ? left_out : 0.0;
     if (!b->op) return;
-    one_sided_store_forces(&b->one_sided, left_out);
-    if (b->type->matrix_free->accept) b->type->matrix_free->accept(b->op);
+    const pdyn_operator *op = b->type->matrix_free;
+    one_sided_store_forces(&b->one_sided, left_out, solved);
+    if (op->stored) b->energy = sum_stored(b);
+    if (op->accept) op->accept(b->op);
 }
 
 void batch_velocity(struct batch *b, double *v) {

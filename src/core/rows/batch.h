@@ -148,6 +148,7 @@ struct velocity_change {  /* by a step of effective length h, s */
     const double *mass;            /* particles, kg */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
+    bool solved;        /* to the tolerance of the scene */
     const double *kept; /* particles: the part of the acceleration by one-sided forces that other
                            forces, as of pins, leave; NULL: all of it */
     double *scratch;    /* particles x 3 */
@@ -180,8 +181,8 @@ void batch_scatter(struct batch *batch, double *y);
 void batch_velocity(struct batch *batch, double *v);
 void batch_limit(struct batch *batch, const double *x, double *max_step);
 /* left_out: the part of the impacts that the integrator left out; 0: batch_impacts was not called.
- */
-void batch_accept(struct batch *batch, double left_out);
+ * solved: the step was solved to the tolerance of the scene. */
+void batch_accept(struct batch *batch, double left_out, bool solved);
 
 /* Operator tier: rate_i = grad C_i . u for the constraints marked in `which`; y += sum of
  * multiplier_i grad C_i. u, y: particles x 3 */

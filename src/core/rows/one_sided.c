@@ -28,7 +28,7 @@ static bool resize_arrays(struct one_sided *s, enum array_action action) {
 
 void one_sided_free(struct one_sided *s) {
     resize_arrays(s, ARRAYS_FREE);
-    s->capacity = 0;
+    s->capacity = s->means = 0;
 }
 
 static pdyn_status reserve(struct one_sided *s, int count) {
@@ -194,23 +194,43 @@ int one_sided_step_along(struct one_sided *s, double eps, double t, double *y) {
 
 /* ---- impacts --------------------------------------------------------------------------------- */
 
+static double force_of(const struct one_sided *s, int i) {
+    return s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
+}
+
 static void take_forces(void *arg, int first, int last, int block) {
     (void)block;
     struct one_sided *s = ((const struct call *)arg)->s;
-    const double left_out = ((const struct call *)arg)->t;
-    for (int i = first; i < last; i++) {
-        double impact = left_out > 0.0 ? s->multiplier[i] : 0.0;
-        s->multiplier[i] = s->acts[i] ? s->at.stiffness[i] * s->at.value[i] : 0.0;
-        s->mean[i] = s->multiplier[i] - left_out * impact;
-    }
+    for (int i = first; i < last; i++) s->multiplier[i] = force_of(s, i);
 }
 
-void one_sided_store_forces(struct one_sided *s, double left_out) {
-    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, left_out);
+static void take_means(void *arg, int first, int last, int block) {
+    (void)block;
+    struct one_sided *s = ((const struct call *)arg)->s;
+    const double left_out = ((const struct call *)arg)->t;
+    for (int i = first; i < last; i++)
+        s->mean[i] = force_of(s, i) - (left_out > 0.0 ? left_out * s->multiplier[i] : 0.0);
+}
+
+void one_sided_store_forces(struct one_sided *s, double left_out, bool solved) {
+    for_all(s, s->at.count, take_means, NULL, NULL, 0.0, left_out);
+    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+    s->means = solved ? s->at.count : 0;
+}
+
+void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot) {
+    int means = s->means;
+    snapshot_file_count(snapshot, &means, sizeof *s->mean,
+                        "the number of forces of a constraint is out of range");
+    if (snapshot->status == PDYN_OK) snapshot->status = reserve(s, means);
+    if (snapshot->status != PDYN_OK) return;
+    s->means = means;
+    snapshot_file_numbers(snapshot, s->mean, (size_t)s->means,
+                          "a force of a constraint is not finite");
 }
 
 void one_sided_forces(struct one_sided *s, double *y) {
-    one_sided_store_forces(s, 0.0);
+    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
     s->op->force(s->self, s->multiplier, y);
 }
 
@@ -225,17 +245,25 @@ void one_sided_rate_acceleration(struct one_sided *s, const double *acceleration
 struct impacts {
     struct one_sided *s;
     double mass, h;
+    bool comparable; /* with the forces of the step before: both steps are solved */
 };
+
+/* The part of the force, 0 to 1, that the step before did not have. */
+static double new_part(const struct impacts *c, int i, double force) {
+    return c->comparable ? fmax(0.0, 1.0 - c->s->mean[i] / force) : 0.0;
+}
 
 /* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
  * batch, which may cancel each other; and by this constraint alone, with the mass of a particle for
- * everything that it moves, also for light surfaces. The larger one is used. */
+ * everything that it moves, also for light surfaces. The larger one is used. What presses from
+ * behind on particles that touch in an impact has no approach of its own; its force is new. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
-    if (!s->acts[i]) return 0.0;
-    double value = s->at.value[i], force = s->at.stiffness[i] * value;
+    double value = s->at.value[i], force = force_of(s, i);
+    if (force == 0.0) return 0.0;
     double change = c->h * fmax(s->reached[i], force * s->at.squares[i] / c->mass);
-    return impact_part(s->rate[i], change, c->h * change / value);
+    double stopped = fmax(s->rate[i], new_part(c, i, force) * change);
+    return impact_part(stopped, change, c->h * change / value);
 }
 
 static void take_impacts(void *arg, int first, int last, int block) {
@@ -250,8 +278,8 @@ static void take_impacts(void *arg, int first, int last, int block) {
     s->partial[block] = count;
 }
 
-int one_sided_impacts(struct one_sided *s, double mass, double h, double *y) {
-    struct impacts impacts = {s, mass, h};
+int one_sided_impacts(struct one_sided *s, double mass, double h, bool solved, double *y) {
+    struct impacts impacts = {s, mass, h, solved && s->means == s->at.count};
     pool_for(s->context->pool, s->at.count, GRAIN, take_impacts, &impacts);
     s->op->force(s->self, s->multiplier, y);
     return sum_counts(s);

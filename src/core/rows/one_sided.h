@@ -9,6 +9,7 @@
 #define PDYN_ONE_SIDED_H
 
 #include "base/context.h"
+#include "base/snapshot_file.h"
 #include "projdyn/module.h"
 
 struct one_sided {
@@ -19,8 +20,9 @@ struct one_sided {
     pdyn_one_sided at; /* the x of the last local step */
     double *reached;   /* count: C_i + grad C_i . d */
     double *rate;      /* count: grad C_i . u for the search direction u */
-    double *mean; /* count: multipliers of the mean forces of the last step: without those parts
+    double *mean; /* means: multipliers of the mean forces of the last step: without those parts
                      of impacts that the integrator left out */
+    int means;    /* the count of the last step; 0: that step was not solved */
     double *multiplier; /* count: scratch of a step; between steps k_i max(0, C_i) of its end */
     bool *acts;         /* count: the constraint acts at d */
     bool *possible;     /* count: k_i > 0 */
@@ -51,9 +53,10 @@ double one_sided_slope(struct one_sided *s, double eps, double t, double *curvat
 int one_sided_step_along(struct one_sided *s, double eps, double t, double *y);
 
 /* The part of a force, 0 to 1, that is an impact: the part of its impulse that stopped an approach,
- * times a factor that is near 1 if the step is too long to resolve the oscillation of the
- * constraint. stopped: decrease of dC/dt in a step of length h; change: the decrease that the force
- * alone causes in h; stiff: (h omega)^2 of the oscillation, about 10 for two steps a period. */
+ * or that is new in this step, times a factor that is near 1 if the step is too long to resolve the
+ * oscillation of the constraint. stopped: decrease of dC/dt in a step of length h, or the part of
+ * `change` that is new; change: the decrease that the force alone causes in h; stiff: (h omega)^2
+ * of the oscillation, about 10 for two steps a period. */
 static inline double impact_part(double stopped, double change, double stiff) {
     if (!(stopped > 0.0 && change > 0.0)) return 0.0;
     return (stopped < change ? stopped / change : 1.0) * stiff / (10.0 + stiff);
@@ -62,15 +65,18 @@ static inline double impact_part(double stopped, double change, double stiff) {
 /* multiplier = k_i max(0, C_i) at the last local step: y += sum of multiplier_i grad C_i is the
  * gradient of the constraints' energy. mean = the same, less the part `left_out` of the impact
  * parts that one_sided_impacts has found before; 0: there are none. */
-void one_sided_store_forces(struct one_sided *s, double left_out);
+void one_sided_store_forces(struct one_sided *s, double left_out, bool solved);
+/* Writes or reads the mean forces of the last step. */
+void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot);
 /* y += the gradient of the constraints' energy at the last local step, N */
 void one_sided_forces(struct one_sided *s, double *y);
 /* Compute the rates grad C_i . u for one_sided_impacts, of u = velocities before a step minus those
  * after it, m/s, and of u = these gradients over the masses, m/s^2 (particles x 3). */
 void one_sided_rate_slowed(struct one_sided *s, const double *slowed);
 void one_sided_rate_acceleration(struct one_sided *s, const double *acceleration);
-/* y += the impact parts of the forces, from these rates. mass: kg, of a particle of the body; h: s.
- * Returns the number of forces of which the impact is the greater part. */
-int one_sided_impacts(struct one_sided *s, double mass, double h, double *y);
+/* y += the impact parts of the forces, from these rates. mass: kg, of a particle of the body; h: s;
+ * solved: the forces are those of a solved step. Returns the number of forces of which the impact
+ * is the greater part. */
+int one_sided_impacts(struct one_sided *s, double mass, double h, bool solved, double *y);
 
 #endif

@@ -54,12 +54,15 @@ static pdyn_status check_others(struct reader *r, const struct json_at *at, int 
 /* Lets a constraint compute parameters from the scene, e.g. a stiffness from the head. */
 static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                            const struct scene_body *body, const struct scene_constraint *c) {
+    const struct scene_settings *settings = &r->scene->settings;
     pdyn_scene_info info = {.radius = body->radius,
                             .rest_density = body->rest_density,
                             .head = scene_head(r->scene, body),
-                            .kernel = r->scene->settings.kernel};
+                            .kernel = settings->kernel,
+                            .size = 2.0 * body->radius * cbrt(body->start.count),
+                            .step = settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max};
     if (!body->has_mesh) info.pressure = scene_pressure(r->scene, body);
-    memcpy(info.gravity, r->scene->settings.gravity, sizeof info.gravity);
+    memcpy(info.gravity, settings->gravity, sizeof info.gravity);
     pdyn_param_fault fault = c->type->resolve(c->params, &info);
     if (!fault.message) return PDYN_OK;
     struct json_at param = json_member(at, fault.param ? fault.param : "");

@@ -164,6 +164,7 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
                                                               : objective->inertia,
                                      .rigid = objective->rigid,
                                      .h = H,
+                                     .solved = sim->solved,
                                      .scratch = sim->direction};
     int count = 0;
     if (!sim->v_before) return 0;

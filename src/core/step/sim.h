@@ -58,6 +58,7 @@ struct pdyn_sim {
     double *x_base, *v_base;     /* particles x 3: base of the step (integrator.h), m and m/s */
     double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
                                         last step */
+    bool solved;                     /* the last step was solved to the tolerance */
     bool unsolved;     /* the last step was not solved: its end is no guess for the next one */
     double last_h;     /* s, length of the last step; 0 before the first */
     int impacts;       /* number of constraints with an impact in the last step */

@@ -95,7 +95,8 @@ static void accept(struct pdyn_sim *sim, double h) {
             (sim->x_next[k] - objective->s[k]) / (objective->h * objective->h);
     memcpy(sim->x, sim->x_next, objective_bytes(objective));
     velocities_apply_operators(sim, h);
-    for (int b = 0; b < objective->batches; b++) batch_accept(objective->batch[b], sim->left_out);
+    for (int b = 0; b < objective->batches; b++)
+        batch_accept(objective->batch[b], sim->left_out, sim->solved);
     forces_pass_on(sim);
     sim->last_h = h;
     sim->steps++;
@@ -185,12 +186,13 @@ static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
                         const struct progress *progress) {
     double tolerance = sim->scene.settings.tolerance;
     measure_update_fluid(sim);
+    sim->solved = progress->residual <= tolerance;
     sim->unsolved = progress->residual > fmax(tolerance, history_residual);
     crossings_step(sim, end->h);
     accept(sim, end->h);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end->h, progress->residual);
-    solver_choice_step(sim, progress->linear, progress->residual <= tolerance);
+    solver_choice_step(sim, progress->linear, sim->solved);
     timestep_advance(sim, end);
     live_particles_step(sim);
     sim->forces_known = true;
