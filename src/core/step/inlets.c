@@ -99,54 +99,43 @@ static void place(const struct pdyn_sim *sim, const struct live_inlet *inlet, in
     inlet_place(inlet->from, sim->time, x);
 }
 
-/* Lists the live particles of fluids close to a plane `distance` in front of the opening. */
-static int find_near(const struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
-    double reach = (min_gap + INLET_STAGGER) * spacing_of(sim, inlet), origin[3], normal[3];
-    int count = 0;
+/* Sorts the particles of fluids close to a plane `distance` in front of the opening. */
+static void sort_near(struct pdyn_sim *sim, const struct live_inlet *inlet, double distance) {
+    double spacing = spacing_of(sim, inlet), origin[3], normal[3];
     place(sim, inlet, 0, distance, origin);
     inlet_direction(inlet->from, sim->time, normal);
-    double plane = vec3_dot(origin, normal);
-    for (int b = 0; b < sim->bodies; b++) {
-        const pdyn_body *body = &sim->body[b];
-        for (int i = body->first; !body->triangles && i < body->first + body->count; i++)
-            if (sim->live->live[i] && fabs(vec3_dot(sim->x + 3 * i, normal) - plane) < reach)
-                sim->live->scratch[count++] = i;
-    }
-    return count;
+    layer_neighbours_sort(sim, origin, normal, (min_gap + INLET_STAGGER) * spacing, spacing);
 }
 
-static bool is_close(const struct pdyn_sim *sim, const struct live_inlet *inlet, int i,
-                     const double x[3]) {
-    return vec3_distance(x, sim->x + 3 * (size_t)i) < min_gap * spacing_of(sim, inlet);
+/* Lists the sorted particles that are in the way of one at x in sim->live->scratch. */
+static int find_near(struct pdyn_sim *sim, const struct live_inlet *inlet, const double x[3]) {
+    return layer_neighbours_find(sim, x, min_gap * spacing_of(sim, inlet));
 }
 
 /* Whether the fluid in front of the opening is compressed, on average: it does not flow off. */
-static bool is_blocked(const struct pdyn_sim *sim, const struct live_inlet *inlet) {
+static bool is_blocked(struct pdyn_sim *sim, const struct live_inlet *inlet) {
     double distance = spacing_of(sim, inlet), sum = 0.0, x[3];
-    int near = find_near(sim, inlet, distance), count = 0;
+    int count = 0;
+    sort_near(sim, inlet, distance);
     for (int k = 0; k < inlet->from->layer.count; k++) {
         place(sim, inlet, k, distance, x);
+        int near = find_near(sim, inlet, x);
         for (int n = 0; n < near; n++) {
             int i = sim->live->scratch[n];
-            if (!is_close(sim, inlet, i, x)) continue;
             double rest = sim->body[objective_body_of(&sim->objective, i)].rest_density;
-            sum += sim->density[i] / rest - 1.0, count++;
+            sum += sim->density[i] / rest - 1.0;
         }
+        count += near;
     }
     return sum > max_compression * count;
 }
 
 /* Holds the particles that are in the way of one at x. Returns whether there are any. */
-static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, const double x[3],
-                      int near) {
-    bool any = false;
-    for (int n = 0; n < near; n++) {
-        int i = sim->live->scratch[n];
-        if (!is_close(sim, inlet, i, x)) continue;
-        if (!sim->live->pusher[i]) push(sim, inlet, i);
-        any = true;
-    }
-    return any;
+static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, const double x[3]) {
+    int near = find_near(sim, inlet, x);
+    for (int n = 0; n < near; n++)
+        if (!sim->live->pusher[sim->live->scratch[n]]) push(sim, inlet, sim->live->scratch[n]);
+    return near > 0;
 }
 
 /* Emits the next layer at its current position: it may have entered within the step. Particles
@@ -154,11 +143,11 @@ static bool hold_near(struct pdyn_sim *sim, const struct live_inlet *inlet, cons
 static void emit_layer(struct pdyn_sim *sim, struct live_inlet *inlet) {
     const struct scene_inlet *from = inlet->from;
     double distance = inlet_travelled(from, sim->time) - inlet->layers * spacing_of(sim, inlet);
-    int near = find_near(sim, inlet, distance);
+    sort_near(sim, inlet, distance);
     for (int k = 0; k < from->layer.count; k++) {
         double x[3];
         place(sim, inlet, k, distance, x);
-        if (hold_near(sim, inlet, x, near)) {
+        if (hold_near(sim, inlet, x)) {
             inlet->not_entered++;
             continue;
         }

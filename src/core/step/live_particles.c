@@ -91,6 +91,8 @@ static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
         ARRAY(p->vacant, sim->bodies),
         ARRAY(p->slot, sim->objective.particles),
         ARRAY(p->scratch, sim->objective.particles),
+        ARRAY(p->near.bucket, p->inlets ? sim->objective.particles : 0),
+        ARRAY(p->near.next, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->pusher, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->inertia, p->inlets ? sim->objective.particles : 0),
         ARRAY(p->inlet, p->inlets),

@@ -6,6 +6,7 @@
 #define PDYN_LIVE_PARTICLES_H
 
 #include "base/snapshot_file.h"
+#include "layer_neighbours.h"
 #include "sim.h"
 
 struct live_inlet {
@@ -22,7 +23,8 @@ struct live_particles {
     int *vacant; /* bodies: number of particles that are not live */
     int *slot;   /* particles: for every body, from its first particle on, a stack of particles that
                     are not live */
-    int *scratch; /* particles: indices of those close to a layer, or marks */
+    int *scratch; /* particles: indices of those near a place of a layer, or marks */
+    struct layer_neighbours near; /* arrays NULL: there are no inlets */
     int *pusher; /* particles: which layer of which inlet it is pushed in (inlets.c); 0: none. NULL:
                     there are no inlets */
     double *inertia; /* particles, kg: of the objective. NULL: no inlets */
@@ -33,7 +35,7 @@ struct live_particles {
 };
 
 /* Makes the particles of "fill" live and emits the layers due at time 0. Does nothing in a scene
- * without inlets and outlets. Memory: 9 bytes per particle, 21 with inlets. */
+ * without inlets and outlets. Memory: 9 bytes per particle, 29 with inlets. */
 pdyn_status live_particles_create(struct pdyn_sim *sim);
 void live_particles_free(struct pdyn_sim *sim);
 
