@@ -11,8 +11,9 @@ struct control {
     bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
     bool anchored; /* sim->anchored without holds and inlets */
     double *force; /* particles x 3, N; NULL: none was ever set */
-    struct hold *hold; /* holds: the first `settled` have batches and ascending particles */
-    size_t holds, room, settled;
+    struct hold *hold; /* holds */
+    size_t holds, room;
+    int *hold_of; /* particles: 1 + index of its hold; 0: none. NULL: there never was a hold */
     struct hold_group *group; /* bodies: of the batches of holds, the last of the objective */
     int batches;              /* number of these */
 };

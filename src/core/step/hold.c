@@ -55,6 +55,8 @@ static const pdyn_constraint_type held = {
 
 static struct hold *add_hold(struct pdyn_sim *sim) {
     struct control *c = &sim->control;
+    if (!c->hold_of && !(c->hold_of = NEW_ARRAY(sim->context, sim->objective.particles, int)))
+        return NULL;
     struct hold *list =
         context_grow(sim->context, c->hold, &c->room, c->holds + 1, sizeof *c->hold);
     if (!list) return NULL;
@@ -69,12 +71,8 @@ static int compare_holds(const void *a, const void *b) {
 /* The hold of a particle, or NULL. */
 static struct hold *find_hold(const struct pdyn_sim *sim, int particle) {
     const struct control *c = &sim->control;
-    const struct hold key = {.particle = particle};
-    struct hold *found =
-        c->settled ? bsearch(&key, c->hold, c->settled, sizeof key, compare_holds) : NULL;
-    for (size_t k = c->settled; k < c->holds && !found; k++)
-        if (c->hold[k].particle == particle) found = &c->hold[k];
-    return found;
+    int number = c->hold_of ? c->hold_of[particle] : 0;
+    return number ? &c->hold[number - 1] : NULL;
 }
 
 /* A released hold stays until its batch is gone. */
@@ -83,6 +81,15 @@ static void remove_released(struct control *c) {
     for (size_t k = 0; k < c->holds; k++)
         if (!c->hold[k].released) c->hold[kept++] = c->hold[k];
     c->holds = kept;
+}
+
+/* Sorts the holds by particle. */
+static void sort_holds(struct pdyn_sim *sim) {
+    struct control *c = &sim->control;
+    if (!c->hold) return;
+    qsort(c->hold, c->holds, sizeof *c->hold, compare_holds);
+    memset(c->hold_of, 0, (size_t)sim->objective.particles * sizeof *c->hold_of);
+    for (size_t k = 0; k < c->holds; k++) c->hold_of[c->hold[k].particle] = (int)k + 1;
 }
 
 /* ---- batches --------------------------------------------------------------------------------- */
@@ -126,8 +133,7 @@ pdyn_status holds_make_batches(struct pdyn_sim *sim) {
     struct control *c = &sim->control;
     drop_batches(sim);
     remove_released(c);
-    if (c->holds) qsort(c->hold, c->holds, sizeof *c->hold, compare_holds);
-    c->settled = c->holds;
+    sort_holds(sim);
     if (c->holds && !c->group &&
         !(c->group = NEW_ARRAY(sim->context, sim->bodies, struct hold_group)))
         return PDYN_NO_MEMORY;
@@ -140,7 +146,8 @@ void holds_free(struct pdyn_sim *sim) {
     struct control *c = &sim->control;
     FREE_ARRAY(sim->context, c->hold, c->room);
     FREE_ARRAY(sim->context, c->group, sim->bodies);
-    c->holds = c->room = c->settled = 0;
+    FREE_ARRAY(sim->context, c->hold_of, sim->objective.particles);
+    c->holds = c->room = 0;
 }
 
 /* ---- public functions ------------------------------------------------------------------------ */
@@ -175,6 +182,7 @@ pdyn_status pdyn_hold(pdyn_sim *sim, int particle, double stiffness, const doubl
     struct hold *h = find_hold(sim, particle);
     bool same = h && h->stiffness == stiffness && !h->released;
     if (!h && !(h = add_hold(sim))) return PDYN_NO_MEMORY;
+    sim->control.hold_of[particle] = (int)(h - sim->control.hold) + 1;
     sim->control.driven = true;
     sim->control.stale |= !same;
     *h = (struct hold){.particle = particle, .stiffness = stiffness};
