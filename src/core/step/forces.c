@@ -119,12 +119,7 @@ void forces_add_load(const struct pdyn_sim *sim, int k, struct solid_load *load)
                                                                          load);
 }
 
-void forces_add_body_load(const struct pdyn_sim *sim, int b, struct solid_load *load) {
-    const struct objective_body *body = &sim->objective.body[b];
-    sum_forces(sim, is_any, NULL, sim->trial);
-    for (int i = body->first; i < body->first + body->count; i++)
-        solid_load_add(load, sim->x + 3 * (size_t)i, sim->trial + 3 * (size_t)i);
-}
+void forces_sum(const struct pdyn_sim *sim, double *force) { sum_forces(sim, is_any, NULL, force); }
 
 double forces_virial(const struct pdyn_sim *sim, int k) {
     const struct batch *b = sim->objective.batch[k];

@@ -111,8 +111,10 @@ static void measure_inside(const struct pdyn_sim *sim, const struct scene_probe 
 
 /* The force of all constraints on a body, and its moment about the origin. */
 static void measure_body(const struct pdyn_sim *sim, const struct scene_probe *probe, double *out) {
+    const struct objective_body *body = &sim->objective.body[probe->target];
     struct solid_load load = {{0}, {0}};
-    forces_add_body_load(sim, probe->target, &load);
+    for (int i = body->first; i < body->first + body->count; i++)
+        solid_load_add(&load, sim->x + 3 * (size_t)i, sim->probes->force + 3 * (size_t)i);
     copy_load(&load, out);
 }
 
@@ -178,13 +180,21 @@ static void list_columns(struct probes *p, const struct scene *scene) {
     }
 }
 
-static bool resize_arrays(pdyn_context *context, struct probes *p, enum array_action action) {
+static bool has_body_probe(const struct scene *scene) {
+    for (int k = 0; k < scene->probes; k++)
+        if (scene->probe[k].kind == PROBE_BODY) return true;
+    return false;
+}
+
+static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
+    struct probes *p = sim->probes;
+    size_t vector = has_body_probe(&sim->scene) ? VECTOR_LENGTH(sim->objective.particles) : 0;
     const struct array_entry table[] = {
         ARRAY(p->probe, p->count),   ARRAY(p->value, p->values),
         ARRAY(p->now, p->values),    ARRAY(p->text, PROBE_COLUMN * (size_t)p->values),
-        ARRAY(p->column, p->values),
+        ARRAY(p->column, p->values), ARRAY(p->force, vector),
     };
-    return context_arrays(context, table, ARRAY_ROWS(table), action);
+    return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
 }
 
 static pdyn_status check_walls(const struct pdyn_sim *sim) {
@@ -207,14 +217,14 @@ pdyn_status probes_create(struct pdyn_sim *sim) {
     if (!p) return PDYN_NO_MEMORY;
     p->count = sim->scene.probes;
     for (int k = 0; k < p->count; k++) p->values += values_of(&sim->scene.probe[k]);
-    if (!resize_arrays(sim->context, p, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
+    if (!resize_arrays(sim, ARRAYS_ALLOCATE)) return PDYN_NO_MEMORY;
     list_columns(p, &sim->scene);
     return check_walls(sim);
 }
 
 void probes_free(struct pdyn_sim *sim) {
     if (!sim->probes) return;
-    resize_arrays(sim->context, sim->probes, ARRAYS_FREE);
+    resize_arrays(sim, ARRAYS_FREE);
     FREE_ARRAY(sim->context, sim->probes, 1);
 }
 
@@ -228,6 +238,7 @@ static double part_of(const struct scene_probe *probe, double h, long steps) {
 void probes_step(struct pdyn_sim *sim, double h) {
     struct probes *p = sim->probes;
     double *now = p ? p->now : NULL, *value = p ? p->value : NULL;
+    if (p && p->force) forces_sum(sim, p->force);
     for (int k = 0; p && k < p->count; k++) {
         const struct scene_probe *from = &sim->scene.probe[k];
         double part = part_of(from, h, sim->steps);

@@ -14,8 +14,10 @@ struct probes {
     pdyn_probe_info *probe; /* count */
     double *value;          /* values: of all probes */
     double *now;            /* values: without the mean over time */
-    char *text;             /* values x PROBE_COLUMN */
-    const char **column;    /* values: pointers into text */
+    double *force; /* particles x 3, N: of all constraints, in the last step. NULL: no probe of a
+                      body */
+    char *text;    /* values x PROBE_COLUMN */
+    const char **column; /* values: pointers into text */
 };
 
 /* sim->probes stays NULL in a scene without probes. */
