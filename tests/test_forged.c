@@ -293,12 +293,47 @@ static void test_writer(void **state) {
     clean_up();
 }
 
+/* A frame is appended to a series; a series that was changed since the last frame is replaced. */
+static void test_series(void **state) {
+    (void)state;
+    static const char path[] = "out/sheet.vtk.series";
+    static struct file appended, whole;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, cloth);
+    pdyn_writer *writer = NULL;
+    assert_int_equal(pdyn_writer_open(sim, "out", false, &writer), PDYN_OK);
+    for (int k = 0; k < 4; k++) {
+        if (k == 3) {
+            read_file(path, &appended);
+            test_write_text(path, "{\"files\": []}\n");
+        }
+        assert_int_equal(pdyn_writer_frame(writer), PDYN_OK);
+        test_step(context, sim);
+    }
+    read_file(path, &whole);
+    size_t entries = appended.size - strlen("]}\n");
+    assert_true(whole.size > appended.size);
+    assert_memory_equal(whole.data, appended.data, entries);
+    assert_memory_equal(whole.data + entries, ",\n{\"name\": \"sheet_000003.vtk\"", 29);
+    assert_int_equal(pdyn_writer_save(writer), PDYN_OK);
+    pdyn_writer_close(writer);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    for (int k = 1; k < 4; k++) {
+        char frame[64];
+        snprintf(frame, sizeof frame, "out/sheet_%06d.vtk", k);
+        test_remove_file(frame);
+        snprintf(frame, sizeof frame, "out/solids/solid0_%06d.vtk", k);
+        test_remove_file(frame);
+    }
+    clean_up();
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_states),
-        cmocka_unit_test(test_fields),
-        cmocka_unit_test(test_multipliers),
-        cmocka_unit_test(test_writer),
+        cmocka_unit_test(test_states),      cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_multipliers), cmocka_unit_test(test_writer),
+        cmocka_unit_test(test_series),
     };
     return cmocka_run_group_tests_name("forged", tests, test_enter_directory, test_leave_directory);
 }

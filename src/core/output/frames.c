@@ -30,17 +30,35 @@ static struct part part_of_frame(const pdyn_writer *writer, int part) {
     return (struct part){SOLIDS_FOLDER, s->motion.keys ? s->name : NULL, -1, solid};
 }
 
+/* ---- series ---------------------------------------------------------------------------------- */
+
+static const char brackets[] = "]}\n"; /* the end of a series */
+
+struct entry {
+    char text[NAME_LENGTH + 96];
+};
+
+/* The entry of frame f in a series, followed by `end`. Call in the C locale. */
+static struct entry entry_of(const pdyn_writer *writer, struct part part, int f, const char *end) {
+    struct entry entry;
+    snprintf(entry.text, sizeof entry.text, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}%s",
+             f ? "," : "", part.name, f, writer->time[f], end);
+    return entry;
+}
+
+static const char *series_path(pdyn_writer *writer, struct part part) {
+    return writer_path(writer, "%s%s.vtk.series", part.folder, part.name);
+}
+
 static pdyn_status write_series(pdyn_writer *writer, struct part part, int frames) {
     struct file_out file;
     if (!part.name) return PDYN_OK;
-    pdyn_status status = file_out_open(
-        writer->context, writer_path(writer, "%s%s.vtk.series", part.folder, part.name), &file);
+    pdyn_status status = file_out_open(writer->context, series_path(writer, part), &file);
     if (status != PDYN_OK) return status;
     file_out_print(&file, "{\"file-series-version\": \"1.0\", \"files\": [");
     for (int f = 0; f < frames; f++)
-        file_out_print(&file, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}", f ? "," : "",
-                       part.name, f, writer->time[f]);
-    file_out_print(&file, "]}\n");
+        file_out_print(&file, "%s", entry_of(writer, part, f, "").text);
+    file_out_print(&file, "%s", brackets);
     return file_out_close(&file);
 }
 
@@ -50,6 +68,65 @@ pdyn_status frames_write_series(pdyn_writer *writer, int frames) {
         status = write_series(writer, part_of_frame(writer, p), frames);
     return status;
 }
+
+/* Whether a file ends with `text`. *size: its bytes. */
+static bool ends_with(int descriptor, const char *text, off_t *size) {
+    struct entry end;
+    size_t length = strlen(text);
+    *size = lseek(descriptor, 0, SEEK_END);
+    return *size >= (off_t)length &&
+           pread(descriptor, end.text, length, *size - (off_t)length) == (ssize_t)length &&
+           !memcmp(end.text, text, length);
+}
+
+static bool write_at(int descriptor, off_t at, const char *text) {
+    size_t length = strlen(text);
+    return pwrite(descriptor, text, length, at) == (ssize_t)length;
+}
+
+/* Replaces the brackets at the end of a series of `size` bytes, in one write: a killed run leaves a
+ * whole series. */
+static pdyn_status replace_brackets(pdyn_writer *writer, struct part part, int descriptor,
+                                    off_t size, const char *text) {
+    off_t at = size - (off_t)strlen(brackets);
+    errno = ENOSPC; /* what a shorter write means */
+    if (write_at(descriptor, at, text)) return PDYN_OK;
+    int error = errno;
+    bool whole = write_at(descriptor, at, brackets) && !ftruncate(descriptor, size);
+    return context_fail(writer->context, PDYN_IO_FAILED, "%.1024s: writing failed: %s%s",
+                        series_path(writer, part), strerror(error),
+                        whole ? "" : "; its end is missing");
+}
+
+/* Lists frame f in a series. A file that is not the series of the frames before is replaced. */
+static pdyn_status append_to_series(pdyn_writer *writer, struct part part, int f) {
+    int descriptor;
+    off_t size;
+    pdyn_status status = PDYN_OK;
+    if (!f || file_open_in_place(writer->context, series_path(writer, part), 0, &descriptor))
+        return write_series(writer, part, f + 1);
+    bool known = ends_with(descriptor, entry_of(writer, part, f - 1, brackets).text, &size);
+    if (known)
+        status = replace_brackets(writer, part, descriptor, size,
+                                  entry_of(writer, part, f, brackets).text);
+    bool closed = !close(descriptor);
+    return status != PDYN_OK || (known && closed) ? status : write_series(writer, part, f + 1);
+}
+
+/* Lists frame f in all series. */
+static pdyn_status list_frame(pdyn_writer *writer, int f) {
+    struct text_locale locale;
+    pdyn_status status = PDYN_OK;
+    if (!text_begin(&locale)) return context_no_memory(writer->context);
+    for (int p = 0; p < count_parts(writer) && status == PDYN_OK; p++) {
+        struct part part = part_of_frame(writer, p);
+        if (part.name) status = append_to_series(writer, part, f);
+    }
+    text_end(&locale);
+    return status;
+}
+
+/* ---- frames ---------------------------------------------------------------------------------- */
 
 static pdyn_status write_part(pdyn_writer *writer, struct part part) {
     if (!part.name) return PDYN_OK;
@@ -61,8 +138,6 @@ static pdyn_status write_part(pdyn_writer *writer, struct part part) {
     return ply_write_body(writer->sim, part.body,
                           writer_path(writer, "%s_%06d.ply", part.name, writer->frames));
 }
-
-/* ---- frames ---------------------------------------------------------------------------------- */
 
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames) {
     size_t size = (size_t)writer->capacity * sizeof(double);
@@ -88,7 +163,7 @@ static pdyn_status write_frame(pdyn_writer *writer) {
     pdyn_status status = append_time(writer);
     for (int p = 0; p < count_parts(writer) && status == PDYN_OK; p++)
         status = write_part(writer, part_of_frame(writer, p));
-    if (status == PDYN_OK) status = frames_write_series(writer, writer->frames + 1);
+    if (status == PDYN_OK) status = list_frame(writer, writer->frames);
     if (status == PDYN_OK) writer->frames++;
     return status;
 }
