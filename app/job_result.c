@@ -74,27 +74,60 @@ int job_result_write(const char *directory, const struct job *job, int status, d
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* Sets "mean" and "max" to the means and maxima of the columns of metrics.csv. Values that are
- * not finite are left out. */
-static void add_metrics(json_t *result, const struct metrics_csv *m) {
-    json_t *means = json_object(), *maxima = json_object();
-    for (int k = 0; k < m->columns && m->rows; k++) {
-        double sum = 0.0, max = -INFINITY;
-        for (long r = 0; r < m->rows; r++) {
-            double value = m->value[r * m->columns + k];
-            sum += value, max = fmax(max, value);
-        }
-        double mean = sum / (double)m->rows;
-        if (isfinite(mean)) json_object_set_new(means, m->name[k], json_real(mean));
-        if (isfinite(max)) json_object_set_new(maxima, m->name[k], json_real(max));
+/* Sets a number of an object; one that is not finite is left out. */
+static void set_finite(json_t *object, const char *key, double value) {
+    if (isfinite(value)) json_object_set_new(object, key, json_real(value));
+}
+
+/* Adds mean and maximum of column k to "mean" and "max". */
+static void add_column(json_t *result, const struct metrics_csv *m, int k) {
+    double sum = 0.0, max = -INFINITY;
+    for (long r = 0; r < m->rows; r++) {
+        double value = m->value[r * m->columns + k];
+        sum += value, max = fmax(max, value);
     }
-    json_object_set_new(result, "mean", means);
-    json_object_set_new(result, "max", maxima);
+    set_finite(json_object_get(result, "mean"), m->name[k], sum / (double)m->rows);
+    set_finite(json_object_get(result, "max"), m->name[k], max);
+}
+
+/* Whether a column of probes.csv is a force or a moment: its unit is N or Nm. */
+static bool is_force(const char *name) {
+    const char *unit = strrchr(name, '_');
+    return unit && (!strcmp(unit, "_N") || !strcmp(unit, "_Nm"));
+}
+
+/* Adds the integral of the force or moment in column k over time to "impulse": the sum of force x
+ * length of the step. The unit in its name becomes Ns or Nms. Column 0 is the end of the step. */
+static void add_impulse(json_t *result, const struct metrics_csv *m, int k) {
+    double impulse = 0.0, start = 0.0;
+    char *name;
+    for (long r = 0; r < m->rows; r++) {
+        const double *row = m->value + r * m->columns;
+        impulse += (row[0] - start) * row[k];
+        start = row[0];
+    }
+    if (asprintf(&name, "%ss", m->name[k]) < 0) return;
+    set_finite(json_object_get(result, "impulse"), name, impulse);
+    free(name);
+}
+
+/* Adds mean and max of the columns of a table of time steps, if the job wrote one; impulses: and
+ * the impulse of its forces. */
+static void add_table(json_t *result, const char *directory, const char *file, bool impulses) {
+    char path[JOB_PATH];
+    struct metrics_csv table;
+    if (!path_in(path, directory, file) || access(path, R_OK) ||
+        metrics_csv_read(directory, file, &table) != EXIT_GOOD)
+        return;
+    for (int k = 0; k < table.columns && table.rows; k++) {
+        add_column(result, &table, k);
+        if (impulses && is_force(table.name[k])) add_impulse(result, &table, k);
+    }
+    metrics_csv_free(&table);
 }
 
 json_t *job_result_read(const char *directory) {
     char path[JOB_PATH];
-    struct metrics_csv metrics;
     json_error_t error;
     if (!path_in(path, directory, "result.json")) return NULL;
     json_t *result = json_load_file(path, 0, &error);
@@ -108,11 +141,10 @@ json_t *job_result_read(const char *directory) {
     }
     if (path_in(path, directory, "report.json"))
         json_object_set_new(result, "report", json_load_file(path, 0, &error));
-    if (path_in(path, directory, "metrics.csv") && !access(path, R_OK) &&
-        metrics_csv_read(directory, &metrics) == EXIT_GOOD) {
-        add_metrics(result, &metrics);
-        metrics_csv_free(&metrics);
-    }
+    static const char *const statistics[] = {"mean", "max", "impulse"};
+    for (int k = 0; k < 3; k++) json_object_set_new(result, statistics[k], json_object());
+    add_table(result, directory, "metrics.csv", false);
+    add_table(result, directory, "probes.csv", true);
     return result;
 }
 

@@ -14,7 +14,8 @@ int job_result_write(const char *directory, const struct job *job, int status, d
  *
  *     status, error, cpu_s   from result.json; status: "good", "bad input", "failed" or "killed"
  *     report                 content of report.json, if there is one
- *     mean, max              of each column of metrics.csv, if there is one
+ *     mean, max              of each column of metrics.csv and probes.csv
+ *     impulse                time integral of each force and moment of probes.csv, N s or N m s
  *
  * NULL after a message if result.json is missing or invalid. The caller releases the object. */
 json_t *job_result_read(const char *directory);

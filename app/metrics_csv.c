@@ -1,4 +1,4 @@
-/* Reader for metrics.csv, the table of a run's time steps. */
+/* Reader for metrics.csv and probes.csv, the tables of a run's time steps. */
 #include "metrics_csv.h"
 #include "app.h"
 #include "read_file.h"
@@ -41,11 +41,11 @@ static bool split(struct metrics_csv *m) {
     return true;
 }
 
-int metrics_csv_read(const char *directory, struct metrics_csv *metrics) {
+int metrics_csv_read(const char *directory, const char *file, struct metrics_csv *metrics) {
     char *path;
     size_t size;
     *metrics = (struct metrics_csv){0};
-    if (asprintf(&path, "%s/metrics.csv", directory) < 0) return report_no_memory();
+    if (asprintf(&path, "%s/%s", directory, file) < 0) return report_no_memory();
     int code = read_file(path, &metrics->text, &size);
     free(path);
     if (code != EXIT_GOOD || split(metrics)) return code;

@@ -1,4 +1,4 @@
-/* metrics.csv of a run as a table: one row per time step, one column per quantity. */
+/* metrics.csv or probes.csv of a run as a table: one row per time step, one column per quantity. */
 #ifndef METRICS_CSV_H
 #define METRICS_CSV_H
 
@@ -10,9 +10,9 @@ struct metrics_csv {
     char *text;    /* content of the file, cut into cells */
 };
 
-/* Reads DIRECTORY/metrics.csv. Returns EXIT_GOOD, or another exit code after a message with
- * nothing to be freed. */
-int metrics_csv_read(const char *directory, struct metrics_csv *metrics);
+/* Reads DIRECTORY/FILE, "metrics.csv" or "probes.csv". Returns EXIT_GOOD, or another exit code
+ * after a message with nothing to be freed. */
+int metrics_csv_read(const char *directory, const char *file, struct metrics_csv *metrics);
 void metrics_csv_free(struct metrics_csv *metrics);
 
 /* Index of the column with this name, -1 if there is none. */

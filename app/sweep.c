@@ -2,7 +2,6 @@
  * collects the results in one table. */
 #include "jobs.h"
 #include "parameter_grid.h"
-#include "scene_json.h"
 #include "sweep_table.h"
 
 #include <limits.h>
@@ -181,17 +180,27 @@ static bool make_jobs(struct sweep *s) {
     return s->jobs.job;
 }
 
-/* Refuses a scene with plug-ins without permission, before every job fails for this reason. Returns
- * EXIT_GOOD, or another exit code after a message; that of the loader has line and column. */
-static int check_plugins(const struct scene_options *scene) {
+/* The first job that is not finished; NULL if there is none. */
+static const struct job *first_pending(const struct jobs *jobs) {
+    for (long k = 0; k < jobs->count; k++)
+        if (jobs->job[k].status == JOB_PENDING) return &jobs->job[k];
+    return NULL;
+}
+
+/* Loads the scene, so that an error in it ends the sweep before every job fails for this reason. A
+ * scene that cannot be loaded alone may be complete with the values of a job. Returns EXIT_GOOD, or
+ * another exit code after the message of the loader. */
+static int check_scene(const struct scene_options *scene, const struct job *job) {
+    struct scene_options with_values = *scene;
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
-    json_t *values = NULL;
-    if (scene_plugins_allowed()) return EXIT_GOOD;
-    int code = scene_json(scene, &values);
-    if (code == EXIT_GOOD && json_array_size(json_object_get(values, "plugins")) > 0)
-        code = scene_load(scene, &context, &sim);
-    json_decref(values);
+    with_values.silent = true;
+    int code = scene_context(&with_values, &context);
+    if (code == EXIT_GOOD && pdyn_load(context, scene->scene, NULL, 0, &sim) != PDYN_OK) {
+        pdyn_destroy(context);
+        with_values.set = (const char **)job->set, with_values.sets = job->sets;
+        code = scene_load(&with_values, &context, &sim);
+    }
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;
@@ -201,8 +210,9 @@ static int sweep(struct sweep *s) {
     if (!make_jobs(s)) return report_no_memory();
     int code = jobs_find_finished(&s->jobs);
     if (code != EXIT_GOOD || s->print) return code == EXIT_GOOD ? print_commands(s) : code;
-    if (!s->collect) code = check_plugins(&s->jobs.scene);
-    if (!s->collect && code == EXIT_GOOD) code = jobs_run(&s->jobs);
+    const struct job *pending = s->collect ? NULL : first_pending(&s->jobs);
+    if (pending) code = check_scene(&s->jobs.scene, pending);
+    if (pending && code == EXIT_GOOD) code = jobs_run(&s->jobs);
     return code == EXIT_GOOD && s->point < 0 ? sweep_table_write(&s->jobs, &s->grid) : code;
 }
 

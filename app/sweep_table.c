@@ -7,6 +7,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Of the columns of metrics.csv and probes.csv, by their keys in a result (job_result.h). */
+static const char *const statistics[] = {"mean", "max", "impulse"};
+enum { STATISTICS = sizeof statistics / sizeof *statistics };
+
 /* ---- cells ----------------------------------------------------------------------------------- */
 
 /* A comma and the number; an empty cell if the value is NULL or no number. */
@@ -23,14 +27,16 @@ static void put_ratio(FILE *file, double numerator, double denominator) {
 
 /* ---- rows ------------------------------------------------------------------------------------ */
 
-/* columns: an object whose keys are the columns of metrics.csv */
+/* columns: as find_columns() returns it */
 static void put_header(FILE *file, const struct parameter_grid *grid, json_t *columns) {
-    const char *name;
-    json_t *unused;
     for (int a = 0; a < grid->axes; a++) csv_write_text(file, grid->axis[a].path), fputc(',', file);
     fputs("status,error,steps,simulated_s,wall_s,cpu_s,wall_s_per_s,cpu_s_per_s", file);
-    json_object_foreach(columns, name, unused) fprintf(file, ",mean_%s", name);
-    json_object_foreach(columns, name, unused) fprintf(file, ",max_%s", name);
+    for (int k = 0; k < STATISTICS; k++) {
+        const char *name;
+        json_t *unused;
+        json_object_foreach(json_object_get(columns, statistics[k]), name, unused)
+            fprintf(file, ",%s_%s", statistics[k], name);
+    }
     fputs(",state_hash,directory\n", file);
 }
 
@@ -55,8 +61,7 @@ static void put_times(FILE *file, json_t *result) {
 /* The row of a grid point. result: as job_result_read() returns it, or JSON null. */
 static void put_row(FILE *file, const struct jobs *jobs, const struct parameter_grid *grid,
                     long point, json_t *result, json_t *columns) {
-    const char *name;
-    json_t *unused, *report = json_object_get(result, "report");
+    json_t *report = json_object_get(result, "report");
     for (int a = 0; a < grid->axes; a++)
         csv_write_text(file, parameter_grid_value(grid, point, a)), fputc(',', file);
     const char *status = json_string_value(json_object_get(result, "status"));
@@ -64,10 +69,12 @@ static void put_row(FILE *file, const struct jobs *jobs, const struct parameter_
     fputc(',', file);
     csv_write_text(file, json_string_value(json_object_get(result, "error")));
     put_times(file, result);
-    json_object_foreach(columns, name, unused)
-        put_number(file, json_object_get(json_object_get(result, "mean"), name));
-    json_object_foreach(columns, name, unused)
-        put_number(file, json_object_get(json_object_get(result, "max"), name));
+    for (int k = 0; k < STATISTICS; k++) {
+        const char *name;
+        json_t *unused, *own = json_object_get(result, statistics[k]);
+        json_object_foreach(json_object_get(columns, statistics[k]), name, unused)
+            put_number(file, json_object_get(own, name));
+    }
     const char *hash = json_string_value(json_object_get(report, "state_hash"));
     fprintf(file, ",%s,%s\n", hash ? hash : "", jobs->job[point].key);
 }
@@ -87,14 +94,18 @@ static json_t *read_results(const struct jobs *jobs) {
     return all;
 }
 
-/* The "mean" of the first result that has metrics: its keys are the columns of metrics.csv. NULL
- * if no result has metrics. */
+/* For each statistic an object whose keys are the columns that some result has, so that runs with
+ * different bodies and probes share a table. */
 static json_t *find_columns(const json_t *all) {
-    for (size_t k = 0; k < json_array_size(all); k++) {
-        json_t *means = json_object_get(json_array_get(all, k), "mean");
-        if (json_object_size(means)) return means;
+    json_t *columns = json_object(), *result;
+    size_t r;
+    for (int k = 0; k < STATISTICS; k++) {
+        json_t *keys = json_object();
+        json_array_foreach(all, r, result)
+            json_object_update_missing(keys, json_object_get(result, statistics[k]));
+        json_object_set_new(columns, statistics[k], keys);
     }
-    return NULL;
+    return columns;
 }
 
 static long count_good(const json_t *all) {
@@ -109,12 +120,13 @@ static long count_good(const json_t *all) {
 static int write_table(const struct jobs *jobs, const struct parameter_grid *grid, json_t *all,
                        const char *path) {
     char *temporary;
-    json_t *columns = find_columns(all);
     FILE *file = new_file_open(path, &temporary);
     if (!file) return report_write_error(path);
+    json_t *columns = find_columns(all);
     put_header(file, grid, columns);
     for (long k = 0; k < jobs->count; k++)
         put_row(file, jobs, grid, k, json_array_get(all, (size_t)k), columns);
+    json_decref(columns);
     return new_file_close(file, temporary, path, true) ? EXIT_GOOD : report_write_error(path);
 }
 

@@ -83,6 +83,36 @@ bad() { "$program" sweep "$scene" --set duration=0.01,-1 --set gravity='[0, -1, 
 check "a run that fails" ends 1 "2 of 4 runs failed" bad
 check "is recorded with its error" grep -q '^-1,"\[0, -1, 0\]",bad input,"--set duration=-1: duration: expected' bad/sweep.csv
 check "the others are good" test "$(grep -c ',good,' bad/sweep.csv)" = 2
+
+# Probes: mean, maximum and impulse, also where the runs have different probes.
+cat >probes.json <<EOF
+{"duration": 0.02, "frame_interval": 0.01, "time_step": {"fixed": 0.005}, "probes": [],
+ "bodies": [{"name": "sheet", "surface": {"grid": {"size": [1, 1], "vertices": [5, 5]}, "area_density": 0.4},
+   "constraints": [{"type": "spring", "stretching_stiffness": 1000}, {"type": "pin", "vertices": {"border": true}}]}]}
+EOF
+cell() { # COLUMN ROW: of probed/sweep.csv, whose first cells are quoted
+    python3 -c 'import csv, sys; print(list(csv.DictReader(open("probed/sweep.csv")))[int(sys.argv[2])][sys.argv[1]])' "$1" "$2"
+}
+probes_agree() { # the statistics of a run by itself
+    "$program" run probes.json --set probes='[{"name": "hold", "pins": "sheet"}]' -o probe --threads 1 --quiet --no-frames
+    awk -F, 'NR > 1 {sum += $3; if (NR == 2 || $3 > max) max = $3}
+        END {printf "%.6g %.6g %.6g\n", sum / 4, max, 0.005 * sum}' probe/probes.csv >expected
+    printf '%.6g %.6g %.6g\n' "$(cell mean_hold.force_y_N 0)" "$(cell max_hold.force_y_N 0)" \
+        "$(cell impulse_hold.force_y_Ns 0)" | diff expected -
+}
+check "runs with different probes" "$program" sweep probes.json -o probed \
+    --set probes='[{"name": "hold", "pins": "sheet"}],[{"name": "all", "body": "sheet"}]'
+check "mean, maximum and impulse of a probe" probes_agree
+check "impulse of a moment" test -n "$(cell impulse_all.moment_x_Nms 1)"
+check "an empty cell without the probe" test -z "$(cell mean_hold.force_y_N 1)$(cell impulse_all.force_y_Ns 0)"
+
+# A scene that cannot be loaded, with any values, ends the sweep before its first run.
+sed 's/"spring"/"sprung"/' probes.json >wrong.json
+check "a wrong scene" ends 2 'wrong.json' "$program" sweep wrong.json --set duration=0.01,0.02 -o none
+check "is not run" test ! -e none
+sed 's/"duration": 0.02/"duration": null/' probes.json >template.json
+check "a scene that needs the values" "$program" sweep template.json --set duration=0.01,0.02 -o template
+
 check "no values" ends 2 "PATH=VALUE" "$program" sweep "$scene" --set duration
 check "an empty value" ends 2 "found an empty value" "$program" sweep "$scene" --set duration=1,
 check "a path twice" ends 2 "given twice" "$program" sweep "$scene" --set duration=1 --set duration=2

@@ -28,7 +28,7 @@ static int read_steps(const char *path, double limit_s, struct metrics_csv *step
         fprintf(stderr, "projdyn: trade: a run failed: %s (%s/log.txt)\n", error ? error : "",
                 path);
     json_decref(result);
-    int code = good ? metrics_csv_read(path, steps) : EXIT_FAILED;
+    int code = good ? metrics_csv_read(path, "metrics.csv", steps) : EXIT_FAILED;
     if (code != EXIT_GOOD || simulated_seconds(steps) > 0.0) return code;
     fprintf(stderr,
             "projdyn: trade: %s: one step takes more than %.3g s of processor time; increase "

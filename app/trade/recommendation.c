@@ -65,7 +65,7 @@ static int measure_scene_time(const struct study *s, int k, double limit_s,
     if (!job_path(path, &s->jobs, &s->setting_job[k], "")) return EXIT_FAILED;
     int code = run_scene(s, k, limit_s, &scene);
     if (code != EXIT_GOOD) return code;
-    code = metrics_csv_read(path, &replica);
+    code = metrics_csv_read(path, "metrics.csv", &replica);
     if (code == EXIT_GOOD) {
         double ms = extrapolate_ms(&scene, &replica);
         if (isfinite(ms)) time->simulated = simulated_seconds(&scene);

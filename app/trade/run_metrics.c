@@ -169,7 +169,7 @@ static void evaluate_steps(struct run_metrics *metrics, const struct metrics_csv
 static int read_steps(const char *directory, json_t *report, struct run_metrics *metrics) {
     int column[STEP_COLUMNS];
     struct metrics_csv m;
-    int code = metrics_csv_read(directory, &m);
+    int code = metrics_csv_read(directory, "metrics.csv", &m);
     if (code != EXIT_GOOD) return code;
     bool good = m.rows > 0;
     for (int k = 0; k < STEP_COLUMNS; k++)
