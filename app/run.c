@@ -23,6 +23,8 @@ static const char usage[] =
     "      --plugin FILE     loads the constraint types and solvers of a plug-in before the scene\n"
     "      --allow-plugins   loads the plug-ins that the scene or the resumed run names\n"
     "      --time S          simulates S seconds instead of the duration of the scene\n"
+    "      --wall-time S     stops after the step at which the program has run for S seconds of\n"
+    "                        wall time; --resume continues\n"
     "      --report FILE     writes the report to FILE instead of DIR/report.json\n"
     "      --ply             writes each frame as PLY in addition to VTK\n"
     "      --no-frames       writes no frames; only metrics.csv, report.json and the last state\n"
@@ -34,7 +36,9 @@ static const char usage[] =
     "      --quiet           prints no progress and no summary, but warnings\n"
     "  -h, --help            prints this text\n"
     "\n"
-    "Ctrl-C stops the run after the current frame, a second Ctrl-C after the current step.\n";
+    "Ctrl-C stops the run after the current frame, a second Ctrl-C after the current step. "
+    "SIGTERM\n"
+    "and SIGUSR1 stop it after the current step.\n";
 
 struct run_options {
     struct scene_options scene;
@@ -42,6 +46,7 @@ struct run_options {
     char *default_output; /* owned output path if --output is absent */
     void *record;         /* owns the texts of a resumed run, see run_record.h */
     double given_end;     /* s: --time; 0: not given */
+    double wall_limit;    /* s: wall-clock time at which the run stops (--wall-time); 0: none */
     double recorded_end;  /* s: --time of the start of a resumed run; 0: not given */
     char duration[64];    /* the override "duration=S" of a run that is longer than its scene */
     int changes;          /* overrides of a resumed run that its run.json lacks so far */
@@ -49,23 +54,31 @@ struct run_options {
     bool ply, no_frames, quiet, strict;
 };
 
-/* Number of signals SIGINT and SIGTERM received during the run. */
-static volatile sig_atomic_t interrupts;
+/* Number of signals SIGINT received during the run, and whether SIGTERM or SIGUSR1 was. */
+static volatile sig_atomic_t interrupts, terminated;
 
 static void on_signal(int number) {
-    (void)number;
-    interrupts++;
+    if (number == SIGINT) interrupts++;
+    else terminated = 1;
 }
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-/* Parses the argument of --time; false with a message if it is no positive number. */
-static bool parse_time(struct run_options *o, const char *text) {
+/* Parses the argument of --time or --wall-time; false with a message if it is no positive number.
+ */
+static bool parse_time(const char *option, const char *text, double *time) {
     char *end;
-    o->given_end = strtod(text, &end);
-    if (!*end && end != text && isfinite(o->given_end) && o->given_end > 0.0) return true;
-    fprintf(stderr, "projdyn: --time: found \"%s\", expected seconds above 0\n", text);
+    *time = strtod(text, &end);
+    if (!*end && end != text && isfinite(*time) && *time > 0.0) return true;
+    fprintf(stderr, "projdyn: %s: found \"%s\", expected seconds above 0\n", option, text);
     return false;
+}
+
+static bool parse_wall_time(struct run_options *o, const char *text) {
+    double start = wall_seconds();
+    if (!parse_time("--wall-time", text, &o->wall_limit)) return false;
+    o->wall_limit += start;
+    return true;
 }
 
 static bool parse_save(struct run_options *o, const char *text) {
@@ -110,7 +123,9 @@ static bool accept_option(void *self, int option) {
     case 'A':
         return scene_allow_plugins();
     case 'T':
-        return parse_time(o, optarg);
+        return parse_time("--time", optarg, &o->given_end);
+    case 'W':
+        return parse_wall_time(o, optarg);
     default:
         return false;
     }
@@ -151,6 +166,7 @@ static int parse(struct run_options *o, int argc, char **argv) {
                                                  {"plugin", required_argument, NULL, 'P'},
                                                  {"allow-plugins", no_argument, NULL, 'A'},
                                                  {"time", required_argument, NULL, 'T'},
+                                                 {"wall-time", required_argument, NULL, 'W'},
                                                  {"report", required_argument, NULL, 'r'},
                                                  {"ply", no_argument, NULL, 'p'},
                                                  {"no-frames", no_argument, NULL, 'n'},
@@ -175,17 +191,21 @@ static int parse(struct run_options *o, int argc, char **argv) {
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* Whether an interrupt ends the run before the next step. The first interrupt waits for the end
- * of the current frame and prints a message once (*printed), the second one does not wait.
- * `frame`: the last step ended a frame. */
-static bool must_stop(bool frame, bool *printed) {
+/* Whether an interrupt or --wall-time ends the run before the next step. SIGTERM and --wall-time do
+ * not wait for the end of the frame, because that may take minutes and a batch system kills the run
+ * seconds later. The first Ctrl-C waits for it and prints a message once (*printed), the second one
+ * does not wait. Every run takes a step, so that resumed runs end with any --wall-time. `frame`:
+ * the last step ended a frame; steps: of this run. */
+static bool must_stop(const struct run_options *o, bool frame, long steps, bool *printed) {
+    if (terminated || interrupts > 1) return true;
+    if (o->wall_limit > 0.0 && steps && wall_seconds() >= o->wall_limit) return true;
     if (interrupts && !frame && !*printed) {
         *printed = true;
         clear_progress();
         fprintf(stderr, "projdyn: interrupted: the run stops after the current frame; a second "
                         "Ctrl-C stops it after the current step\n");
     }
-    return interrupts > 1 || (interrupts && frame);
+    return interrupts && frame;
 }
 
 /* Writes a frame, and the state every `save_interval` frames. The initial frame is one of these,
@@ -197,13 +217,14 @@ static pdyn_status end_frame(pdyn_writer *writer, const struct run_options *o,
     return status == PDYN_OK && due ? pdyn_writer_save(writer) : status;
 }
 
-/* Time loop: steps and writes until the end of the scene, a failure or an interrupt. */
+/* Time loop: steps and writes until the end of the run, a failure or an interrupt
+ * (*interrupted). */
 static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run_options *o,
-                            struct run_totals *t) {
+                            struct run_totals *t, bool *interrupted) {
     bool frame = true, printed = false;
     pdyn_status status = o->resume ? PDYN_OK : end_frame(writer, o, t);
     while (status == PDYN_OK && pdyn_time(sim) < t->end * (1.0 - 1e-9)) {
-        if (must_stop(frame, &printed)) break;
+        if ((*interrupted = must_stop(o, frame, t->steps, &printed))) break;
         pdyn_step_info info;
         status = pdyn_step(sim, &info);
         if (status == PDYN_OK) status = pdyn_writer_step(writer, &info);
@@ -284,8 +305,8 @@ static int run(pdyn_context *context, pdyn_sim *sim, const struct run_options *o
     int code = open_output(context, sim, o, &writer);
     if (code != EXIT_GOOD) return code;
     check_end(sim, o);
-    pdyn_status status = simulate(sim, writer, o, &totals);
-    bool interrupted = interrupts > 0;
+    bool interrupted = false;
+    pdyn_status status = simulate(sim, writer, o, &totals, &interrupted);
     code = close_output(context, writer, o, status, interrupted);
     if (code != EXIT_GOOD) return code;
     if (interrupted) print_interrupted(sim, o);
@@ -308,12 +329,13 @@ static int lengthen_scene(struct run_options *o) {
     return scene_set(&o->scene, o->duration) ? EXIT_GOOD : EXIT_FAILED;
 }
 
-/* Installs the handler of SIGINT and SIGTERM. Called after the scene is loaded: before that
- * nothing has been written, and the default action (terminate) is right. */
+/* Installs the handler of Ctrl-C and of the signals of batch systems. Called after the scene is
+ * loaded: before that nothing has been written, and the default action (terminate) is right. */
 static void catch_signals(void) {
     struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    sigaction(SIGUSR1, &action, NULL);
 }
 
 int run_main(int argc, char **argv) {

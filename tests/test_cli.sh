@@ -40,8 +40,9 @@ stop_run() {
         [ "$(cat "$folder/metrics.csv" 2>/dev/null | wc -l)" -gt 2 ] && break
         sleep 0.1
     done
+    read -r child <"/proc/$pid/task/$pid/children" # `timeout` hands few signals on
     for signal in $signals; do
-        kill -"$signal" $pid
+        kill -"$signal" "$child"
         for _ in $(seq 100); do
             [ -s "$dir/stopped" ] && break # it says that it heard
             sleep 0.1
@@ -261,14 +262,19 @@ wait $pid 2>/dev/null
 : >"$dir/busy/state.pdyn.0123abcd.tmp" # as a killed run leaves it
 expect "the lock of a killed run is gone" 0 "" "$program" run "$scene" -o "$dir/busy" --time 0.02 --quiet
 expect "and its temporary files" 0 "all whole" whole_frames "$dir/busy"
-for signal in INT TERM; do
+for signal in INT TERM USR1; do
     stop_run "$dir/stop$signal" $signal --set frame_interval=0.1
     expect "$signal" 0 "130" echo $ended
     expect "$signal is said" 0 "interrupted at" cat "$dir/stopped"
     expect "$signal is reported" 0 '"interrupted": true' cat "$dir/stop$signal/report.json"
-    expect "the frame is finished after $signal" 0 "ends at a frame" ends_at_frame "$dir/stop$signal"
     expect "frames after $signal" 0 "all whole" whole_frames "$dir/stop$signal"
 done
+expect "the frame is finished after Ctrl-C" 0 "ends at a frame" ends_at_frame "$dir/stopINT"
+for signal in TERM USR1; do
+    stop_run "$dir/now$signal" $signal --set frame_interval=50
+    expect "$signal waits for no frame" 1 "" grep _000001 "$dir/now$signal/water.vtk.series"
+done
+expect "--wall-time that is no time" 2 "expected seconds above 0" "$program" run "$scene" --wall-time soon
 stop_run "$dir/twice" "INT INT" --set frame_interval=50
 expect "second interrupt" 0 "130" echo $ended
 expect "second interrupt waits for no frame" 1 "" grep _000001 "$dir/twice/water.vtk.series"

@@ -46,6 +46,22 @@ kill_often() { # DIR TIMES: kills a run, later and later, and lets it go on
 check "killed runs go on" kill_often killed 5
 check "the same bits" same killed
 check "the same frames" same_frames killed
+
+stops_often() { # DIR: a run that stops after every step, until its end
+    "$program" run "$scene" --quiet --threads 1 --save 0 -o "$1" --wall-time 1e-9
+    code=$? stops=0
+    while [ $code = 130 ]; do
+        stops=$((stops + 1))
+        "$program" run --resume "$1" --quiet --threads 1 --save 0 --wall-time 1e-9 2>>continue
+        code=$?
+    done
+    [ $code = 0 ] && [ $((stops + 2)) = "$(wc -l <whole/metrics.csv)" ]
+}
+check "a run that stops after every step" stops_often stopped
+check "says how to continue" grep -q "to continue: projdyn run --resume stopped" continue
+check "the same bits after its stops" same stopped
+check "the same frames after its stops" same_frames stopped
+
 "$program" run "$scene" --quiet --threads 1 -o longer --time 0.1 >/dev/null
 check "a longer end" "$program" run --resume longer --quiet --threads 1 --time 0.2
 check "the same bits after a longer end" same longer
