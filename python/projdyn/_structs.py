@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from ctypes import (CFUNCTYPE, POINTER, Structure, c_bool, c_char_p, c_double, c_int, c_long,
                     c_size_t, c_void_p)
+from typing import Any
 
 Doubles = Ints = Bools = c_void_p  # addresses; arrays.py makes numpy views of them
 Log = CFUNCTYPE(None, c_void_p, c_int, c_char_p)
@@ -32,7 +33,7 @@ class StepInfo(Structure):  # pdyn_step_info
     density_error_mean, _max    of the fluid, relative to its rest density
     step_residual               largest |grad E| / (max(|M g|, impact) + load) of a body
     kinetic_energy, potential_energy, constraint_energy     J
-    momentum, pin_reaction      kg m/s and N, three numbers each
+    momentum, pin_reaction      kg m/s and N, tuples of three numbers
     ms_neighbours, ms_local, ms_global, ms_contact, ms_cpu  ms, wall-clock and processor time
     leaked                      particles that passed through a surface or solid
     """
@@ -49,6 +50,15 @@ class StepInfo(Structure):  # pdyn_step_info
     def __repr__(self) -> str:
         return (f"<step to {self.time:.6g} s, h = {self.h:.4g} s, {self.outer_iterations} outer "
                 f"iterations, residual {self.step_residual:.3g}>")
+
+
+def _as_tuple(member: Any) -> property:
+    """A member that is an array, as a tuple: an array of ctypes prints no numbers."""
+    return property(lambda struct: tuple(member.__get__(struct)))
+
+
+for _name in ("momentum", "pin_reaction"):
+    setattr(StepInfo, _name, _as_tuple(getattr(StepInfo, _name)))
 
 
 class State(Structure):  # pdyn_state

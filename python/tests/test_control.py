@@ -1,6 +1,7 @@
 """Changes between two steps."""
 import os
 import pathlib
+import re
 import tempfile
 import unittest
 
@@ -69,6 +70,22 @@ class Control(unittest.TestCase):
         self.assertLess(sheet.x[80, 1], target[80, 1] - 0.05)
         with self.assertRaisesRegex(projdyn.InputError, "target: expected the shape 2 x 3, found 3"):
             sheet.hold([1, 2], [0, 0, 0])
+
+    def test_animated_character(self):
+        """The recipe in docs/guide/recipes.md: the character follows, without warnings."""
+        page = pathlib.Path(os.environ["PROJDYN_SOURCE_ROOT"], "docs/guide/recipes.md").read_text()
+        recipe = {}
+        exec(re.search("## Animated character.*?```python\n(.*?)```", page, re.S)[1], recipe)
+        scene = projdyn.Scene(duration=0.1, threads=1, time_step={"fixed": 0.002})
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = pathlib.Path(folder, "square.obj")
+            mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\n")
+            name = recipe["add_character"](scene, mesh)
+            sim = scene.load()
+        body = sim.bodies[name]
+        recipe["follow"](sim, name, lambda time: body.rest * [1 + time, 1, 1])
+        self.assertEqual(sim.warnings, [])
+        np.testing.assert_allclose(body.x, body.rest * [1.1, 1, 1], atol=0.01)
 
     def test_wrong_numbers(self):
         sim = hanging_sheet().load()
@@ -150,6 +167,11 @@ class Control(unittest.TestCase):
         with self.assertRaises(projdyn.InputError):
             spring["stretching_stiffness"] = -1
         self.assertEqual(spring["stretching_stiffness"], 500)
+
+    def test_plugins_without_permission(self):
+        scene = projdyn.Scene(threads=1, plugins=[os.environ["PROJDYN_MUSCLE"]])
+        with self.assertRaisesRegex(projdyn.InputError, "allow_plugins=True in Python"):
+            scene.load()
 
     def test_tables(self):
         scene = projdyn.Scene(threads=1, plugins=[os.environ["PROJDYN_MUSCLE"]],

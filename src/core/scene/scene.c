@@ -160,8 +160,9 @@ static pdyn_status read_plugins(struct reader *r, const struct json_at *array) {
     pdyn_status status = reader_count(array, "an array of plug-ins", &count);
     if (status == PDYN_OK && count && r->context->options.refuse_scene_plugins)
         return json_fail(array, "plug-ins run code and are loaded from a scene only with "
-                                "permission: the option --allow-plugins of projdyn, or "
-                                "PROJDYN_ALLOW_PLUGINS=1 in the environment");
+                                "permission: the option --allow-plugins of projdyn, "
+                                "PROJDYN_ALLOW_PLUGINS=1 in its environment, or "
+                                "allow_plugins=True in Python");
     return status == PDYN_OK ? reader_each(r, array, read_plugin) : status;
 }
 
