@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -91,9 +92,11 @@ static bool open_closed_streams(void) {
     return true;
 }
 
-/* Output that cannot be flushed to stdout, for example on a full disk, turns success into
- * EXIT_FAILED. */
+/* Without SIGXFSZ a file that reaches its limit of size (ulimit -f) is an error of writing, which
+ * has a message. Output that cannot be flushed to stdout, for example on a full disk, turns success
+ * into EXIT_FAILED. */
 int main(int argc, char **argv) {
+    signal(SIGXFSZ, SIG_IGN);
     if (!open_closed_streams()) return EXIT_FAILED;
     int code = dispatch(argc, argv);
     errno = 0;

@@ -71,6 +71,9 @@ static const struct sample good[] = {
     TEXT("backwards.obj", "v 0 0 0\nv 1 0 0\nv 1 2 0\nf -3 -2 -1\nv 0 2 .5\nf 1 -2 -1\n"),
     TEXT("colours.obj", "v 0 0 0 1\n v 1 0 0 0.5 0.5 0.5\nv 1 2 0 1 0 0 1 # red\n\tv 0 2 .5\n"
                         "f 1 2 3 4 # all\n"),
+    TEXT("continued.obj", "# a \\\nv 0 0 0\nv 1 0 \\\n 0\nv 1 2 0\nv 0 2 .5\nusemtl \\\n red\n"
+                          "f 1 2\\\n3 \\\r\n4"),
+    TEXT("marked.obj", "\xef\xbb\xbfv 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 .5\nf 1 2 3 4\\\n"),
     TEXT("plain.ply", ASCII PLY_TAIL SQUARE_TEXT "4 0 1 2 3\n"),
     TEXT("windows.Ply", "ply\r\nformat ascii 1.0\r\ncomment by hand\r\nobj_info none\r\n"
                         "element vertex 4\r\nproperty float64 x\r\nproperty double y\r\n"
@@ -204,6 +207,9 @@ static const struct bad {
     {TEXT("a.obj", CORNERS "f 1// 2 3\n"), ", found '1//'"},
     {TEXT("a.obj", CORNERS "f 1/1/1/1 2 3\n"), ", found '1/1/1/1'"},
     {TEXT("a.obj", CORNERS "f 1.5 2 3\n"), ", found '1.5'"},
+    {TEXT("a.obj", "v 0 \\\n0 0\nv 1 \\\r\n0 \\\n0\nv 1 \\\n2 0\nf 1 2 4\n"),
+     ":8: the face uses vertex 4"},
+    {TEXT("a.obj", CORNERS "f 1 2 3 \\"), ":4: expected a face corner"},
     {TEXT("a.obj", CORNERS "face 1 2 3\n"),
      ":4: expected v, f or another keyword of OBJ, found 'face'"},
     {TEXT("a.obj", "\x7f"

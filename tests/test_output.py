@@ -52,7 +52,7 @@ def run(directory, *options, limit=None):
     """limit: bytes that a file may have."""
     def prepare():
         if limit:
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            signal.signal(signal.SIGXFSZ, signal.SIG_DFL)  # Python ignores it
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     command = [PROJDYN, "run", SCENE, "-o", str(directory), "--quiet", "--threads", "1", *options]
@@ -282,7 +282,8 @@ vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
 vn 0 1 0
 g first
 usemtl red
-f 1/1/1 2/2/1 3/3/1 4/4/1 # a quadrilateral
+f 1/1/1 2/2/1 \\
+  3/3/1 4/4/1 # a quadrilateral
 usemtl blue
 f -2//1 3//1 5//1
 """
@@ -294,6 +295,7 @@ vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
 g first
 usemtl red
 f 1/1 2/2 3/3 4/4
+
 usemtl blue
 f -2 3 5
 """

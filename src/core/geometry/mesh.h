@@ -38,6 +38,11 @@ static inline void mesh_cut_edge(const double *p, const double *q, double z, dou
  * the file cannot be read. On failure *out is empty. Cloth needs mesh_check_cloth in addition. */
 pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out);
 
+/* Prepares the text of an OBJ file for readers of single lines, in place. A byte order mark becomes
+ * blanks. Lines that end with '\' are joined with the next one: "f 1 2 \", "3" become "f 1 2  3"
+ * and an empty line, so that later lines keep their numbers. Comments end at their line. */
+void mesh_obj_join_lines(char *text, size_t size);
+
 /* Makes a rectangular sheet in the x-z plane, centred at the origin: size[0] x size[1] m,
  * vertices[0] x vertices[1] points (each at least 2), alternating diagonals. The middle hangs
  * `sag`, m, below the border, with a parabolic profile along both sides. */

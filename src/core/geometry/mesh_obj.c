@@ -1,8 +1,45 @@
 /* Wavefront OBJ: reads vertices and polygons; ignores names, materials, normals and curves. */
 #include "mesh_file.h"
 
+#include "mesh.h"
+
 #include <ctype.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* ---- joined lines ---------------------------------------------------------------------------- */
+
+/* Length of a backslash and the end of the line behind it, "\n" or "\r\n"; 0 if there is none. */
+static size_t continuation(const char *at, const char *end) {
+    if (end - at >= 2 && at[0] == '\\' && at[1] == '\n') return 2;
+    return end - at >= 3 && at[0] == '\\' && at[1] == '\r' && at[2] == '\n' ? 3 : 0;
+}
+
+/* A continuation of n characters becomes n - 1 blanks, and a newline at the end of the whole line.
+ */
+void mesh_obj_join_lines(char *text, size_t size) {
+    static const char mark[] = {'\xef', '\xbb', '\xbf'};
+    char *to = text;
+    size_t joined = 0;
+    bool comment = false;
+    if (size >= sizeof mark && !memcmp(text, mark, sizeof mark)) memset(text, ' ', sizeof mark);
+    for (const char *at = text, *end = text + size; at < end;) {
+        size_t length = comment ? 0 : continuation(at, end);
+        if (length) {
+            memset(to, ' ', length - 1);
+            to += length - 1, at += length, joined++;
+            continue;
+        }
+        comment = *at != '\n' && (comment || *at == '#');
+        *to++ = *at++;
+        if (to[-1] != '\n') continue;
+        memset(to, '\n', joined);
+        to += joined, joined = 0;
+    }
+    memset(to, '\n', joined);
+}
+
+/* ---- lines ----------------------------------------------------------------------------------- */
 
 /* Next word of the line; '#' starts a comment and ends the line. */
 static struct mesh_word next_word(struct mesh_file *file) {
@@ -85,6 +122,7 @@ static pdyn_status read_line(struct mesh_file *file) {
 
 pdyn_status mesh_obj_parse(struct mesh_file *file) {
     file->first_index = 1;
+    mesh_obj_join_lines(file->data, file->size);
     pdyn_status status = PDYN_OK;
     for (; status == PDYN_OK && !mesh_file_at_end(file); mesh_file_next_line(file))
         status = read_line(file);

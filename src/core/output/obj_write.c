@@ -111,6 +111,7 @@ static pdyn_status load_source(const pdyn_sim *sim, int body, char **text, size_
     *text = NULL, *size = 0;
     pdyn_status status = path ? file_load(sim->context, path, text, size) : PDYN_OK;
     if (status != PDYN_OK || !*text) return status;
+    mesh_obj_join_lines(*text, *size);
     if (count_vertices(*text, *text + *size) == pdyn_get_body(sim, body).count) return PDYN_OK;
     return context_fail(sim->context, PDYN_BAD_INPUT,
                         "%.1024s: the file has changed since the scene was read", path);
