@@ -223,7 +223,7 @@ static pdyn_status simulate(pdyn_sim *sim, pdyn_writer *writer, const struct run
                             struct run_totals *t, bool *interrupted) {
     bool frame = true, printed = false;
     pdyn_status status = o->resume ? PDYN_OK : end_frame(writer, o, t);
-    while (status == PDYN_OK && pdyn_time(sim) < t->end * (1.0 - 1e-9)) {
+    while (status == PDYN_OK && !pdyn_has_reached(sim, t->end)) {
         if ((*interrupted = must_stop(o, frame, t->steps, &printed))) break;
         pdyn_step_info info;
         status = pdyn_step(sim, &info);

@@ -18,7 +18,7 @@ int main(void) {
     pdyn_sim *sim = NULL;
     pdyn_status status = pdyn_create(NULL, &context);
     if (status == PDYN_OK) status = pdyn_load_text(context, scene, "scene", NULL, 0, &sim);
-    while (status == PDYN_OK && pdyn_time(sim) < pdyn_duration(sim)) {
+    while (status == PDYN_OK && !pdyn_is_finished(sim)) {
         pdyn_step_info info;
         status = pdyn_step(sim, &info);
         if (status == PDYN_OK && info.frame) {

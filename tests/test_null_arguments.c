@@ -179,6 +179,7 @@ static void test_values(void **state) {
     static const pdyn_state no_state;
     pdyn_state found = pdyn_get_state(NULL);
     assert_true(pdyn_time(NULL) == 0.0 && pdyn_duration(NULL) == 0.0);
+    assert_true(pdyn_has_reached(NULL, 1.0) && pdyn_is_finished(NULL));
     assert_true(pdyn_frame_interval(NULL) == 0.0);
     assert_string_equal(pdyn_solver_type(NULL), "");
     assert_string_equal(pdyn_solver_reason(NULL), "");

@@ -341,6 +341,24 @@ static void test_one_length(void **state) {
     pdyn_destroy(context);
 }
 
+/* 49 steps of 1/49 s are a duration of 1 s, although their sum is less by rounding. */
+static void test_finished(void **state) {
+    (void)state;
+    char text[1024];
+    int steps = 0;
+    snprintf(text, sizeof text,
+             SCENE("'duration': 1, 'frame_interval': %.17g, 'time_step': {'fixed': %.17g}",
+                   SHEET("3", ELASTIC), ""),
+             1.0 / 49.0, 1.0 / 49.0);
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, text);
+    for (; !pdyn_is_finished(sim); steps++) test_step(context, sim);
+    assert_int_equal(steps, 49);
+    assert_true(pdyn_has_reached(sim, 1.0) && !pdyn_has_reached(sim, 1.001));
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* Of two bodies of particles, the smaller particles limit the step, in any order. */
 static void test_two_radii(void **state) {
     (void)state;
@@ -424,14 +442,15 @@ static void test_no_allocation(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_momentum),     cmocka_unit_test(test_hydrostatic_rest),
-        cmocka_unit_test(test_stiff_column), cmocka_unit_test(test_cut_short),
-        cmocka_unit_test(test_landing),      cmocka_unit_test(test_deep_water),
-        cmocka_unit_test(test_narrow_tank),  cmocka_unit_test(test_long_step),
-        cmocka_unit_test(test_pin_reaction), cmocka_unit_test(test_pin_path),
-        cmocka_unit_test(test_threads),      cmocka_unit_test(test_one_length),
-        cmocka_unit_test(test_two_radii),    cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_numbers),      cmocka_unit_test(test_no_allocation),
+        cmocka_unit_test(test_momentum),      cmocka_unit_test(test_hydrostatic_rest),
+        cmocka_unit_test(test_stiff_column),  cmocka_unit_test(test_cut_short),
+        cmocka_unit_test(test_landing),       cmocka_unit_test(test_deep_water),
+        cmocka_unit_test(test_narrow_tank),   cmocka_unit_test(test_long_step),
+        cmocka_unit_test(test_pin_reaction),  cmocka_unit_test(test_pin_path),
+        cmocka_unit_test(test_threads),       cmocka_unit_test(test_one_length),
+        cmocka_unit_test(test_two_radii),     cmocka_unit_test(test_finished),
+        cmocka_unit_test(test_divergence),    cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_no_allocation),
     };
     return cmocka_run_group_tests_name("physics", tests, NULL, NULL);
 }

@@ -26,7 +26,7 @@
  *     pdyn_sim *sim = NULL;
  *     if (pdyn_create(NULL, &context) == PDYN_OK
  *         && pdyn_load(context, "scene.json", NULL, 0, &sim) == PDYN_OK)
- *         while (pdyn_time(sim) < pdyn_duration(sim) && pdyn_step(sim, NULL) == PDYN_OK)
+ *         while (!pdyn_is_finished(sim) && pdyn_step(sim, NULL) == PDYN_OK)
  *             ;
  *     else
  *         fprintf(stderr, "%s\n", pdyn_last_error(context));
@@ -190,6 +190,11 @@ PDYN_API void pdyn_observe(pdyn_sim *sim, void (*observer)(void *user, const pdy
 PDYN_API double pdyn_time(const pdyn_sim *sim);           /* s */
 PDYN_API double pdyn_duration(const pdyn_sim *sim);       /* s, from the scene */
 PDYN_API double pdyn_frame_interval(const pdyn_sim *sim); /* s */
+/* Whether the time of the simulation is `time`, s, or later; whether it is the duration or later.
+ * Both allow for the rounding of sums of steps, 1e-9 of the time: `pdyn_time(sim) <
+ * pdyn_duration(sim)` may take one step too many. NULL: true. */
+PDYN_API bool pdyn_has_reached(const pdyn_sim *sim, double time);
+PDYN_API bool pdyn_is_finished(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_type(const pdyn_sim *sim);
 PDYN_API const char *pdyn_solver_reason(const pdyn_sim *sim);
 PDYN_API const char *pdyn_integrator(const pdyn_sim *sim); /* "bdf2" or "euler" */

@@ -27,6 +27,8 @@ FUNCTIONS = {
     "pdyn_step_sized": (Status, Sim, POINTER(StepInfo), c_size_t),
     "pdyn_time": (c_double, Sim),
     "pdyn_duration": (c_double, Sim),
+    "pdyn_has_reached": (c_bool, Sim, c_double),
+    "pdyn_is_finished": (c_bool, Sim),
     "pdyn_frame_interval": (c_double, Sim),
     "pdyn_solver_type": (c_char_p, Sim),
     "pdyn_integrator": (c_char_p, Sim),

@@ -78,8 +78,8 @@ class Simulation(Fixed):
     def run(self, until: Optional[float] = None) -> Iterator[StepInfo]:
         """Steps up to the time `until`, s, or the duration of the scene, and gives the results of
         every step. The last step may end after it, unless it is the time of a frame."""
-        end = self.duration if until is None else until
-        while self.time < end * (1 - 1e-9):
+        end = self.duration if until is None else number(until, "until")
+        while not lib.pdyn_has_reached(self._handle.pointer, end):
             yield self.step()
 
     @property
@@ -91,6 +91,12 @@ class Simulation(Fixed):
     def duration(self) -> float:
         """s, from the scene."""
         return lib.pdyn_duration(self._handle.pointer)
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether the time has reached the duration. `time < duration` may take one step too many,
+        because the time is a sum of rounded steps."""
+        return lib.pdyn_is_finished(self._handle.pointer)
 
     @property
     def frame_interval(self) -> float:

@@ -31,6 +31,15 @@ class Steps(unittest.TestCase):
         self.assertLess(abs(infos[0].momentum[0]), 1e-9)
         self.assertIn("step to 0.01 s", repr(infos[0]))
 
+    def test_finished(self):
+        """49 steps of 1/49 s: their sum is less than 1 s by rounding."""
+        sim = hanging_sheet(n=2, frame_interval=1 / 49, time_step={"fixed": 1 / 49}).load()
+        steps = 0
+        while not sim.is_finished:
+            sim.step()
+            steps += 1
+        self.assertEqual((steps, len(list(sim.run()))), (49, 0))
+
     def test_step_of_a_given_length(self):
         sim = hanging_sheet().load()
         self.assertEqual(sim.step(h=0.0123).h, 0.0123)

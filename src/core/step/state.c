@@ -10,6 +10,10 @@ double pdyn_duration(const pdyn_sim *sim) { return sim ? sim->scene.settings.dur
 double pdyn_frame_interval(const pdyn_sim *sim) {
     return sim ? sim->scene.settings.frame_interval : 0.0;
 }
+bool pdyn_has_reached(const pdyn_sim *sim, double time) {
+    return !sim || sim->time >= time * (1.0 - 1e-9);
+}
+bool pdyn_is_finished(const pdyn_sim *sim) { return pdyn_has_reached(sim, pdyn_duration(sim)); }
 const char *pdyn_solver_type(const pdyn_sim *sim) {
     return sim && sim->choice.count ? sim->choice.slot[0].solver->name : "";
 }
