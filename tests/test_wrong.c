@@ -304,6 +304,42 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     return sum;
 }
 
+/* E = k sqrt(u^2 + l^2) with k = w l: p = u - dE/du / w */
+static void project_soft(const void *par, const pdyn_batch *b, int first, int last) {
+    (void)par;
+    for (int e = first; e < last; e++) {
+        const double *u = b->u + 3 * e, l = length(b, e);
+        for (int k = 0; k < 3; k++) b->p[3 * e + k] = u[k] - l / hypot(vec3_length(u), l) * u[k];
+    }
+}
+
+static double energy_soft(const void *par, const pdyn_batch *b, int first, int last) {
+    double sum = 0.0;
+    (void)par;
+    for (int e = first; e < last; e++)
+        sum += b->weight[e] * length(b, e) * hypot(vec3_length(b->u + 3 * e), length(b, e));
+    return sum;
+}
+
+static double energy_below_0(const void *par, const pdyn_batch *b, int first, int last) {
+    return energy_soft(par, b, first, last) - 1e6 * (last - first);
+}
+
+static double energy_of_another(const void *par, const pdyn_batch *b, int first, int last) {
+    return 1.1 * energy_soft(par, b, first, last);
+}
+
+/* A type with an energy of its own need not project, and its p is checked by that energy. */
+static void test_energy(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.tangent = NULL, t.damping = NULL, t.damping_rest = NULL, t.project = project_soft;
+    wrong_expect(t, "project is no projection");
+    t.energy = energy_soft, wrong_expect(t, NULL);
+    t.energy = energy_below_0, wrong_expect(t, "expected at least 0: add a constant");
+    t.energy = energy_of_another, wrong_expect(t, "is not that of the energy");
+}
+
 static void damping_rest_nothing(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par, (void)b, (void)first, (void)last;
 }
@@ -442,9 +478,10 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_writes),      cmocka_unit_test(test_values),
-        cmocka_unit_test(test_mathematics), cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_good),    cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),  cmocka_unit_test(test_values),
+        cmocka_unit_test(test_energy),  cmocka_unit_test(test_mathematics),
+        cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
 }

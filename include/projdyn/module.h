@@ -409,7 +409,8 @@ typedef struct pdyn_constraint_type {
     void (*select)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Fills weight, which must not depend on u. */
     void (*weight)(const void *params, const pdyn_batch *batch, int first, int last);
-    /* Fills p from u; finite for any u, also 0. */
+    /* Fills p from u; finite for any u, also 0. Without `energy`, p is the point of the manifold
+     * closest to u. */
     void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
     /* J of the elements, one after the other from J[0]: (3 rows)^2 numbers each, symmetric, with
      * eigenvalues in [0, 1] (clamp them: H must stay positive definite). J is zero on entry.
@@ -423,8 +424,11 @@ typedef struct pdyn_constraint_type {
     /* Returns true if p = 0 and J = 0 for all elements and all u: core then adds the rows up to one
      * constant matrix. NULL: false. */
     bool (*linear)(const void *params, const pdyn_batch *batch);
-    /* The energy of these elements, J, where it is not w/2 |u - p|^2. Its gradient must still be
-     * w (u - p). NULL: it is w/2 |u - p|^2. */
+    /* The energy E of these elements, J, where it is not w/2 |u - p|^2. Its gradient dE/du must be
+     * w (u - p): `project` gives p = u - dE/du / w, where w is about the largest second derivative
+     * of E (Liu, Bouaziz and Kavan 2017). E is at least 0: core refuses a step that gains more
+     * kinetic energy than gravity, moving solids and all E can give.
+     * NULL: E = w/2 |u - p|^2. */
     double (*energy)(const void *params, const pdyn_batch *batch, int first, int last);
     /* Called at the beginning of every step with u = G x and p = G v: data may change. `weight` is
      * called after it, and not before the first step. A step that is repeated begins again: what

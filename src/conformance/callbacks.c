@@ -135,12 +135,14 @@ static void check_maps(struct check *check, struct guarded *a, struct guarded *b
     guarded_run(a, &map[0], 0, n);
 }
 
-/* The energy of all elements is the sum of those of RANGES of them. */
+/* The energy of all elements is at least 0, and the sum of those of RANGES of them. */
 static void check_energy(struct check *check, const struct batch *b) {
     double sum = 0.0;
     int n = b->view.elements;
     if (!b->type->energy) return;
     double all = b->type->energy(b->params, &b->view, 0, n);
+    if (all < 0.0)
+        fault(check, "energy is %.6g J, expected at least 0: add a constant to each element", all);
     for (int k = 0; k < RANGES; k++)
         sum += b->type->energy(b->params, &b->view, k * n / RANGES, (k + 1) * n / RANGES);
     if (!(fabs(sum - all) <= 1e-9 * fabs(all)))

@@ -18,12 +18,12 @@ static size_t point_bytes(const struct batch *b) { return 3 * (size_t)b->rows * 
 /* ---- projection ------------------------------------------------------------------------------ */
 
 /* project(project(u)) = project(u), to 1e-6. Not required of matrix-free types, whose rows may
- * project to the linearised constraint, and of types that have an energy of their own and one
- * element of many particles, whose p is the end of a step along the gradient. */
+ * project to the linearised constraint, and of types with an energy E of their own, whose
+ * p = u - dE/du / w is the end of a step along the gradient (check_gradient checks it). */
 void check_projection(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     size_t bytes = point_bytes(b);
-    if (check->type->matrix_free || (check->type->energy && b->wide)) return;
+    if (check->type->matrix_free || check->type->energy) return;
     batch_local(b, t->x, 0.0, t->y);
     double *once = NEW_ARRAY(t->context, 3 * (size_t)b->rows, double);
     if (!once) return;
@@ -86,11 +86,13 @@ void check_closest(struct check *check, struct trial *t) {
 }
 
 /* PDYN_ONE_SIDED: an element that pulls at u has slack a little beyond p. Elements that come and go
- * may project where they have no slack, because they do not exist there. */
+ * may project where they have no slack, because they do not exist there. With an energy of its own,
+ * p need not reach the shapes without force. */
 void check_one_side(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     double *u = u_of(b), beyond = 1e-3;
-    if (!(check->type->flags & PDYN_ONE_SIDED) || check->type->update || check->type->matrix_free)
+    const pdyn_constraint_type *type = check->type;
+    if (!(type->flags & PDYN_ONE_SIDED) || type->update || type->matrix_free || type->energy)
         return;
     batch_local(b, t->x, 0.0, t->y);
     double pulled = trial_distance(u, b->view.p, 3 * b->rows);
