@@ -113,6 +113,9 @@ static void test_tables(void **state) {
     t = good, t.damping = damping, refuse_type(t, "need each other");
     t = good, t.tangent = tangent, t.tangent_rank1 = tangent,
     refuse_type(t, "expected one of them at most");
+    t.tangent_rank1 = NULL, t.flags = PDYN_NUMERIC_TANGENT;
+    refuse_type(t, "PDYN_NUMERIC_TANGENT excludes tangent");
+    t.tangent = NULL, t.rows = 13, refuse_type(t, "at most 12 rows");
     t = good, t.flags = PDYN_ON_PARTICLES | PDYN_ON_SURFACE, refuse_type(t, "no body is both");
     t = good, t.matrix_free = &(pdyn_operator){0}, refuse_type(t, "needs PDYN_ON_PARTICLES");
     t.flags = PDYN_ON_PARTICLES, refuse_type(t, "lacks a callback");

@@ -304,6 +304,12 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
     return sum;
 }
 
+/* p is not exact: it differs from the closest point by up to 1e-7 of its length. */
+static void project_rough(const void *par, const pdyn_batch *b, int first, int last) {
+    project(par, b, first, last);
+    for (int k = 3 * first; k < 3 * last; k++) b->p[k] *= 1.0 + 1e-7 * sin(1e9 * b->u[k]);
+}
+
 /* E = k sqrt(u^2 + l^2) with k = w l: p = u - dE/du / w */
 static void project_soft(const void *par, const pdyn_batch *b, int first, int last) {
     (void)par;
@@ -336,8 +342,24 @@ static void test_energy(void **state) {
     t.tangent = NULL, t.damping = NULL, t.damping_rest = NULL, t.project = project_soft;
     wrong_expect(t, "project is no projection");
     t.energy = energy_soft, wrong_expect(t, NULL);
+    t.flags |= PDYN_NUMERIC_TANGENT, wrong_expect(t, NULL);
     t.energy = energy_below_0, wrong_expect(t, "expected at least 0: add a constant");
     t.energy = energy_of_another, wrong_expect(t, "is not that of the energy");
+}
+
+static void thirteen_rows(const void *par, const pdyn_batch *b, int e, int *rows, int *width) {
+    (void)par, (void)b, (void)e;
+    *rows = 13, *width = 2;
+}
+
+static void test_numeric_tangent(void **state) {
+    (void)state;
+    pdyn_constraint_type t = good;
+    t.tangent = NULL, t.flags |= PDYN_NUMERIC_TANGENT, wrong_expect(t, NULL);
+    t.damping = NULL, t.damping_rest = NULL;
+    t.project = project_rough, wrong_expect(t, "too rough for PDYN_NUMERIC_TANGENT");
+    t.project = project, t.rows = 0, t.row_sizes = thirteen_rows;
+    wrong_expect(t, "element 0 has 13 rows, expected at most 12 with PDYN_NUMERIC_TANGENT");
 }
 
 static void damping_rest_nothing(const void *par, const pdyn_batch *b, int first, int last) {
@@ -478,10 +500,10 @@ static void test_solvers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),    cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_writes),  cmocka_unit_test(test_values),
-        cmocka_unit_test(test_energy),  cmocka_unit_test(test_mathematics),
-        cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_good),        cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_writes),      cmocka_unit_test(test_values),
+        cmocka_unit_test(test_energy),      cmocka_unit_test(test_numeric_tangent),
+        cmocka_unit_test(test_mathematics), cmocka_unit_test(test_solvers),
     };
     return cmocka_run_group_tests_name("wrong", tests, NULL, NULL);
 }

@@ -350,22 +350,25 @@ typedef struct pdyn_operator {
 
 /* ---- the constraint table ------------------------------------------------------------------- */
 
-enum {                             /* pdyn_constraint_type.flags */
-       PDYN_ANCHORED = 1,          /* its forces on particles do not sum to zero (pins, walls) */
-       PDYN_ON_SURFACE = 2,        /* needs a body with triangles */
-       PDYN_ON_PARTICLES = 4,      /* needs a body of particles */
-       PDYN_REACTION = 8,          /* its force is reported as pin reaction */
-       PDYN_LOSSY = 16,            /* its energy is dissipated in the step, not stored */
-       PDYN_SEVERAL = 32,          /* a body may have several of them */
-       PDYN_ON_VOLUME = 64,        /* needs a body with tetrahedra */
-       PDYN_ONE_SIDED = 128,       /* it pushes on one side only; a force that begins is treated as
-                                      an impact and not expected to last */
-       PDYN_EVERY_ITERATION = 256, /* `update` is called in every local step, not once a step */
-       PDYN_ON_CLOSED = 512,       /* needs a body with triangles that enclose a volume: no border,
-                                      all pieces face outwards, hollows inwards, or all the
-                                      other way */
-       PDYN_NEIGHBOURS = 1024,     /* works on the neighbour lists of its body of particles; every
-                                      matrix-free type does */
+enum {                              /* pdyn_constraint_type.flags */
+       PDYN_ANCHORED = 1,           /* its forces on particles do not sum to zero (pins, walls) */
+       PDYN_ON_SURFACE = 2,         /* needs a body with triangles */
+       PDYN_ON_PARTICLES = 4,       /* needs a body of particles */
+       PDYN_REACTION = 8,           /* its force is reported as pin reaction */
+       PDYN_LOSSY = 16,             /* its energy is dissipated in the step, not stored */
+       PDYN_SEVERAL = 32,           /* a body may have several of them */
+       PDYN_ON_VOLUME = 64,         /* needs a body with tetrahedra */
+       PDYN_ONE_SIDED = 128,        /* it pushes on one side only; a force that begins is treated as
+                                       an impact and not expected to last */
+       PDYN_EVERY_ITERATION = 256,  /* `update` is called in every local step, not once a step */
+       PDYN_ON_CLOSED = 512,        /* needs a body with triangles that enclose a volume: no border,
+                                       all pieces face outwards, hollows inwards, or all the
+                                       other way */
+       PDYN_NEIGHBOURS = 1024,      /* works on the neighbour lists of its body of particles; every
+                                       matrix-free type does */
+       PDYN_NUMERIC_TANGENT = 2048, /* core computes J by central differences of `project`, which
+                                       take 6 projections of an element for each of its rows: for a
+                                       type without tangent whose elements have at most 12 rows */
 };
 
 typedef struct pdyn_constraint_type {
@@ -414,7 +417,7 @@ typedef struct pdyn_constraint_type {
     void (*project)(const void *params, const pdyn_batch *batch, int first, int last);
     /* J of the elements, one after the other from J[0]: (3 rows)^2 numbers each, symmetric, with
      * eigenvalues in [0, 1] (clamp them: H must stay positive definite). J is zero on entry.
-     * Finite for any u, also 0. NULL: J = 0. */
+     * Finite for any u, also 0. NULL: J = 0, or with PDYN_NUMERIC_TANGENT by differences. */
     void (*tangent)(const void *params, const pdyn_batch *batch, int first, int last, double *J);
     /* Instead of `tangent`, for elements with J = s I - a a', such as points on a plane or a
      * sphere: 3 rows + 1 numbers each, a and s. Takes less memory and time. An element may have

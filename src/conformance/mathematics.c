@@ -1,7 +1,8 @@
 /* Checks of a type's projection, tangent, energy and Hessian: by their definitions and by finite
  * differences. */
 #include "conformance.h"
-#include "eigen.h"
+#include "rows/eigen.h"
+#include "rows/numeric_tangent.h"
 
 #include "projdyn/vec3.h"
 
@@ -9,7 +10,7 @@
 #include <string.h>
 
 /* Tangents are compared for up to PROBES elements of at most 12 rows (36 numbers). */
-enum { MAX_NUMBERS = 36, PROBES = 100 };
+enum { MAX_NUMBERS = TANGENT_NUMBERS_MAX, PROBES = 100 };
 
 static double *u_of(const struct batch *b) { return (double *)b->view.u; }
 
@@ -133,23 +134,6 @@ void check_damping_rest(struct check *check, struct trial *t) {
 
 /* ---- tangent --------------------------------------------------------------------------------- */
 
-/* D = dp/du of element e by central differences, n x n. u is restored. */
-static void difference(const struct check *check, struct batch *b, int e, int n, double *D) {
-    double *u = u_of(b) + 3 * (size_t)b->view.element_row[e];
-    const double *p = b->view.p + 3 * (size_t)b->view.element_row[e];
-    double step = 1e-6 * (1e-3 + trial_norm(u, n));
-    for (int j = 0; j < n; j++) {
-        double at = u[j];
-        u[j] = at + step;
-        check->type->project(b->params, &b->view, e, e + 1);
-        for (int i = 0; i < n; i++) D[i * n + j] = p[i];
-        u[j] = at - step;
-        check->type->project(b->params, &b->view, e, e + 1);
-        for (int i = 0; i < n; i++) D[i * n + j] = (D[i * n + j] - p[i]) / (2.0 * step);
-        u[j] = at;
-    }
-}
-
 /* Returns a fault of J, n x n, as text: not symmetric, an eigenvalue outside of [0, 1];
  * NULL: none. */
 static const char *tangent_fault(const double *J, int n) {
@@ -165,42 +149,41 @@ static const char *tangent_fault(const double *J, int n) {
     return NULL;
 }
 
-/* Frobenius norm of J minus the symmetric part of D with eigenvalues clamped to [0, 1]. */
-static double tangent_error(const double *J, double *D, int n) {
-    double value[MAX_NUMBERS], vector[MAX_NUMBERS * MAX_NUMBERS], sum = 0.0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++)
-            D[i * n + j] = D[j * n + i] = 0.5 * (D[i * n + j] + D[j * n + i]);
-    eigen_symmetric(D, n, value, vector);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            double d = -J[i * n + j];
-            for (int k = 0; k < n; k++)
-                d += fmin(fmax(value[k], 0.0), 1.0) * vector[i * n + k] * vector[j * n + k];
-            sum += d * d;
-        }
-    return sqrt(sum);
-}
-
-/* J of element e, n x n, from tangent or tangent_rank1. */
+/* J of element e, n x n, from tangent, tangent_rank1 or differences. */
 static void tangent_of(const pdyn_constraint_type *type, const struct batch *b, int e, int n,
                        double *J) {
     double axis[MAX_NUMBERS + 1];
     memset(J, 0, (size_t)(n * n) * sizeof *J);
     if (type->tangent) type->tangent(b->params, &b->view, e, e + 1, J);
+    if (type->flags & PDYN_NUMERIC_TANGENT) tangent_numeric(b, e, J);
     if (!type->tangent_rank1) return;
     type->tangent_rank1(b->params, &b->view, e, e + 1, axis);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) J[n * i + j] = (i == j ? axis[n] : 0.0) - axis[i] * axis[j];
 }
 
+static void report_tangent(struct check *check, double error, int wrong, int compared, int acts) {
+    const char *where = acts ? "pull" : "have slack";
+    if (check->type->flags & PDYN_NUMERIC_TANGENT)
+        fault(check,
+              "project is too rough for PDYN_NUMERIC_TANGENT: with a tenth of the step of its "
+              "differences, J differs by up to %.3g in %d of %d elements that %s",
+              error, wrong, compared, where);
+    else
+        fault(check,
+              "tangent is not that of project: by finite differences, clamped to [0, 1], J "
+              "differs by up to %.3g in %d of %d elements that %s",
+              error, wrong, compared, where);
+}
+
 /* J = dp/du by finite differences, to 0.02, among the elements that pull and among those that do
- * not. One element in five may differ: a projection may have a kink at u. */
+ * not. One element in five may differ: a projection may have a kink at u. With PDYN_NUMERIC_TANGENT
+ * that compares differences of two steps, which shows a projection that iterates to few digits. */
 void check_tangent(struct check *check, struct trial *t) {
     struct batch *b = t->rows;
     double J[MAX_NUMBERS * MAX_NUMBERS], D[MAX_NUMBERS * MAX_NUMBERS], worst[2] = {0.0};
     int elements = b->view.elements, compared[2] = {0}, wrong[2] = {0};
-    if (!check->type->tangent && !check->type->tangent_rank1) return;
+    if (!type_has_tangent(check->type)) return;
     batch_local(b, t->x, 0.0, t->y);
     for (int k = 0; k < PROBES && k < elements; k++) {
         int e = (int)((long)k * elements / (elements < PROBES ? elements : PROBES));
@@ -212,16 +195,14 @@ void check_tangent(struct check *check, struct trial *t) {
             fault(check, "%s (element %d)", why, e);
             return;
         }
-        difference(check, b, e, n, D);
-        double error = tangent_error(J, D, n);
+        tangent_difference(b, e, 1e-6, D);
+        tangent_clamp(D, n);
+        double error = trial_distance(J, D, n * n);
         compared[acts]++, wrong[acts] += error > 0.02, worst[acts] = fmax(worst[acts], error);
     }
     for (int acts = 0; acts < 2; acts++)
         if (5 * wrong[acts] > compared[acts])
-            fault(check,
-                  "tangent is not that of project: by finite differences, clamped to [0, 1], J "
-                  "differs by up to %.3g in %d of %d elements that %s",
-                  worst[acts], wrong[acts], compared[acts], acts ? "pull" : "have slack");
+            report_tangent(check, worst[acts], wrong[acts], compared[acts], acts);
 }
 
 /* ---- energy ---------------------------------------------------------------------------------- */

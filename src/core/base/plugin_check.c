@@ -136,6 +136,10 @@ static const char *constraint_fault(const pdyn_constraint_type *t) {
     if (update_fault(t)) return update_fault(t);
     if (t->tangent && t->tangent_rank1)
         return "it has tangent and tangent_rank1, expected one of them at most";
+    if (t->flags & PDYN_NUMERIC_TANGENT && (t->tangent || t->tangent_rank1))
+        return "PDYN_NUMERIC_TANGENT excludes tangent and tangent_rank1";
+    if (t->flags & PDYN_NUMERIC_TANGENT && !t->row_sizes && t->rows > NUMERIC_TANGENT_ROWS)
+        return "with PDYN_NUMERIC_TANGENT, an element has at most 12 rows";
     if (!t->damping != !t->damping_rest) return "damping and damping_rest need each other";
     if (t->damping &&
         (t->data_size % sizeof(double) || t->data_size > DAMPED_DATA_MAX * sizeof(double)))

@@ -10,6 +10,9 @@
 /* Largest number of doubles in the data of an element of a constraint with damping. */
 enum { DAMPED_DATA_MAX = 512 };
 
+/* Largest number of rows of an element with PDYN_NUMERIC_TANGENT. */
+enum { NUMERIC_TANGENT_ROWS = 12 };
+
 /* The constraints and solvers of the library. */
 extern const pdyn_plugin registry_builtin;
 

@@ -205,9 +205,13 @@ void batch_rest_diagonal(struct batch *batch, double *blocks);
 /* Sets selected[i] to true for each particle i that a row selects. */
 void batch_mark_selected(const struct batch *batch, bool *selected);
 
+/* Whether J of the type's elements is not 0. */
+static inline bool type_has_tangent(const pdyn_constraint_type *type) {
+    return type->tangent || type->tangent_rank1 || type->flags & PDYN_NUMERIC_TANGENT;
+}
 /* Rows tier: whether B is stored by blocks, because it is not w I. */
 static inline bool batch_has_blocks(const struct batch *b) {
-    return b->eps < 1.0 && !b->linear && (b->type->tangent || b->type->tangent_rank1);
+    return b->eps < 1.0 && !b->linear && type_has_tangent(b->type);
 }
 /* Rows tier: numbers in batch->block, one more than needed so that the last column can be loaded as
  * four numbers. */

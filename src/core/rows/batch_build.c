@@ -1,6 +1,8 @@
 /* Makes a batch: its rows where its elements stay the same, or its operator. */
 #include "row_arrays.h"
 
+#include "base/registry.h"
+
 #include <string.h>
 
 /* ---- setting up ------------------------------------------------------------------------------ */
@@ -15,6 +17,10 @@ static pdyn_status shape_rows(struct batch *b, int *element_row, int **row_width
         if (t->row_sizes) t->row_sizes(b->params, v, e, &n, &width);
         if (n < 0 || width < 0)
             return rows_fault(b, "element %d has %d rows of %d entries", e, n, width);
+        if (t->flags & PDYN_NUMERIC_TANGENT && n > NUMERIC_TANGENT_ROWS)
+            return rows_fault(
+                b, "element %d has %d rows, expected at most %d with PDYN_NUMERIC_TANGENT", e, n,
+                NUMERIC_TANGENT_ROWS);
         b->wide |= t->tangent_rank1 && n != 1;
         rows += n;
         entries += (long)n * width;

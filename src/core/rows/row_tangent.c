@@ -1,7 +1,10 @@
 /* Rows: B = w ((1 - eps)(I - J) + eps I) of each element, and the product with it. */
+#include "numeric_tangent.h"
 #include "row_loops.h"
 
 #include <math.h>
+
+enum { NUMERIC_GRAIN = 4 }; /* elements: one takes some microseconds */
 
 /* B = w (I - (1 - eps) J), in place of J, n x n numbers */
 INLINE void damp_block(double *B, int n, double w, double eps) {
@@ -54,6 +57,14 @@ static void damp_wide(struct batch *b, int first, int last, double eps) {
     }
 }
 
+static void linearise_numeric(void *arg, int first, int last, int block) {
+    (void)block;
+    const struct row_loop *c = arg;
+    struct batch *b = c->batch;
+    for (int e = first; e < last; e++) tangent_numeric(b, e, b->block + b->block_start[e]);
+    damp_blocks(b, first, last, c->number);
+}
+
 static void linearise_axes(void *arg, int first, int last, int block) {
     (void)block;
     const struct row_loop *c = arg;
@@ -71,8 +82,11 @@ pdyn_status rows_linearise(struct batch *b) {
     if (!batch_has_blocks(b) || !b->rows) return PDYN_OK;
     if (!b->block) b->block = NEW_ARRAY(b->context, batch_block_numbers(b), double);
     if (!b->block) return PDYN_NO_MEMORY;
-    rows_for(b, b->view.elements, b->grain,
-             b->type->tangent_rank1 ? linearise_axes : linearise_rows, NULL, NULL, b->eps);
+    if (b->type->flags & PDYN_NUMERIC_TANGENT)
+        rows_for(b, b->view.elements, NUMERIC_GRAIN, linearise_numeric, NULL, NULL, b->eps);
+    else
+        rows_for(b, b->view.elements, b->grain,
+                 b->type->tangent_rank1 ? linearise_axes : linearise_rows, NULL, NULL, b->eps);
     return PDYN_OK;
 }
 

@@ -1,6 +1,7 @@
 #include "eigen.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 enum { SWEEPS = 30 };
 
@@ -25,10 +26,15 @@ static void rotate(double *A, int n, int p, int q, double *vector) {
 }
 
 void eigen_symmetric(double *A, int n, double *value, double *vector) {
-    for (int k = 0; k < n * n; k++) vector[k] = k % (n + 1) == 0;
-    for (int sweep = 0; sweep < SWEEPS; sweep++)
+    double squares = 0.0;
+    for (int k = 0; k < n * n; k++) vector[k] = k % (n + 1) == 0, squares += A[k] * A[k];
+    double small = 1e-15 * sqrt(squares);
+    bool diagonal = false;
+    for (int sweep = 0; sweep < SWEEPS && !diagonal; sweep++) {
+        diagonal = true;
         for (int p = 0; p < n; p++)
             for (int q = p + 1; q < n; q++)
-                if (fabs(A[p * n + q]) > 1e-15) rotate(A, n, p, q, vector);
+                if (fabs(A[p * n + q]) > small) rotate(A, n, p, q, vector), diagonal = false;
+    }
     for (int k = 0; k < n; k++) value[k] = A[k * n + k];
 }
