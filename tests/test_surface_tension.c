@@ -139,9 +139,29 @@ static void test_plate(void **state) {
     pdyn_destroy(context);
 }
 
+/* Two particles alone on a floor draw together; they do not keep the solver from the rest. */
+static void test_pair(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(
+        context,
+        "{'duration': 1, 'time_step': {'maximum': 0.001}, 'bodies': [{'particles': {'radius': "
+        "0.0015, 'fill': [{'box': {'minimum': [-0.003, 0, -0.0015], 'maximum': [0.003, 0.003, "
+        "0.0015]}}, {'box': {'minimum': [0.04, 0.1, 0], 'maximum': [0.058, 0.118, 0.018]}}]}, "
+        "'constraints': [{'type': 'fluid', 'sound_speed': 30}, {'type': 'surface_tension', "
+        "'tension': 0.072}]}], 'solids': [{'box': {'minimum': [-0.1, 0, -0.1], 'maximum': [0.1, "
+        "0.3, 0.1]}, 'open': ['+y']}]}");
+    while (pdyn_time(sim) < 0.06) {
+        double residual = test_step(context, sim).step_residual;
+        if (!(residual < 1.0)) fail_msg("residual %g at %g s", residual, pdyn_time(sim));
+    }
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_drop), cmocka_unit_test(test_wetting),
                                        cmocka_unit_test(test_pressure),
-                                       cmocka_unit_test(test_plate)};
+                                       cmocka_unit_test(test_plate), cmocka_unit_test(test_pair)};
     return cmocka_run_group_tests_name("surface_tension", tests, NULL, NULL);
 }

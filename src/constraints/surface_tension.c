@@ -11,7 +11,8 @@
  * a_i is the surface's area at particle i (Brackbill, Kothe and Zemach 1992). The sum of w r^2 over
  * pairs is 2 A tension times the area, whatever b is. Weights are those of the beginning of the
  * step. Walls count as fluid in n_i, so the surface meets them at a right angle; other angles are
- * springs that pull the particles of the contact line along the wall (Young 1805).
+ * springs that pull the particles of the contact line along the wall (Young 1805). Particles nearer
+ * than d / 2 count as that far in s_i: the weight of two that are alone has a bound.
  * docs/theory/surface-tension.md */
 #include "fluid.h"
 #include "listed_points.h"
@@ -106,15 +107,15 @@ static double bond(double support, double r) {
     return q < 1.0 ? q * q * q * (1.0 - q) * (1.0 - q) : 0.0;
 }
 
-/* sum_j b_ij a_j r_ij^2 */
+/* sum_j b_ij a_j max(r_ij, d / 2)^2 */
 static double sum_bonds(const pdyn_batch *b, const double *x, int i, const struct site *site) {
     const pdyn_neighbours *l = b->neighbours;
-    double sum = 0.0;
+    double sum = 0.0, nearest = b->body->radius;
     for (int k = l->start[i]; k < l->surface_start[i]; k++) {
         int j = l->index[k];
         if (!body_has(b->body, j)) continue;
         double r = vec3_distance(x + 3 * i, x + 3 * j);
-        sum += bond(l->support, r) * site[j].area * r * r;
+        sum += bond(l->support, r) * site[j].area * fmax(r * r, nearest * nearest);
     }
     return sum;
 }
