@@ -96,6 +96,43 @@ static double elastic_energy(pdyn_sim *sim) {
     return energy;
 }
 
+/* Number of the vertex that is the mirror image of vertex i of a block of 4 x 2 x 2 cells. */
+static int mirror(int i, int axis) {
+    const int n[3] = {5, 3, 3};
+    int at[3] = {i % n[0], i / n[0] % n[1], i / (n[0] * n[1])};
+    at[axis] = n[axis] - 1 - at[axis];
+    return at[0] + n[0] * (at[1] + n[1] * at[2]);
+}
+
+/* The corners of a tetrahedron as a set of vertices below 64. */
+static uint64_t corners(const int *corner, int axis) {
+    uint64_t set = 0;
+    for (int k = 0; k < 4; k++)
+        set |= (uint64_t)1 << (axis < 0 ? corner[k] : mirror(corner[k], axis));
+    return set;
+}
+
+/* A block with an even number of cells along each axis is its own mirror image. */
+static void test_grid(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    struct mesh mesh = {0};
+    struct tets tets = {0};
+    assert_int_equal(
+        tets_grid(context, (const double[]){4, 2, 2}, (const int[]){4, 2, 2}, &mesh, &tets),
+        PDYN_OK);
+    for (int t = 0; t < tets.count; t++)
+        for (int axis = 0; axis < 3; axis++) {
+            int found = 0;
+            for (int other = 0; other < tets.count; other++)
+                found += corners(tets.corner + 4 * other, -1) == corners(tets.corner + 4 * t, axis);
+            assert_int_equal(found, 1);
+        }
+    tets_free(context, &tets);
+    mesh_free(context, &mesh);
+    pdyn_destroy(context);
+}
+
 /* A block stretched along its axes has the energy E/2 V sum (s - 1)^2 + K/2 V |s - p|^2, p the
  * closest stretches of product 1. */
 static void test_stretch(void **state) {
@@ -333,7 +370,7 @@ int main(void) {
         cmocka_unit_test(test_stretch), cmocka_unit_test(test_hooke),
         cmocka_unit_test(test_rod),     cmocka_unit_test(test_splash_long),
         cmocka_unit_test(test_files),   cmocka_unit_test(test_bad_files),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_memory),  cmocka_unit_test(test_grid),
     };
     return cmocka_run_group_tests_name("tet", tests, test_enter_directory, test_leave_directory);
 }

@@ -9,7 +9,8 @@
 /* ---- block ----------------------------------------------------------------------------------- */
 
 /* The six tetrahedra of a cell: each is a path from the lowest to the highest corner along the axes
- * in one order. Bit a of a corner: it is at the upper end of axis a. */
+ * in one order. Bit a of a corner: it is at the upper end of axis a. Every second cell along an
+ * axis is mirrored there, so that the block has no direction that its diagonals prefer. */
 static const int kuhn[6][4] = {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7},
                                {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}};
 
@@ -20,8 +21,9 @@ static void fill_grid(const double size[3], const int cells[3], struct mesh *mes
         int at[3] = {i % n[0], i / n[0] % n[1], i / (n[0] * n[1])};
         for (int a = 0; a < 3; a++)
             mesh->vertex[3 * i + a] = size[a] * (1.0 * at[a] / cells[a] - 0.5);
+        int mirrored = (at[0] & 1) + 2 * (at[1] & 1) + 4 * (at[2] & 1);
         for (int k = 0; k < 24 && at[0] < cells[0] && at[1] < cells[1] && at[2] < cells[2]; k++) {
-            int c = kuhn[k / 4][k % 4];
+            int c = kuhn[k / 4][k % 4] ^ mirrored;
             *corner++ = i + (c & 1) + n[0] * (c >> 1 & 1) + n[0] * n[1] * (c >> 2);
         }
     }
