@@ -57,6 +57,21 @@ static const char drawn[] =
     "0.4]}}, {'name': 'ball', 'sphere': {'center': [0.2, 0.08, 0.2], 'radius': 0.05}, 'motion': "
     "[{'time': 0}, {'time': 1, 'translate': [0, 0.2, 0], 'rotate': [0, 90, 0]}]}]}";
 
+/* Contact of two sheets, which looks at the particles that an inlet and an outlet move in the step
+ * after. */
+static const char fed[] =
+    "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'contact': "
+    "{'thickness': 0.01, 'friction': 0.3}, 'solver': {'type': 'cg'}, 'bodies': [{'name': 'low', "
+    "'surface': {'grid': {'size': [0.3, 0.3], 'vertices': [9, 9]}, 'area_density': 0.5}, "
+    "'constraints': [{'type': 'spring', 'stretching_stiffness': 300}, {'type': 'pin', 'stiffness': "
+    "1e5, 'vertices': {'border': true}}]}, {'name': 'high', 'surface': {'grid': {'size': [0.3, "
+    "0.3], 'vertices': [9, 9]}, 'rotate': [0, 0.2, 0], 'translate': [0.01, 0.006, 0.013], "
+    "'area_density': 0.5}, 'constraints': [{'type': 'spring', 'stretching_stiffness': 300}]}, "
+    "{'name': 'water', 'particles': {'radius': 0.01, 'budget': 200, 'inlets': [{'rectangle': "
+    "{'center': [0, 3, 0], 'size': [0.06, 0.08]}, 'direction': [1, 0, 0], 'speed': 2.1}]}, "
+    "'constraints': [{'type': 'fluid', 'stiffness': 1e4}]}], 'outlets': [{'box': {'minimum': "
+    "[0.05, 2, -1], 'maximum': [9, 4, 1]}}]}";
+
 /* Solvers are made anew when the pin lets go, where dampers have other weights than at the start.
  */
 static const char let_go[] =
@@ -150,6 +165,26 @@ static void test_every_step(void **state) {
     goes_on_from_each(drawn, 40);
     goes_on_from_each(let_go, 20);
     goes_on_from_each(thick, 20);
+    goes_on_from_each(fed, 24);
+}
+
+/* What a program has changed does not outlast the restoring of a state without it. */
+static void test_program(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, sheet);
+    double *force = calloc(3 * (size_t)sim->objective.particles, sizeof *force), stiffness = 500.0;
+    step_often(context, sim, 2);
+    assert_int_equal(pdyn_save(sim, "state"), PDYN_OK);
+    assert_int_equal(pdyn_set_forces(sim, 0, sim->objective.particles, force), PDYN_OK);
+    assert_int_equal(pdyn_set_parameter(sim, 1, "stretching_stiffness", &stiffness, 1), PDYN_OK);
+    assert_true(sim->control.driven && sim->control.force);
+    assert_int_equal(pdyn_restore(sim, "state"), PDYN_OK);
+    assert_true(!sim->control.driven && !sim->control.force);
+    free(force);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+    test_remove_file("state");
 }
 
 /* Loads the sheet with an override; restoring its state must be refused with this text. */
@@ -307,7 +342,7 @@ int main(void) {
         cmocka_unit_test(test_same_bits),      cmocka_unit_test(test_every_step),
         cmocka_unit_test(test_other_settings), cmocka_unit_test(test_refused),
         cmocka_unit_test(test_failing_module), cmocka_unit_test(test_failing_allocator),
-        cmocka_unit_test(test_failing_hold),
+        cmocka_unit_test(test_failing_hold),   cmocka_unit_test(test_program),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,
                                        test_leave_directory);

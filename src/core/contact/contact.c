@@ -178,9 +178,10 @@ static bool regions_are_valid(const struct contact *c) {
     return valid;
 }
 
-/* After reading, the list of pairs is made again from the regions; its order decides how sums are
- * rounded. */
-void contact_persist(struct contact *c, const double *x, struct snapshot_file *a) {
+/* After reading, the pairs are found again as in the last search, from regions and positions of
+ * that time: particles that came, went or were moved since are looked at by the next step, with or
+ * without a restart between. */
+void contact_persist(struct contact *c, struct snapshot_file *a) {
     size_t n = (size_t)c->points;
     snapshot_file_bytes(a, c->broad.region, n * sizeof *c->broad.region);
     snapshot_file_numbers(a, c->broad.reach, n, "a reach of contact is not finite");
@@ -191,7 +192,9 @@ void contact_persist(struct contact *c, const double *x, struct snapshot_file *a
     if (!a->view.reading || a->status != PDYN_OK) return;
     snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");
     if (a->status == PDYN_OK) a->status = contact_list(c);
-    if (a->status == PDYN_OK) a->status = contact_local(c, x);
+    for (int i = 0; i < c->points; i++)
+        c->pairs.moved[i] = vec3_distance(c->at + 3 * i, c->pairs.seen + 3 * i);
+    if (a->status == PDYN_OK) a->status = contact_find(c);
 }
 
 /* ---- memory ---------------------------------------------------------------------------------- */

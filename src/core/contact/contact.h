@@ -188,8 +188,8 @@ pdyn_status contact_begin(struct contact *contact, const double *x, const double
 /* Undoes a step that failed: solids go back to where it began, surfaces are at x. */
 pdyn_status contact_take_back(struct contact *contact, const double *x);
 
-/* Writes or reads what the next step depends on, besides the positions x. */
-void contact_persist(struct contact *contact, const double *x, struct snapshot_file *snapshot);
+/* Writes or reads what the next step depends on. */
+void contact_persist(struct contact *contact, struct snapshot_file *snapshot);
 
 /* Shortens the paths from x to target (particles x 3) so that nothing passes anything, and changes
  * target accordingly; solids move at the same time from where the step began to their goals. */

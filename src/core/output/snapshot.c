@@ -122,7 +122,7 @@ static pdyn_status persist_state(struct pdyn_sim *sim, struct snapshot_file *a) 
     probes_persist(sim, a);
     persist_neighbours(sim, a);
     persist_modules(sim, a);
-    if (sim->objective.contact) contact_persist(sim->objective.contact, sim->x, a);
+    if (sim->objective.contact) contact_persist(sim->objective.contact, a);
     return a->status;
 }
 

@@ -180,7 +180,7 @@ static void persist_forces(struct pdyn_sim *sim, struct snapshot_file *a) {
     bool has = *force;
     snapshot_file_flags(a, &has, 1, "the flag of forces is neither 0 nor 1");
     if (a->view.reading && a->status == PDYN_OK && *force && !has)
-        memset(*force, 0, objective_bytes(&sim->objective));
+        FREE_VECTOR(sim->context, *force, sim->objective.particles);
     if (a->status != PDYN_OK || !has) return;
     if (!*force && !(*force = NEW_VECTOR(sim->context, sim->objective.particles)))
         a->status = PDYN_NO_MEMORY;

@@ -23,14 +23,6 @@ static double kept_part(const struct pdyn_sim *sim, int i, double h, const doubl
     return gained > 2.0 * changed ? fmin(kept, 2.0 * changed / gained) : kept;
 }
 
-/* Whether pins hold the body. */
-static bool is_pinned(const struct pdyn_sim *sim, const pdyn_body *body) {
-    bool pinned = false;
-    for (int b = 0; b < sim->objective.batches; b++)
-        pinned |= batch_pins(sim->objective.batch[b], body);
-    return pinned;
-}
-
 /* End of the particles of a body, with the points of a rigid one. */
 static int end_of(const struct pdyn_sim *sim, int b) {
     return b + 1 < sim->bodies ? sim->body[b + 1].first : sim->objective.particles;
@@ -44,7 +36,7 @@ static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double
                              const double *between, double lost[2][3], double *kept_parts) {
     const struct objective *objective = &sim->objective;
     double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
-    bool pinned = is_pinned(sim, &sim->body[b]);
+    bool pinned = sim_pins_body(sim, b);
     memset(passed_on, 0, 3 * sizeof *passed_on);
     for (int i = sim->body[b].first; i < end_of(sim, b); i++) {
         double kept = kept_part(sim, i, h, impulse + 3 * i);
@@ -66,7 +58,7 @@ static void find_shares(const struct pdyn_sim *sim, const double *between, doubl
     const struct objective *objective = &sim->objective;
     const struct rigid_map *map = objective->rigid;
     for (int b = 0; b < sim->bodies; b++) {
-        double free = is_pinned(sim, &sim->body[b]) ? 0.0 : 1.0;
+        double free = sim_pins_body(sim, b) ? 0.0 : 1.0;
         for (int i = sim->body[b].first; i < end_of(sim, b); i++)
             share[i] = free * objective->mass[i] * vec3_length(between + 3 * (size_t)i);
     }

@@ -36,7 +36,7 @@ static pdyn_status refresh(struct pdyn_sim *sim, int constraint) {
     for (int b = 0; b < objective->batches && status == PDYN_OK; b++)
         if (batch_belongs_to(objective->batch[b], changed))
             status = batch_refresh(objective->batch[b]);
-    sim->control.driven = sim->control.stale = true;
+    sim->control.stale = true;
     forces_forget(sim);
     return status;
 }
@@ -191,6 +191,7 @@ pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
                             "switched off",
                             b->type->name, b->view.body->name);
     switch_batches(sim, constraint, !enabled);
+    sim->control.driven = true;
     return refresh(sim, constraint);
 }
 

@@ -123,4 +123,11 @@ static inline bool sim_has_constraint(const struct pdyn_sim *sim, int constraint
     return sim && constraint >= 0 && constraint < sim->constraints;
 }
 
+/* Whether pins or holds act on body b. */
+static inline bool sim_pins_body(const struct pdyn_sim *sim, int b) {
+    for (int k = 0; k < sim->objective.batches; k++)
+        if (batch_pins(sim->objective.batch[k], &sim->body[b])) return true;
+    return false;
+}
+
 #endif

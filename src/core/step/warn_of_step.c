@@ -162,18 +162,12 @@ static bool has_outlet_around(const struct scene *scene) {
     return false;
 }
 
-/* Pins hold the body, which they may lower as far as they like. */
-static bool is_pinned(const struct pdyn_sim *sim, int b) {
-    for (int k = 0; k < sim->constraints; k++)
-        if (batch_pins(sim->objective.batch[k], &sim->body[b])) return true;
-    return false;
-}
-
-/* Particles that nothing holds fall for ever, and make steps short. */
+/* Particles that nothing holds fall for ever, and make steps short. Pins may lower a body as far as
+ * they like. */
 static void warn_fallen(struct pdyn_sim *sim) {
     bool removed = has_outlet_around(&sim->scene);
     for (int b = 0; b < sim->bodies; b++) {
-        if ((removed && !sim->scene.body[b].has_mesh) || is_pinned(sim, b)) continue;
+        if ((removed && !sim->scene.body[b].has_mesh) || sim_pins_body(sim, b)) continue;
         int count = count_below(sim, b, sim->floor);
         if (!count) continue;
         struct warning *w = warnings_count(&sim->warnings, WARNING_FELL_OUT, sim->body[b].name,
