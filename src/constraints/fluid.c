@@ -35,9 +35,9 @@ static const pdyn_param params[] = {
     {"viscosity", PDYN_REAL, offsetof(struct fluid_params, viscosity), false, 0.02, 0, 1, "1",
      "how much of the velocity difference to the neighbours a step takes away (XSPH)"},
     {"damping", PDYN_REAL, offsetof(struct fluid_params, damping), false, -1, 0, 1e6, "s",
-     "pressure = bulk modulus (compression + damping x rate of compression); by default the time "
-     "in "
-     "which sound crosses a cube of the fluid's volume, less the longest step"},
+     "pressure = bulk modulus (compression + damping x its rate); by default the time in which "
+     "sound crosses a cube of the fluid's volume, less the longest step, if at least two steps fit "
+     "into it"},
     {0}};
 
 static const char *const alternatives[] = {"stiffness", "compression", "sound_speed", NULL};

@@ -9,7 +9,7 @@
  * within 1 % (cubic spline, measured in a tank of 20 x 20 x 20 particles).
  *
  * Damping: water would bounce where steps resolve the time in which sound crosses it
- * (docs/theory/time-integration.md#water-that-lands). What steps leave of that time is damped. */
+ * (docs/theory/time-integration.md#water-that-lands). */
 #include "fluid.h"
 
 #include "projdyn/vec3.h"
@@ -17,6 +17,13 @@
 /* Where the scene gives none of the three: compression under pdyn_scene_info.pressure; without
  * gravity a stiffness, N/m. */
 static const double default_compression = 1e-3, default_stiffness = 1e6;
+
+/* The time in which sound crosses the fluid, less the longest step, which damps sound itself; 0
+ * where fewer than two steps fit into that time: it would cost iterations for nothing. */
+static double default_damping(const pdyn_scene_info *scene, double sound_speed) {
+    double time = scene->size / sound_speed;
+    return time > 2.0 * scene->step ? time - scene->step : 0.0;
+}
 
 pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
     struct fluid_params *p = params;
@@ -38,6 +45,6 @@ pdyn_param_fault fluid_resolve(void *params, const pdyn_scene_info *scene) {
                                   given};
     p->compression = length * pressure / p->stiffness;
     p->sound_speed = sqrt(p->stiffness / (length * rho));
-    if (p->damping < 0.0) p->damping = fmax(0.0, scene->size / p->sound_speed - scene->step);
+    if (p->damping < 0.0) p->damping = default_damping(scene, p->sound_speed);
     return (pdyn_param_fault){0};
 }
