@@ -248,9 +248,13 @@ struct impacts {
     bool comparable; /* with the forces of the step before: both steps are solved */
 };
 
-/* The part of the force, 0 to 1, that the step before did not have. */
+/* The pressure of an impact is many times that before. Pressures that vary less are none: they
+ * would settle more slowly. */
+static const double usual_rise = 4.0;
+
+/* The part of the force, 0 to 1, beyond a usual rise in a step. */
 static double new_part(const struct impacts *c, int i, double force) {
-    return c->comparable ? fmax(0.0, 1.0 - c->s->mean[i] / force) : 0.0;
+    return c->comparable ? fmax(0.0, 1.0 - usual_rise * c->s->mean[i] / force) : 0.0;
 }
 
 /* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
