@@ -211,7 +211,8 @@ static double bounce(const char *compression) {
 }
 
 /* Water that lands stays down, whether a step of 1 ms resolves its sound (compression 1e-3) or not.
- * Without damping it bounces to 0.177 m at 1e-3; without new forces, to 0.15 m at 1e-5. */
+ * Without damping it bounces to 0.18 m at 1e-3; if pressures that rise suddenly are not treated as
+ * impacts, to 0.15 m at 1e-5. */
 static void test_landing(void **state) {
     (void)state;
     assert_true(bounce("1e-3") < 0.11);

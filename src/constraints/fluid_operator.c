@@ -125,17 +125,18 @@ static void begin_range(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
     for (int i = first; i < last; i++)
-        f->stiffness[i] =
-            f->measured[i] > 0.0 ? f->factor * fluid_stiffness_at(f, f->measured[i]) : 0.0;
+        f->stiffness[i] = f->factor * fluid_stiffness_at(f, f->measured[i]);
 }
 
-/* In the first step C^n is not known, and nothing is damped. */
+/* In the first step nothing is known of the step before: k_i is that of the first iterate, and
+ * nothing is damped. */
 static void begin(void *self, double h) {
     struct fluid *f = self;
     bool known = f->count && f->compressed[f->first] >= 0.0;
     double damping = known ? f->params.damping : 0.0;
     f->factor = 1.0 + damping / h, f->part = damping / (h + damping);
-    for_particles(f, f->particles, begin_range, NULL, NULL);
+    if (known) for_particles(f, f->particles, begin_range, NULL, NULL);
+    else memset(f->stiffness, 0, (size_t)f->particles * sizeof *f->stiffness);
 }
 
 static double local(void *self, const double *x, double *gradient) {

@@ -38,7 +38,7 @@ struct fluid {
     double *gradient;   /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
     double *vector;     /* particles x 4: input of a pass */
     double *compressed; /* particles: max(0, C_i) at the end of the step before; -1: not known */
-    double *measured;   /* particles: |grad C_i|^2 at the end of the step before; 0: not known */
+    double *measured;   /* particles: |grad C_i|^2 at the end of the step before */
     double *value;      /* particles: C_i - part compressed_i (fluid_local.c) */
     double *squares;    /* particles: |grad C_i|^2, 1/m^2 */
     double *stiffness;  /* particles: factor k_i (fluid.h) of `measured`, N m; 0: not known */

@@ -253,20 +253,20 @@ struct impacts {
 static const double usual_rise = 4.0;
 
 /* The part of the force, 0 to 1, beyond a usual rise in a step. */
-static double new_part(const struct impacts *c, int i, double force) {
+static double risen_part(const struct impacts *c, int i, double force) {
     return c->comparable ? fmax(0.0, 1.0 - usual_rise * c->s->mean[i] / force) : 0.0;
 }
 
 /* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
  * batch, which may cancel each other; and by this constraint alone, with the mass of a particle for
  * everything that it moves, also for light surfaces. The larger one is used. What presses from
- * behind on particles that touch in an impact has no approach of its own; its force is new. */
+ * behind on particles that touch in an impact has no approach of its own; its force rises. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
     double value = s->at.value[i], force = force_of(s, i);
     if (force == 0.0) return 0.0;
     double change = c->h * fmax(s->reached[i], force * s->at.squares[i] / c->mass);
-    double stopped = fmax(s->rate[i], new_part(c, i, force) * change);
+    double stopped = fmax(s->rate[i], risen_part(c, i, force) * change);
     return impact_part(stopped, change, c->h * change / value);
 }
 

@@ -53,10 +53,10 @@ double one_sided_slope(struct one_sided *s, double eps, double t, double *curvat
 int one_sided_step_along(struct one_sided *s, double eps, double t, double *y);
 
 /* The part of a force, 0 to 1, that is an impact: the part of its impulse that stopped an approach,
- * or that is new in this step, times a factor that is near 1 if the step is too long to resolve the
- * oscillation of the constraint. stopped: decrease of dC/dt in a step of length h, or the part of
- * `change` that is new; change: the decrease that the force alone causes in h; stiff: (h omega)^2
- * of the oscillation, about 10 for two steps a period. */
+ * or by which it rose suddenly, times a factor that is near 1 if the step is too long to resolve
+ * the oscillation of the constraint. stopped: decrease of dC/dt in a step of length h, or the part
+ * of `change` by which the force rose; change: the decrease that the force alone causes in h;
+ * stiff: (h omega)^2 of the oscillation, about 10 for two steps a period. */
 static inline double impact_part(double stopped, double change, double stiff) {
     if (!(stopped > 0.0 && change > 0.0)) return 0.0;
     return (stopped < change ? stopped / change : 1.0) * stiff / (10.0 + stiff);
