@@ -382,10 +382,10 @@ static double deviation(const pdyn_sim *sim, int stride, double expected) {
 static void test_free_fibres(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, BAR(FIBRES));
-    steps(sim, 300);
+    steps(sim, 600);
     assert_true(deviation(sim, 1, 0.7) < 1e-6);
     assert_int_equal(pdyn_set_parameter(sim, 0, "activation", (double[]){0.1}, 1), PDYN_OK);
-    steps(sim, 300);
+    steps(sim, 600);
     assert_true(deviation(sim, 1, 0.9) < 1e-6);
     pdyn_free(sim);
 }
@@ -396,15 +396,15 @@ static void test_fibres_in_solid(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, BAR(PAIR(FIBRES, "{'type': 'tet', 'stiffness': 1e4}")));
     double exact = (3e4 * 0.7 + 1e4) / 4e4;
-    steps(sim, 600);
+    steps(sim, 1500);
     assert_true(deviation(sim, 1, exact) < 1e-4);
     assert_true(deviation(sim, 3, 1.0) < 1e-4);
     assert_int_equal(pdyn_set_parameter(sim, 0, "fibre", (double[]){0, 1, 0}, 3), PDYN_OK);
-    steps(sim, 600);
+    steps(sim, 1500);
     assert_true(deviation(sim, 1, 1.0) < 1e-4);
     assert_true(deviation(sim, 3, exact) < 1e-4);
     assert_int_equal(pdyn_set_parameter(sim, 0, "fibre", (double[]){0, 0, 0}, 3), PDYN_OK);
-    steps(sim, 600);
+    steps(sim, 1500);
     assert_true(deviation(sim, 3, 1.0) < 1e-4);
     pdyn_free(sim);
 }
