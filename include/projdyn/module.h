@@ -96,7 +96,8 @@ typedef struct pdyn_scene_info {
                         density (|gravity| height + speed^2 / 2) over all bodies at their start,
                         with rest_density where that is more than their own density, and of
                         rest_density speed^2 / 2 over moving solids. 0 without gravity */
-    double size;     /* m, edge of a cube with the volume of the body's particles at their start */
+    double size;     /* m, edge of a cube with the volume of the particles of all bodies at their
+                        start; 0 for a surface */
     double step;     /* s, the length of the longest step, time_step.maximum or fixed */
 } pdyn_scene_info;
 

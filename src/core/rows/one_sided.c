@@ -260,14 +260,16 @@ static double risen_part(const struct impacts *c, int i, double force) {
 /* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
  * batch, which may cancel each other; and by this constraint alone, with the mass of a particle for
  * everything that it moves, also for light surfaces. The larger one is used. What presses from
- * behind on particles that touch in an impact has no approach of its own; its force rises. */
+ * behind on particles that touch in an impact has no approach of its own; its force rises. For that
+ * the second estimate alone is used, which is the same for one liquid and its parts. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
     double value = s->at.value[i], force = force_of(s, i);
     if (force == 0.0) return 0.0;
-    double change = c->h * fmax(s->reached[i], force * s->at.squares[i] / c->mass);
-    double stopped = fmax(s->rate[i], risen_part(c, i, force) * change);
-    return impact_part(stopped, change, c->h * change / value);
+    double alone = c->h * force * s->at.squares[i] / c->mass;
+    double change = fmax(c->h * s->reached[i], alone), rise = risen_part(c, i, force) * alone;
+    return fmax(impact_part(s->rate[i], change, c->h * change / value),
+                impact_part(rise, alone, c->h * alone / value));
 }
 
 static void take_impacts(void *arg, int first, int last, int block) {

@@ -51,6 +51,13 @@ static pdyn_status check_others(struct reader *r, const struct json_at *at, int 
 
 /* ---- derived parameters ---------------------------------------------------------------------- */
 
+/* Of all fluids, at their start. */
+static double count_particles(const struct scene *scene) {
+    double count = 0.0;
+    for (int b = 0; b < scene->bodies; b++) count += scene->body[b].start.count;
+    return count;
+}
+
 /* Lets a constraint compute parameters from the scene, e.g. a stiffness from the head. */
 static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                            const struct scene_body *body, const struct scene_constraint *c) {
@@ -59,7 +66,7 @@ static pdyn_status resolve(const struct reader *r, const struct json_at *at,
                             .rest_density = body->rest_density,
                             .head = scene_head(r->scene, body),
                             .kernel = settings->kernel,
-                            .size = 2.0 * body->radius * cbrt(body->start.count),
+                            .size = 2.0 * body->radius * cbrt(count_particles(r->scene)),
                             .step = settings->h_fixed > 0.0 ? settings->h_fixed : settings->h_max};
     if (!body->has_mesh) info.pressure = scene_pressure(r->scene, body);
     memcpy(info.gravity, settings->gravity, sizeof info.gravity);
