@@ -74,6 +74,8 @@ int job_result_write(const char *directory, const struct job *job, int status, d
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+const char *const job_statistics[JOB_STATISTICS] = {"mean", "max", "impulse"};
+
 /* Sets a number of an object; one that is not finite is left out. */
 static void set_finite(json_t *object, const char *key, double value) {
     if (isfinite(value)) json_object_set_new(object, key, json_real(value));
@@ -141,8 +143,8 @@ json_t *job_result_read(const char *directory) {
     }
     if (path_in(path, directory, "report.json"))
         json_object_set_new(result, "report", json_load_file(path, 0, &error));
-    static const char *const statistics[] = {"mean", "max", "impulse"};
-    for (int k = 0; k < 3; k++) json_object_set_new(result, statistics[k], json_object());
+    for (int k = 0; k < JOB_STATISTICS; k++)
+        json_object_set_new(result, job_statistics[k], json_object());
     add_table(result, directory, "metrics.csv", false);
     add_table(result, directory, "probes.csv", true);
     return result;

@@ -10,6 +10,10 @@
  * process, s. Returns an exit code. */
 int job_result_write(const char *directory, const struct job *job, int status, double cpu);
 
+/* Names of the statistics of columns: keys of a result. */
+enum { JOB_STATISTICS = 3 };
+extern const char *const job_statistics[JOB_STATISTICS];
+
 /* Reads the result of a job into one JSON object with the keys
  *
  *     status, error, cpu_s   from result.json; status: "good", "bad input", "failed" or "killed"

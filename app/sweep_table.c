@@ -7,10 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Of the columns of metrics.csv and probes.csv, by their keys in a result (job_result.h). */
-static const char *const statistics[] = {"mean", "max", "impulse"};
-enum { STATISTICS = sizeof statistics / sizeof *statistics };
-
 /* ---- cells ----------------------------------------------------------------------------------- */
 
 /* A comma and the number; an empty cell if the value is NULL or no number. */
@@ -31,11 +27,11 @@ static void put_ratio(FILE *file, double numerator, double denominator) {
 static void put_header(FILE *file, const struct parameter_grid *grid, json_t *columns) {
     for (int a = 0; a < grid->axes; a++) csv_write_text(file, grid->axis[a].path), fputc(',', file);
     fputs("status,error,steps,simulated_s,wall_s,cpu_s,wall_s_per_s,cpu_s_per_s", file);
-    for (int k = 0; k < STATISTICS; k++) {
+    for (int k = 0; k < JOB_STATISTICS; k++) {
         const char *name;
         json_t *unused;
-        json_object_foreach(json_object_get(columns, statistics[k]), name, unused)
-            fprintf(file, ",%s_%s", statistics[k], name);
+        json_object_foreach(json_object_get(columns, job_statistics[k]), name, unused)
+            fprintf(file, ",%s_%s", job_statistics[k], name);
     }
     fputs(",state_hash,directory\n", file);
 }
@@ -69,10 +65,10 @@ static void put_row(FILE *file, const struct jobs *jobs, const struct parameter_
     fputc(',', file);
     csv_write_text(file, json_string_value(json_object_get(result, "error")));
     put_times(file, result);
-    for (int k = 0; k < STATISTICS; k++) {
+    for (int k = 0; k < JOB_STATISTICS; k++) {
         const char *name;
-        json_t *unused, *own = json_object_get(result, statistics[k]);
-        json_object_foreach(json_object_get(columns, statistics[k]), name, unused)
+        json_t *unused, *own = json_object_get(result, job_statistics[k]);
+        json_object_foreach(json_object_get(columns, job_statistics[k]), name, unused)
             put_number(file, json_object_get(own, name));
     }
     const char *hash = json_string_value(json_object_get(report, "state_hash"));
@@ -99,11 +95,11 @@ static json_t *read_results(const struct jobs *jobs) {
 static json_t *find_columns(const json_t *all) {
     json_t *columns = json_object(), *result;
     size_t r;
-    for (int k = 0; k < STATISTICS; k++) {
+    for (int k = 0; k < JOB_STATISTICS; k++) {
         json_t *keys = json_object();
         json_array_foreach(all, r, result)
-            json_object_update_missing(keys, json_object_get(result, statistics[k]));
-        json_object_set_new(columns, statistics[k], keys);
+            json_object_update_missing(keys, json_object_get(result, job_statistics[k]));
+        json_object_set_new(columns, job_statistics[k], keys);
     }
     return columns;
 }

@@ -61,7 +61,7 @@ int main(int argc, char **argv) {
     size_t bytes = 3 * (size_t)sim->objective.particles * sizeof(double);
     double *half = malloc(bytes);
     if (!half) return EXIT_FAILURE;
-    while (pdyn_time(sim) < pdyn_duration(sim) - 1e-9) {
+    while (!pdyn_is_finished(sim)) {
         pdyn_step_info info;
         if (pdyn_step(sim, &info) != PDYN_OK) return fail(context);
         add(&t, sim, &info);

@@ -150,7 +150,7 @@ static void steps_negative(pdyn_sim *sim) { sim->steps = -1; }
 static void step_long(pdyn_sim *sim) { sim->last_h = 1.0; }
 static void history_other(pdyn_sim *sim) { sim->history = 1e-9; }
 static void damping_large(pdyn_sim *sim) { sim->eps = 2.0; }
-static void flag_two(pdyn_sim *sim) { memset(&sim->unsolved, 2, 1); }
+static void flag_two(pdyn_sim *sim) { memset(&sim->far_off, 2, 1); }
 static void position_far(pdyn_sim *sim) { sim->x[4] = -1e11; }
 static void velocity_large(pdyn_sim *sim) { sim->v[4] = 1e9; }
 static void before_far(pdyn_sim *sim) { sim->x_before[4] = 1e11; }

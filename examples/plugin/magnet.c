@@ -1,11 +1,10 @@
 /* A magnet: an energy that is not w/2 |u - p|^2. It attracts each point u of a body, at the
  * distance r from its place, with the force k / r^2 beyond its radius a:
  *
- *     E = k / a - k / sqrt(r^2 + a^2),     p = u - dE/du / w,     w = k / a^3, the second
- * derivative at r = 0
+ *     E = k / a - k / sqrt(r^2 + a^2),     p = u - dE/du / w,     w = k / a^3
  *
- * Such a p is the end of a step along the gradient (Liu, Bouaziz and Kavan 2017). The tangent is
- * that of PDYN_NUMERIC_TANGENT.
+ * w is the second derivative of E at r = 0. Such a p is the end of a step along the gradient (Liu,
+ * Bouaziz and Kavan 2017). The tangent is that of PDYN_NUMERIC_TANGENT.
  *
  *     cc -shared -fPIC -Iinclude -o magnet.so magnet.c -lm
  *     projdyn check --conformance ./magnet.so

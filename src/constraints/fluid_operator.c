@@ -185,7 +185,7 @@ static void end_step(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;
     for (int i = first; i < last; i++) {
-        f->value[i] += f->part * f->compressed[i];
+        f->value[i] = compression(f, i);
         f->compressed[i] = fmax(0.0, f->value[i]);
         f->measured[i] = f->squares[i];
     }

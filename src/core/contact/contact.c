@@ -192,8 +192,7 @@ void contact_persist(struct contact *c, struct snapshot_file *a) {
     if (!a->view.reading || a->status != PDYN_OK) return;
     snapshot_file_require(a, regions_are_valid(c), "a region of contact is wrong");
     if (a->status == PDYN_OK) a->status = contact_list(c);
-    for (int i = 0; i < c->points; i++)
-        c->pairs.moved[i] = vec3_distance(c->at + 3 * i, c->pairs.seen + 3 * i);
+    contact_measure_moved(c, c->at);
     if (a->status == PDYN_OK) a->status = contact_find(c);
 }
 

@@ -238,6 +238,9 @@ pdyn_status contact_cover(struct contact *contact, const double *x, const double
 
 /* Lists all pairs that can come closer than their thickness in the regions. */
 pdyn_status contact_list(struct contact *contact);
+/* pairs.moved = how far points are at x (points x 3) from where distances of pairs were measured.
+ */
+void contact_measure_moved(struct contact *contact, const double *x);
 void contact_free_pairs(struct contact *contact);
 
 /* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */

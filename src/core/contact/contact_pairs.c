@@ -238,13 +238,17 @@ static void merge(struct contact *c, int count) {
     }
 }
 
+void contact_measure_moved(struct contact *c, const double *x) {
+    for (int i = 0; i < c->points; i++)
+        c->pairs.moved[i] = vec3_distance(x + 3 * i, c->pairs.seen + 3 * i);
+}
+
 /* Finds the pairs of all points that have changed anew; the others stay. */
 static pdyn_status update_list(struct contact *c) {
     long count = 0;
     if (c->broad.all_changed)
         memcpy(c->pairs.seen, c->broad.built, 3 * (size_t)c->points * sizeof *c->pairs.seen);
-    for (int i = 0; i < c->points; i++)
-        c->pairs.moved[i] = vec3_distance(c->broad.built + 3 * i, c->pairs.seen + 3 * i);
+    contact_measure_moved(c, c->broad.built);
     contact_update_trees(c);
     drop_changed(c);
     pdyn_status status = search(c);
@@ -268,7 +272,6 @@ pdyn_status contact_cover(struct contact *c, const double *x, const double *step
         pdyn_status status = update_list(c);
         if (status != PDYN_OK) return status;
     }
-    for (int i = 0; i < c->points; i++)
-        c->pairs.moved[i] = vec3_distance(x + 3 * i, c->pairs.seen + 3 * i);
+    contact_measure_moved(c, x);
     return PDYN_OK;
 }

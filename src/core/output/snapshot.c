@@ -35,7 +35,7 @@ static void persist_numbers(struct pdyn_sim *sim, struct snapshot_file *a) {
     SNAPSHOT(a, sim->eps);
     snapshot_file_require(a, sim->eps >= 0.0 && sim->eps <= 1.0,
                           "the damping is not between 0 and 1");
-    snapshot_file_flags(a, &sim->unsolved, 1, "a flag of the last step is neither 0 nor 1");
+    snapshot_file_flags(a, &sim->far_off, 1, "a flag of the last step is neither 0 nor 1");
 }
 
 static void persist_particles(struct pdyn_sim *sim, struct snapshot_file *a) {

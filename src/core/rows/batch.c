@@ -213,7 +213,7 @@ void batch_limit(struct batch *b, const double *x, double *max_step) {
 
 static double sum_stored(const struct batch *b) {
     double sum = 0.0;
-    for (int i = 0; i < b->one_sided.at.count; i++) sum += b->type->matrix_free->stored(b->op, i);
+    for (int i = 0; i < b->one_sided.at.count; i++) sum += one_sided_energy(&b->one_sided, i);
     return sum;
 }
 

@@ -204,18 +204,25 @@ static void take_forces(void *arg, int first, int last, int block) {
     for (int i = first; i < last; i++) s->multiplier[i] = force_of(s, i);
 }
 
-static void take_means(void *arg, int first, int last, int block) {
+static void store_forces(void *arg, int first, int last, int block) {
     (void)block;
     struct one_sided *s = ((const struct call *)arg)->s;
     const double left_out = ((const struct call *)arg)->t;
-    for (int i = first; i < last; i++)
-        s->mean[i] = force_of(s, i) - (left_out > 0.0 ? left_out * s->multiplier[i] : 0.0);
+    for (int i = first; i < last; i++) {
+        double impact = left_out > 0.0 ? s->multiplier[i] : 0.0;
+        s->multiplier[i] = force_of(s, i);
+        s->mean[i] = s->multiplier[i] - left_out * impact;
+    }
 }
 
 void one_sided_store_forces(struct one_sided *s, double left_out, bool solved) {
-    for_all(s, s->at.count, take_means, NULL, NULL, 0.0, left_out);
-    for_all(s, s->at.count, take_forces, NULL, NULL, 0.0, 0.0);
+    for_all(s, s->at.count, store_forces, NULL, NULL, 0.0, left_out);
     s->means = solved ? s->at.count : 0;
+}
+
+double one_sided_energy(const struct one_sided *s, int i) {
+    if (s->op->stored) return s->op->stored(s->self, i);
+    return 0.5 * s->multiplier[i] * fmax(0.0, s->at.value[i]);
 }
 
 void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot) {

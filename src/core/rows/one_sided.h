@@ -64,8 +64,11 @@ static inline double impact_part(double stopped, double change, double stiff) {
 
 /* multiplier = k_i max(0, C_i) at the last local step: y += sum of multiplier_i grad C_i is the
  * gradient of the constraints' energy. mean = the same, less the part `left_out` of the impact
- * parts that one_sided_impacts has found before; 0: there are none. */
+ * parts that one_sided_impacts has found before; 0: there are none. The next step compares its
+ * forces with those of a solved one only. */
 void one_sided_store_forces(struct one_sided *s, double left_out, bool solved);
+/* The energy that constraint i stores at the last local step, J, after one_sided_store_forces. */
+double one_sided_energy(const struct one_sided *s, int i);
 /* Writes or reads the mean forces of the last step. */
 void one_sided_persist(struct one_sided *s, struct snapshot_file *snapshot);
 /* y += the gradient of the constraints' energy at the last local step, N */

@@ -199,12 +199,8 @@ static struct element row_element(const pdyn_sim *sim, const struct batch *b, in
 
 static struct element operator_element(const pdyn_sim *sim, const struct batch *b, int e) {
     const struct one_sided *s = &b->one_sided;
-    const pdyn_operator *op = b->type->matrix_free;
     (void)sim;
-    if (e >= s->at.count) return (struct element){0};
-    return (struct element){op->stored ? op->stored(b->op, e)
-                                       : 0.5 * s->multiplier[e] * fmax(0.0, s->at.value[e]),
-                            0.0};
+    return (struct element){e < s->at.count ? one_sided_energy(s, e) : 0.0, 0.0};
 }
 
 pdyn_status pdyn_element_values(const pdyn_sim *sim, int constraint, double *energy,

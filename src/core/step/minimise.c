@@ -78,7 +78,7 @@ static double adapt_to_length(double eps, const struct line_step *step) {
  * after an unsolved one begins undamped. */
 static double damping_at_start(const struct pdyn_sim *sim) {
     if (!sim->solver->dual) return sim->eps;
-    if (!solves_fluid_alone(sim) && sim->unsolved) return 0.0;
+    if (!solves_fluid_alone(sim) && sim->far_off) return 0.0;
     return sim->scene.settings.newton ? less_damping(sim->eps, 4.0) : sim->eps;
 }
 

@@ -59,7 +59,7 @@ struct pdyn_sim {
     double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
                                         last step */
     bool solved;                     /* the last step was solved to the tolerance */
-    bool unsolved;     /* the last step was not solved: its end is no guess for the next one */
+    bool far_off;      /* the last step was far from solved: its end is no guess for the next one */
     double last_h;     /* s, length of the last step; 0 before the first */
     int impacts;       /* number of constraints with an impact in the last step */
     double left_out;   /* 1 - (H / h)^2: the part of their forces that does not change velocities

@@ -77,7 +77,7 @@ static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
 static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
     double warm, least;
     pdyn_status status = start_inertia(sim, energy);
-    if (status != PDYN_OK || sim->last_h == 0.0 || sim->unsolved) return status;
+    if (status != PDYN_OK || sim->last_h == 0.0 || sim->far_off) return status;
     predict_with_acceleration(sim, sim->trial);
     status = start_at(sim, sim->trial, &least, &warm, sim->trial_gradient);
     if (status != PDYN_OK) return status;

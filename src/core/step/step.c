@@ -187,7 +187,7 @@ static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
     double tolerance = sim->scene.settings.tolerance;
     measure_update_fluid(sim);
     sim->solved = progress->residual <= tolerance;
-    sim->unsolved = progress->residual > fmax(tolerance, history_residual);
+    sim->far_off = progress->residual > fmax(tolerance, history_residual);
     crossings_step(sim, end->h);
     accept(sim, end->h);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);

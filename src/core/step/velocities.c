@@ -96,7 +96,7 @@ static void update_unsolved(struct pdyn_sim *sim, double h) {
  * projective step do not need this if they end early: the former meet inertia exactly, the latter
  * is stiffer than E. */
 void velocities_update(struct pdyn_sim *sim, double h) {
-    if (sim->unsolved && sim->scene.settings.newton && !solves_fluid_alone(sim)) {
+    if (sim->far_off && sim->scene.settings.newton && !solves_fluid_alone(sim)) {
         update_unsolved(sim, h);
         return;
     }
