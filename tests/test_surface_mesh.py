@@ -239,6 +239,24 @@ class Mesh(unittest.TestCase):
         x, _ = self.surface(particles, solid=square(-0.2 * SPACING, 30 * SPACING, 1))
         self.check_above(x, -0.2 * SPACING)
 
+    def test_sharp_edges(self):
+        """Water in a corner of walls fills it, and its surface meets them in a smooth line."""
+        particles = lattice(16, 10, 16)
+        corners = 40 * SPACING * np.array([[i, j, k] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        walls = [[0, 1, 3], [0, 3, 2], [0, 5, 1], [0, 4, 5], [0, 2, 6], [0, 6, 4]]  # x = 0, y = 0, z = 0
+        x, triangles = self.surface(particles, solid=(corners, walls))
+        self.check_volume(x, triangles, particles, 0.02)
+        x = x / SPACING
+        self.assertGreater(x.min(), 0)
+        self.assertLess(np.linalg.norm(x, axis=1).min(), 0.1)
+        for axis in range(3):
+            others = [a for a in range(3) if a != axis]
+            edge = (np.abs(x[:, others]) < 0.05).all(axis=1) & (x[:, axis] < 8)
+            self.assertLess(np.diff(np.sort(x[edge, axis])).max(), 1.0)
+        line = [x[(x[:, 0] < 0.05) & (np.abs(x[:, 2] - z) < 0.5), 1].max() for z in range(3, 13)]
+        self.assertLess(np.ptp(line), 0.05)
+        self.assertLess(np.abs(np.mean(line) - 10), 0.4)
+
     def test_sheet_through_water(self):
         """Water on both sides of a sheet is one closed mesh, and keeps its volume."""
         particles = lattice(14, 12, 14) - SPACING * np.array([7, 6, 7])

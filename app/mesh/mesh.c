@@ -1,8 +1,7 @@
 /* projdyn mesh: triangle meshes of the surface of the fluid, for every frame of a run. */
-#include "colour_field.h"
-#include "mesh_input.h"
 #include "new_file.h"
 #include "surface_file.h"
+#include "surface_make.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -11,9 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* Passes of smoothing: before vertices move to obstacles, and after. */
-enum { PASSES = 80, PASSES_AFTER = 10 };
 
 static const char usage[] =
     "Usage: projdyn mesh DIR [OPTIONS]\n"
@@ -67,24 +63,6 @@ static bool accept_option(void *self, int option) {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* Makes the surface of the particles in a file. */
-static int make_surface(const struct vtk_frame *frame, const char *path, double radius,
-                        const struct obstacles *obstacles, int threads, struct surface *surface) {
-    struct colour_field field;
-    double reach = 0.5 * radius;
-    int code = colour_field_build(frame, path, radius, threads, &field);
-    if (code == EXIT_GOOD) code = surface_extract(&field, threads, surface);
-    if (code == EXIT_GOOD) code = surface_add_drops(surface, &field);
-    if (code == EXIT_GOOD) code = surface_sample(surface, &field, threads);
-    if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES, threads);
-    if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
-    if (code == EXIT_GOOD) code = surface_smooth(surface, PASSES_AFTER, threads);
-    if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
-    if (code == EXIT_GOOD) code = surface_make_normals(surface);
-    colour_field_free(&field);
-    return code;
-}
-
 static int write_surface(const struct run *run, const struct part *part, int f,
                          const struct mesh_options *options, const struct surface *surface) {
     char path[RUN_PATH], title[512];
@@ -107,23 +85,12 @@ static void add_to_summary(struct mesh_summary *summary, const struct surface *s
 
 static int mesh_frame(const struct run *run, const struct part *part, int f,
                       const struct mesh_options *options, struct mesh_summary *summary) {
-    char path[RUN_PATH];
-    struct vtk_frame frame;
-    struct obstacles obstacles = {0};
-    struct surface surface = {0};
-    double radius = part->radius;
-    int code = part_read_frame(run, part, f, path, &frame);
-    if (code != EXIT_GOOD) return code;
-    if (frame.triangles || !frame.velocity)
-        code = run_error("%s: expected particles with velocities", path);
-    else code = mesh_read_obstacles(run, f, &obstacles);
-    if (code == EXIT_GOOD)
-        code = make_surface(&frame, path, radius, &obstacles, (int)options->threads, &surface);
+    struct surface surface;
+    double spacing = 2.0 * part->radius;
+    int code = surface_make(run, part, f, true, (int)options->threads, &surface);
     if (code == EXIT_GOOD) code = write_surface(run, part, f, options, &surface);
-    if (code == EXIT_GOOD) add_to_summary(summary, &surface, frame.count * pow(2.0 * radius, 3.0));
+    if (code == EXIT_GOOD) add_to_summary(summary, &surface, surface.particles * pow(spacing, 3.0));
     surface_free(&surface);
-    obstacles_free(&obstacles);
-    vtk_frame_free(&frame);
     return code;
 }
 
@@ -151,9 +118,6 @@ static int mesh_body(const struct run *run, const struct part *part,
     struct mesh_summary s = {.least = INFINITY, .most = -INFINITY, .seconds = wall_seconds()};
     char path[RUN_PATH] = "";
     int code = EXIT_GOOD;
-    if (!(part->radius > 0.0))
-        return run_error("%s/report.json: radius_m of body \"%s\": expected a number above 0",
-                         run->directory, part->name);
     for (int f = (int)options->first; f <= options->last && code == EXIT_GOOD; f++)
         code = mesh_frame(run, part, f, options, &s);
     if (code == EXIT_GOOD && !strcmp(options->format->name, "vtk"))

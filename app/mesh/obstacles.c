@@ -112,7 +112,8 @@ static double cross_triangle(const struct obstacle_triangle *t, const double p[3
     return hits ? part : 2.0;
 }
 
-double obstacles_cross(const struct obstacles *o, const double p[3], const double q[3]) {
+double obstacles_cross(const struct obstacles *o, const double p[3], const double q[3],
+                       int *triangle) {
     int stack[STACK], depth = 0;
     double nearest = 2.0;
     if (o->nodes) stack[depth++] = 0;
@@ -120,9 +121,24 @@ double obstacles_cross(const struct obstacles *o, const double p[3], const doubl
         int at = stack[--depth];
         const struct obstacle_node *node = &o->node[at];
         if (!touches(node, p, q)) continue;
-        for (int t = node->first; !node->right && t < node->last; t++)
-            nearest = fmin(nearest, cross_triangle(&o->triangle[t], p, q));
+        for (int t = node->first; !node->right && t < node->last; t++) {
+            double part = cross_triangle(&o->triangle[t], p, q);
+            if (!(part < nearest)) continue;
+            nearest = part;
+            if (triangle) *triangle = t;
+        }
         if (node->right) stack[depth++] = at + 1, stack[depth++] = node->right;
     }
     return nearest;
+}
+
+void obstacles_normal(const struct obstacles *o, int triangle, double normal[3]) {
+    const struct obstacle_triangle *t = &o->triangle[triangle];
+    double e[3], f[3];
+    for (int a = 0; a < 3; a++) {
+        e[a] = (double)t->corner[1][a] - (double)t->corner[0][a];
+        f[a] = (double)t->corner[2][a] - (double)t->corner[0][a];
+    }
+    vec3_cross(normal, e, f);
+    vec3_normalise(normal);
 }

@@ -26,7 +26,10 @@ int obstacles_build(struct obstacles *obstacles);
 void obstacles_free(struct obstacles *obstacles);
 
 /* The smallest part t, 0 <= t <= 1, of the way from p to q at which a triangle is crossed; 2: none
- * is. */
-double obstacles_cross(const struct obstacles *obstacles, const double p[3], const double q[3]);
+ * is. triangle: the number of that one; may be NULL */
+double obstacles_cross(const struct obstacles *obstacles, const double p[3], const double q[3],
+                       int *triangle);
+/* The unit normal of a triangle. */
+void obstacles_normal(const struct obstacles *obstacles, int triangle, double normal[3]);
 
 #endif

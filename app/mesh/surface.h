@@ -10,11 +10,13 @@
 
 struct surface {
     int vertices, triangles;
+    int particles;   /* of the fluid */
     float *x;        /* vertices x 3, m */
     float *velocity; /* vertices x 3, m/s: mean of the particles nearby, by kernel */
     float *normal;   /* vertices x 3, unit vectors */
     int *triangle;   /* triangles x 3 */
     int *closest;    /* vertices: the particle next to it, an index of the colour field */
+    bool *attached;  /* vertices: at an obstacle */
     float *mobility; /* vertices: how far smoothing moves it, 0 to 1; 0 in drops */
 };
 
@@ -46,8 +48,14 @@ int surface_smooth(struct surface *surface, int passes, int threads);
 void surface_attach(struct surface *surface, const struct colour_field *field,
                     const struct obstacles *obstacles, double reach, int threads);
 
-/* Makes normal: sums of the area vectors of the triangles around a vertex. */
-int surface_make_normals(struct surface *surface);
+/* Makes attached: moves vertices at rounded edges to the obstacles within `reach`, m, along their
+ * normals, up to a gap, m. */
+int surface_sharpen(struct surface *surface, const struct obstacles *obstacles, double reach,
+                    double gap, int threads);
+
+/* Makes normal: mean of the triangles around a vertex, by area, and of the gradient of the field
+ * where smoothing did not move the vertex. */
+int surface_make_normals(struct surface *surface, const struct colour_field *field, int threads);
 
 /* Enclosed volume, m^3. */
 double surface_volume(const struct surface *surface);

@@ -29,7 +29,7 @@ static void attach_vertex(const struct attachment *s, const float *p, float *ver
     if (!(length > 0.0)) return;
     double reach = length + s->reach + gap;
     for (int a = 0; a < 3; a++) end[a] = from[a] + way[a] / length * reach;
-    double part = obstacles_cross(s->obstacles, from, end);
+    double part = obstacles_cross(s->obstacles, from, end, NULL);
     if (part > 1.0) return;
     double kept = fmax(0.0, part * reach - gap);
     for (int a = 0; a < 3; a++) vertex[a] = (float)(from[a] + way[a] / length * kept);

@@ -1,4 +1,4 @@
-/* Smoothing, normals and volume of a surface. */
+/* Smoothing of a surface. */
 #include "app.h"
 #include "parallel.h"
 #include "projdyn/vec3.h"
@@ -75,47 +75,4 @@ int surface_smooth(struct surface *surface, int passes, int threads) {
     }
     free(ring.first), free(ring.neighbour), free(other);
     return good ? EXIT_GOOD : report_no_memory();
-}
-
-/* The normal of a triangle, twice its area long. */
-static void triangle_normal(const struct surface *surface, int t, double n[3]) {
-    const int *corner = surface->triangle + 3 * (size_t)t;
-    double p[3], q[3];
-    for (int a = 0; a < 3; a++) {
-        double x = (double)surface->x[3 * (size_t)corner[0] + (size_t)a];
-        p[a] = (double)surface->x[3 * (size_t)corner[1] + (size_t)a] - x;
-        q[a] = (double)surface->x[3 * (size_t)corner[2] + (size_t)a] - x;
-    }
-    vec3_cross(n, p, q);
-}
-
-int surface_make_normals(struct surface *surface) {
-    surface->normal = calloc(3 * (size_t)surface->vertices + 1, sizeof *surface->normal);
-    if (!surface->normal) return report_no_memory();
-    for (int t = 0; t < surface->triangles; t++) {
-        const int *corner = surface->triangle + 3 * (size_t)t;
-        double n[3];
-        triangle_normal(surface, t, n);
-        for (int c = 0; c < 3; c++)
-            for (int a = 0; a < 3; a++)
-                surface->normal[3 * (size_t)corner[c] + (size_t)a] += (float)n[a];
-    }
-    for (int v = 0; v < surface->vertices; v++) {
-        float *n = surface->normal + 3 * (size_t)v;
-        float length = sqrtf(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        for (int a = 0; a < 3 && length > 0.0f; a++) n[a] /= length;
-    }
-    return EXIT_GOOD;
-}
-
-/* The sum of the tetrahedra between the triangles and the first vertex. */
-double surface_volume(const struct surface *surface) {
-    double sum = 0.0;
-    for (int t = 0; t < surface->triangles; t++) {
-        const float *x = surface->x + 3 * (size_t)surface->triangle[3 * (size_t)t];
-        double n[3];
-        triangle_normal(surface, t, n);
-        for (int a = 0; a < 3; a++) sum += ((double)x[a] - (double)surface->x[a]) * n[a];
-    }
-    return sum / 6.0;
 }

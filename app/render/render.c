@@ -4,6 +4,7 @@
 #include "replay_page.h"
 #include "run_directory.h"
 #include "temporary_folder.h"
+#include "water_surface.h"
 
 #include <errno.h>
 #include <math.h>
@@ -97,13 +98,15 @@ static int choose_frame(const struct run *run, struct options *options) {
     return EXIT_GOOD;
 }
 
-static int draw_frame(struct browser *browser, struct film *film, const struct options *options,
-                      long frame) {
+static int draw_frame(const struct run *run, struct browser *browser, struct film *film,
+                      const struct options *options, long frame) {
     char expression[128];
     json_t *picture;
+    int code = water_surface_send(browser, run, (int)frame);
+    if (code != EXIT_GOOD) return code;
     snprintf(expression, sizeof expression, "pictureOfFrame(%ld, %ld, %ld, %d)", frame,
              options->width, options->height, SAMPLES);
-    int code = browser_evaluate(browser, expression, &picture);
+    code = browser_evaluate(browser, expression, &picture);
     if (code != EXIT_GOOD) return code;
     code = film_add(film, frame, json_string_value(picture));
     json_decref(picture);
@@ -136,7 +139,7 @@ static int draw_frames(const struct run *run, const struct options *options, con
     if (code == EXIT_GOOD) code = check_view(&browser, options->view);
     long first = still ? options->frame : 0, last = still ? first : run->frames - 1;
     for (long f = first; f <= last && code == EXIT_GOOD; f++)
-        code = draw_frame(&browser, &film, options, f);
+        code = draw_frame(run, &browser, &film, options, f);
     browser_close(&browser);
     free(url);
     int closed = film_close(&film, code == EXIT_GOOD);

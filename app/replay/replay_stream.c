@@ -5,8 +5,7 @@ void stream_text(struct stream *stream, const char *text, size_t size) {
     if (fwrite(text, 1, size, stream->file) != size) stream->failed = true;
 }
 
-/* Writes bytes in base64. Only the last call may have a size that is no multiple of 3. */
-static void write_base64(struct stream *stream, const unsigned char *bytes, size_t size) {
+void stream_base64(struct stream *stream, const unsigned char *bytes, size_t size) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     for (size_t i = 0; i < size; i += 3) {
         size_t left = size - i;
@@ -34,7 +33,7 @@ static void compress_bytes(struct stream *stream, const unsigned char *bytes, si
     while (status == Z_OK && (z->avail_in || flush == Z_FINISH)) {
         status = deflate(z, flush);
         if (z->avail_out && status != Z_STREAM_END) continue;
-        write_base64(stream, stream->compressed, STREAM_CHUNK - z->avail_out);
+        stream_base64(stream, stream->compressed, STREAM_CHUNK - z->avail_out);
         z->next_out = stream->compressed;
         z->avail_out = STREAM_CHUNK;
     }

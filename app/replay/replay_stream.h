@@ -18,6 +18,10 @@ struct stream {
 
 void stream_text(struct stream *stream, const char *text, size_t size);
 
+/* Writes bytes in base64. Only the last of joined pieces may have a size that is no multiple of 3.
+ */
+void stream_base64(struct stream *stream, const unsigned char *bytes, size_t size);
+
 /* Binary data: begin, any number of stream_bytes(), end. false if memory ran out. */
 bool stream_begin_data(struct stream *stream);
 void stream_bytes(struct stream *stream, const unsigned char *bytes, size_t size);

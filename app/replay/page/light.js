@@ -62,7 +62,7 @@ vec3 lampLight(vec3 p, vec3 n) {
 vec3 skyLight(vec3 n) { return mix(vec3(0.15, 0.135, 0.125), vec3(0.33, 0.37, 0.43), 0.5 + 0.5 * n.y); }
 /* Light from a direction: floor, horizon, sky, and a large soft box overhead. */
 vec3 environment(vec3 d) {
-  vec3 sky = mix(vec3(0.88, 0.91, 0.94), vec3(0.24, 0.38, 0.56), smoothstep(0.0, 0.75, d.y));
+  vec3 sky = mix(vec3(0.62, 0.67, 0.72), vec3(0.24, 0.38, 0.56), smoothstep(0.0, 0.75, d.y));
   float box = smoothstep(0.74, 0.86, dot(d, normalize(vec3(-0.55, 0.7, -0.45))));
   return mix(vec3(0.42, 0.41, 0.40), sky + 1.1 * box, smoothstep(-0.12, 0.08, d.y));
 }

@@ -60,6 +60,7 @@ class Renderer {
     this.fabric = new Fabric(gl);
     this.glass = new GlassPrograms(gl);
     this.water = new Water(gl);
+    this.meshedWater = new MeshedWater(gl);
     this.drops = new Drops(gl);
     this.finish = compile(gl, "", windowVertex, finishText);
     this.scene = new Target(gl, "colour", true);
@@ -174,20 +175,31 @@ class Renderer {
     this.backdrop.drawGround(values);
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
   }
-  drawWater(sorted, values, level) {
+  /* Draws the passes before water.compose, of meshes where all fluids have them. Returns what did it, with its .cover and
+   * .thickness. */
+  prepareWater(fluids, values, level) {
+    this.water.tiles.update(fluids, this.uploaded, values);
+    if (drawsMeshes() && fluids.every((shape) => shape.mesh)) {
+      this.meshedWater.prepare(fluids, values);
+      return this.meshedWater;
+    }
     const { width, height } = this.scene;
+    const pixels = 0.5 * values.radius * values.projection[5] * height / this.camera.distance;
+    const size = [width, height].map((side) => Math.ceil(side * Math.min(1, level.water / pixels)));
+    this.water.prepare(fluids, values, size, level, this.stage);
+    return this.water;
+  }
+  drawWater(sorted, values, level) {
     const own = {
       ...values, sceneDepth: this.scene.depth, scene: this.scene.colour, shrink: 1,
       radius: Math.max(...sorted.water.map((shape) => shape.part.radius)), map: this.maps[channels[fluidChannel()].map],
       mapped: settings.fluid === "plain" ? 0 : 1, clear: 0.35 * this.camera.radius,
       distance: this.camera.distance, extent: this.camera.radius,
     };
-    const pixels = 0.5 * own.radius * values.projection[5] * height / this.camera.distance;
-    const [wide, high] = [width, height].map((side) => Math.ceil(side * Math.min(1, level.water / pixels)));
-    this.water.prepare(sorted.water, this.uploaded, own, [wide, high], level, this.stage);
-    this.water.compose(own, this.scene, this.image);
-    this.drops.draw(sorted.water, { ...own, cover: this.water.cover.colour });
-    const cover = this.water.cover.colour;
+    const passes = this.prepareWater(sorted.water, own, level), cover = passes.cover.colour;
+    const exact = passes === this.meshedWater ? 1 : 0;
+    this.water.compose({ ...own, cover, thick: passes.thickness.colour, exact }, this.scene, this.image);
+    this.drops.draw(sorted.water, { ...own, cover });
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover, over: 1 });
     this.stage("water shading");
   }

@@ -45,7 +45,7 @@ class Tiles {
   }
   update(shapes, frame, values) {
     this.covered.fill(0);
-    for (const { part } of shapes) this.coverBody(part, frame, values, 0.75 * part.radius * values.projection[5]);
+    for (const { part } of shapes) this.coverBody(part, frame, values, part.radius * values.projection[5]);
     const list = [];
     this.covered.forEach((on, k) => {
       const x = k % tilesWide, y = Math.floor(k / tilesWide);

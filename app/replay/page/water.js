@@ -5,7 +5,7 @@
  *   thickness volumes of the particles, spread over wider discs; near the surface the channel's value, or the
  *             number of the fluid's colour
  *   normals   from differences of the smooth depth
- *   compose   refraction, absorption, reflection
+ *   compose   refraction, absorption, reflection; also of meshes (water_mesh.js)
  * Balls have 1.5 particle radii where the fluid is dense, so that no gaps stay between them, and less at its rims.
  * Particles that are alone are drops (drops.js). */
 const waterText = {
@@ -106,13 +106,14 @@ void main() {
 in vec2 uv;
 uniform sampler2D cover, thick, scene, sceneDepth, map;
 uniform float distance, extent, radius, clear, mapped; /* clear: length, m, over which water gets its colour */
+uniform float exact; /* 1: cover and thick are those of meshes */
 out vec4 result;
 /* Mean slope of the points around, one particle radius away; how even the water is there, 0...1: less where slopes
  * differ and where few points are near; the same, 0 at rims and steps of the depth, too. Uneven water does not shine,
  * and rims do not refract: what is beside them would appear in them. */
 vec4 around(vec4 s, float z, vec2 scale) {
   vec2 slope = s.rg / s.a, rise = slope / sqrt(max(1.0 - dot(slope, slope), 0.01));
-  if (soft == 0.0) return vec4(slope, 1, 1);
+  if (soft == 0.0 || exact > 0.0) return vec4(slope, 1, 1);
   float tolerance = radius * (1.0 + min(length(rise), 3.0));
   vec4 sum = vec4(slope, 1, dot(slope, slope)); /* of slopes, of weights, of squares */
   for (int k = 0; k < 8; k++) {
@@ -126,11 +127,17 @@ vec4 around(vec4 s, float z, vec2 scale) {
   float alike = 1.0 - smoothstep(0.05, 0.6, sum.a / sum.b - dot(slope, slope)), near = (sum.b - 1.0) / 8.0;
   return vec4(slope, alike * smoothstep(0.0, 0.5, near), alike * smoothstep(0.45, 0.95, near));
 }
+/* Sums over the fluid behind a point of the window; .r: its thickness, m */
+vec4 column(vec2 at) {
+  vec4 sums = texture(thick, at);
+  sums.r -= sums.a * (eyeDepth(texture(sceneDepth, at).r) + distance);
+  return sums;
+}
 /* The point on the window where the refracted ray meets the scene; closer to uv where it meets what is just behind the
  * water's surface, and uv where that is in front of it, or where it is so much farther away than what the ray at uv
  * meets that it belongs to something else: the floor beside a cloth would appear as a hole in the cloth. */
 vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
-  float length = min(min(texture(thick, uv).r, 0.5 * clear), gap);
+  float length = min(min(column(uv).r, 0.5 * clear), gap);
   vec2 there = clamp(uv - 0.16 * slope * length * scale / -z, vec2(0.002), vec2(0.998));
   float deep = z - eyeDepth(texture(sceneDepth, there).r), far = gap + 4.0 * radius;
   return mix(uv, there, smoothstep(0.0, 4.0 * radius, deep) * (1.0 - smoothstep(far, 2.0 * far, deep)));
@@ -181,13 +188,15 @@ void main() {
   vec2 slope = mix(0.4, 1.0, mean.z) * mean.xy, there = refracted(mean.w * slope, z, gap, scale);
   vec3 n = vec3(slope, sqrt(max(1.0 - dot(slope, slope), 0.0))) * mat3(view);
   vec3 q = vec3(-z * (2.0 * uv - 1.0) / scale, z), p = (q - view[3].xyz) * mat3(view), toEye = normalize(eye - p);
-  vec4 sums = texture(thick, there);
+  vec4 sums = column(there);
   float lit = unshaded(shadowMap, inLampView(p, n));
   vec3 light = skyLight(n) + lampColour * lit * max(dot(n, lamp), 0.0);
   float value = sums.g / max(sums.b, 1e-4);
   vec3 body = mapped > 0.0 ? mapColour(map, value) * light : bodyColour(there, sums.r, value, light);
   float shine = smoothstep(0.0, 2.0 * radius, sums.r) * mean.z * (mapped > 0.0 ? 0.35 : 1.0);
-  float opacity = smoothstep(0.2, 0.7, s.a) * smoothstep(0.3 * radius, 1.2 * radius, texture(thick, uv).r);
+  float opacity = smoothstep(0.2, 0.7, s.a) * smoothstep(0.3 * radius, 1.2 * radius, column(uv).r);
+  if (exact > 0.0) shine = opacity = 1.0;
+  body *= 1.0 - shine * fresnel(dot(n, toEye));
   result.rgb = mix(result.rgb, encode(body + shine * mirrored(q, n, toEye, scale, lit * power4(mean.z))), opacity);
 }`,
 };
@@ -236,8 +245,7 @@ class Water {
     gl.disable(gl.BLEND);
   }
   /* Draws the passes before compose at a size in pixels. stage: called after each with its name */
-  prepare(bodies, frame, values, [width, height], level, stage) {
-    this.tiles.update(bodies, frame, values);
+  prepare(bodies, values, [width, height], level, stage) {
     this.drawDepth(bodies, values, width, height);
     stage("water depth");
     const depths = this.smooth(values, width, height, level.soft ? 6 : 4);
@@ -249,7 +257,7 @@ class Water {
     this.tiles.draw(this.programs.normals, { ...values, depths });
     stage("water normals");
   }
-  /* Draws the water over a copy of the scene. */
+  /* Draws the water over a copy of the scene. values: with cover and thick, from prepare() here or of MeshedWater */
   compose(values, scene, image) {
     const gl = this.gl, { width, height } = scene;
     image.begin(width, height);
@@ -257,7 +265,7 @@ class Water {
     const both = gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT;
     gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, both, gl.NEAREST);
     gl.depthFunc(gl.ALWAYS);
-    this.tiles.draw(this.programs.compose, { ...values, cover: this.cover.colour, thick: this.thickness.colour });
+    this.tiles.draw(this.programs.compose, values);
     gl.depthFunc(gl.LEQUAL);
   }
 }
