@@ -59,6 +59,9 @@ if "colors" in pictures:
     coloured = pictures["colors"]
     expect("water is green", sum(coloured[i][1] > max(coloured[i][0], coloured[i][2]) + 25 for i in water), 2000)
     expect("the rod is red", sum(p[0] > 2 * max(p[1:]) and q[0] <= 2 * max(q[1:]) for p, q in zip(coloured, every)), 100)
+    covered = changed(pictures["cut=y+1"], pictures["hide=water"])
+    expect("the water is a mesh", len(changed(every, pictures["cut=y+1"])), 1000)
+    expect("water in one of both pictures only, mesh or particles", len(covered ^ water), 0, len(water) // 10)
     sys.exit(faults > 0)
 for name, least in [("hide=water", 3000), ("hide=sheet", 6000), ("hide=tank", 800), ("hide=ball", 500), ("hide=rod", 200),
                     ("look=particles", 2000), ("no_report", 800), ("surface=checker", 2000), ("surface=stretch", 4000),

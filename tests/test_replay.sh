@@ -124,7 +124,7 @@ f 4 8 5 1
 EOF
 "$projdyn" run "$folder/can.json" -o "$folder/can" --quiet
 mkdir "$folder/cans"
-for name in all hide=water; do
+for name in all hide=water cut=y+1; do # the cut is above everything: no meshes of the water
     "$projdyn" render "$folder/can" -o "$folder/cans/$name.png" --size 480x300 --view "${name#all}" >/dev/null
 done
 "$projdyn" run "$folder/can.json" -o "$folder/colors" --quiet --set bodies.water.color='"#30c040"' --set solids.rod.color='"#d01010"'

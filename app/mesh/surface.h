@@ -42,9 +42,9 @@ int surface_sample(struct surface *surface, const struct colour_field *field, in
 /* Smooths x without shrinking (Taubin 1995), each vertex by its mobility. */
 int surface_smooth(struct surface *surface, int passes, int threads);
 
-/* Moves vertices beyond an obstacle back to it, and those at most `reach`, m, before one to it;
- * sets their mobility to 0. A vertex is beyond an obstacle if a triangle of it lies between the
- * vertex and the closest particle. */
+/* Moves vertices beyond an obstacle back to it, and those at most `reach`, m, before one to it. A
+ * vertex is beyond an obstacle if a triangle of it lies between the vertex and the closest
+ * particle. */
 void surface_attach(struct surface *surface, const struct colour_field *field,
                     const struct obstacles *obstacles, double reach, int threads);
 
