@@ -352,7 +352,8 @@ typedef struct pdyn_operator {
 /* ---- the constraint table ------------------------------------------------------------------- */
 
 enum {                              /* pdyn_constraint_type.flags */
-       PDYN_ANCHORED = 1,           /* its forces on particles do not sum to zero (pins, walls) */
+       PDYN_ANCHORED = 1,           /* its forces on particles do not sum to zero (pins); not needed
+                                       for those that boundary_force gives to solids */
        PDYN_ON_SURFACE = 2,         /* needs a body with triangles */
        PDYN_ON_PARTICLES = 4,       /* needs a body of particles */
        PDYN_REACTION = 8,           /* its force is reported as pin reaction */

@@ -18,8 +18,6 @@ static pdyn_status add_constraint(struct pdyn_sim *sim, const pdyn_body *body,
     if (status != PDYN_OK) return status;
     if (c->type->matrix_free) objective->batch[objective->batches - 1]->samples = sim->samples;
     objective->dynamic_rows |= c->type->matrix_free || c->type->update;
-    bool on_solids = c->type->matrix_free && c->type->matrix_free->boundary_force;
-    sim->anchored |= (c->type->flags & PDYN_ANCHORED) || (on_solids && sim->boundary.at.count);
     sim->constraints = objective->batches;
     return batch_join_rows(objective->batch[objective->batches - 1]);
 }

@@ -34,9 +34,19 @@ static pdyn_status make_solvers(struct pdyn_sim *sim) {
     return status;
 }
 
+/* Whether the forces of a constraint type do not sum to zero: by its flag, or on solids. */
+static bool anchors(const struct pdyn_sim *sim, const pdyn_constraint_type *type) {
+    bool on_solids =
+        type->boundary_force || (type->matrix_free && type->matrix_free->boundary_force);
+    return (type->flags & PDYN_ANCHORED) || (on_solids && sim->boundary.at.count > 0);
+}
+
 void control_find_anchored(struct pdyn_sim *sim) {
     sim->anchored =
         sim->control.anchored || sim->control.holds || (sim->live && sim->live->pushed > 0);
+    for (int b = 0; b < sim->constraints; b++)
+        sim->anchored |=
+            !sim->objective.batch[b]->off && anchors(sim, sim->objective.batch[b]->type);
 }
 
 pdyn_status control_settle(struct pdyn_sim *sim) {

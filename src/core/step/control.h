@@ -9,7 +9,7 @@
 struct control {
     bool driven;   /* something was changed: nothing bounds the energy of the scene */
     bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
-    bool anchored; /* sim->anchored without holds and inlets */
+    bool anchored; /* by contact with solids */
     double *force; /* particles x 3, N; NULL: none was ever set */
     struct hold *hold; /* holds */
     size_t holds, room;
@@ -27,7 +27,8 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
  * failure the simulation takes no further step. */
 pdyn_status control_settle(struct pdyn_sim *sim);
 
-/* Updates sim->anchored, after changes of holds and of particles that inlets move. */
+/* Updates sim->anchored, after changes of holds, of constraints that are off, and of particles that
+ * inlets move. */
 void control_find_anchored(struct pdyn_sim *sim);
 
 /* Writes or reads what was changed; settles it after reading. */
