@@ -29,6 +29,12 @@ static const char *scene(const char *more, const char *gravity, const char *bodi
 #define FLOOR                                                                                      \
     "{'name': 'floor', 'plane': {'center': [0.2, -0.2, 0.1], 'normal': [0, 1, 0], 'size': 4}}"
 
+/* Two soft cubes of 0.2 m that move towards each other at 1 m/s, 0.06 m apart across. */
+#define SOFT(x, y, v)                                                                              \
+    "{'volume': {'grid': {'size': [0.2, 0.2, 0.2], 'cells': [4, 4, 4]}, 'density': 1000, "         \
+    "'translate': [" #x ", " #y ", 0]}, 'velocity': [" #v ", 0, 0], 'constraints': [{'type': "     \
+    "'tet', 'stiffness': 1e5}]}"
+
 static void assert_apart(const pdyn_sim *sim) {
     struct soup soup = soup_of(sim);
     int a = 0, b = 0, found = soup_intersections(&soup, &a, &b);
@@ -274,6 +280,34 @@ static void test_head_on(void **state) {
     assert_true(fabs(speed) < 20.0);
     pdyn_free(sim);
     pdyn_destroy(c);
+}
+
+/* Two soft cubes meet at 2 m/s. The result does not depend on a velocity that both have: 20 m/s
+ * move them by half of their size in a step. */
+static void test_common_motion(void **state) {
+    (void)state;
+    double kinetic[2];
+    for (int k = 0; k < 2; k++) {
+        pdyn_context *c = test_context(1);
+        pdyn_sim *sim = test_load(
+            c, scene("", "[0, 0, 0]", SOFT(-0.11, -0.03, 1) ", " SOFT(0.11, 0.03, -1), ""));
+        double common = k ? 20.0 : 0.0;
+        for (int i = 0; i < sim->objective.particles; i++) sim->v[3 * i + 2] += common;
+        for (int n = 0; n < 30; n++) {
+            assert_true(test_step(c, sim).step_residual < 1e-3);
+            assert_apart(sim);
+        }
+        kinetic[k] = 0.0;
+        for (int i = 0; i < sim->objective.particles; i++) {
+            double v[3];
+            memcpy(v, sim->v + 3 * i, sizeof v);
+            v[2] -= common;
+            kinetic[k] += 0.5 * sim->objective.mass[i] * vec3_dot(v, v);
+        }
+        pdyn_free(sim);
+        pdyn_destroy(c);
+    }
+    assert_true(fabs(kinetic[1] - kinetic[0]) < 0.02 * kinetic[0]);
 }
 
 /* A light sheet falls at 3 m/s on another one and a ball. Steps are solved to a part of the force
@@ -582,29 +616,18 @@ static void test_default(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intersect),
-        cmocka_unit_test(test_gradient),
-        cmocka_unit_test(test_hessian),
-        cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_sphere_long),
-        cmocka_unit_test(test_fold_long),
-        cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_impact_long),
-        cmocka_unit_test(test_head_on),
-        cmocka_unit_test(test_moving),
-        cmocka_unit_test(test_press),
-        cmocka_unit_test(test_parallel),
-        cmocka_unit_test(test_squeeze),
-        cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_incline),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_not_self),
-        cmocka_unit_test(test_impact_iterations),
-        cmocka_unit_test(test_failed_step),
-        cmocka_unit_test(test_fast_solid),
+        cmocka_unit_test(test_intersect),     cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_hessian),       cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_steps),         cmocka_unit_test(test_sphere_long),
+        cmocka_unit_test(test_fold_long),     cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_impact_long),   cmocka_unit_test(test_head_on),
+        cmocka_unit_test(test_common_motion), cmocka_unit_test(test_moving),
+        cmocka_unit_test(test_press),         cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_squeeze),       cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_threads),       cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_incline),       cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_not_self),      cmocka_unit_test(test_impact_iterations),
+        cmocka_unit_test(test_failed_step),   cmocka_unit_test(test_fast_solid),
         cmocka_unit_test(test_default),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);

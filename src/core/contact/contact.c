@@ -67,25 +67,46 @@ pdyn_status contact_local(struct contact *c, const double *x) {
 /* ---- paths ----------------------------------------------------------------------------------- */
 
 /* Shortens the displacements of the particles that carry rigid bodies as those of the bodies, from
- * x (NULL: 0) to target, particles x 3. */
+ * x, moved by the common displacement (NULL: from 0), to target, particles x 3. */
 static void shorten_carriers(const struct contact *c, const double *x, double *target) {
     for (int k = 0; k < c->rigids; k++) {
         double part = c->path.taken[c->rigid[k].first];
+        const double *common = contact_common(c, c->rigid[k].group);
         size_t first = 3 * (size_t)c->rigid[k].carrier;
-        for (size_t j = first; part < 1.0 && j < first + 3 * (size_t)RIGID_POINTS; j++)
-            target[j] = (x ? x[j] : 0.0) + part * (target[j] - (x ? x[j] : 0.0));
+        for (size_t j = 0; part < 1.0 && j < 3 * (size_t)RIGID_POINTS; j++) {
+            double from = x ? x[first + j] + common[j % 3] : 0.0;
+            target[first + j] = from + part * (target[first + j] - from);
+        }
     }
+}
+
+/* Sets the paths to target from x, bodies moved by their common displacement. */
+static void set_paths(struct contact *c, const double *x, const double *target) {
+    gather(c, x, c->path.x);
+    for (int i = 0; i < c->free; i++) {
+        vec3_add(c->path.x + 3 * i, 1.0, c->common + 3 * c->group[i]);
+        for (int a = 0; a < 3; a++)
+            c->path.step[3 * i + a] = target[3 * c->column[i] + a] - c->path.x[3 * i + a];
+    }
+    step_solids(c);
+}
+
+/* Finds the common motion for the rest of the step, at its first path that is not free. */
+static pdyn_status find_common_motion(struct contact *c, const double *x, const double *target) {
+    set_paths(c, x, target);
+    pdyn_status status = common_motion_find(c);
+    c->common_known = true;
+    set_paths(c, x, target);
+    return status == PDYN_OK ? contact_free_paths(c) : status;
 }
 
 pdyn_status contact_start(struct contact *c, const double *x, double *target) {
     double start = clock_ms();
     copy_solids(c, c->begin, solids_in(c, c->at));
-    gather(c, x, c->path.x);
-    for (int i = 0; i < c->free; i++)
-        for (int a = 0; a < 3; a++)
-            c->path.step[3 * i + a] = target[3 * c->column[i] + a] - c->path.x[3 * i + a];
-    step_solids(c);
+    set_paths(c, x, target);
     pdyn_status status = contact_free_paths(c);
+    if (status == PDYN_OK && !c->common_known && contact_least(c) < 1.0)
+        status = find_common_motion(c, x, target);
     for (int i = 0; i < c->free; i++)
         if (c->path.taken[i] < 1.0)
             for (int a = 0; a < 3; a++)
@@ -108,6 +129,10 @@ pdyn_status contact_filter(struct contact *c, const double *x, double *direction
     shorten_carriers(c, NULL, direction);
     c->ms += clock_ms() - start;
     return status;
+}
+
+const double *contact_common(const struct contact *c, int body) {
+    return c->common + 3 * (size_t)body;
 }
 
 double contact_least(const struct contact *c) {
@@ -144,6 +169,8 @@ pdyn_status contact_begin(struct contact *c, const double *x, const double *v, d
                           double time) {
     double start = clock_ms();
     c->ms = 0.0;
+    c->common_known = false;
+    memset(c->common, 0, 3 * (size_t)c->bodies * sizeof *c->common);
     copy_solids(c, solids_in(c, c->at), c->begin);
     if (c->moving) set_goals(c, time);
     pdyn_status status = contact_set_start(c);
@@ -204,6 +231,11 @@ bool contact_resize(struct contact *c, enum array_action action) {
         ARRAY(c->name, c->groups),
         ARRAY(c->thickness, c->groups),
         ARRAY(c->permeable, c->groups),
+        ARRAY(c->held, c->bodies),
+        ARRAY(c->common, 3 * (size_t)c->bodies),
+        ARRAY(c->cluster, c->bodies),
+        ARRAY(c->members, c->bodies),
+        ARRAY(c->held_cluster, c->bodies),
         ARRAY(c->rigid, c->rigids),
         ARRAY(c->solid, c->groups - c->bodies),
         ARRAY(c->group, n),

@@ -138,7 +138,14 @@ struct contact {
     int rigids;
     struct contact_rigid *rigid; /* rigids: no pair within one comes into contact */
     bool *permeable;             /* groups: particles of fluids pass their faces */
-    pdyn_body body;              /* all free particles, for the batches */
+    /* common motion (common_motion.c) */
+    bool *held;           /* bodies: something holds parts of them */
+    double *common;       /* bodies x 3, m: displacement before the paths of this step */
+    bool common_known;    /* ... was looked for in this step */
+    int *cluster;         /* bodies: another one of the cluster; itself: the first one */
+    int *members;         /* bodies: points of the cluster, at the first one */
+    bool *held_cluster;   /* bodies: the cluster has no common motion, at the first one */
+    pdyn_body body;       /* all free particles, for the batches */
     double *begin, *goal; /* (points - free) x 3, m: solids at the beginning and end of the step */
     bool moving;          /* some solid moves in this scene */
     bool lagging;         /* some solid has not reached its goal */
@@ -191,9 +198,13 @@ pdyn_status contact_take_back(struct contact *contact, const double *x);
 /* Writes or reads what the next step depends on. */
 void contact_persist(struct contact *contact, struct snapshot_file *snapshot);
 
-/* Shortens the paths from x to target (particles x 3) so that nothing passes anything, and changes
- * target accordingly; solids move at the same time from where the step began to their goals. */
+/* Shortens the paths from x, bodies moved by their common displacement, to target (particles x 3)
+ * so that nothing passes anything, and changes target accordingly; solids move at the same time
+ * from where the step began to their goals. */
 pdyn_status contact_start(struct contact *contact, const double *x, double *target);
+
+/* The displacement, m, of a body before the paths of this step begin; 0 where all are free. */
+const double *contact_common(const struct contact *contact, int body);
 
 /* The smallest part that the last call left of a point's displacement. */
 double contact_least(const struct contact *contact);
@@ -245,6 +256,9 @@ void contact_free_pairs(struct contact *contact);
 
 /* Shortens contact->path.step from contact->path.x to free paths; sets contact->path.taken. */
 pdyn_status contact_free_paths(struct contact *contact);
+
+/* Sets contact->common from the paths x and step of all points, which are not shortened. */
+pdyn_status common_motion_find(struct contact *contact);
 
 /* Sets the contacts at contact->at, from the list of pairs. */
 pdyn_status contact_find(struct contact *contact);

@@ -41,12 +41,21 @@ static bool anchors(const struct pdyn_sim *sim, const pdyn_constraint_type *type
     return (type->flags & PDYN_ANCHORED) || (on_solids && sim->boundary.at.count > 0);
 }
 
+/* Marks the body of a constraint that acts and is anchored. */
+static void find_held(struct pdyn_sim *sim, const struct batch *b) {
+    struct contact *contact = sim->objective.contact;
+    if (b->off || !anchors(sim, b->type)) return;
+    sim->anchored = true;
+    if (contact) contact->held[b->view.body - sim->body] = true;
+}
+
 void control_find_anchored(struct pdyn_sim *sim) {
-    sim->anchored =
-        sim->control.anchored || sim->control.holds || (sim->live && sim->live->pushed > 0);
-    for (int b = 0; b < sim->constraints; b++)
-        sim->anchored |=
-            !sim->objective.batch[b]->off && anchors(sim, sim->objective.batch[b]->type);
+    const struct objective *objective = &sim->objective;
+    sim->anchored = sim->control.anchored || (sim->live && sim->live->pushed > 0);
+    for (int b = 0; objective->contact && b < sim->bodies; b++) objective->contact->held[b] = false;
+    for (int b = 0; b < sim->constraints; b++) find_held(sim, objective->batch[b]);
+    for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */
+        find_held(sim, objective->batch[objective->batches - k]);
 }
 
 pdyn_status control_settle(struct pdyn_sim *sim) {

@@ -27,8 +27,8 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
  * failure the simulation takes no further step. */
 pdyn_status control_settle(struct pdyn_sim *sim);
 
-/* Updates sim->anchored, after changes of holds, of constraints that are off, and of particles that
- * inlets move. */
+/* Updates sim->anchored and the bodies that contact knows as held, after changes of holds, of
+ * constraints that are off, and of particles that inlets move. */
 void control_find_anchored(struct pdyn_sim *sim);
 
 /* Writes or reads what was changed; settles it after reading. */

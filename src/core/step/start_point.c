@@ -4,6 +4,8 @@
 #include "iterate.h"
 #include "live_particles.h"
 
+#include "projdyn/vec3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -34,21 +36,35 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
-/* The local step at x + part (s - x); pushed particles go the whole way to s. */
-static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
-    double least;
-    const double *x = carried_x(sim);
-    for (int k = 0; k < 3 * sim->objective.particles; k++)
-        sim->x_next[k] =
-            x[k] + (particle_is_pushed(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
-    return start_at(sim, sim->x_next, &least, energy, sim->gradient);
+/* x = where paths begin: the state, bodies moved by their common displacement. */
+static void go_to_begin(const struct pdyn_sim *sim, double *x) {
+    const struct objective *objective = &sim->objective;
+    memcpy(x, carried_x(sim), objective_bytes(objective));
+    for (int b = 0; b < objective->bodies && objective->contact; b++) {
+        const struct objective_body *body = &objective->body[b];
+        const double *common = contact_common(objective->contact, (int)(body->of - sim->body));
+        for (int i = body->first; i < body->first + body->count; i++)
+            vec3_add(x + 3 * i, 1.0, common);
+    }
 }
 
-/* The inertial energy of staying at the state: a lower bound of E there, J. */
-static double inertial_energy_at_rest(const struct pdyn_sim *sim) {
+/* The local step at a part of the way from where paths begin to s; pushed particles go the whole
+ * way. */
+static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
+    double least, *x = sim->x_next;
+    go_to_begin(sim, x);
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        x[k] += (particle_is_pushed(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
+    return start_at(sim, x, &least, energy, sim->gradient);
+}
+
+/* The inertial energy where paths begin: a lower bound of E there, J. Changes
+ * sim->trial. */
+static double inertial_energy_at_begin(struct pdyn_sim *sim) {
     double sum = 0.0;
+    go_to_begin(sim, sim->trial);
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
-        double moved = sim->objective.s[k] - carried_x(sim)[k];
+        double moved = sim->objective.s[k] - sim->trial[k];
         if (!particle_is_pushed(sim, k / 3))
             sum += 0.5 * objective_inertia(&sim->objective, k / 3) * moved * moved;
     }
@@ -61,7 +77,8 @@ static double inertial_energy_at_rest(const struct pdyn_sim *sim) {
 static pdyn_status start_inertia(struct pdyn_sim *sim, double *energy) {
     double least, bound;
     pdyn_status status = start_at(sim, sim->x_next, &least, energy, sim->gradient);
-    if (status != PDYN_OK || least == 1.0 || *energy <= inertial_energy_at_rest(sim)) return status;
+    if (status != PDYN_OK || least == 1.0 || *energy <= inertial_energy_at_begin(sim))
+        return status;
     status = start_between(sim, 0.0, &bound);
     double part = *energy > bound ? iterate_shorter_part(1.0, least) : 1.0;
     for (int k = 0; status == PDYN_OK && k < BACKTRACKS;

@@ -1,0 +1,85 @@
+/* Common motion of bodies. A path stops a vertex at a part of its displacement. Bodies that fly
+ * together would leave such a vertex behind by what is left of their way, which can be many times
+ * the thickness. Therefore paths of bodies in flight begin where the bodies are after their common
+ * displacement F, the mean over their points:
+ *
+ *     x_i -> x_i + F -> x_i + F + t_i (d_i - F),     0 <= t_i <= 1
+ *
+ * A cluster are bodies that may come close to each other on their ways. The first part moves a
+ * cluster as a whole. It is left out (F = 0) where that may bring the cluster close to other
+ * surfaces, and for bodies that something holds, fluids and what may touch these or a solid. */
+#include "contact.h"
+
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* ---- clusters -------------------------------------------------------------------------------- */
+
+/* The first body of the cluster of a body. */
+static int root_of(const struct contact *c, int body) {
+    while (c->cluster[body] != body) body = c->cluster[body];
+    return body;
+}
+
+static void join(struct contact *c, int a, int b) {
+    int low = a < b ? a : b, high = a < b ? b : a;
+    c->cluster[high] = low;
+    c->held_cluster[low] |= c->held_cluster[high];
+}
+
+static void begin_clusters(struct contact *c) {
+    for (int b = 0; b < c->bodies; b++) c->cluster[b] = b, c->held_cluster[b] = c->held[b];
+    for (int i = c->vertices; i < c->free; i++) c->held_cluster[c->group[i]] = true;
+}
+
+/* The cluster of a group; -1: a solid. */
+static int cluster_of(const struct contact *c, int group) {
+    return group < c->bodies ? root_of(c, group) : -1;
+}
+
+/* Joins the bodies of each pair of the list. stay: clusters that meet others are held instead. */
+static void join_pairs(struct contact *c, bool stay) {
+    for (int k = 0; k < c->pairs.count; k++) {
+        const struct pair *p = &c->pairs.pair[k];
+        int a = cluster_of(c, c->group[p->point[0]]), b = cluster_of(c, c->group[p->point[3]]);
+        if (a >= 0 && b >= 0 && a != b && !stay) join(c, a, b);
+        else if (a != b) {
+            if (a >= 0) c->held_cluster[a] = true;
+            if (b >= 0) c->held_cluster[b] = true;
+        }
+    }
+}
+
+/* ---- the common displacement ----------------------------------------------------------------- */
+
+/* Sets c->common to the means of c->path.step over the clusters. */
+static void find_means(struct contact *c) {
+    memset(c->common, 0, 3 * (size_t)c->bodies * sizeof *c->common);
+    for (int b = 0; b < c->bodies; b++) c->members[b] = 0;
+    for (int i = 0; i < c->free; i++) {
+        int root = root_of(c, c->group[i]);
+        c->members[root]++;
+        vec3_add(c->common + 3 * root, 1.0, c->path.step + 3 * i);
+    }
+    for (int b = 0; b < c->bodies; b++) {
+        int root = root_of(c, b);
+        for (int a = 0; a < 3; a++)
+            c->common[3 * b + a] = c->held_cluster[root] ? 0.0
+                                   : b == root           ? c->common[3 * b + a] / c->members[b]
+                                                         : c->common[3 * root + a];
+    }
+}
+
+pdyn_status common_motion_find(struct contact *c) {
+    begin_clusters(c);
+    join_pairs(c, false);
+    find_means(c);
+    for (int i = 0; i < c->free; i++)
+        memcpy(c->path.step + 3 * i, c->common + 3 * c->group[i], 3 * sizeof *c->common);
+    pdyn_status status = contact_cover(c, c->path.x, c->path.step);
+    join_pairs(c, true);
+    for (int b = 0; b < c->bodies; b++)
+        if (c->held_cluster[root_of(c, b)]) memset(c->common + 3 * b, 0, 3 * sizeof *c->common);
+    return status;
+}
