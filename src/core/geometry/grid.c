@@ -235,6 +235,7 @@ INLINE int append_near(struct candidates *c, double limit, int self, int *list, 
                        int found) {
     int count = c->count;
     c->count = 0;
+    if (!count) return found;
     if (found + count <= room)
         return found + compress_ids(c->squared, c->id, count, limit, self, list + found);
     for (int k = 0; k < count; k++) {

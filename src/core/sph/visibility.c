@@ -131,9 +131,7 @@ static void find_clearances(void *arg, int first, int last, int block) {
     const struct neighbours *n = arg;
     for (int k = first; k < last; k++) {
         int i = n->id[k];
-        bool alone = n->lists.boundary_start[i] == n->lists.end[i];
-        occlusion_compute_clearance(n->visibility.occlusion, i, frozen_position(n, i),
-                                    alone ? 0.5 * n->reach : n->reach);
+        occlusion_compute_clearance(n->visibility.occlusion, i, frozen_position(n, i), n->reach);
     }
 }
 
@@ -190,7 +188,8 @@ static int hide_points(struct neighbours *n, int i, int from, int last, int to) 
     return to;
 }
 
-/* Removes hidden points from the lists of centres and closes the gaps. */
+/* Removes hidden points from the lists of centres and closes the gaps; where no surface is within
+ * reach, nothing is hidden. */
 static void hide(void *arg, int first, int last, int block) {
     (void)block;
     struct neighbours *n = arg;
@@ -198,6 +197,7 @@ static void hide(void *arg, int first, int last, int block) {
     for (int k = first; k < last; k++) {
         int i = n->id[k], surface = l->surface_start[i], boundary = l->boundary_start[i];
         int patches = l->patch_start[i];
+        if (occlusion_is_clear(n->visibility.occlusion, i, n->reach)) continue;
         l->surface_start[i] = hide_fluid(n, i);
         l->boundary_start[i] = hide_points(n, i, surface, boundary, l->surface_start[i]);
         l->patch_start[i] = hide_points(n, i, boundary, patches, l->boundary_start[i]);
