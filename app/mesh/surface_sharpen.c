@@ -25,8 +25,8 @@ struct sharpening {
     double reach, gap; /* m */
 };
 
-/* Moves x along a unit vector to the gap before the first obstacle within reach; adds its normal to
- * the walls. */
+/* Moves x up to the gap before the first obstacle that the ray along a unit vector meets within
+ * reach, perpendicular to that obstacle. wall: its normal. Returns whether there is one. */
 static bool move_to_wall(const struct sharpening *s, double x[3], const double way[3],
                          double wall[3]) {
     double end[3];
@@ -58,8 +58,7 @@ static void sharpen_vertices(void *self, int first, int last) {
     for (int v = first; v < last; v++) sharpen_vertex(self, v);
 }
 
-/* ---- the line where the surface meets obstacles -----------------------------------------------
- */
+/* ---- the line where surface and obstacles meet ----------------------------------------------- */
 
 enum { PASSES = 10 };
 

@@ -5,9 +5,9 @@
  *
  *     x_i -> x_i + F -> x_i + F + t_i (d_i - F),     0 <= t_i <= 1
  *
- * A cluster are bodies that may come close to each other on their ways. The first part moves a
- * cluster as a whole. It is left out (F = 0) where that may bring the cluster close to other
- * surfaces, and for bodies that something holds, fluids and what may touch these or a solid. */
+ * Bodies that may come close to each other on their ways are a cluster. The first part of the path
+ * moves a cluster as a whole. It is left out (F = 0) where it may bring the cluster close to other
+ * surfaces, and for clusters with a fluid or a held body, or that may come close to a solid. */
 #include "contact.h"
 
 #include "projdyn/vec3.h"
@@ -38,7 +38,7 @@ static int cluster_of(const struct contact *c, int group) {
     return group < c->bodies ? root_of(c, group) : -1;
 }
 
-/* Joins the bodies of each pair of the list. stay: clusters that meet others are held instead. */
+/* Joins the clusters of each pair of the list. stay: they count as held instead. */
 static void join_pairs(struct contact *c, bool stay) {
     for (int k = 0; k < c->pairs.count; k++) {
         const struct pair *p = &c->pairs.pair[k];
