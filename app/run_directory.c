@@ -221,6 +221,10 @@ double part_time(const struct part *part, int f) {
     return json_number_value(json_object_get(json_array_get(part->files, (size_t)f), "time"));
 }
 
+bool part_has_time(const struct part *part, int f, double time) {
+    return fabs(part_time(part, f) - time) <= 1e-9 * (1.0 + fabs(time));
+}
+
 int part_frames(const struct run *run, const struct part *part) {
     return part->rest ? 1 : run->frames;
 }
@@ -247,7 +251,7 @@ static int count_frames(struct run *run) {
     for (int p = 1; p < run->parts; p++)
         for (int f = 0; f < run->frames && !run->part[p].rest; f++) {
             double time = part_time(&run->part[p], f), expected = part_time(&run->part[0], f);
-            if (fabs(time - expected) > 1e-9 * (1.0 + fabs(expected)))
+            if (!part_has_time(&run->part[p], f, expected))
                 return run_error("%s/%s%s.vtk.series: files[%d]: expected the time %.9g of \"%s\", "
                                  "found %.9g",
                                  run->directory, run->part[p].folder, run->part[p].name, f,

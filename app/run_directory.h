@@ -71,6 +71,8 @@ void run_close(struct run *run);
 int part_open_series(const struct run *run, struct part *part);
 /* Time of frame f of a part, s. */
 double part_time(const struct part *part, int f);
+/* Whether frame f of a part is that of a time, s, but for rounding. */
+bool part_has_time(const struct part *part, int f, double time);
 /* Number of frames of a part that are stored: 1 for a part at rest. */
 int part_frames(const struct run *run, const struct part *part);
 /* Reads frame f of a part, for a part at rest its only one; path: of the file that was read. */

@@ -18,7 +18,7 @@ static const char usage[] =
     "and\n"
     "rigid bodies and solids as meshes, particles as points, fluids as meshes where `projdyn mesh "
     "DIR`\n"
-    "has made them; with velocities, and colours of the scene.\n"
+    "has made them for all frames; with velocities, and colours of the scene.\n"
     "\n"
     "  -o, --output FILE  output file (default DIR/run.usda)\n"
     "  -h, --help         prints this text\n";
@@ -62,11 +62,6 @@ static void put_corners(FILE *file, const struct vtk_frame *frame) {
 
 /* ---- attributes ------------------------------------------------------------------------------ */
 
-static int frames_of(const struct stage *stage, const struct part *part) {
-    int listed = (int)json_array_size(part->files);
-    return listed < stage->run->frames ? listed : stage->run->frames;
-}
-
 /* One value for all times, that of the first frame. */
 static int put_constant(struct stage *stage, const struct part *part, const char *name,
                         put_fn *put) {
@@ -87,7 +82,7 @@ static int put_samples(struct stage *stage, const struct part *part, const char 
     int code = EXIT_GOOD;
     if (part->rest) return put_constant(stage, part, name, put);
     fprintf(stage->file, "        %s.timeSamples = {\n", name);
-    for (int f = 0; f < frames_of(stage, part) && code == EXIT_GOOD; f++) {
+    for (int f = 0; f < stage->run->frames && code == EXIT_GOOD; f++) {
         char path[RUN_PATH];
         struct vtk_frame frame;
         code = part_read_frame(stage->run, part, f, path, &frame);
@@ -174,6 +169,20 @@ static int put_mesh(struct stage *stage, const struct part *part, const struct p
     return code;
 }
 
+/* The surface of a fluid must have the frames of the run: `projdyn mesh` makes those that were
+ * there, or those of --frames. */
+static int check_frames(const struct run *run, const struct part *surface) {
+    int listed = (int)json_array_size(surface->files);
+    bool same = listed == run->frames;
+    for (int f = 0; f < run->frames && same; f++)
+        same = part_has_time(surface, f, part_time(&run->part[0], f));
+    if (same) return EXIT_GOOD;
+    return run_error("%s/mesh/%s.vtk.series: expected the %d frames of the run, found %d%s: run "
+                     "`projdyn mesh %s` again, or delete the folder mesh for particles",
+                     run->directory, surface->name, run->frames, listed,
+                     listed == run->frames ? " of other times" : "", run->directory);
+}
+
 /* A fluid: the surface that `projdyn mesh` has made, else its particles. */
 static int put_fluid(struct stage *stage, const struct part *part) {
     char path[RUN_PATH];
@@ -183,6 +192,7 @@ static int put_fluid(struct stage *stage, const struct part *part) {
         access(path, F_OK))
         return put_particles(stage, part);
     int code = part_open_series(stage->run, &surface);
+    if (code == EXIT_GOOD) code = check_frames(stage->run, &surface);
     if (code == EXIT_GOOD) code = put_mesh(stage, part, &surface);
     json_decref(surface.series);
     return code;

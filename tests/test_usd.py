@@ -111,6 +111,31 @@ class Usd(unittest.TestCase):
         self.check_samples({k: v.reshape(-1, 3) for k, v in water["faceVertexIndices"].items()}, "mesh/2-water",
                            lambda mesh: mesh.cells_dict["triangle"])
 
+    def check_refused(self, *found):
+        """`projdyn usd run` names the list of frames, what it found there and what to do."""
+        done = subprocess.run([PROJDYN, "usd", "run", "-o", "refused.usda"], cwd=self.directory, text=True,
+                              stderr=subprocess.PIPE)
+        self.assertEqual(done.returncode, 2)
+        for word in ("run/mesh/2-water.vtk.series", "projdyn mesh run", *found):
+            self.assertIn(word, done.stderr)
+        self.assertFalse((self.directory / "refused.usda").exists())
+
+    def test_surface_without_some_frames(self):
+        series = self.directory / "run/mesh/2-water.vtk.series"
+        whole = series.read_text()
+        self.addCleanup(series.write_text, whole)
+        self.program("mesh", "run", "--threads", "1", "--frames", "0:1")
+        self.check_refused("expected the 3 frames", "found 2")
+
+    def test_surface_of_other_times(self):
+        series = self.directory / "run/mesh/2-water.vtk.series"
+        whole = series.read_text()
+        self.addCleanup(series.write_text, whole)
+        changed = json.loads(whole)
+        changed["files"][2]["time"] += 0.01
+        series.write_text(json.dumps(changed))
+        self.check_refused("expected the 3 frames", "other times")
+
     def test_solids(self):
         _, prims = self.stage("run/run.usda")
         self.assertEqual(prims["tank"]["points"].shape, (8, 3))
