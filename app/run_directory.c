@@ -60,8 +60,8 @@ static int is_series(const struct dirent *entry) {
            strcmp(entry->d_name, "boundary.vtk.series") != 0;
 }
 
-/* Bodies of a run without report.json (a killed run): each .vtk.series file but that of the
- * boundary. Its solids are left out. */
+/* Bodies of a directory that has neither report.json nor files.json: each .vtk.series file but that
+ * of the boundary. Solids are left out. */
 static int find_series(struct run *run) {
     struct dirent **entry;
     int count = scandir(run->directory, &entry, is_series, compare_names);
@@ -78,17 +78,38 @@ static int find_series(struct run *run) {
     return EXIT_GOOD;
 }
 
-/* Sets run->report and run->body_list from report.json or, if it is missing, the file names. */
-static int find_bodies(struct run *run) {
+/* Loads a file of the directory, if it is there; else *out stays NULL. */
+static int load_member(struct run *run, const char *name, json_t **out) {
     char path[RUN_PATH];
-    if (!run_path(path, run, "report", ".json"))
+    if (!run_path(path, run, name, ""))
         return run_error("%s: the path is too long", run->directory);
-    bool has_report = access(path, F_OK) == 0;
-    int code = has_report ? load_json(path, &run->report) : find_series(run);
+    if (access(path, F_OK)) return EXIT_GOOD;
+    run->source = name;
+    return load_json(path, out);
+}
+
+/* Sets run->report from report.json or, of a run that has not ended or was killed, from files.json,
+ * which is there from the start. */
+static int find_report(struct run *run) {
+    json_t *list = NULL;
+    int code = load_member(run, "report.json", &run->report);
+    if (code != EXIT_GOOD || run->report) return code;
+    code = load_member(run, "files.json", &list);
+    if (code == EXIT_GOOD) run->report = json_incref(json_object_get(list, "scene"));
+    json_decref(list);
+    return code;
+}
+
+/* Sets run->report and, from it or the names of files, run->body_list. */
+static int find_bodies(struct run *run) {
+    int code = find_report(run);
+    if (code == EXIT_GOOD && !run->report) code = find_series(run);
     if (code != EXIT_GOOD) return code;
-    if (has_report) run->body_list = json_incref(json_object_get(run->report, "bodies"));
+    if (run->report) run->body_list = json_incref(json_object_get(run->report, "bodies"));
     if (json_array_size(run->body_list)) return EXIT_GOOD;
-    if (has_report) return run_error("%s: expected an array \"bodies\" with a body in it", path);
+    if (run->report)
+        return run_error("%s/%s: expected an array \"bodies\" with a body in it", run->directory,
+                         run->source);
     return run_error(
         "%s: expected the output of a run (report.json or NAME.vtk.series), found neither",
         run->directory);
@@ -134,8 +155,8 @@ static int read_body_number(const struct run *run, int b, const char *key, doubl
     *out = json_number_value(value);
     if (!value || json_is_null(value)) return EXIT_GOOD;
     if (json_is_number(value) && *out >= 0.0 && *out < 1e9) return EXIT_GOOD;
-    return run_error("%s/report.json: bodies[%d].%s: expected a number from 0 to 1e9",
-                     run->directory, b, key);
+    return run_error("%s/%s: bodies[%d].%s: expected a number from 0 to 1e9", run->directory,
+                     run->source, b, key);
 }
 
 /* Reads the "color" of an entry of report.json, which the page takes as it is; NULL without one. */
@@ -147,7 +168,7 @@ static int read_color(const struct run *run, const struct part *part, const json
     if (!value || (color && color[0] == '#' && strlen(color) == 7 &&
                    strspn(color + 1, "0123456789abcdefABCDEF") == 6))
         return EXIT_GOOD;
-    return run_error("%s/report.json: \"%s\": expected a \"color\" \"#rrggbb\"", run->directory,
+    return run_error("%s/%s: \"%s\": expected a \"color\" \"#rrggbb\"", run->directory, run->source,
                      part->name);
 }
 
@@ -170,8 +191,8 @@ static int open_body(struct run *run, int b) {
     *part = (struct part){.kind = BODY, .folder = ""};
     part->name = json_string_value(json_object_get(entry, "name"));
     if (!is_plain_name(part->name))
-        return run_error("%s/report.json: bodies[%d]: expected a \"name\" without '/'",
-                         run->directory, b);
+        return run_error("%s/%s: bodies[%d]: expected a \"name\" without '/'", run->directory,
+                         run->source, b);
     part->fluid = is_fluid(run, part->name);
     if (json_is_true(json_object_get(entry, "rigid"))) part->shape = "rigid";
     int code = part_open_series(run, part);
@@ -191,9 +212,9 @@ static int open_solid(struct run *run, int s) {
     if (json_unpack(entry, "{s:s, s:s, s:b}", "name", &part.name, "kind", &part.shape, "moving",
                     &moving) ||
         !is_plain_name(part.name))
-        return run_error("%s/report.json: solids[%d]: expected \"name\", \"kind\" and "
-                         "\"moving\", a name without '/'",
-                         run->directory, s);
+        return run_error("%s/%s: solids[%d]: expected \"name\", \"kind\" and \"moving\", a name "
+                         "without '/'",
+                         run->directory, run->source, s);
     part.rest = !moving;
     int code = read_color(run, &part, entry, &part.color);
     if (code != EXIT_GOOD) return code;

@@ -46,10 +46,12 @@ struct part {
 
 struct run {
     const char *directory;
-    json_t *report;    /* report.json; NULL: missing */
-    json_t *body_list; /* array of the bodies, as in report.json */
-    json_t *metrics;   /* columns of metrics.csv for the plots; NULL: missing */
-    json_t *live;      /* of a live view: what the page needs to talk to it; NULL: a replay */
+    json_t
+        *report; /* report.json, or of a run without it the "scene" of files.json; NULL: neither */
+    const char *source; /* name of the file that `report` was read from */
+    json_t *body_list;  /* array of the bodies, as in report.json */
+    json_t *metrics;    /* columns of metrics.csv for the plots; NULL: missing */
+    json_t *live;       /* of a live view: what the page needs to talk to it; NULL: a replay */
     int parts, frames;
     struct part *part; /* the bodies, then solids, then boundary points */
 };

@@ -89,11 +89,19 @@ python=${PYTHON:-python3}
     surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0
 picture hide=rod hide=rod
 
-# Without the report, the bodies are still shown.
+# A run that has no report yet looks as it does with one. Without files.json, too, the bodies are still shown.
+picture reported ""
 mv "$run/report.json" "$folder/report.json"
+picture early ""
+grep -q warning "$folder/out" && fail "a run without a report: $(cat "$folder/out")"
+cmp "$folder/early.png" "$folder/reported.png" || fail "a run without a report looks different"
+"$projdyn" mesh "$run" --frames 1:1 --threads 1 || fail "mesh needs the report"
+mv "$run/files.json" "$folder/files.json"
 picture no_report ""
 grep -q "no report.json" "$folder/out" || fail "no word about the missing report"
+expect_error 2 "expected report.json or files.json" mesh "$run"
 mv "$folder/report.json" "$run/report.json"
+mv "$folder/files.json" "$run/files.json"
 "$python" "$here/compare_pictures.py" "$folder"
 
 # A can, as a mesh, around water, water that falls past it, and a rod that rises: the picture shows the water in the

@@ -142,7 +142,9 @@ static int make_folder(const struct run *run) {
 static int mesh_run(struct run *run, struct mesh_options *options) {
     int code = run_open(run), fluids = 0;
     if (code != EXIT_GOOD) return code;
-    if (!run->report) return run_error("%s: expected a report.json", run->directory);
+    if (!run->report)
+        return run_error("%s: expected report.json or files.json of a run, found neither",
+                         run->directory);
     if (options->last == LONG_MAX) options->last = run->frames - 1;
     if (options->last >= run->frames)
         return run_error("--frames: expected frames up to %d, found %ld", run->frames - 1,
@@ -151,8 +153,8 @@ static int mesh_run(struct run *run, struct mesh_options *options) {
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
         if (run->part[p].fluid) code = mesh_body(run, &run->part[p], options), fluids++;
     if (code == EXIT_GOOD && !fluids)
-        return run_error("%s/report.json: expected a body with the constraint \"fluid\"",
-                         run->directory);
+        return run_error("%s/%s: expected a body with the constraint \"fluid\"", run->directory,
+                         run->source);
     return code;
 }
 

@@ -63,8 +63,8 @@ int surface_make(const struct run *run, const struct part *part, int f, bool dro
     struct obstacles obstacles = {0};
     *out = (struct surface){0};
     if (!(part->radius > 0.0))
-        return run_error("%s/report.json: radius_m of body \"%s\": expected a number above 0",
-                         run->directory, part->name);
+        return run_error("%s/%s: radius_m of body \"%s\": expected a number above 0",
+                         run->directory, run->source, part->name);
     int code = part_read_frame(run, part, f, path, &frame);
     if (code != EXIT_GOOD) return code;
     if (frame.triangles || !frame.velocity)

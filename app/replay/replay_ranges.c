@@ -33,7 +33,7 @@ static int compare_doubles(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Particle radius, m, for a run without report.json: half the median of the distances from some
+/* Particle radius, m, for a run without report: half the median of the distances from some
  * particles to their nearest neighbours. */
 static double estimate_radius(const struct vtk_frame *frame) {
     double nearest[RADIUS_SAMPLES];
@@ -79,8 +79,8 @@ int replay_check_frame(const struct part *part, const struct vtk_frame *frame, c
     return EXIT_GOOD;
 }
 
-/* Checks the number of points of a body against "count" in report.json: equal for a mesh, at most
- * "count" for particles. */
+/* Checks the number of points of a body against its "count" in the report: equal for a mesh, at
+ * most "count" for particles. */
 static int check_point_count(const struct run *run, const struct part *part,
                              const struct vtk_frame *frame, const char *path) {
     json_t *count =
@@ -88,8 +88,8 @@ static int check_point_count(const struct run *run, const struct part *part,
     long long most = json_integer_value(count), least = frame->triangles ? most : 0;
     if (!run->report || part->kind != BODY || (frame->count >= least && frame->count <= most))
         return EXIT_GOOD;
-    return run_error("%s: expected %s%lld points (\"count\" in report.json), found %d", path,
-                     frame->triangles ? "" : "at most ", most, frame->count);
+    return run_error("%s: expected %s%lld points (\"count\" in %s), found %d", path,
+                     frame->triangles ? "" : "at most ", most, run->source, frame->count);
 }
 
 /* Updates the ranges of a part with frame f. */
@@ -140,7 +140,8 @@ int replay_find_ranges(struct run *run) {
 int replay_load(struct run *run) {
     int code = run_open(run);
     if (code == EXIT_GOOD && !run->report)
-        fputs("projdyn: warning: no report.json: particle radii are estimated, density errors are "
+        fputs("projdyn: warning: no report.json or files.json: particle radii are estimated, "
+              "density errors are "
               "not shown\n",
               stderr);
     if (code == EXIT_GOOD) code = replay_read_metrics(run);

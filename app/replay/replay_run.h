@@ -5,8 +5,8 @@
 
 #include "run_directory.h"
 
-/* As run_open, and reads all that the page needs but the points. A missing report.json gives a
- * warning. */
+/* As run_open, and reads all that the page needs but the points. A run with
+ * neither report.json nor files.json gives a warning. */
 int replay_load(struct run *run);
 /* Reads run->metrics; leaves it NULL if metrics.csv is missing. */
 int replay_read_metrics(struct run *run);

@@ -79,6 +79,8 @@ struct report {
 pdyn_status report_open(struct report *report, pdyn_sim *sim);
 void report_close(struct report *report, const pdyn_sim *sim);
 void report_step(struct report *report, const pdyn_sim *sim, const pdyn_step_info *info);
+/* The members of report.json that are known before the first step: the scene. NULL: no memory. */
+json_t *report_scene(const struct report *report, const pdyn_sim *sim);
 /* Writes report.json. interrupted, failed: see pdyn_writer_report. Numbers that are not finite are
  * written as null. */
 pdyn_status report_write(const struct report *report, const pdyn_sim *sim, const char *path,

@@ -1,14 +1,19 @@
 /* DIR/files.json names the files and series that a run writes to its directory, so that the next
- * run in the directory removes them, whatever its scene contains, and no file of somebody else:
+ * run in the directory removes them, whatever its scene contains, and no file of somebody else.
+ * "scene" has the members of report.json that are known at the start, so that programs can show a
+ * run that has no report yet:
  *
- *     {"files": ["report.json", "sheet.obj", "solids/tank.vtk"], "series": ["sheet", "water",
- * "solids/paddle"]}
+ *     {"files": ["report.json", "sheet.obj", "solids/tank.vtk"],
+ *      "series": ["sheet", "water", "solids/paddle"],
+ *      "scene": {"bodies": [...], "solids": [...], ...}}
  *
  * The state, metrics, probes and boundary points have fixed names and are replaced without it. */
 #include "base/file_out.h"
+#include "scene/json_file.h"
 #include "writer.h"
 
 #include <jansson.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,7 +29,7 @@ static void print_element(struct file_out *file, int *count, const char *folder,
     file_out_print(file, "%s\"%s%s%s\"", (*count)++ ? ", " : "", folder, name, ending);
 }
 
-static void print_list(struct file_out *file, const pdyn_sim *sim) {
+static void print_list(struct file_out *file, const pdyn_sim *sim, const char *scene_text) {
     const struct scene *scene = &sim->scene;
     int files = 0, series = 0;
     file_out_print(file, "{\"files\": [");
@@ -39,15 +44,28 @@ static void print_list(struct file_out *file, const pdyn_sim *sim) {
     for (int s = 0; s < scene->solids; s++)
         if (scene->solid[s].motion.keys)
             print_element(file, &series, SOLIDS_FOLDER, scene->solid[s].name, "");
-    file_out_print(file, "]}\n");
+    file_out_print(file, "],\n \"scene\": %s}\n", scene_text);
+}
+
+/* The caller frees the text. NULL: no memory. */
+static char *scene_text(const pdyn_writer *writer) {
+    json_t *scene = report_scene(&writer->report, writer->sim);
+    char *text = scene ? json_compose(scene, JSON_COMPACT | JSON_REAL_PRECISION(15)) : NULL;
+    json_decref(scene);
+    return text;
 }
 
 pdyn_status previous_run_list(pdyn_writer *writer) {
     struct file_out file;
+    char *text = scene_text(writer);
+    if (!text) return context_no_memory(writer->context);
     pdyn_status status = file_out_open(writer->context, writer_path(writer, "%s", LIST), &file);
-    if (status != PDYN_OK) return status;
-    print_list(&file, writer->sim);
-    return file_out_close(&file);
+    if (status == PDYN_OK) {
+        print_list(&file, writer->sim, text);
+        status = file_out_close(&file);
+    }
+    free(text);
+    return status;
 }
 
 /* ---- files of the previous run --------------------------------------------------------------- */

@@ -279,15 +279,23 @@ static json_t *warnings(const pdyn_sim *sim) {
     return list;
 }
 
+json_t *report_scene(const struct report *report, const pdyn_sim *sim) {
+    json_t *root = describe_scene(report, sim);
+    if (root && !json_object_set_new(root, "solids", solids(sim)) &&
+        !json_object_set_new(root, "strings", report_strings(sim)))
+        return root;
+    json_decref(root);
+    return NULL;
+}
+
 /* Composes the report as JSON text. NULL: no memory. */
 static char *compose(const struct report *report, const pdyn_sim *sim, bool interrupted,
                      const char *failed) {
-    json_t *root = describe_scene(report, sim), *run = describe_run(report, sim);
+    json_t *root = report_scene(report, sim), *run = describe_run(report, sim);
     json_t *result = describe_result(report, sim);
     char *dump = NULL;
     if (root && run && result && !json_object_update(root, run) &&
-        !json_object_update(root, result) && !json_object_set_new(root, "solids", solids(sim)) &&
-        !json_object_set_new(root, "strings", report_strings(sim)) &&
+        !json_object_update(root, result) &&
         !json_object_set_new(root, "warnings", warnings(sim)) &&
         !json_object_set_new(root, "interrupted", json_boolean(interrupted)) &&
         !json_object_set_new(root, "failed", text(sim->context, failed)))

@@ -122,6 +122,7 @@ static pdyn_status resume(pdyn_writer *writer, const char *directory) {
     pdyn_status status = store_directory(writer, directory);
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = load_state(writer, &before);
+    if (status == PDYN_OK) status = previous_run_list(writer);
     if (status == PDYN_OK) status = metrics_reopen(writer);
     if (status == PDYN_OK) status = frames_write_series(writer, writer->frames);
     return snapshot_end_read(writer->sim, &before, status);
