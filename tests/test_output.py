@@ -535,7 +535,7 @@ f -2 3 5
 
     def test_a_file_that_does_not_fit_leaves_nothing(self):
         with tempfile.TemporaryDirectory() as name:
-            done = run(name, "--time", str(TIME), limit=512)
+            done = run(name, "--time", str(TIME), limit=4096)
             self.assertNotEqual(done.returncode, 0)
             self.assertRegex(done.stderr, r"\.vtk: writing failed: File too large")
             self.assertEqual([path.name for path in pathlib.Path(name).iterdir()

@@ -23,6 +23,12 @@ static struct warning *find(struct warning_list *list, enum warning_code code,
     return NULL;
 }
 
+bool warnings_has(const struct warning_list *list, enum warning_code code) {
+    for (int k = 0; k < list->count; k++)
+        if (list->item[k].code == code) return true;
+    return false;
+}
+
 /* A new warning without text. In a full list the last entry is used again. */
 static struct warning *append(struct warning_list *list, enum warning_code code,
                               const char *subject, double time) {

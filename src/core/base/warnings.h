@@ -75,6 +75,9 @@ struct warning *warnings_count(struct warning_list *list, enum warning_code code
 void warnings_say(pdyn_context *context, struct warning *warning, const char *format, ...)
     PDYN_PRINTF(3, 4);
 
+/* Whether there is a warning of this code, whatever its subject. */
+bool warnings_has(const struct warning_list *list, enum warning_code code);
+
 const char *warning_name(enum warning_code code);
 
 void warnings_persist(struct warning_list *list, struct snapshot_file *snapshot);

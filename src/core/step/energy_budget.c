@@ -9,6 +9,8 @@
 #include "projdyn/path.h"
 #include "projdyn/vec3.h"
 
+#include <stdio.h>
+
 /* Mean density error of a fluid at rest on a lattice, at most. */
 static const double normal_density_error = 0.02;
 /* Water in front of a moving solid reaches several times its speed. */
@@ -199,6 +201,18 @@ static const char *fastest_body(const struct pdyn_sim *sim) {
     return name;
 }
 
+/* The causes of a rise that the run has shown, for the message; "": none. */
+static void list_causes(const struct pdyn_sim *sim, char *text, size_t size) {
+    bool passed = warnings_has(&sim->warnings, WARNING_LEAK);
+    bool overlap = sim->energy.density_error > normal_density_error;
+    bool unsolved = warnings_has(&sim->warnings, WARNING_UNSOLVED);
+    snprintf(text, size, "%s%s%s%s",
+             overlap ? "; particles overlap at the start, or are too close to each other" : "",
+             passed ? "; bodies have passed through each other or through solids" : "",
+             passed && !sim->scene.has_contact ? ", and the scene has no \"contact\"" : "",
+             unsolved ? "; steps are unsolved" : "");
+}
+
 pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     struct energy_budget *e = &sim->energy;
     if (!e->bounded || sim->control.driven) return PDYN_OK;
@@ -207,12 +221,12 @@ pdyn_status energy_budget_check(struct pdyn_sim *sim, double h) {
     double stored = fmax(e->stored, e->elastic);
     double budget = 2.0 * (e->start + stored + weight_times_height(sim)) + rest_energy(sim);
     if (kinetic <= budget) return PDYN_OK;
-    return context_fail(
-        sim->context, PDYN_DIVERGED,
-        "the kinetic energy rises to %.3g J, most of it in body \"%s\", but gravity "
-        "and everything else in the scene can give at most %.3g J: bodies overlap "
-        "at the start, or steps are unsolved",
-        kinetic, fastest_body(sim), budget);
+    char causes[256];
+    list_causes(sim, causes, sizeof causes);
+    return context_fail(sim->context, PDYN_DIVERGED,
+                        "the kinetic energy rises to %.3g J, most of it in body \"%s\", but "
+                        "gravity and everything else in the scene can give at most %.3g J%s",
+                        kinetic, fastest_body(sim), budget, causes);
 }
 
 void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info) {

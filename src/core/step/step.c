@@ -133,7 +133,7 @@ static pdyn_status take_back(struct pdyn_sim *sim) {
 /* After the last attempt: the state is that of the last successful step, its history included. The
  * error stays the one of the attempt; of a divergence it also says which step. */
 static pdyn_status fail_step(struct pdyn_sim *sim, double h, pdyn_status status) {
-    char what[256];
+    char what[512];
     snprintf(what, sizeof what, "%s", context_error());
     take_back(sim);
     if (status != PDYN_DIVERGED) return context_fail(sim->context, status, "%s", what);
