@@ -138,6 +138,8 @@ MISTAKES = [
     Mistake("Cholesky for a matrix that changes", change(("solver", {"type": "cholesky"}), ("bodies.0", None)), "[factor]"),
     Mistake("water fills a place twice", change(("bodies.0.particles.fill.1", WATER["particles"]["fill"][0])), "[coincident]",
             codes=(0, 1)),
+    Mistake("oil inside water", change(*WATER_ONLY, ("bodies.1", {**WATER, "name": "oil", "particles": {**WATER["particles"], "rest_density": 900,
+        "fill": [{"sphere": {"center": [0, 0.06, 0], "radius": 0.05}}]}})), 'fill[0] and fill[0] of "water" overlap: 1 particle is closer'),
     Mistake("a third of the water inside a solid",
             change(("solids.1", {"name": "block", "capsule": {"from": [0, 0, 0], "to": [0, 0.1, 0], "radius": 0.19}}),
                    *WATER_ONLY), "[overlap]"),
@@ -169,7 +171,7 @@ MISTAKES = [
     Mistake("two blocks of water overlap",
             change(*WATER_ONLY, ("bodies.0.particles.fill.1", {"box": {
                 "minimum": [-0.19, 0.01, -0.19], "maximum": [0.21, 0.13, 0.21]}})),
-            "the kinetic energy rises", "J; particles overlap at the start, or are too close to each other; the state", codes=(1, 1)),
+            "water: fill[1] and fill[0] overlap: ", "J; particles overlap at the start, or are too close to each other; the state", codes=(1, 1)),
     # refused
     Mistake("water kept inside a solid", change(("solids.1", BALL), ("bodies.0.particles.overlap", "keep")),
             'overlap solid "ball", the first at', codes=(2, 2)),

@@ -87,6 +87,8 @@ struct scene_body {
     double filled; /* volume of the tetrahedra over that of the mesh they fill; 0: another source */
     int crumbs;    /* loose pieces of these, each smaller than 8 cells */
     struct point_list start, start_v; /* particles: initial positions, m, and velocities, m/s */
+    int fills;                        /* volumes of "fill" */
+    int *fill_end;                    /* fills: index of the first particle behind a volume's */
     bool keep_overlap;                /* particles that overlap obstacles stay */
     int overlapping;     /* number of particles that overlapped with something and were left out */
     double radius;       /* m */

@@ -24,8 +24,9 @@ static const pdyn_param particles_params[] = {
     {0}};
 
 static pdyn_status read_fill(struct reader *r, const struct json_at *at, int index) {
-    (void)index;
-    return fill_read(at, r->body, &r->particles);
+    pdyn_status status = fill_read(at, r->body, &r->particles);
+    r->body->fill_end[index] = r->body->start.count;
+    return status;
 }
 
 static pdyn_status read_inlet(struct reader *r, const struct json_at *at, int index) {
@@ -72,13 +73,13 @@ static pdyn_status read_particles(struct reader *r, const struct json_at *at) {
     static const char *const others[] = {"fill", "inlets", "overlap", NULL};
     struct scene_body *body = r->body;
     struct json_at fill = json_member(at, "fill"), inlets = json_member(at, "inlets");
-    int fills = 0;
     pdyn_status status = params_check_keys(at, particles_params, others);
     if (status == PDYN_OK) status = params_read(at, particles_params, NULL, body);
-    if (status == PDYN_OK) status = reader_count(&fill, "an array of volumes to fill", &fills);
-    if (status == PDYN_OK && !fills && !json_array_size(inlets.value))
+    if (status == PDYN_OK)
+        status = reader_array(r, &fill, "an array of volumes to fill", read_fill,
+                              sizeof *body->fill_end, &body->fill_end, &body->fills);
+    if (status == PDYN_OK && !body->fills && !json_array_size(inlets.value))
         status = json_expected(&fill, "at least one volume to fill, or \"inlets\"");
-    if (status == PDYN_OK) status = reader_each(r, &fill, read_fill);
     if (status == PDYN_OK) status = read_overlap(r, at);
     return status == PDYN_OK ? read_inlets(r, at) : status;
 }

@@ -5,6 +5,7 @@
 #include "sim.h"
 #include "solid_points.h"
 #include "sph/boundary.h"
+#include "warn.h"
 
 #include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
@@ -78,26 +79,6 @@ static pdyn_status make_limits(struct pdyn_sim *sim) {
     return sim->max_step ? PDYN_OK : PDYN_NO_MEMORY;
 }
 
-/* Warns where particles coincide: constraints have no direction to separate them. */
-static void warn_coincident(struct pdyn_sim *sim, const pdyn_body *fluid) {
-    const pdyn_neighbours *view = neighbours_view(sim->neighbours);
-    int count = 0;
-    for (int i = fluid->first; i < fluid->first + fluid->count; i++)
-        for (int k = view->start[i]; k < view->boundary_start[i]; k++) {
-            int j = view->index[k];
-            if (j == i || j >= sim->objective.particles) continue;
-            if (vec3_distance(sim->x + 3 * i, sim->x + 3 * j) > 0.0) continue;
-            count++;
-            break;
-        }
-    if (!count) return;
-    warnings_say(sim->context,
-                 warnings_count(&sim->warnings, WARNING_COINCIDENT, fluid->name, 0.0, count, 0.0),
-                 "%d particles lie at the place of another one; nothing parts them: do volumes of "
-                 "its fill overlap?",
-                 count);
-}
-
 pdyn_status lists_create(struct pdyn_sim *sim) {
     double spacing = sim_spacing(sim);
     if (spacing == 0.0) return PDYN_OK;
@@ -117,7 +98,7 @@ pdyn_status lists_create(struct pdyn_sim *sim) {
     sim->objective.neighbours = sim->neighbours, sim->objective.samples = sim->samples;
     status = objective_build_lists(&sim->objective, sim->x);
     for (int b = 0; status == PDYN_OK && b < sim->bodies; b++)
-        if (has_neighbour_lists(sim, b)) warn_coincident(sim, &sim->body[b]);
+        if (has_neighbour_lists(sim, b)) warn_of_fills(sim, b);
     return status;
 }
 

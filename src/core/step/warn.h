@@ -26,6 +26,9 @@ void warn_of_meshes(struct pdyn_sim *sim);
 void warn_of_flow(struct pdyn_sim *sim);
 void warn_of_water(struct pdyn_sim *sim);
 
+/* Warns of particles of a body that are too close to each other, from the neighbour lists. */
+void warn_of_fills(struct pdyn_sim *sim, int body);
+
 /* Mean length of the edges of a surface at rest, m. */
 double warn_mean_edge(const pdyn_body *body);
 /* Whether a pin, or an attachment to another body, holds the body. */
