@@ -109,6 +109,8 @@ MISTAKES = [
         "volume": {"mesh": "huge.obj", "density": 900}})), '"cell" fills', codes=(2, 2)),
     Mistake("cloth in centimetres", change(("bodies.1.surface.grid.size", [30, 30]), FREE, ("contact", None), ("bodies.0", None)),
             "times as long as all solids; lengths are in metres"),
+    Mistake("water in millimetres", change(("bodies.1", None), ("contact", None), ("bodies.0.particles", {"radius": 20, "fill": [
+        {"box": {"minimum": [-200, 0, -200], "maximum": [200, 120, 200]}}]})), "times the length of all solids; lengths are in metres [scale]"),
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),
     Mistake("a rigid ball in very thick contact", change(("bodies.0", MARBLE), ("bodies.1", None), ("contact.thickness", 0.04)),
             "times its mean edge length: contact of so fine a mesh takes long [contact-thickness]"),

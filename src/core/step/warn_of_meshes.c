@@ -1,5 +1,5 @@
-/* Warnings about meshes: their scale, thin triangles, coarse tetrahedra, and edges beside the
- * contact thickness. */
+/* Warnings about the scale of bodies and solids, and about meshes: thin triangles, coarse
+ * tetrahedra, and edges beside the contact thickness. */
 #include "sim.h"
 #include "warn.h"
 
@@ -38,6 +38,20 @@ static void check_scale(struct pdyn_sim *sim, int b) {
              "it is %.3g m long, %.2g times as long as all solids; lengths are in metres, "
              "\"scale\" changes the unit of a mesh",
              extent, times);
+}
+
+/* Particles of `fill` in another unit than the solids. */
+static void check_scale_of_fluid(struct pdyn_sim *sim, int b) {
+    const struct scene_body *body = &sim->scene.body[b];
+    int count = body->fills ? body->fill_end[body->fills - 1] : 0;
+    if (!count) return;
+    struct box box = box_around(sim->x + 3 * (size_t)sim->body[b].first, count);
+    double extent = box_extent(&box), times = extent / extent_of_solids(sim);
+    if (times > max_times)
+        WARN(
+            sim, SCALE, body->name,
+            "its particles take %.3g m, %.2g times the length of all solids; lengths are in metres",
+            extent, times);
 }
 
 static void check_scale_of_solids(struct pdyn_sim *sim) {
@@ -115,6 +129,7 @@ void warn_of_meshes(struct pdyn_sim *sim) {
     check_scale_of_solids(sim);
     for (int b = 0; b < sim->bodies; b++) {
         check_scale(sim, b);
+        check_scale_of_fluid(sim, b);
         check_slivers(sim, b);
         check_filled(sim, b);
         check_thickness(sim, b);
