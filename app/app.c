@@ -2,6 +2,7 @@
 #include "app.h"
 
 #include <errno.h>
+#include <math.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +33,14 @@ bool parse_integer(const char *option, const char *text, long min, long max, lon
     if (!errno && !*end && end != text && *out >= min && *out <= max) return true;
     fprintf(stderr, "projdyn: %s: found \"%s\", expected an integer from %ld to %ld\n", option,
             text, min, max);
+    return false;
+}
+
+bool parse_seconds(const char *option, const char *text, double *time) {
+    char *end;
+    *time = strtod(text, &end);
+    if (!*end && end != text && isfinite(*time) && *time > 0.0) return true;
+    fprintf(stderr, "projdyn: %s: found \"%s\", expected seconds above 0\n", option, text);
     return false;
 }
 

@@ -36,6 +36,9 @@ int parse_options(int argc, char **argv, const char *letters, const struct optio
 /* Parses the integer argument of an option, min <= *out <= max; false with a message otherwise. */
 bool parse_integer(const char *option, const char *text, long min, long max, long *out);
 
+/* Parses the argument of an option, a time above 0 in s; false with a message otherwise. */
+bool parse_seconds(const char *option, const char *text, double *time);
+
 /* Print a message to stderr and return EXIT_FAILED. report_no_memory() sets errno to ENOMEM;
  * report_write_error() appends the text of errno. */
 int report_no_memory(void);

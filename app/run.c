@@ -64,19 +64,9 @@ static void on_signal(int number) {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
-/* Parses the argument of --time or --wall-time; false with a message if it is no positive number.
- */
-static bool parse_time(const char *option, const char *text, double *time) {
-    char *end;
-    *time = strtod(text, &end);
-    if (!*end && end != text && isfinite(*time) && *time > 0.0) return true;
-    fprintf(stderr, "projdyn: %s: found \"%s\", expected seconds above 0\n", option, text);
-    return false;
-}
-
 static bool parse_wall_time(struct run_options *o, const char *text) {
     double start = wall_seconds();
-    if (!parse_time("--wall-time", text, &o->wall_limit)) return false;
+    if (!parse_seconds("--wall-time", text, &o->wall_limit)) return false;
     o->wall_limit += start;
     return true;
 }
@@ -123,7 +113,7 @@ static bool accept_option(void *self, int option) {
     case 'A':
         return scene_allow_plugins();
     case 'T':
-        return parse_time("--time", optarg, &o->given_end);
+        return parse_seconds("--time", optarg, &o->given_end);
     case 'W':
         return parse_wall_time(o, optarg);
     default:

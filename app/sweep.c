@@ -5,6 +5,7 @@
 #include "sweep_table.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,6 +19,7 @@ static const char usage[] =
     "\n"
     "      --set PATH=V,V,...  values of a parameter; a comma in [], {} or \"\" is part of a "
     "value\n"
+    "      --time S            simulates S seconds instead of the duration of the scene\n"
     "  -o, --output DIR        output directory (default out/sweep-NAME for NAME.json)\n"
     "      --jobs N            number of parallel runs (default: cores / threads)\n"
     "      --threads N         worker threads of each run (default 1)\n"
@@ -41,6 +43,15 @@ struct sweep {
 
 /* ---- arguments ------------------------------------------------------------------------------- */
 
+/* The time of all runs is an axis of the grid with one value, so that the table has it. */
+static bool accept_time(struct sweep *s, const char *text) {
+    double time;
+    char axis[64];
+    if (!parse_seconds("--time", text, &time)) return false;
+    snprintf(axis, sizeof axis, "duration=%.17g", time);
+    return parameter_grid_add(&s->grid, axis);
+}
+
 static bool accept_option(void *self, int option) {
     struct sweep *s = self;
     long number = 0;
@@ -48,6 +59,8 @@ static bool accept_option(void *self, int option) {
     switch (option) {
     case 's':
         return parameter_grid_add(&s->grid, optarg);
+    case 'T':
+        return accept_time(s, optarg);
     case 'P':
         return scene_plugin(&s->jobs.scene, optarg);
     case 'A':
@@ -94,19 +107,14 @@ static int complete_options(struct sweep *s) {
 
 /* Parses the command line. Returns -1 if the sweep can start, otherwise the exit code. */
 static int parse(struct sweep *s, int argc, char **argv) {
-    static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
-                                                 {"output", required_argument, NULL, 'o'},
-                                                 {"jobs", required_argument, NULL, 'j'},
-                                                 {"threads", required_argument, NULL, 't'},
-                                                 {"point", required_argument, NULL, 'k'},
-                                                 {"frames", no_argument, NULL, 'f'},
-                                                 {"print", no_argument, NULL, 'p'},
-                                                 {"collect", no_argument, NULL, 'c'},
-                                                 {"quiet", no_argument, NULL, 'q'},
-                                                 {"allow-plugins", no_argument, NULL, 'A'},
-                                                 {"plugin", required_argument, NULL, 'P'},
-                                                 {"help", no_argument, NULL, 'h'},
-                                                 {0}};
+    static const struct option long_options[] = {
+        {"set", required_argument, NULL, 's'},     {"time", required_argument, NULL, 'T'},
+        {"output", required_argument, NULL, 'o'},  {"jobs", required_argument, NULL, 'j'},
+        {"threads", required_argument, NULL, 't'}, {"point", required_argument, NULL, 'k'},
+        {"frames", no_argument, NULL, 'f'},        {"print", no_argument, NULL, 'p'},
+        {"collect", no_argument, NULL, 'c'},       {"quiet", no_argument, NULL, 'q'},
+        {"allow-plugins", no_argument, NULL, 'A'}, {"plugin", required_argument, NULL, 'P'},
+        {"help", no_argument, NULL, 'h'},          {0}};
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, s);
     if (code >= 0) return code;
     if (argc - optind != 1 || !s->grid.axes)

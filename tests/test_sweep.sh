@@ -84,6 +84,12 @@ check "a run that fails" ends 1 "2 of 4 runs failed" bad
 check "is recorded with its error" grep -q '^-1,"\[0, -1, 0\]",bad input,"--set duration=-1: duration: expected' bad/sweep.csv
 check "the others are good" test "$(grep -c ',good,' bad/sweep.csv)" = 2
 
+# --time is the duration of all runs.
+brief() { "$program" sweep "$scene" --time "$1" --set solver.tolerance=0.1,0.2 -o brief; }
+check "a time" brief 0.01
+check "is that of all runs" test "$(grep -c '^0.01,.*,good,' brief/sweep.csv)" = 2
+check "a wrong time" ends 2 '--time: found "0.01,1", expected seconds above 0' brief 0.01,1
+
 # Probes: mean, maximum and impulse, also where the runs have different probes.
 cat >probes.json <<EOF
 {"duration": 0.02, "frame_interval": 0.01, "time_step": {"fixed": 0.005}, "probes": [],
