@@ -65,7 +65,8 @@ if "colors" in pictures:
     sys.exit(faults > 0)
 for name, least in [("hide=water", 3000), ("hide=sheet", 6000), ("hide=tank", 800), ("hide=ball", 500), ("hide=rod", 200),
                     ("look=particles", 2000), ("no_report", 800), ("surface=checker", 2000), ("surface=stretch", 4000),
-                    ("fluid=speed", 2000), ("fluid=pressure", 2000), ("cut=x-0.5", 2000), ("camera=90,20,1,0,0.4,0", 9000)]:
+                    ("fluid=speed", 2000), ("fluid=pressure", 2000), ("cut=x-0.5", 2000), ("camera=90,20,1,0,0.4,0", 9000),
+                    ("camera=90,20,1", 9000)]:
     expect(f"{name} against all", len(changed(every, pictures[name])), least)
 balls = changed(pictures["look=particles"], pictures["hide=water"])
 expect("particles", len(balls), 2000)

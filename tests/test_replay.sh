@@ -79,14 +79,14 @@ picture() { # NAME VIEW
         fail "render: $(cat "$folder/out")"
 }
 for fault in 'hid=water: unknown name "hid"; known: frame,' 'hide=watr: hide: unknown part "watr"; known: ' \
-    'fluid=velocity: fluid: unknown value "velocity"; known: ' 'camera=1,2: camera: expected six numbers' \
+    'fluid=velocity: fluid: unknown value "velocity"; known: ' 'camera=1,2: camera: expected three or six numbers' \
     'cut=0.5: cut: expected a text as x-0.5'; do
     expect_error 2 "--view $fault" render "$run" -o "$folder/fault.png" --size 64x48 --view "${fault%%: *}"
     [ ! -e "$folder/fault.png" ] || fail "a picture of an unknown view"
 done
 python=${PYTHON:-python3}
 "$python" "$here/draw_views.py" "$folder/replay.html" "$folder" hide=water hide=sheet hide=tank hide=ball look=particles \
-    surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0
+    surface=checker surface=stretch fluid=speed fluid=pressure cut=x-0.5 camera=90,20,1,0,0.4,0 camera=90,20,1
 picture hide=rod hide=rod
 
 # A run that has no report yet looks as it does with one. Without files.json, too, the bodies are still shown.

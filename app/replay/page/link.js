@@ -2,7 +2,8 @@
  *   frame=30&play=0            a frame, not playing
  *   hide=water,tank&show=boundary   parts
  *   look=particles&fluid=speed&surface=checker&cut=x-0.5   settings
- *   camera=yaw,pitch,scale,x,y,z    degrees; factor on the distance; target, m */
+ *   camera=yaw,pitch,scale,x,y,z    degrees; factor on the distance; target, m: without it, the
+ *                                   middle of the bounds */
 
 function viewText() {
   const { yaw, pitch, scale, target } = renderer.camera, short = (v) => String(Number(v.toPrecision(4)));
@@ -22,7 +23,7 @@ const usualSettings = { ...settings };
 const isSetting = (name, value) => name === "cut" ? /^([xyz][+-][0-9.]+)?$/.test(value)
   : inputs[name] && [...inputs[name].options].some((option) => option.value === value);
 
-const isCamera = (numbers) => numbers.length === 6 && numbers.every((number) => number.trim() && Number.isFinite(Number(number)));
+const isCamera = (numbers) => [3, 6].includes(numbers.length) && numbers.every((number) => number.trim() && Number.isFinite(Number(number)));
 const expectedIn = (what, found, known) => `${what} "${found}"; known: ${known.join(", ")}`;
 
 /* What is wrong with one name=value of a view; "": nothing. */
@@ -34,7 +35,7 @@ function pairFault(name, value) {
     return unknown ? expectedIn(`${name}: unknown part`, unknown, parts) : "";
   }
   if (name === "camera")
-    return isCamera(value.split(",")) ? "" : `camera: expected six numbers: yaw,pitch,scale,x,y,z, found "${value}"`;
+    return isCamera(value.split(",")) ? "" : `camera: expected three or six numbers: yaw,pitch,scale or yaw,pitch,scale,x,y,z, found "${value}"`;
   if (!(name in settings)) return expectedIn("unknown name", name, ["frame", "play", "hide", "show", "camera", ...Object.keys(settings)]);
   if (!inputs[name] || isSetting(name, value)) return ""; /* a setting of bodies that this run lacks */
   return name === "cut" ? `cut: expected a text as x-0.5, found "${value}"`
@@ -60,11 +61,12 @@ function applyView(text) {
   }
   for (const name in settings)
     change(name, name in wanted && isSetting(name, wanted[name]) ? wanted[name] : usualSettings[name]);
-  const camera = (wanted.camera || "").split(",").map(Number);
+  const camera = (wanted.camera || "").split(",");
   renderer.camera.reset();
-  if (camera.length === 6 && camera.every(Number.isFinite)) {
-    const [yaw, pitch, scale, ...target] = camera;
-    Object.assign(renderer.camera, { yaw: yaw * Math.PI / 180, pitch: pitch * Math.PI / 180, scale, target });
+  if (isCamera(camera)) {
+    const [yaw, pitch, scale, ...target] = camera.map(Number);
+    Object.assign(renderer.camera, { yaw: yaw * Math.PI / 180, pitch: pitch * Math.PI / 180, scale });
+    if (target.length) renderer.camera.target = target;
   }
   player.open(Math.floor(Number(wanted.frame)) || 0, wanted.play !== "0");
 }
