@@ -22,6 +22,8 @@ struct walk {
     const char *text;
     uint64_t hash[STEPS + 2]; /* after 0, 1, 2 ... steps without a failure */
     double *x[STEPS + 2];     /* m: positions */
+    unsigned char *one;       /* the state after one step */
+    size_t size;              /* bytes of it */
 };
 
 /* Whether the call succeeded. Every failure must be "out of memory". */
@@ -64,15 +66,23 @@ static bool take_steps(struct walk *w, pdyn_sim *sim) {
     return true;
 }
 
-/* Saves, and restores the state "one" after one step. After a failed restore, the simulation
- * continues, or has no further step. */
-static void save_and_restore(struct walk *w, pdyn_sim *sim) {
+/* Saves to a file and to memory. */
+static void save(struct walk *w, pdyn_sim *sim) {
+    size_t size = 0;
     if (succeeded(w, pdyn_save(sim, "saved"))) test_remove_file("saved");
     else assert_int_not_equal(access("saved", F_OK), 0);
-    int steps = succeeded(w, pdyn_restore(sim, "one")) ? 1 : STEPS;
+    if (succeeded(w, pdyn_save_memory(sim, NULL, 0, &size))) assert_true(size > 0);
+}
+
+/* Saves, and restores the state after one step from memory and from its file. After a failed
+ * restore, the simulation continues, or has no further step. */
+static void save_and_restore(struct walk *w, pdyn_sim *sim) {
+    save(w, sim);
+    int steps = succeeded(w, pdyn_restore_memory(sim, w->one, w->size)) ? 1 : STEPS;
+    bool both = steps == 1 && succeeded(w, pdyn_restore(sim, "one"));
     test_allow(&w->counter, -1);
     pdyn_status status = pdyn_step(sim, NULL);
-    if (steps == STEPS && status == PDYN_BAD_CALL) return;
+    if (!both && status == PDYN_BAD_CALL) return;
     assert_int_equal(status, PDYN_OK);
     assert_true(pdyn_state_hash(sim) == w->hash[steps + 1]);
 }
@@ -87,6 +97,13 @@ static void walk(struct walk *w) {
     assert_int_equal(pdyn_bytes_in_use(w->context), 0);
 }
 
+static void keep_one(struct walk *w, pdyn_sim *sim) {
+    assert_true(succeeded(w, pdyn_save(sim, "one")));
+    assert_true(succeeded(w, pdyn_save_memory(sim, NULL, 0, &w->size)));
+    w->one = malloc(w->size);
+    assert_true(succeeded(w, pdyn_save_memory(sim, w->one, w->size, &w->size)));
+}
+
 /* Computes the hashes, writes the state "one", and returns the number of allocations of a walk. */
 static long prepare(struct walk *w) {
     pdyn_sim *sim = test_load(w->context, w->text);
@@ -96,7 +113,7 @@ static long prepare(struct walk *w) {
         test_step(w->context, sim);
         w->hash[k] = pdyn_state_hash(sim);
         w->x[k] = memcpy(malloc(size), sim->x, size);
-        if (k == 1) assert_true(succeeded(w, pdyn_save(sim, "one")));
+        if (k == 1) keep_one(w, sim);
     }
     pdyn_free(sim);
     long before = w->counter.calls;
@@ -119,6 +136,7 @@ static void test_scenes(void **state) {
             }
         test_remove_file("one");
         for (int n = 1; n < STEPS + 2; n++) free(w.x[n]);
+        free(w.one);
         pdyn_destroy(w.context);
     }
     if (getenv("PROJDYN_ALLOCATIONS")) printf("%ld failed allocations\n", failures);

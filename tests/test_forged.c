@@ -55,13 +55,15 @@ static void assert_finite(const pdyn_sim *sim) {
     for (int k = 0; k < 3 * s.particles; k++) assert_true(isfinite(s.x[k]) && isfinite(s.v[k]));
 }
 
-/* Restores the good state, then the forged one, and takes a step. next: the hash after a step from
- * the good state. Returns whether the forged state was refused. A simulation whose step failed is
- * replaced. */
-static bool try_forged(pdyn_context *context, const char *text, pdyn_sim **sim, uint64_t next) {
+/* Restores the good state, then the forged one, from memory or its file, and takes a step. next:
+ * the hash after a step from the good state. Returns whether the forged state was refused. A
+ * simulation whose step failed is replaced. */
+static bool try_forged(pdyn_context *context, const char *text, pdyn_sim **sim,
+                       const struct file *memory, uint64_t next) {
     pdyn_status status = pdyn_restore(*sim, "state");
     if (status != PDYN_OK) fail_msg("%s", pdyn_last_error(context));
-    status = pdyn_restore(*sim, "forged");
+    status = memory ? pdyn_restore_memory(*sim, memory->data, memory->size)
+                    : pdyn_restore(*sim, "forged");
     bool refused = status != PDYN_OK;
     if (refused) {
         assert_int_equal(status, PDYN_BAD_INPUT);
@@ -114,7 +116,9 @@ static void forge_states(const char *text, int count, uint64_t seed) {
         forged = file;
         forge(&forged, k, &seed);
         write_file("forged", &forged);
-        refused += try_forged(context, text, &sim, next);
+        bool as_file = try_forged(context, text, &sim, NULL, next);
+        assert_true(try_forged(context, text, &sim, &forged, next) == as_file);
+        refused += as_file;
     }
     pdyn_free(sim);
     assert_in_range(refused, 1, count - 1);
@@ -129,6 +133,31 @@ static void test_states(void **state) {
     for (int k = 0; k < SMALL_SCENES; k++)
         if (!test_lacks_solver(small_scenes[k]))
             forge_states(small_scenes[k], count ? atoi(count) : STATES, (uint64_t)k);
+}
+
+/* Bytes of a state in memory that were changed or cut off, without a correct checksum. */
+static void test_damaged_memory(void **state) {
+    (void)state;
+    static struct file file;
+    uint64_t seed = 0;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, cloth);
+    assert_int_equal(pdyn_save_memory(sim, file.data, sizeof file.data, &file.size), PDYN_OK);
+    for (int k = 0; k < STATES; k++) {
+        size_t at = random_below(&seed, file.size);
+        unsigned char *cut = malloc(at + 1); /* exact, for the address sanitizer */
+        memcpy(cut, file.data, at);
+        assert_int_equal(pdyn_restore_memory(sim, cut, at), PDYN_BAD_INPUT);
+        free(cut);
+        file.data[at] ^= 1;
+        assert_int_equal(pdyn_restore_memory(sim, file.data, file.size), PDYN_BAD_INPUT);
+        assert_non_null(strstr(pdyn_last_error(context), "the state in memory: "));
+        file.data[at] ^= 1;
+    }
+    assert_int_equal(pdyn_restore_memory(sim, file.data, file.size), PDYN_OK);
+    test_step(context, sim);
+    pdyn_free(sim);
+    pdyn_destroy(context);
 }
 
 /* ---- fields ---------------------------------------------------------------------------------- */
@@ -331,9 +360,9 @@ static void test_series(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_states),      cmocka_unit_test(test_fields),
-        cmocka_unit_test(test_multipliers), cmocka_unit_test(test_writer),
-        cmocka_unit_test(test_series),
+        cmocka_unit_test(test_states), cmocka_unit_test(test_damaged_memory),
+        cmocka_unit_test(test_fields), cmocka_unit_test(test_multipliers),
+        cmocka_unit_test(test_writer), cmocka_unit_test(test_series),
     };
     return cmocka_run_group_tests_name("forged", tests, test_enter_directory, test_leave_directory);
 }

@@ -145,6 +145,11 @@ static pdyn_status resume_writer(pdyn_sim *of, const char *directory) {
     X(pdyn_save(sim, NULL))                                                                        \
     X(pdyn_restore(NULL, "state"))                                                                 \
     X(pdyn_restore(sim, NULL))                                                                     \
+    X(pdyn_save_memory(NULL, NULL, 0, &size))                                                      \
+    X(pdyn_save_memory(sim, NULL, 0, NULL))                                                        \
+    X(pdyn_save_memory(sim, NULL, 1, &size))                                                       \
+    X(pdyn_restore_memory(NULL, force, sizeof force))                                              \
+    X(pdyn_restore_memory(sim, NULL, 0))                                                           \
     X(open_writer(NULL, "out"))                                                                    \
     X(open_writer(sim, NULL))                                                                      \
     X(pdyn_writer_open(sim, "out", false, NULL))                                                   \
@@ -166,6 +171,7 @@ static void test_status(void **state) {
     double force[3], moment[3];
     pdyn_scene *scene_out = NULL;
     pdyn_sim *sim_out = NULL;
+    size_t size = 0;
 #define CHECK(call)                                                                                \
     if ((call) != PDYN_BAD_CALL) fail_msg("%s does not return PDYN_BAD_CALL", #call);
     CALLS(CHECK)

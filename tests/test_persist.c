@@ -187,6 +187,39 @@ static void test_program(void **state) {
     test_remove_file("state");
 }
 
+/* A state in memory has the bytes of the file, and goes on with the same bits. */
+static void goes_on_in_memory(const char *text) {
+    pdyn_context *context = test_context(1);
+    pdyn_sim *first = test_load(context, text), *second = test_load(context, text);
+    size_t size = 0, again = 0;
+    step_often(context, first, 8);
+    assert_int_equal(pdyn_save_memory(first, NULL, 0, &size), PDYN_OK);
+    unsigned char *buffer = malloc(size), *bytes = malloc(size);
+    assert_int_equal(pdyn_save_memory(first, buffer, size - 1, &again), PDYN_BAD_CALL);
+    assert_true(again == size);
+    assert_int_equal(pdyn_save_memory(first, buffer, size, &again), PDYN_OK);
+    assert_int_equal(pdyn_save(first, "state"), PDYN_OK);
+    FILE *file = fopen("state", "rb");
+    assert_true(file && fread(bytes, 1, size, file) == size && fgetc(file) == EOF);
+    assert_int_equal(fclose(file), 0);
+    assert_memory_equal(bytes, buffer, size);
+    assert_int_equal(pdyn_restore_memory(second, buffer, size), PDYN_OK);
+    step_often(context, first, 6), step_often(context, second, 6);
+    assert_true(pdyn_state_hash(first) == pdyn_state_hash(second));
+    free(buffer), free(bytes);
+    pdyn_free(first), pdyn_free(second);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+    test_remove_file("state");
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    goes_on_in_memory(fluid);
+    goes_on_in_memory(sheet);
+    goes_on_in_memory(touching);
+}
+
 /* Loads the sheet with an override; restoring its state must be refused with this text. */
 static void refused(const char *set, const char *says) {
     pdyn_context *context = test_context(1);
@@ -343,6 +376,7 @@ int main(void) {
         cmocka_unit_test(test_other_settings), cmocka_unit_test(test_refused),
         cmocka_unit_test(test_failing_module), cmocka_unit_test(test_failing_allocator),
         cmocka_unit_test(test_failing_hold),   cmocka_unit_test(test_program),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests_name("persist", tests, test_enter_directory,
                                        test_leave_directory);

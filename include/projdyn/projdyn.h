@@ -359,6 +359,12 @@ PDYN_API pdyn_status pdyn_solid_load(const pdyn_sim *sim, int solid, double forc
  * memory to bring that state back, later steps fail with PDYN_BAD_CALL. */
 PDYN_API pdyn_status pdyn_save(pdyn_sim *sim, const char *path);
 PDYN_API pdyn_status pdyn_restore(pdyn_sim *sim, const char *path);
+/* The same with a buffer of the caller, which gets the bytes of the file of pdyn_save. *size:
+ * number of bytes of the state; it changes from step to step. buffer NULL with capacity 0: computes
+ * *size only. PDYN_BAD_CALL: the buffer is smaller, capacity < *size, and what it contains is no
+ * state. */
+PDYN_API pdyn_status pdyn_save_memory(pdyn_sim *sim, void *buffer, size_t capacity, size_t *size);
+PDYN_API pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size_t size);
 
 /* Output directory. A frame has one file per body, DIR/NAME_000012.vtk (legacy VTK 4.2, binary),
  * listed with its time in DIR/NAME.vtk.series; `ply` adds NAME_000012.ply. DIR/NAME.obj has a

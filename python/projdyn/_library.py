@@ -44,6 +44,8 @@ FUNCTIONS = {
     "pdyn_solid_load": (Status, Sim, c_int, Doubles, Doubles),
     "pdyn_save": (Status, Sim, c_char_p),
     "pdyn_restore": (Status, Sim, c_char_p),
+    "pdyn_save_memory": (Status, Sim, c_void_p, c_size_t, POINTER(c_size_t)),
+    "pdyn_restore_memory": (Status, Sim, c_void_p, c_size_t),
     "pdyn_writer_open": (Status, Sim, c_char_p, c_bool, Out),
     "pdyn_writer_frame": (Status, Writer),
     "pdyn_writer_step_sized": (Status, Writer, POINTER(StepInfo), c_size_t),

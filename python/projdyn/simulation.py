@@ -2,9 +2,9 @@
 from __future__ import annotations
 
 import os
-from ctypes import byref, sizeof
+from ctypes import byref, c_size_t, create_string_buffer, sizeof
 from dataclasses import dataclass
-from typing import Any, Iterator, Optional
+from typing import Any, Iterator, Optional, Union
 
 import numpy as np
 
@@ -141,9 +141,22 @@ class Simulation(Fixed):
         """Saves the state to a file."""
         self._handle.call(lib.pdyn_save, os.fsencode(path))
 
-    def restore(self, path: Path) -> None:
-        """Restores the state of a simulation of the same scene; it goes on with the same bits."""
-        self._handle.call(lib.pdyn_restore, os.fsencode(path))
+    def state(self) -> bytes:
+        """The state in memory: the bytes of the file that save writes."""
+        size = c_size_t()
+        with self._handle.lock:  # the size changes with every step
+            self._handle.call(lib.pdyn_save_memory, None, 0, byref(size))
+            state = create_string_buffer(size.value)
+            self._handle.call(lib.pdyn_save_memory, state, size, byref(size))
+        return state.raw
+
+    def restore(self, state: Union[bytes, Path]) -> None:
+        """Restores the state of a simulation of the same scene, from bytes or from a file; it goes
+        on with the same bits."""
+        if isinstance(state, bytes):
+            self._handle.call(lib.pdyn_restore_memory, state, len(state))
+        else:
+            self._handle.call(lib.pdyn_restore, os.fsencode(state))
 
     # ---- results --------------------------------------------------------------------------------
 

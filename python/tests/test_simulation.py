@@ -168,6 +168,20 @@ class Files(unittest.TestCase):
             with self.assertRaises(projdyn.Error):
                 tank_of_water().load().restore(path)
 
+    def test_a_state_in_memory_has_the_bytes_of_the_file(self):
+        sim = hanging_sheet().load()
+        sim.step()
+        state = sim.state()
+        with tempfile.TemporaryDirectory() as folder:
+            sim.save(f"{folder}/state")
+            self.assertEqual(pathlib.Path(folder, "state").read_bytes(), state)
+        hashes = [sim.step() and sim.hash for _ in range(3)]
+        for _ in range(2):
+            sim.restore(state)
+            self.assertEqual([sim.step() and sim.hash for _ in range(3)], hashes)
+        with self.assertRaisesRegex(projdyn.InputError, "the state in memory: "):
+            sim.restore(state[:-1])
+
     def test_writer_writes_what_the_program_writes(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = hanging_sheet(duration=0.1)

@@ -90,6 +90,37 @@ void snapshot_memory_rewind(struct snapshot_file *a) {
     a->taken = 0;
 }
 
+/* ---- a state in a buffer of the caller ---------------------------------------------------------
+ */
+
+static void append(struct snapshot_file *a, const void *data, size_t size) {
+    if (a->filled <= a->room && size <= a->room - a->filled)
+        memcpy(a->memory + a->filled, data, size);
+    a->filled += size;
+}
+
+static void write_buffer(pdyn_snapshot *view, void *data, size_t size) {
+    struct snapshot_file *a = (struct snapshot_file *)view;
+    a->hash = hash_bytes(a->hash, data, size);
+    append(a, data, size);
+}
+
+void snapshot_buffer_create(pdyn_context *context, void *buffer, size_t capacity,
+                            struct snapshot_file *out) {
+    snapshot_memory_create(context, out);
+    out->view.bytes = write_buffer;
+    out->borrowed = true;
+    out->memory = buffer, out->room = capacity;
+    out->hash = HASH_BEGIN;
+    append(out, magic, sizeof magic - 1);
+    append(out, &order_mark, sizeof order_mark);
+}
+
+size_t snapshot_buffer_end(struct snapshot_file *a) {
+    append(a, &a->hash, sizeof a->hash);
+    return a->filled;
+}
+
 /* ---- checks of values that are read ---------------------------------------------------------- */
 
 void snapshot_file_require(struct snapshot_file *a, bool valid, const char *what) {
@@ -155,6 +186,10 @@ static pdyn_status damaged(const struct snapshot_file *a, const char *what) {
     return context_fail(a->context, PDYN_BAD_INPUT, "%.1024s: %s", a->path, what);
 }
 
+static pdyn_status wrong_checksum(const struct snapshot_file *a) {
+    return damaged(a, "the state is damaged: its checksum is wrong");
+}
+
 /* Compares the hash of `size` bytes of content with the hash that follows them in the file. */
 static pdyn_status check_content(struct snapshot_file *a, size_t size) {
     unsigned char buffer[CHUNK];
@@ -165,21 +200,31 @@ static pdyn_status check_content(struct snapshot_file *a, size_t size) {
         hash = hash_bytes(hash, buffer, part);
     }
     if (fread(&found, 1, sizeof found, a->in) != sizeof found || found != hash)
-        return damaged(a, "the state is damaged: its checksum is wrong");
+        return wrong_checksum(a);
+    return PDYN_OK;
+}
+
+static pdyn_status no_state(const struct snapshot_file *a) {
+    return damaged(a, "expected a state saved by this version of projdyn");
+}
+
+static pdyn_status check_head(const struct snapshot_file *a, const unsigned char head[HEAD]) {
+    const size_t word = sizeof magic - 1;
+    if (memcmp(head, magic, word)) return no_state(a);
+    if (memcmp(head + word, &order_mark, sizeof order_mark))
+        return damaged(a, "the state was saved on a machine with another byte order");
     return PDYN_OK;
 }
 
 static pdyn_status check_file(struct snapshot_file *a) {
     struct stat info;
-    char word[sizeof magic - 1];
-    uint64_t mark = 0;
+    unsigned char head[HEAD];
     if (fstat(fileno(a->in), &info) || !S_ISREG(info.st_mode) || info.st_size < HEAD + TAIL ||
-        fread(word, 1, sizeof word, a->in) != sizeof word || memcmp(word, magic, sizeof word))
-        return damaged(a, "expected a state saved by this version of projdyn");
-    if (fread(&mark, 1, sizeof mark, a->in) != sizeof mark || mark != order_mark)
-        return damaged(a, "the state was saved on a machine with another byte order");
+        fread(head, 1, HEAD, a->in) != HEAD)
+        return no_state(a);
     a->left = (size_t)info.st_size - HEAD - TAIL;
-    pdyn_status status = check_content(a, a->left);
+    pdyn_status status = check_head(a, head);
+    if (status == PDYN_OK) status = check_content(a, a->left);
     if (status == PDYN_OK && fseek(a->in, HEAD, SEEK_SET)) return damaged(a, "cannot be read");
     return status;
 }
@@ -197,7 +242,23 @@ pdyn_status snapshot_file_open(pdyn_context *context, const char *path, struct s
     return status;
 }
 
+pdyn_status snapshot_buffer_open(pdyn_context *context, const void *buffer, size_t size,
+                                 struct snapshot_file *out) {
+    unsigned char *bytes = (unsigned char *)(uintptr_t)buffer; /* only read */
+    snapshot_memory_create(context, out);
+    snapshot_memory_rewind(out);
+    out->borrowed = true;
+    if (size < HEAD + TAIL) return no_state(out);
+    out->memory = bytes + HEAD, out->filled = size - HEAD - TAIL;
+    pdyn_status status = check_head(out, bytes);
+    uint64_t hash = hash_bytes(HASH_BEGIN, out->memory, out->filled);
+    if (status == PDYN_OK && memcmp(&hash, out->memory + out->filled, sizeof hash))
+        return wrong_checksum(out);
+    return status;
+}
+
 pdyn_status snapshot_file_close(struct snapshot_file *a) {
+    if (a->borrowed) return a->status;
     if (a->in_memory) {
         FREE_ARRAY(a->context, a->memory, a->room);
         return a->status;

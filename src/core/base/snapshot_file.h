@@ -20,6 +20,7 @@ struct snapshot_file {
     size_t left; /* bytes of content that were not read yet */
     uint64_t hash;
     bool in_memory;        /* the state is in `memory`, without a file */
+    bool borrowed;         /* `memory` belongs to the caller: snapshot_file_close leaves it */
     unsigned char *memory; /* room bytes, of which `filled` are written and `taken` are read */
     size_t room, filled, taken;
     pdyn_status status; /* the first error */
@@ -39,6 +40,16 @@ pdyn_status snapshot_file_close(struct snapshot_file *snapshot);
  * for reading from the beginning; snapshot_file_close frees it. PDYN_NO_MEMORY. */
 void snapshot_memory_create(pdyn_context *context, struct snapshot_file *out);
 void snapshot_memory_rewind(struct snapshot_file *snapshot);
+
+/* A state in a buffer of the caller, with the bytes of the file. snapshot_buffer_create opens it
+ * for writing. Bytes beyond `capacity` are counted and not stored; snapshot_buffer_end returns the
+ * size of the whole state. snapshot_buffer_open verifies the checksum and opens it for reading;
+ * after a failure there is nothing to close. PDYN_BAD_INPUT: as snapshot_file_open. */
+void snapshot_buffer_create(pdyn_context *context, void *buffer, size_t capacity,
+                            struct snapshot_file *out);
+size_t snapshot_buffer_end(struct snapshot_file *snapshot);
+pdyn_status snapshot_buffer_open(pdyn_context *context, const void *buffer, size_t size,
+                                 struct snapshot_file *out);
 
 /* Writes or reads `size` bytes. After the first error, reading gives zeros. */
 void snapshot_file_bytes(struct snapshot_file *snapshot, void *data, size_t size);

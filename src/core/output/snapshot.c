@@ -181,12 +181,34 @@ pdyn_status pdyn_save(pdyn_sim *sim, const char *path) {
     return snapshot_file_close(&a);
 }
 
+pdyn_status pdyn_save_memory(pdyn_sim *sim, void *buffer, size_t capacity, size_t *size) {
+    struct snapshot_file a;
+    if (!sim || !size || (!buffer && capacity)) return PDYN_BAD_CALL;
+    snapshot_buffer_create(sim->context, buffer, capacity, &a);
+    pdyn_status status = snapshot_write(sim, &a);
+    if (status != PDYN_OK) return status;
+    *size = snapshot_buffer_end(&a);
+    return buffer && *size > capacity ? PDYN_BAD_CALL : PDYN_OK;
+}
+
+/* Restores an opened state and closes it. */
+static pdyn_status restore_from(pdyn_sim *sim, struct snapshot_file *a) {
+    struct snapshot_file before;
+    pdyn_status status = snapshot_end_read(sim, &before, snapshot_read(sim, a, &before));
+    snapshot_file_close(a);
+    return status;
+}
+
 pdyn_status pdyn_restore(pdyn_sim *sim, const char *path) {
-    struct snapshot_file a, before;
+    struct snapshot_file a;
     if (!sim || !path) return PDYN_BAD_CALL;
     pdyn_status status = snapshot_file_open(sim->context, path, &a);
-    if (status != PDYN_OK) return status;
-    status = snapshot_end_read(sim, &before, snapshot_read(sim, &a, &before));
-    snapshot_file_close(&a);
-    return status;
+    return status == PDYN_OK ? restore_from(sim, &a) : status;
+}
+
+pdyn_status pdyn_restore_memory(pdyn_sim *sim, const void *buffer, size_t size) {
+    struct snapshot_file a;
+    if (!sim || !buffer) return PDYN_BAD_CALL;
+    pdyn_status status = snapshot_buffer_open(sim->context, buffer, size, &a);
+    return status == PDYN_OK ? restore_from(sim, &a) : status;
 }
