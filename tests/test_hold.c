@@ -80,6 +80,47 @@ static void test_hold_removed(void **state) {
     pdyn_free(sim);
 }
 
+/* Steps from a state, restored into a simulation whose hold is at another place or has another
+ * stiffness, have the bits of the first time. Solvers are made anew for another stiffness only. */
+static void restored(pdyn_sim *sim, const void *state, size_t size, uint64_t hash,
+                     double stiffness) {
+    good(pdyn_hold(sim, CORNER, stiffness, (double[]){0.3, 0.2, 0.2}));
+    take_steps(sim, 3);
+    long weights = sim->objective.weights;
+    good(pdyn_restore_memory(sim, state, size));
+    assert_true((sim->objective.weights == weights) == (stiffness == 1e4));
+    take_steps(sim, 5);
+    assert_true(pdyn_state_hash(sim) == hash);
+}
+
+static void restore_holds(const char *text) {
+    if (test_lacks_solver(text)) return;
+    static unsigned char bytes[1 << 20];
+    size_t size;
+    pdyn_sim *sim = test_load(context, text);
+    good(pdyn_hold(sim, CORNER, 1e4, (double[]){0.2, 0.1, 0.1}));
+    good(pdyn_hold(sim, CORNER - 1, 1e3, (double[]){0.1, 0.1, 0.1}));
+    take_steps(sim, 5);
+    good(pdyn_save_memory(sim, bytes, sizeof bytes, &size));
+    take_steps(sim, 5);
+    uint64_t hash = pdyn_state_hash(sim);
+    restored(sim, bytes, size, hash, 1e4);
+    restored(sim, bytes, size, hash, 2e4);
+    good(pdyn_release(sim, CORNER));
+    good(pdyn_hold(sim, CORNER - 2, 1e4, (double[]){0.1, 0.1, 0.1}));
+    restored(sim, bytes, size, hash, 2e4);
+    continues(sim, text);
+    pdyn_free(sim);
+}
+
+static void test_restored_holds(void **state) {
+    (void)state;
+    restore_holds(sheet);
+    restore_holds(PINNED(SOLVER("cholesky", "projective"), "1000"));
+    restore_holds(PINNED(SOLVER("cg", "newton"), "1000"));
+    restore_holds(PINNED(SOLVER("hybrid", "newton"), "1000"));
+}
+
 static void test_wrong_holds(void **state) {
     (void)state;
     pdyn_sim *sim = test_load(context, inlet);
@@ -99,9 +140,8 @@ static void test_wrong_holds(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_holds),
-        cmocka_unit_test(test_hold_in_water),
-        cmocka_unit_test(test_hold_removed),
+        cmocka_unit_test(test_holds),        cmocka_unit_test(test_hold_in_water),
+        cmocka_unit_test(test_hold_removed), cmocka_unit_test(test_restored_holds),
         cmocka_unit_test(test_wrong_holds),
     };
     return cmocka_run_group_tests_name("hold", tests, control_set_up, control_tear_down);

@@ -214,18 +214,39 @@ static void persist_hold(struct pdyn_sim *sim, struct hold *h, struct snapshot_f
     h->particle = (int)particle;
 }
 
+/* Whether the holds from `first` on are those before it, but for their targets. */
+static bool same_holds(const struct control *c, size_t first) {
+    bool same = c->holds == 2 * first;
+    for (size_t k = 0; same && k < first; k++) {
+        const struct hold *old = &c->hold[k], *read = &c->hold[first + k];
+        same =
+            !old->released && old->particle == read->particle && old->stiffness == read->stiffness;
+    }
+    return same;
+}
+
+/* Replaces the holds before `first` by those from there on. Solvers depend on particles and
+ * stiffness, not on targets. */
+static void replace_holds(struct control *c, size_t first) {
+    if (same_holds(c, first)) {
+        if (first) memcpy(c->hold, c->hold + first, first * sizeof *c->hold);
+        c->holds = first;
+        return;
+    }
+    for (size_t k = 0; k < first; k++) c->hold[k].released = true;
+    c->stale = true;
+}
+
 /* Call after control_settle, so that no released hold is left. */
 void holds_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     struct control *c = &sim->control;
     int count = (int)c->holds;
-    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of holds is out of range");
-    if (a->view.reading && (count || c->holds)) {
-        for (size_t k = 0; k < c->holds; k++) c->hold[k].released = true;
-        c->stale = true;
-    }
     size_t first = a->view.reading ? c->holds : 0;
+    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of holds is out of range");
     for (int k = 0; k < count && a->status == PDYN_OK; k++) {
         if (a->view.reading && !add_hold(sim)) a->status = PDYN_NO_MEMORY;
         else persist_hold(sim, &c->hold[first + (size_t)k], a);
     }
+    if (a->view.reading && a->status == PDYN_OK) replace_holds(c, first);
+    else if (a->view.reading) c->holds = first;
 }
