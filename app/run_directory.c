@@ -2,6 +2,7 @@
 #include "run_directory.h"
 
 #include "read_file.h"
+#include "skin.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -184,6 +185,12 @@ static bool is_fluid(const struct run *run, const char *body) {
     return !run->report;
 }
 
+static int open_skin(const struct run *run, struct part *part) {
+    char path[RUN_PATH];
+    if (!run_path(path, run, part->name, ".skin.vtk") || access(path, F_OK)) return EXIT_GOOD;
+    return vtk_frame_read_skin(path, &part->skin);
+}
+
 /* Reads name, list of frames, radius and rest density of body b. */
 static int open_body(struct run *run, int b) {
     struct part *part = &run->part[run->parts++];
@@ -199,7 +206,7 @@ static int open_body(struct run *run, int b) {
     if (code == EXIT_GOOD) code = read_body_number(run, b, "radius_m", &part->radius);
     if (code == EXIT_GOOD) code = read_body_number(run, b, "rest_density", &part->rest_density);
     if (code == EXIT_GOOD) code = read_color(run, part, entry, &part->color);
-    return code;
+    return code == EXIT_GOOD ? open_skin(run, part) : code;
 }
 
 /* Reads name, kind and list of frames of a solid in report.json; an entry without a file (of an
@@ -256,7 +263,12 @@ int part_read_frame(const struct run *run, const struct part *part, int f, char 
     const char *name = json_string_value(json_object_get(entry, "name"));
     int length = snprintf(path, RUN_PATH, "%s/%s%s", run->directory, part->folder, name);
     if (length >= RUN_PATH) return run_error("%s: the path is too long", name);
-    return part->kind == BODY ? vtk_frame_read(path, frame) : vtk_frame_read_geometry(path, frame);
+    if (part->kind != BODY) return vtk_frame_read_geometry(path, frame);
+    int code = vtk_frame_read(path, frame);
+    if (code != EXIT_GOOD || !part->skin.count) return code;
+    code = skin_carry(&part->skin, path, frame);
+    if (code != EXIT_GOOD) vtk_frame_free(frame);
+    return code;
 }
 
 /* Sets run->frames to the number of frames that all parts have (a killed run may lack the last
@@ -300,6 +312,7 @@ void run_close(struct run *run) {
         json_decref(part->series);
         free(part->triangle);
         free(part->frame_points);
+        vtk_frame_free(&part->skin);
     }
     free(run->part);
     json_decref(run->metrics);

@@ -42,6 +42,7 @@ struct part {
     double rest_density;   /* of particles, kg/m^3; 0: unknown */
     int channels;          /* the first so many values of enum channel are there */
     double most[CHANNELS]; /* largest value of each */
+    struct vtk_frame skin; /* of a body with NAME.skin.vtk, drawn in its place; count 0: none */
 };
 
 struct run {
@@ -77,7 +78,8 @@ double part_time(const struct part *part, int f);
 bool part_has_time(const struct part *part, int f, double time);
 /* Number of frames of a part that are stored: 1 for a part at rest. */
 int part_frames(const struct run *run, const struct part *part);
-/* Reads frame f of a part, for a part at rest its only one; path: of the file that was read. */
+/* Reads frame f of a part, for a part at rest its only one; path: of the file that was read. A body
+ * with a skin gives the points and triangles of the skin. */
 int part_read_frame(const struct run *run, const struct part *part, int f, char path[RUN_PATH],
                     struct vtk_frame *frame);
 /* The command `projdyn NAME DIR [-o FILE]` (argv[0]: NAME), whose `write` opens the run and writes

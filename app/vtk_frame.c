@@ -237,8 +237,43 @@ static int read_point_data(struct reader *r, struct vtk_frame *frame) {
                              : code;
 }
 
-/* data: expect POINT_DATA after the cells */
-static int read_frame(const char *path, bool data, struct vtk_frame *frame) {
+/* Reads a block of numbers of at least 0. */
+static int read_indices(struct reader *r, size_t count, const char *what, int **out) {
+    int code = need_words(r, count, what);
+    if (code != EXIT_GOOD) return code;
+    *out = malloc((count + 1) * sizeof **out);
+    if (!*out) return no_memory(r->path, count * sizeof **out);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t word = next_word(r);
+        if (word > INT32_MAX)
+            return fail_at(r, r->at - 4, "expected a %s from 0, found %d", what, (int)word);
+        (*out)[i] = (int)word;
+    }
+    return end_block(r);
+}
+
+static int read_binding(struct reader *r, struct vtk_frame *frame) {
+    char points[LINE], vertex[LINE], weight[LINE];
+    size_t numbers = 4 * (size_t)frame->count;
+    snprintf(points, sizeof points, "POINT_DATA %d", frame->count);
+    snprintf(vertex, sizeof vertex, "vertex 4 %d int", frame->count);
+    snprintf(weight, sizeof weight, "weight 4 %d float", frame->count);
+    int code = expect_line(r, points);
+    if (code == EXIT_GOOD) code = expect_line(r, "FIELD binding 2");
+    if (code == EXIT_GOOD) code = expect_line(r, vertex);
+    if (code == EXIT_GOOD) code = read_indices(r, numbers, "vertex", &frame->vertex);
+    if (code == EXIT_GOOD) code = expect_line(r, weight);
+    return code == EXIT_GOOD ? read_floats(r, numbers, "weight", &frame->weight) : code;
+}
+
+static int read_nothing(struct reader *r, struct vtk_frame *frame) {
+    (void)r, (void)frame;
+    return EXIT_GOOD;
+}
+
+/* read_data: reads what follows the cells */
+static int read_frame(const char *path, int (*read_data)(struct reader *r, struct vtk_frame *frame),
+                      struct vtk_frame *frame) {
     struct reader r = {.path = path};
     char *bytes;
     *frame = (struct vtk_frame){0};
@@ -246,7 +281,7 @@ static int read_frame(const char *path, bool data, struct vtk_frame *frame) {
     r.bytes = bytes;
     if (code == EXIT_GOOD) code = read_points(&r, frame);
     if (code == EXIT_GOOD) code = read_cells(&r, frame);
-    if (code == EXIT_GOOD && data) code = read_point_data(&r, frame);
+    if (code == EXIT_GOOD) code = read_data(&r, frame);
     if (code == EXIT_GOOD && r.at != r.size)
         code =
             fail_at(&r, r.at, "expected the end of the file, found %zu more bytes", r.size - r.at);
@@ -256,11 +291,15 @@ static int read_frame(const char *path, bool data, struct vtk_frame *frame) {
 }
 
 int vtk_frame_read(const char *path, struct vtk_frame *frame) {
-    return read_frame(path, true, frame);
+    return read_frame(path, read_point_data, frame);
 }
 
 int vtk_frame_read_geometry(const char *path, struct vtk_frame *frame) {
-    return read_frame(path, false, frame);
+    return read_frame(path, read_nothing, frame);
+}
+
+int vtk_frame_read_skin(const char *path, struct vtk_frame *frame) {
+    return read_frame(path, read_binding, frame);
 }
 
 void vtk_frame_free(struct vtk_frame *frame) {
@@ -270,5 +309,7 @@ void vtk_frame_free(struct vtk_frame *frame) {
     free(frame->density);
     free(frame->pressure);
     free(frame->triangle);
+    free(frame->vertex);
+    free(frame->weight);
     *frame = (struct vtk_frame){0};
 }

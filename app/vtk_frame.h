@@ -16,6 +16,8 @@ struct vtk_frame {
     float *density;  /* kg/m^3,             count; NULL for a surface */
     float *pressure; /* Pa,                 count; NULL for a surface */
     int *triangle;   /* corner indices,     triangles x 3 */
+    int *vertex;     /* of a skin: vertices of the body that a point follows,  count x 4 */
+    float *weight;   /* of a skin: their weights,                              count x 4 */
 };
 
 /* Reads a body's points with their data; vtk_frame_read_geometry() reads a file without data, of
@@ -24,6 +26,8 @@ struct vtk_frame {
  * freed and return EXIT_BAD_INPUT (EXIT_FAILED: out of memory). */
 int vtk_frame_read(const char *path, struct vtk_frame *frame);
 int vtk_frame_read_geometry(const char *path, struct vtk_frame *frame);
+/* Reads the skin of a body, NAME.skin.vtk: x, triangle, vertex and weight. Returns as these. */
+int vtk_frame_read_skin(const char *path, struct vtk_frame *frame);
 
 void vtk_frame_free(struct vtk_frame *frame);
 

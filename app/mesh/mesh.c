@@ -1,4 +1,5 @@
-/* projdyn mesh: triangle meshes of the surface of the fluid, for every frame of a run. */
+/* projdyn mesh: triangle meshes of the surface of the fluid, and of bodies that "cell" has filled,
+ * for every frame of a run. */
 #include "new_file.h"
 #include "surface_file.h"
 #include "surface_make.h"
@@ -16,7 +17,8 @@ static const char usage[] =
     "\n"
     "Writes triangle meshes of the surface of each fluid of a run, with velocities and normals, "
     "to\n"
-    "DIR/mesh/BODY_000000.vtk and so on. The meshes are closed, and end at cloth and solids.\n"
+    "DIR/mesh/BODY_000000.vtk and so on. The meshes are closed, and end at cloth and solids. Of a\n"
+    "body with \"cell\": the mesh of the scene, carried by its tetrahedra.\n"
     "\n"
     "      --format FORMAT   vtk (default), ply or obj\n"
     "      --frames A:B      only the frames A to B, counted from 0\n"
@@ -87,7 +89,9 @@ static int mesh_frame(const struct run *run, const struct part *part, int f,
                       const struct mesh_options *options, struct mesh_summary *summary) {
     struct surface surface;
     double spacing = 2.0 * part->radius;
-    int code = surface_make(run, part, f, true, (int)options->threads, &surface);
+    int threads = (int)options->threads;
+    int code = part->skin.count ? surface_carry(run, part, f, threads, &surface)
+                                : surface_make(run, part, f, true, threads, &surface);
     if (code == EXIT_GOOD) code = write_surface(run, part, f, options, &surface);
     if (code == EXIT_GOOD) add_to_summary(summary, &surface, surface.particles * pow(spacing, 3.0));
     surface_free(&surface);
@@ -140,7 +144,7 @@ static int make_folder(const struct run *run) {
 }
 
 static int mesh_run(struct run *run, struct mesh_options *options) {
-    int code = run_open(run), fluids = 0;
+    int code = run_open(run), bodies = 0;
     if (code != EXIT_GOOD) return code;
     if (!run->report)
         return run_error("%s: expected report.json or files.json of a run, found neither",
@@ -151,10 +155,11 @@ static int mesh_run(struct run *run, struct mesh_options *options) {
                          options->last);
     code = make_folder(run);
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
-        if (run->part[p].fluid) code = mesh_body(run, &run->part[p], options), fluids++;
-    if (code == EXIT_GOOD && !fluids)
-        return run_error("%s/%s: expected a body with the constraint \"fluid\"", run->directory,
-                         run->source);
+        if (run->part[p].fluid || run->part[p].skin.count)
+            code = mesh_body(run, &run->part[p], options), bodies++;
+    if (code == EXIT_GOOD && !bodies)
+        return run_error("%s/%s: expected a body with the constraint \"fluid\" or with \"cell\"",
+                         run->directory, run->source);
     return code;
 }
 

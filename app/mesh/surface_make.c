@@ -1,5 +1,8 @@
-/* The surface of a fluid in a frame: reads the particles and what stands around them. */
+/* The surface of a fluid in a frame: reads the particles and what stands around them; and the skin
+ * of a body. */
 #include "surface_make.h"
+
+#include <stdlib.h>
 
 /* Passes of smoothing: before vertices move to obstacles, and after. */
 enum { PASSES = 80, PASSES_AFTER = 10 };
@@ -29,6 +32,26 @@ static int read_obstacles(const struct run *run, int f, struct obstacles *out) {
     for (int p = 0; p < run->parts && code == EXIT_GOOD; p++)
         if (is_obstacle(&run->part[p])) code = add_part(run, &run->part[p], f, out);
     return code == EXIT_GOOD ? obstacles_build(out) : code;
+}
+
+/* ---- skins ----------------------------------------------------------------------------------- */
+
+int surface_carry(const struct run *run, const struct part *part, int f, int threads,
+                  struct surface *out) {
+    char path[RUN_PATH];
+    struct vtk_frame frame;
+    *out = (struct surface){0};
+    int code = part_read_frame(run, part, f, path, &frame);
+    if (code != EXIT_GOOD) return code;
+    *out = (struct surface){.vertices = frame.count,
+                            .triangles = frame.triangles,
+                            .x = frame.x,
+                            .velocity = frame.velocity,
+                            .triangle = frame.triangle,
+                            .mobility = malloc((size_t)frame.count * sizeof(float))};
+    if (!out->mobility) return report_no_memory();
+    for (int v = 0; v < frame.count; v++) out->mobility[v] = 1.0f; /* normals by triangles alone */
+    return surface_make_normals(out, NULL, threads);
 }
 
 /* ---- surfaces -------------------------------------------------------------------------------- */

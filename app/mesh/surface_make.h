@@ -11,4 +11,8 @@
 int surface_make(const struct run *run, const struct part *part, int f, bool drops, int threads,
                  struct surface *out);
 
+/* Reads the skin of a body in frame f, with normals. The caller frees *out in any case. */
+int surface_carry(const struct run *run, const struct part *part, int f, int threads,
+                  struct surface *out);
+
 #endif

@@ -1,5 +1,6 @@
 /* Metadata of a replay page as JSON. */
 #include "replay_page.h"
+#include "replay_strings.h"
 
 static json_t *box_to_json(const struct box *box) {
     return json_pack("[[f,f,f],[f,f,f]]", box->min[0], box->min[1], box->min[2], box->max[0],
@@ -76,9 +77,9 @@ json_t *replay_metadata(const struct run *run) {
     json_t *times = json_array();
     for (int f = 0; f < run->frames; f++)
         json_array_append_new(times, json_real(part_time(&run->part[0], f)));
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?, s:O*, s:O*}", "about",
-                     facts_to_json(run), "times", times, "bodies", parts_to_json(run, BODY),
-                     "solids", parts_to_json(run, SOLID), "boundary", parts_to_json(run, BOUNDARY),
+    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:O?, s:O*, s:o}", "about", facts_to_json(run),
+                     "times", times, "bodies", parts_to_json(run, BODY), "solids",
+                     parts_to_json(run, SOLID), "boundary", parts_to_json(run, BOUNDARY),
                      "warnings", warnings_to_json(run), "metrics", run->metrics, "live", run->live,
-                     "strings", json_object_get(run->report, "strings"));
+                     "strings", replay_strings(run));
 }

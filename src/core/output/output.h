@@ -8,6 +8,7 @@
 
 #define SOLIDS_FOLDER "solids/" /* of the files of solids, in the directory of a run */
 #define MESH_FOLDER   "mesh/"   /* of the surfaces of fluids by `projdyn mesh` */
+#define SKIN_ENDING   ".skin.vtk"
 
 /* Writes the current state of a body to a file, numbers as 32-bit floats: positions, velocities,
  * and the triangles of a surface or density and pressure of particles. PDYN_IO_FAILED: no file is
@@ -17,6 +18,10 @@ pdyn_status ply_write_body(const pdyn_sim *sim, int body, const char *path);
 /* Writes the current shape of a surface as OBJ, with texture coordinates, groups and materials of
  * the scene's OBJ file, or texture coordinates of a grid. PDYN_BAD_INPUT: that file has changed. */
 pdyn_status obj_write_body(const pdyn_sim *sim, int body, const char *path);
+/* Writes the mesh that "cell" of a body has replaced, in its place at the start, and how it follows
+ * the vertices of the body: the file of a surface with two fields of its points, "vertex", four
+ * vertices of the body, and "weight", their weights. */
+pdyn_status vtk_write_skin(const pdyn_sim *sim, int body, const char *path);
 /* Writes the boundary points on solids at rest, or on those that move. */
 pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path);
 /* Writes the vertices of a solid at the current time, and its triangles. */

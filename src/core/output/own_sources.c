@@ -56,5 +56,7 @@ pdyn_status own_sources_check(pdyn_writer *writer) {
         status = refuse(sim, writer_path(writer, "%s", files[k]));
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++)
         status = refuse(sim, writer_path(writer, "%s.obj", sim->body[b].name));
+    for (int b = 0; b < sim->bodies && status == PDYN_OK; b++)
+        status = refuse(sim, writer_path(writer, "%s" SKIN_ENDING, sim->body[b].name));
     return status;
 }

@@ -36,6 +36,9 @@ static void print_list(struct file_out *file, const pdyn_sim *sim, const char *s
     print_element(file, &files, "", REPORT, "");
     for (int b = 0; b < sim->bodies; b++)
         if (sim->body[b].triangles) print_element(file, &files, "", sim->body[b].name, ".obj");
+    for (int b = 0; b < sim->bodies; b++)
+        if (scene->body[b].skin.vertices)
+            print_element(file, &files, "", sim->body[b].name, SKIN_ENDING);
     for (int s = 0; s < scene->solids; s++)
         if (!scene->solid[s].motion.keys)
             print_element(file, &files, SOLIDS_FOLDER, scene->solid[s].name, ".vtk");
@@ -84,7 +87,7 @@ static const char *own_name(const char *path, const char *ending, const char **f
 static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
     const char *folder;
     bool own = path && (!strcmp(path, REPORT) || own_name(path, ".obj", &folder) ||
-                        own_name(path, ".vtk", &folder));
+                        own_name(path, SKIN_ENDING, &folder) || own_name(path, ".vtk", &folder));
     if (!own) return PDYN_OK;
     path = writer_path(writer, "%s", path);
     return own_source(writer->sim, path) ? PDYN_OK : frames_remove_file(writer, path);

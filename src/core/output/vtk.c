@@ -1,5 +1,6 @@
 /* Legacy VTK files, version 4.2, binary (big endian): unstructured grids of points and cells. */
 #include "base/file_out.h"
+#include "geometry/embedding.h"
 #include "output.h"
 #include "step/live_particles.h"
 
@@ -73,6 +74,43 @@ pdyn_status vtk_write_body(const pdyn_sim *sim, int body, const char *path) {
     write_values(&file, sim, &info, state.v, 3);
     file_out_print(&file, "\n");
     return file_out_close(&file);
+}
+
+/* Binds the skin of a body to its tetrahedra, that of a rigid body to four of its vertices. */
+static pdyn_status bind_skin(const pdyn_sim *sim, int body, struct embedding *out) {
+    const struct scene_body *b = &sim->scene.body[body];
+    pdyn_body_info info = pdyn_get_body(sim, body);
+    int corner[4];
+    struct tets span = {.count = 1, .corner = corner};
+    if (b->is_rigid) embedding_span(info.rest, info.count, corner);
+    return embedding_create(sim->context, info.rest, b->is_rigid ? &span : &b->tets, &b->skin, out);
+}
+
+static void write_binding(struct file_out *file, const struct embedding *e) {
+    size_t numbers = 4 * (size_t)e->count;
+    file_out_print(file, "\nPOINT_DATA %d\nFIELD binding 2\nvertex 4 %d int\n", e->count, e->count);
+    file_out_ints(file, order, e->corner, numbers);
+    file_out_print(file, "\nweight 4 %d float\n", e->count);
+    file_out_reals(file, order, e->weight, numbers);
+    file_out_print(file, "\n");
+}
+
+pdyn_status vtk_write_skin(const pdyn_sim *sim, int body, const char *path) {
+    const struct mesh *skin = &sim->scene.body[body].skin;
+    struct file_out file;
+    struct embedding binding;
+    pdyn_status status = bind_skin(sim, body, &binding);
+    if (status != PDYN_OK) return status;
+    status = file_out_open(sim->context, path, &file);
+    if (status == PDYN_OK) {
+        write_head(&file, sim->body[body].name, 0.0, skin->vertices);
+        file_out_reals(&file, order, skin->vertex, 3 * (size_t)skin->vertices);
+        write_triangles(&file, skin->triangle, skin->triangles);
+        write_binding(&file, &binding);
+        status = file_out_close(&file);
+    }
+    embedding_free(sim->context, &binding);
+    return status;
 }
 
 pdyn_status vtk_write_boundary(const pdyn_sim *sim, bool moving, const char *path) {

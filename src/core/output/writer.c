@@ -166,10 +166,18 @@ static pdyn_status begin_solids(pdyn_writer *writer) {
     return status;
 }
 
+/* Writes the skin of a body, once, or removes that of a previous run. */
+static pdyn_status begin_skin(pdyn_writer *writer, int b) {
+    const char *path = writer_path(writer, "%s" SKIN_ENDING, writer->sim->body[b].name);
+    return writer->sim->scene.body[b].skin.vertices ? vtk_write_skin(writer->sim, b, path)
+                                                    : frames_remove_file(writer, path);
+}
+
 /* Removes the frames of a body in a previous run; writes the OBJ file of a surface, once. */
 static pdyn_status begin_body(pdyn_writer *writer, int b) {
     pdyn_body_info info = pdyn_get_body(writer->sim, b);
     pdyn_status status = frames_remove_listed(writer, "", info.name, "");
+    if (status == PDYN_OK) status = begin_skin(writer, b);
     if (status != PDYN_OK || !info.triangles) return status;
     return obj_write_body(writer->sim, b, writer_path(writer, "%s.obj", info.name));
 }

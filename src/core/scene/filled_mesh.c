@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Fills a closed mesh, in its place, and says how well the tetrahedra fit. */
-static pdyn_status fill(pdyn_context *context, double cell, struct mesh *surface,
-                        struct scene_body *body) {
+/* Fills the closed mesh body->skin, in its place, and says how well the tetrahedra fit. */
+static pdyn_status fill(pdyn_context *context, double cell, struct scene_body *body) {
+    struct mesh *surface = &body->skin;
     struct mesh_turned turned;
     double filled = 0.0;
     pdyn_status status = mesh_check(context, surface, "as placed");
@@ -26,15 +26,12 @@ static pdyn_status fill(pdyn_context *context, double cell, struct mesh *surface
 
 pdyn_status filled_mesh_read(const struct json_at *at, const struct json_at *cell_at,
                              const struct transform *transform, struct scene_body *body) {
-    struct mesh surface = {0};
     double cell;
     pdyn_status status = params_real(cell_at, 1e-6, 1e6, "m", &cell);
-    if (status == PDYN_OK) status = file_ref_mesh(at, &surface, NULL);
+    if (status == PDYN_OK) status = file_ref_mesh(at, &body->skin, NULL);
     if (status != PDYN_OK) return status;
-    transform_points(transform, surface.vertex, surface.vertices);
-    status = json_wrap(at, fill(at->file->context, cell, &surface, body));
-    mesh_free(at->file->context, &surface);
-    return status;
+    transform_points(transform, body->skin.vertex, body->skin.vertices);
+    return json_wrap(at, fill(at->file->context, cell, body));
 }
 
 /* Leaves out the vertices that no triangle has. number: vertices. */

@@ -238,6 +238,7 @@ static void free_body(pdyn_context *context, struct scene_body *body) {
     point_list_free(context, &body->start);
     point_list_free(context, &body->start_v);
     mesh_free(context, &body->mesh);
+    mesh_free(context, &body->skin);
     tets_free(context, &body->tets);
     free_text(context, &body->obj);
     free_text(context, &body->name);

@@ -1,0 +1,129 @@
+/* Points that follow tetrahedra: at rest they are where they were, and every affine motion of the
+ * tetrahedra carries them, inside and outside. */
+#include "support.h"
+
+#include "geometry/embedding.h"
+#include "projdyn/vec3.h"
+
+#include <string.h>
+
+/* The point i where the vertices at y carry it. */
+static void carry(const struct embedding *e, int i, const double *y, double x[3]) {
+    memset(x, 0, 3 * sizeof *x);
+    for (int k = 0; k < 4; k++)
+        vec3_add(x, e->weight[4 * i + k], y + 3 * (size_t)e->corner[4 * i + k]);
+}
+
+/* Stretches, shears, turns and moves. */
+static void move(const double x[3], double y[3]) {
+    static const double A[9] = {1.7, 0.3, -0.2, -0.6, 0.4, 0.9, 0.1, -1.1, 0.5};
+    vec3_multiply(y, A, x);
+    vec3_add(y, 1.0, (const double[3]){3.0, -2.0, 1.0});
+}
+
+static void assert_carried(const struct embedding *e, const struct mesh *skin,
+                           const struct mesh *mesh) {
+    double *moved = malloc(3 * (size_t)mesh->vertices * sizeof *moved), x[3], y[3];
+    for (int i = 0; i < mesh->vertices; i++)
+        move(mesh->vertex + 3 * (size_t)i, moved + 3 * (size_t)i);
+    assert_int_equal(e->count, skin->vertices);
+    for (int i = 0; i < e->count; i++) {
+        const double *at = skin->vertex + 3 * (size_t)i;
+        carry(e, i, mesh->vertex, x);
+        assert_true(vec3_distance(x, at) < 1e-12);
+        carry(e, i, moved, x);
+        move(at, y);
+        assert_true(vec3_distance(x, y) < 1e-11);
+    }
+    free(moved);
+}
+
+/* The knot, and the tetrahedra that fill it, with parts of the knot outside. */
+static struct mesh read_knot(pdyn_context *context, struct mesh *mesh, struct tets *tets) {
+    char path[1024];
+    struct mesh skin;
+    snprintf(path, sizeof path, "%s/scenes/meshes/knot.obj", getenv("PROJDYN_SOURCE_ROOT"));
+    assert_int_equal(mesh_read(context, path, &skin), PDYN_OK);
+    struct box box = box_around(skin.vertex, skin.vertices);
+    assert_int_equal(tets_fill(context, &skin, box_extent(&box) / 24.0, mesh, tets), PDYN_OK);
+    assert_int_equal(tets_finish(context, "filled", mesh, tets), PDYN_OK);
+    return skin;
+}
+
+static void test_tetrahedra(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    struct mesh mesh = {0};
+    struct tets tets = {0};
+    struct embedding e;
+    struct mesh skin = read_knot(context, &mesh, &tets);
+    struct box box = box_around(mesh.vertex, mesh.vertices);
+    assert_int_equal(embedding_create(context, mesh.vertex, &tets, &skin, &e), PDYN_OK);
+    assert_carried(&e, &skin, &mesh);
+    for (int k = 0; k < 4 * e.count; k++) assert_true(fabs(e.weight[k]) < 4.0); /* close by */
+    for (int i = 0; i < e.count; i++)
+        for (int k = 0; k < 4; k++)
+            assert_true(vec3_distance(skin.vertex + 3 * (size_t)i,
+                                      mesh.vertex + 3 * (size_t)e.corner[4 * i + k]) <
+                        box_extent(&box) / 8.0);
+    embedding_free(context, &e);
+    mesh_free(context, &skin), mesh_free(context, &mesh);
+    tets_free(context, &tets);
+    assert_int_equal(pdyn_bytes_in_use(context), 0);
+    pdyn_destroy(context);
+}
+
+static void test_span(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    struct mesh mesh = {0};
+    struct tets tets = {0};
+    struct embedding e;
+    int corner[4];
+    struct mesh skin = read_knot(context, &mesh, &tets);
+    embedding_span(mesh.vertex, mesh.vertices, corner);
+    const struct tets one = {.count = 1, .corner = corner};
+    assert_int_equal(embedding_create(context, mesh.vertex, &one, &skin, &e), PDYN_OK);
+    assert_carried(&e, &skin, &mesh);
+    for (int k = 0; k < 4 * e.count; k++) assert_true(fabs(e.weight[k]) < 8.0);
+    embedding_free(context, &e);
+    mesh_free(context, &skin), mesh_free(context, &mesh);
+    tets_free(context, &tets);
+    pdyn_destroy(context);
+}
+
+struct made {
+    pdyn_context *context;
+    const struct mesh *skin, *mesh;
+    const struct tets *tets;
+};
+
+static pdyn_status make(const void *what) {
+    const struct made *m = what;
+    struct embedding e;
+    pdyn_status status = embedding_create(m->context, m->mesh->vertex, m->tets, m->skin, &e);
+    if (status == PDYN_OK) embedding_free(m->context, &e);
+    return status;
+}
+
+static void test_memory(void **state) {
+    (void)state;
+    struct counter counter;
+    struct mesh mesh = {0};
+    struct tets tets = {0};
+    pdyn_context *context = test_counting_context(1, &counter);
+    struct mesh skin = read_knot(context, &mesh, &tets);
+    const struct made made = {context, &skin, &mesh, &tets};
+    size_t before = pdyn_bytes_in_use(context);
+    test_failing_allocations(context, &counter, make, &made);
+    assert_true(pdyn_bytes_in_use(context) == before);
+    mesh_free(context, &skin), mesh_free(context, &mesh);
+    tets_free(context, &tets);
+    pdyn_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_tetrahedra),
+                                       cmocka_unit_test(test_span), cmocka_unit_test(test_memory)};
+    return cmocka_run_group_tests_name("embedding", tests, NULL, NULL);
+}
