@@ -66,7 +66,7 @@ class Skin(unittest.TestCase):
         x, triangles = ball()
         with open(cls.directory / "ball.obj", "w") as file:
             file.writelines(f"v {p[0]:.17g} {p[1]:.17g} {p[2]:.17g}\n" for p in x)
-            file.writelines("f %d %d %d\n" % tuple(t + 1) for t in triangles)
+            file.writelines("f %d %d %d\n" % tuple(t[::-1] + 1) for t in triangles)  # facing inwards
         cls.placed = 0.5 * x @ rotation(MESH["rotate"]).T
         cls.triangles = len(triangles)
         (cls.directory / "scene.json").write_text(json.dumps(SCENE))
