@@ -19,6 +19,9 @@ except ImportError as missing:
     print(f"skipped: {missing}")
     sys.exit(77)
 
+sys.path.append(str(pathlib.Path(__file__).parent.parent / "blender/projdyn"))
+import run_directory  # noqa: E402
+
 PROJDYN = os.path.abspath(sys.argv[1])
 TURNS = 3.0  # rad/s
 MESH = {"mesh": "ball.obj", "scale": 0.5, "rotate": [10, 20, 30], "cell": 0.05, "density": 1000}
@@ -127,6 +130,14 @@ class Skin(unittest.TestCase):
         for (vertex, *corners), (own, *of_other) in zip(ends, stored):  # springs end near their vertices
             self.assertLess(np.linalg.norm(mesh.points[vertex] - hull.points[own]), 0.03)
             self.assertEqual(corners[:3], of_other[:3])
+
+    def test_blender_and_paraview_show_it(self):
+        for use_mesh, folder in ((True, "run/mesh"), (False, "run")):
+            parts = run_directory.read_run(self.directory / "run", use_mesh)
+            self.assertEqual([str(part.file.relative_to(self.directory)) for part in parts],
+                             [f"{folder}/soft.vtk.series", f"{folder}/rock.vtk.series", "run/box.vtk.series"])
+            self.assertEqual([part.role for part in parts], ["soft", "cloth", "cloth"])
+            self.assertEqual([part.uv is None for part in parts], [use_mesh, use_mesh, False])
 
     def test_the_next_run_removes_it(self):
         shutil.copytree(self.directory / "run", self.directory / "again")

@@ -3,7 +3,7 @@
     report.json          bodies, their constraints, solids
     BODY.vtk.series      names and times of the frames of a body
     BODY.obj             texture coordinates of a surface
-    mesh/BODY.vtk.series surface of a fluid, if `projdyn mesh` was run
+    mesh/BODY.vtk.series surface of a fluid or skin of a body, if `projdyn mesh` was run
     solids/...           meshes of solids, as report.json lists them
 
 Blender (objects.py) and ParaView (scripts/paraview_run.py) open a run by it."""
@@ -68,12 +68,13 @@ def bodies(directory, report, use_mesh):
     for body in report["bodies"]:
         color = color_of(body)
         name, file = body["name"], directory / f"{body['name']}.vtk.series"
+        mesh, fluid = directory / "mesh" / f"{name}.vtk.series", (name, "fluid") in constraints
+        meshed = use_mesh and mesh.exists()
         if body["kind"] == "surface":
             role = "soft" if (name, "tet") in constraints else "cloth"
-            yield Part(name, role, file, uv=directory / f"{name}.obj", color=color)
-            continue
-        mesh, fluid = directory / "mesh" / f"{name}.vtk.series", (name, "fluid") in constraints
-        if use_mesh and mesh.exists():
+            uv = None if meshed else directory / f"{name}.obj"
+            yield Part(name, role, mesh if meshed else file, uv=uv, color=color)
+        elif meshed:
             yield Part(name, "water", mesh, color=color)
         else:
             yield Part(name, "particles" if fluid else "grains", file, body["radius_m"], color=color)
@@ -81,7 +82,7 @@ def bodies(directory, report, use_mesh):
 
 def read_run(directory, use_mesh=True):
     """The parts of a run: bodies, then solids. use_mesh: the surface of a fluid, where there is
-    one, in place of its particles."""
+    one, in place of its particles, and the skin of a body in place of its tetrahedra."""
     directory = pathlib.Path(directory)
     report = read_json(directory / "report.json")
     parts = list(bodies(directory, report, use_mesh))
