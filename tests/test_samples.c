@@ -146,12 +146,70 @@ static void test_stretch(void **state) {
     pdyn_destroy(context);
 }
 
+/* x = that of sim, with a sheet that is stretched by the factor. */
+static void stretch(const pdyn_sim *sim, double factor, double *x) {
+    const pdyn_body *sheet = &sim->body[1];
+    memcpy(x, sim->x, objective_bytes(&sim->objective));
+    for (int k = 3 * sheet->first; k < 3 * (sheet->first + sheet->count); k++) x[k] *= factor;
+}
+
+/* value = C_i of the fluid at x. */
+static void find_values(pdyn_sim *sim, const double *x, double *gradient, double *value) {
+    const struct batch *b = sim->objective.batch[0];
+    double energy;
+    assert_int_equal(objective_local(&sim->objective, x, &energy, gradient), PDYN_OK);
+    for (int i = 0; i < b->one_sided.at.count; i++) value[i] = b->one_sided.at.value[i];
+}
+
+/* The density is a function of positions, whatever the state was at the beginning of the step: it
+ * does not jump when the next step begins. Rates and forces are its derivatives, also along a
+ * stretch of the sheet. */
+static void test_density(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, drop);
+    struct batch *b = sim->objective.batch[0];
+    int n = 3 * sim->objective.particles, count = sim->body[0].count;
+    double *x = test_vector(n), *u = test_vector(n), *g = test_vector(n),
+           *rate = test_vector(count), *low = test_vector(count), *high = test_vector(count),
+           *ones = test_vector(count), *within = test_vector(count);
+    bool *all = calloc((size_t)count, sizeof *all);
+    const double step = 1e-6;
+    double largest = 0.0, sum = 0.0, force = 0.0;
+    for (int k = 0; k < 9; k++) test_step(context, sim);
+    assert_true(all && b->op);
+    stretch(sim, 1.1 - step, x), find_values(sim, x, g, low);
+    stretch(sim, 1.1 + step, x), find_values(sim, x, g, high);
+    memcpy(u, x, (size_t)n * sizeof *u);
+    stretch(sim, 1.1, x);
+    for (int k = 0; k < n; k++) u[k] = (u[k] - x[k]) / step;
+    find_values(sim, x, g, within);
+    for (int i = 0; i < count; i++) all[i] = true, ones[i] = 1.0;
+    batch_rate(b, all, u, rate);
+    for (int i = 0; i < count; i++) {
+        double expected = (high[i] - low[i]) / (2.0 * step);
+        assert_true(fabs(rate[i] - expected) < 1e-5);
+        largest = fmax(largest, fabs(expected)), sum += rate[i];
+    }
+    assert_true(largest > 0.1);
+    memset(g, 0, (size_t)n * sizeof *g);
+    batch_force(b, ones, g);
+    for (int k = 0; k < n; k++) force += g[k] * u[k];
+    assert_true(fabs(force - sum) < 1e-9 * fabs(sum));
+    samples_update_volumes(sim->samples, x);
+    neighbours_set_sample_volumes(sim->neighbours, sim->samples);
+    find_values(sim, x, g, high);
+    for (int i = 0; i < count; i++) assert_true(fabs(high[i] - within[i]) < 1e-12);
+    free(within), free(x), free(u), free(g), free(rate), free(low), free(high), free(ones),
+        free(all);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places),
-        cmocka_unit_test(test_gather),
-        cmocka_unit_test(test_line),
-        cmocka_unit_test(test_stretch),
+        cmocka_unit_test(test_places),  cmocka_unit_test(test_gather),  cmocka_unit_test(test_line),
+        cmocka_unit_test(test_stretch), cmocka_unit_test(test_density),
     };
     return cmocka_run_group_tests_name("samples", tests, NULL, NULL);
 }

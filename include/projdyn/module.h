@@ -284,6 +284,8 @@ typedef struct pdyn_neighbours {
     unsigned volume_revision;          /* changes when volumes do */
     unsigned boundary_revision;        /* changes when boundary points do */
     const struct kernel_model *kernel; /* of the scene (kernel.h) */
+    const double *sample_share;        /* samples, m: volume over the area of the sample's triangle;
+                                          `volume` has the product at the beginning of a step */
 } pdyn_neighbours;
 
 /* One-sided scalar constraints C_i <= 0 at the last local step. The energy of constraint i is

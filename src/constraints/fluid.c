@@ -49,23 +49,18 @@ static int elements(const void *par, const pdyn_body *body) {
 
 static int first_sample(const pdyn_neighbours *l) { return l->particles - l->samples; }
 
-/* A row is one particle, or one sample: then its entries are the three corners of the triangle. */
+/* A row is one particle; a sample has three, the corners of its triangle. */
 static void row_sizes(const void *par, const pdyn_batch *b, int element, int *rows, int *width) {
     (void)par;
     const pdyn_neighbours *l = b->neighbours;
     int i = b->body->first + element;
-    *rows = 1 + l->boundary_start[i] - l->start[i];
+    *rows =
+        1 + l->surface_start[i] - l->start[i] + 3 * (l->boundary_start[i] - l->surface_start[i]);
     *width = 1;
-    if (l->boundary_start[i] > l->surface_start[i]) *width = 3;
 }
 
-static void select_row(const pdyn_batch *b, int row, int j) {
-    const pdyn_neighbours *l = b->neighbours;
-    int sample = 3 * (j - first_sample(l)), entry = b->row_entry[row];
-    for (int k = 0; k < b->row_entry[row + 1] - entry; k++) {
-        b->column[entry + k] = sample < 0 ? j : l->sample_vertex[sample + k];
-        b->coefficient[entry + k] = sample < 0 ? k == 0 : l->sample_weight[sample + k];
-    }
+static void select_row(const pdyn_batch *b, int row, int particle) {
+    b->column[b->row_entry[row]] = particle, b->coefficient[b->row_entry[row]] = 1.0;
 }
 
 static void select(const void *par, const pdyn_batch *b, int first, int last) {
@@ -73,9 +68,11 @@ static void select(const void *par, const pdyn_batch *b, int first, int last) {
     const pdyn_neighbours *l = b->neighbours;
     for (int e = first; e < last; e++) {
         int row = b->element_row[e], i = b->body->first + e;
-        select_row(b, row, i);
-        for (int r = row + 1; r < b->element_row[e + 1]; r++)
-            select_row(b, r, l->index[l->start[i] + r - row - 1]);
+        select_row(b, row++, i);
+        for (int k = l->start[i]; k < l->surface_start[i]; k++) select_row(b, row++, l->index[k]);
+        for (int k = l->surface_start[i]; k < l->boundary_start[i]; k++)
+            for (int m = 0; m < 3; m++)
+                select_row(b, row++, l->sample_vertex[3 * (l->index[k] - first_sample(l)) + m]);
     }
 }
 
@@ -83,9 +80,27 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
     for (int e = first; e < last; e++) b->weight[e] = ((const struct fluid_params *)par)->stiffness;
 }
 
+/* The relative volume of a sample whose corners are p (3 x 3); at: its position; growth (3 x 3):
+ * gradient of the volume, as in fluid_local.c. */
+static double sample_volume(const pdyn_neighbours *l, int sample, double unit, const double *p,
+                            double *at, double *growth) {
+    double n[3], edge[3], share = l->sample_share[sample] / unit;
+    vec3_normal(n, p, p + 3, p + 6);
+    double area = 0.5 * vec3_length(n);
+    at[0] = at[1] = at[2] = 0.0;
+    for (int m = 0; m < 3; m++) {
+        vec3_add(at, l->sample_weight[3 * sample + m], p + 3 * m);
+        vec3_subtract(edge, p + 3 * ((m + 2) % 3), p + 3 * ((m + 1) % 3));
+        vec3_cross(growth + 3 * m, n, edge);
+        for (int a = 0; a < 3; a++) growth[3 * m + a] *= area > 0.0 ? 0.25 * share / area : 0.0;
+    }
+    return share * area;
+}
+
 /* Returns C of element e at the positions p (rows x 3, particle e first); g: its gradient, rows x
- * 3, 1/m. Gradients of pairs are rounded to float, as the operator stores them. */
-static double row_density(const pdyn_batch *b, int e, const double *p, double *g) {
+ * 3, 1/m; *squares: of the gradients of particles and samples. Gradients of pairs are rounded to
+ * float, as the operator stores them. */
+static double row_density(const pdyn_batch *b, int e, const double *p, double *g, double *squares) {
     const pdyn_neighbours *l = b->neighbours;
     struct kernel kernel = fluid_kernel(l->kernel, 2.0 * b->body->radius);
     struct surface_kernel surface = fluid_surface_kernel(l->kernel, 2.0 * b->body->radius);
@@ -95,11 +110,15 @@ static double row_density(const pdyn_batch *b, int e, const double *p, double *g
     double rest = 1.0 + (l->granted ? l->granted[i] : 0.0);
     double c = l->volume[i] / unit * kernel_value(&kernel, 0.0) - rest;
     memset(g, 0, 3 * sizeof *g);
-    for (int k = 0; k < l->end[i] - l->start[i]; k++) {
+    *squares = 0.0;
+    for (int k = 0, row = 1; k < l->end[i] - l->start[i]; k++) {
         int j = l->index[l->start[i] + k];
-        const double *q = k < moving ? p + 3 * (1 + k) : l->boundary_x + 3 * (j - l->particles);
+        bool sample = k >= fluid && k < moving;
+        const double *q = k < moving ? p + 3 * row : l->boundary_x + 3 * (j - l->particles);
+        double at[3], growth[9], volume = l->volume[j] / unit;
+        if (sample) volume = sample_volume(l, j - first_sample(l), unit, q, at, growth), q = at;
         double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]}, r = vec3_length(d);
-        double volume = l->volume[j] / unit, squared = vec3_dot(d, d);
+        double squared = vec3_dot(d, d);
         bool particle = k < fluid || (k < moving ? l->has_volumes : k < walls);
         double value =
             particle ? kernel_value(&kernel, r) : surface_kernel_value(&surface, squared);
@@ -111,9 +130,15 @@ static double row_density(const pdyn_batch *b, int e, const double *p, double *g
             volatile float narrow = (float)(slope * d[a]);
             double rounded = (double)narrow;
             g[a] += rounded;
-            if (k < moving) g[3 * (1 + k) + a] = -rounded;
+            if (k < moving) *squares += rounded * rounded;
+            if (k < fluid) g[3 * row + a] = -rounded;
+            for (int m = 0; sample && m < 3; m++)
+                g[3 * (row + m) + a] = value * growth[3 * m + a] -
+                                       l->sample_weight[3 * (j - first_sample(l)) + m] * rounded;
         }
+        row += sample ? 3 : 1;
     }
+    *squares += vec3_dot(g, g);
     return c;
 }
 
@@ -127,9 +152,10 @@ static double squares_of(const double *g, int n) {
 static double linearise(const struct fluid_params *par, const pdyn_batch *b, int e, double *c,
                         double *g) {
     int row = b->element_row[e], n = 3 * (b->element_row[e + 1] - row);
-    *c = n > 3 * MAX_ROWS ? 0.0 : row_density(b, e, b->u + 3 * row, g);
-    return *c > 0.0 ? fluid_energy_stiffness(b->neighbours->kernel, par->stiffness,
-                                             squares_of(g, n), 2.0 * b->body->radius)
+    double squares = 0.0;
+    *c = n > 3 * MAX_ROWS ? 0.0 : row_density(b, e, b->u + 3 * row, g, &squares);
+    return *c > 0.0 ? fluid_energy_stiffness(b->neighbours->kernel, par->stiffness, squares,
+                                             2.0 * b->body->radius)
                     : 0.0;
 }
 

@@ -7,6 +7,7 @@
 /* Allocates or frees all arrays whose length follows from the number of particles or points. */
 static bool resize_particles(struct fluid *f, bool allocate) {
     size_t particles = (size_t)f->particles, points = (size_t)f->points;
+    size_t samples = (size_t)f->samples + 1; /* none: one, as NULL means no memory */
     struct {
         void **array;
         size_t count, size;
@@ -17,6 +18,8 @@ static bool resize_particles(struct fluid *f, bool allocate) {
         {(void **)&f->x, 4 * points, sizeof(double)},
         {(void **)&f->gradient, 4 * particles, sizeof(double)},
         {(void **)&f->vector, 4 * particles, sizeof(double)},
+        {(void **)&f->growth, 9 * samples, sizeof(double)},
+        {(void **)&f->tension, samples, sizeof(double)},
         {(void **)&f->compressed, particles, sizeof(double)},
         {(void **)&f->measured, particles, sizeof(double)},
         {(void **)&f->value, particles, sizeof(double)},
@@ -103,6 +106,7 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
         f->kernel = fluid_kernel(lists->kernel, f->spacing);
         f->surface = fluid_surface_kernel(lists->kernel, f->spacing);
         f->particles = lists->particles, f->points = lists->points;
+        f->samples = lists->samples;
         if (!resize_particles(f, true)) return false;
         for (int i = 0; i < f->particles; i++) f->compressed[i] = -1.0;
     }
@@ -120,7 +124,8 @@ static bool neighbours(void *self, const pdyn_neighbours *lists) {
 
 /* ---- callbacks ------------------------------------------------------------------------- */
 
-/* Within a step E is a function of x with an exact gradient: k_i and C^n are constant. */
+/* Within a step E is a function of x with an exact gradient: k_i and C^n are constant. Volumes of
+ * samples follow the areas of their triangles (fluid_local.c). */
 static void begin_range(void *arg, int first, int last, int block) {
     (void)block;
     struct fluid *f = ((const struct fluid_call *)arg)->f;

@@ -21,12 +21,27 @@ INLINE void sum_pairs(const struct fluid *f, int i, int end, add_fn *add, const 
     *out = (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* vector = in, for the particles of a block. The fourth lane is not set: products ignore it. */
+/* The rate of the relative volume of a sample, for the values u of the particles. */
+static double volume_rate(const struct fluid *f, int sample, const double *u) {
+    const int *corner = f->lists->sample_vertex + 3 * (size_t)sample;
+    const double *growth = f->growth + 9 * (size_t)sample;
+    double sum = 0.0;
+    for (int m = 0; m < 3; m++) sum += vec3_dot(growth + 3 * m, u + 3 * (size_t)corner[m]);
+    return sum;
+}
+
+/* vector = (in, 0), or (in, -rate of the volume) for samples, for the particles of a block. */
 static void copy_vectors(void *arg, int first, int last, int block) {
     const struct fluid_call *c = arg;
-    if (!takes_part(c->f, first, last, block)) return;
-    for (int i = first; i < last; i++)
-        memcpy(c->f->vector + 4 * i, c->in + 3 * i, 3 * sizeof *c->in);
+    struct fluid *f = c->f;
+    const int first_sample = f->particles - f->samples;
+    if (!takes_part(f, first, last, block)) return;
+    for (int i = first; i < last; i++) {
+        v4 v;
+        bool grows = i >= first_sample && f->pair_end[i] > f->pair_start[i];
+        v4_set(&v, c->in + 3 * i, grows ? -volume_rate(f, i - first_sample, c->in) : 0.0);
+        memcpy(f->vector + 4 * i, &v, sizeof v);
+    }
 }
 
 /* ---- rate: rate_i = grad C_i . u, an SPH divergence
@@ -39,7 +54,7 @@ INLINE void add_product(const struct fluid *f, int pair, const double *vector, v
     *sum += g * v;
 }
 
-/* rate_i = grad_i C_i . u_i - sum_j (V grad W)_ij . u_j */
+/* rate_i = grad_i C_i . u_i - sum_j (V grad W)_ij . u_j + sum over samples of W_ij dV_j/dt */
 WIDE static void divergence(void *arg, int first, int last, int block) {
     (void)block;
     const struct fluid_call *c = arg;
@@ -51,7 +66,7 @@ WIDE static void divergence(void *arg, int first, int last, int block) {
         memcpy(&own, f->gradient + 4 * i, sizeof own);
         memcpy(&at, f->vector + 4 * i, sizeof at);
         own *= at;
-        c->out[k] = c->which[k] ? (own[0] + own[1] + own[2]) - (sum[0] + sum[1] + sum[2]) : 0.0;
+        c->out[k] = c->which[k] ? (own[0] + own[1] + own[2]) - v4_sum(&sum) : 0.0;
     }
 }
 
@@ -74,18 +89,32 @@ INLINE void add_flux(const struct fluid *f, int pair, const double *flux, v4 *su
 WIDE static void gradients(void *arg, int first, int last, int block) {
     const struct fluid_call *c = arg;
     const struct fluid *f = c->f;
+    const int first_sample = f->particles - f->samples;
     if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
         v4 sum, own;
         sum_pairs(f, i, f->pair_end[i], add_flux, c->in, &sum);
+        if (i >= first_sample) f->tension[i - first_sample] = sum[3];
         memcpy(&own, f->gradient + 4 * i, sizeof own);
         sum += c->in[i] * own;
         v4_add_to(c->out + 3 * i, &sum);
     }
 }
 
+/* The force of the volume of a sample on the corners of its triangle. One thread: triangles share
+ * corners, and samples with pairs are few. */
+static void add_tensions(const struct fluid *f, double *y) {
+    for (int k = 0, i = f->particles - f->samples; k < f->samples; k++, i++) {
+        if (f->pair_end[i] <= f->pair_start[i]) continue;
+        for (int m = 0; m < 3; m++)
+            vec3_add(y + 3 * (size_t)f->lists->sample_vertex[3 * k + m], f->tension[k],
+                     f->growth + 9 * (size_t)k + 3 * m);
+    }
+}
+
 void fluid_add_gradients(struct fluid *f, const double *multiplier, double *y) {
     for_particles(f, f->particles, gradients, multiplier, y);
+    add_tensions(f, y);
 }
 
 static void spread(void *arg, int first, int last, int block) {

@@ -7,7 +7,8 @@
  *
  * Pairs are stored in float, sums and everything else in double. Both directions of a pair hold the
  * same rounded numbers, so momentum and the symmetry of H are exact to double precision. Memory: 20
- * bytes per listed neighbour, 176 per particle of the system and 32 per boundary point. */
+ * bytes per listed neighbour, 176 per particle of the system, 80 more per sample and 32 per
+ * boundary point. */
 #ifndef PDYN_FLUID_PAIRS_H
 #define PDYN_FLUID_PAIRS_H
 
@@ -24,6 +25,7 @@ struct fluid {
     struct surface_kernel surface;
     int first, count;                /* the fluid's particles in the system */
     int particles, points;           /* of the system; the same with boundary points */
+    int samples;                     /* the last ones of the particles */
     unsigned volumes, boundary;      /* revisions of the volumes and boundary points in x */
     double rest_density;             /* kg/m^3 */
     double spacing, particle_volume; /* m, m^3 */
@@ -36,7 +38,11 @@ struct fluid {
                            sample of the pair, 1 between fluid particles; then W */
     double *x;          /* points x 4: positions of the last local step, relative volume */
     double *gradient;   /* particles x 4: grad C_i with respect to x_i, 1/m, and 0 */
-    double *vector;     /* particles x 4: input of a pass */
+    double *vector;     /* particles x 4: input of a pass; of a sample then minus the rate of its
+                           relative volume */
+    double *growth;     /* samples x 9: gradient of the relative volume of a sample with respect to
+                           the corners of its triangle, 1/m */
+    double *tension;    /* samples: sum of flux times W over the pairs of a sample, N m */
     double *compressed; /* particles: max(0, C_i) at the end of the step before; -1: not known */
     double *measured;   /* particles: |grad C_i|^2 at the end of the step before */
     double *value;      /* particles: C_i - part compressed_i (fluid_local.c) */

@@ -105,6 +105,7 @@ static void fill_points(struct neighbours *n, const struct neighbours_points *po
     if (!samples) return;
     n->view.samples = samples->count;
     n->view.sample_vertex = samples->vertex, n->view.sample_weight = samples->weight;
+    n->view.sample_share = samples->share;
 }
 
 static double boundary_reach(const struct neighbours *n, int part) {

@@ -176,8 +176,7 @@ static void compute_volumes(void *arg, int first, int last, int block) {
     (void)block;
     const struct call *c = arg;
     const struct surface_samples *s = c->s;
-    for (int k = first; k < last; k++)
-        c->out[k] = s->rest_volume[k] * area(s, k, c->in) / s->rest_area[k];
+    for (int k = first; k < last; k++) c->out[k] = s->share[k] * area(s, k, c->in);
 }
 
 void samples_update_volumes(struct surface_samples *s, const double *x) {
@@ -193,7 +192,7 @@ static bool resize_arrays(struct surface_samples *s, enum array_action action) {
         ARRAY(s->weight, 3 * count),
         ARRAY(s->volume, count),
         ARRAY(s->rest_volume, count),
-        ARRAY(s->rest_area, count),
+        ARRAY(s->share, count),
         ARRAY(s->active, count),
         ARRAY(s->corner, particles),
         ARRAY(s->scratch, particles),
@@ -216,7 +215,7 @@ void samples_free(struct surface_samples *s) {
 /* Sets up the samples of one surface from index `first` on. Writes positions to s->x and areas to
  * s->volume. */
 static void place(struct surface_samples *s, const pdyn_body *body,
-                  const struct surface_points *points, int first, const double *rest) {
+                  const struct surface_points *points, int first) {
     for (int k = 0; k < points->count; k++) {
         const struct surface_point *point = &points->point[k];
         const int *corner = body->triangle + 3 * point->triangle;
@@ -224,7 +223,6 @@ static void place(struct surface_samples *s, const pdyn_body *body,
         for (int m = 0; m < 3; m++) vertex[m] = body->first + corner[m];
         memcpy(s->weight + 3 * (first + k), point->weight, sizeof point->weight);
         surface_point_position(point, body->rest, body->triangle, s->x + 3 * (size_t)(first + k));
-        s->rest_area[first + k] = area(s, first + k, rest);
         s->volume[first + k] = point->area;
     }
 }
@@ -240,13 +238,14 @@ static pdyn_status fill(struct surface_samples *s, int bodies, const pdyn_body *
     for (int b = 0, first = 0; b < bodies && status == PDYN_OK; first += points[b++].count) {
         struct sampling of_body = *sampling;
         if (body[b].tets) of_body.thickness = 0.0;
-        place(s, &body[b], &points[b], first, rest);
+        place(s, &body[b], &points[b], first);
         status = boundary_volumes(s->context, &of_body, points[b].count, s->x + 3 * (size_t)first,
                                   s->volume + first, s->rest_volume + first);
         for (int k = first; body[b].permeability > 0.0 && k < first + points[b].count; k++)
             s->rest_volume[k] *= open_share;
     }
     if (status != PDYN_OK) return status;
+    for (int k = 0; k < s->count; k++) s->share[k] = s->rest_volume[k] / area(s, k, rest);
     for (int k = 0; k < s->count; k++) s->active[s->active_count++] = k;
     list_corners(s);
     return PDYN_OK;
