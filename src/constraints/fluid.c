@@ -5,9 +5,9 @@
  *     p = u - (k_i / w) C_i grad C_i,                k_i = w / |grad C_i|^2, bounded (fluid.h)
  *     J = I - (k_i / w) grad C_i grad C_i'           where C_i > 0; elsewhere p = u and J = I
  *
- * u: positions of i and of all moving neighbours. p is the first Newton step of that paper. To
- * first order w/2 |u - p|^2 = E; its gradient w (u - p) is exact while k_i is constant. eps = 1
- * gives the paper's diagonal D = I.
+ * u: positions of i, of its neighbours, and of the corners of its samples. p is the first Newton
+ * step of that paper. To first order w/2 |u - p|^2 = E; its gradient w (u - p) is exact while k_i
+ * is constant. eps = 1 gives the paper's diagonal D = I.
  *
  * Simulations use the matrix-free operator (fluid_operator.c), with k_i of the previous step. The
  * rows of this file take k_i from u. They serve solvers that assemble H, and check the operator.
