@@ -47,8 +47,7 @@ struct part {
 
 struct run {
     const char *directory;
-    json_t
-        *report; /* report.json, or of a run without it the "scene" of files.json; NULL: neither */
+    json_t *report; /* report.json, or "scene" of files.json while there is none; NULL: neither */
     const char *source; /* name of the file that `report` was read from */
     json_t *body_list;  /* array of the bodies, as in report.json */
     json_t *metrics;    /* columns of metrics.csv for the plots; NULL: missing */

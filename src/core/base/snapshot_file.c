@@ -90,8 +90,7 @@ void snapshot_memory_rewind(struct snapshot_file *a) {
     a->taken = 0;
 }
 
-/* ---- a state in a buffer of the caller ---------------------------------------------------------
- */
+/* ---- a buffer of the caller ------------------------------------------------------------------ */
 
 static void append(struct snapshot_file *a, const void *data, size_t size) {
     if (a->filled <= a->room && size <= a->room - a->filled)
