@@ -37,11 +37,12 @@ static void copy_vectors(void *arg, int first, int last, int block) {
     const int first_sample = f->particles - f->samples;
     if (!takes_part(f, first, last, block)) return;
     for (int i = first; i < last; i++) {
-        v4 v;
-        bool grows = i >= first_sample && f->pair_end[i] > f->pair_start[i];
-        v4_set(&v, c->in + 3 * i, grows ? -volume_rate(f, i - first_sample, c->in) : 0.0);
-        memcpy(f->vector + 4 * i, &v, sizeof v);
+        memcpy(f->vector + 4 * i, c->in + 3 * i, 3 * sizeof *c->in);
+        f->vector[4 * i + 3] = 0.0;
     }
+    for (int i = first > first_sample ? first : first_sample; i < last; i++)
+        if (f->pair_end[i] > f->pair_start[i])
+            f->vector[4 * i + 3] = -volume_rate(f, i - first_sample, c->in);
 }
 
 /* ---- rate: rate_i = grad C_i . u, an SPH divergence
