@@ -187,7 +187,7 @@ static void test_program(void **state) {
     test_remove_file("state");
 }
 
-/* A state in memory has the bytes of the file, and goes on with the same bits. */
+/* A state in memory has the bytes of the file, and restoring it gives the same steps. */
 static void goes_on_in_memory(const char *text) {
     pdyn_context *context = test_context(1);
     pdyn_sim *first = test_load(context, text), *second = test_load(context, text);

@@ -133,12 +133,9 @@ double obstacles_cross(const struct obstacles *o, const double p[3], const doubl
 }
 
 void obstacles_normal(const struct obstacles *o, int triangle, double normal[3]) {
-    const struct obstacle_triangle *t = &o->triangle[triangle];
-    double e[3], f[3];
-    for (int a = 0; a < 3; a++) {
-        e[a] = (double)t->corner[1][a] - (double)t->corner[0][a];
-        f[a] = (double)t->corner[2][a] - (double)t->corner[0][a];
-    }
-    vec3_cross(normal, e, f);
+    double x[3][3];
+    for (int k = 0; k < 9; k++)
+        x[k / 3][k % 3] = (double)o->triangle[triangle].corner[k / 3][k % 3];
+    vec3_normal(normal, x[0], x[1], x[2]);
     vec3_normalise(normal);
 }

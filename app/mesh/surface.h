@@ -23,6 +23,10 @@ struct surface {
 /* Largest number of vertices or triangles: 3 times it fits int. */
 #define SURFACE_MOST (INT_MAX / 3)
 
+/* The gap between surface and obstacle, in particle radii: room for the edges between vertices, and
+ * for a renderer that cannot tell two surfaces at one place apart. */
+#define SURFACE_GAP 0.03
+
 /* The functions below that return int return an exit code, after a message unless it is EXIT_GOOD.
  */
 
@@ -41,6 +45,8 @@ int surface_sample(struct surface *surface, const struct colour_field *field, in
 
 /* Smooths x without shrinking (Taubin 1995), each vertex by its mobility. */
 int surface_smooth(struct surface *surface, int passes, int threads);
+/* The same for the vertices on lines (vertices), each with those of its neighbours on a line. */
+int surface_smooth_line(struct surface *surface, const bool *line, int passes, int threads);
 
 /* Moves vertices beyond an obstacle back to it, and those at most `reach`, m, before one to it. A
  * vertex is beyond an obstacle if a triangle of it lies between the vertex and the closest

@@ -6,10 +6,6 @@
 
 enum { GRAIN = 1024 };
 
-/* The gap between surface and obstacle, in distances of samples: room for the edges between
- * vertices, and for a renderer that cannot tell two surfaces at one place apart. */
-static const double gap_part = 0.03;
-
 struct attachment {
     struct surface *surface;
     const struct colour_field *field;
@@ -20,7 +16,7 @@ struct attachment {
 /* Moves a vertex to a small gap before the first obstacle on the line from particle p to it and
  * `reach` beyond it. */
 static void attach_vertex(const struct attachment *s, const float *p, float *vertex) {
-    double from[3], way[3], end[3], gap = gap_part * s->field->cell, square = 0.0;
+    double from[3], way[3], end[3], gap = SURFACE_GAP * s->field->cell, square = 0.0;
     for (int a = 0; a < 3; a++) {
         from[a] = (double)p[a], way[a] = (double)vertex[a] - from[a];
         square += way[a] * way[a];

@@ -71,7 +71,7 @@ static int surround(const struct vtk_frame *frame, const char *path, double radi
     if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, reach, threads);
     if (code == EXIT_GOOD) code = surface_make_normals(surface, &field, threads);
     if (code == EXIT_GOOD)
-        code = surface_sharpen(surface, obstacles, 1.2 * radius, 0.03 * radius, threads);
+        code = surface_sharpen(surface, obstacles, 1.2 * radius, SURFACE_GAP * radius, threads);
     if (code == EXIT_GOOD) surface_attach(surface, &field, obstacles, 0.0, threads);
     if (code == EXIT_GOOD) code = surface_make_normals(surface, &field, threads);
     colour_field_free(&field);

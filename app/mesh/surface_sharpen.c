@@ -15,7 +15,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { GRAIN = 1024, WALLS = 3 };
 
@@ -72,34 +71,13 @@ static void mark_line(const struct surface *surface, bool *line) {
     }
 }
 
-/* Moves each vertex of the line by a part of the way to the mean of its neighbours on the line.
- * sums: 4 a vertex */
-static void smooth_line(struct surface *surface, const bool *line, double part, double *sums) {
-    memset(sums, 0, 4 * (size_t)surface->vertices * sizeof *sums);
-    for (int c = 0; c < 3 * surface->triangles; c++) {
-        int v = surface->triangle[c], next = surface->triangle[c % 3 == 2 ? c - 2 : c + 1];
-        if (!line[v] || !line[next]) continue;
-        double *sum = sums + 4 * (size_t)v;
-        for (int a = 0; a < 3; a++) sum[a] += (double)surface->x[3 * (size_t)next + (size_t)a];
-        sum[3]++;
-    }
-    for (int v = 0; v < surface->vertices; v++) {
-        const double *sum = sums + 4 * (size_t)v;
-        float *x = surface->x + 3 * (size_t)v;
-        for (int a = 0; a < 3 && sum[3] > 1.0; a++)
-            x[a] += (float)(part * (sum[a] / sum[3] - (double)x[a]));
-    }
-}
-
-static int smooth_lines(struct surface *surface) {
+static int smooth_lines(struct surface *surface, int threads) {
     bool *line = calloc((size_t)surface->vertices + 1, sizeof *line);
-    double *sums = malloc((4 * (size_t)surface->vertices + 1) * sizeof *sums);
-    bool good = line && sums;
-    if (good) mark_line(surface, line);
-    for (int p = 0; p < 2 * PASSES && good; p++)
-        smooth_line(surface, line, p % 2 ? -0.51 : 0.5, sums);
-    free(line), free(sums);
-    return good ? EXIT_GOOD : report_no_memory();
+    if (!line) return report_no_memory();
+    mark_line(surface, line);
+    int code = surface_smooth_line(surface, line, PASSES, threads);
+    free(line);
+    return code;
 }
 
 int surface_sharpen(struct surface *surface, const struct obstacles *obstacles, double reach,
@@ -108,5 +86,5 @@ int surface_sharpen(struct surface *surface, const struct obstacles *obstacles, 
     surface->attached = calloc((size_t)surface->vertices + 1, sizeof *surface->attached);
     if (!surface->attached) return report_no_memory();
     parallel_for(threads, surface->vertices, GRAIN, sharpen_vertices, &s);
-    return smooth_lines(surface);
+    return smooth_lines(surface, threads);
 }

@@ -49,7 +49,7 @@ static void flatten(struct surface *surface) {
 
 int water_surface_send(struct browser *browser, const struct run *run, int frame) {
     bool wanted;
-    int code = evaluate(browser, "drawsSurfaces()", &wanted);
+    int code = evaluate(browser, "drawsMeshes() ? 'yes' : ''", &wanted);
     if (code != EXIT_GOOD || !wanted) return code;
     for (int b = 0; b < run->parts && code == EXIT_GOOD; b++) { /* bodies are the first parts */
         struct surface surface;

@@ -27,7 +27,8 @@ static int closest_point(const struct vtk_frame *skin, const float *x) {
     return closest;
 }
 
-/* Replaces the entries first .. last - 1 of all springs; those that are not vertices stay. */
+/* Replaces the vertices of the body in the entries first to last - 1 of each spring by the closest
+ * points of its skin. Entries that are no vertex of the body stay. */
 static int replace_vertices(json_t *springs, size_t first, size_t last, const struct part *part,
                             const struct vtk_frame *body) {
     int failed = 0;

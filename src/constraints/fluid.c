@@ -81,20 +81,13 @@ static void weight(const void *par, const pdyn_batch *b, int first, int last) {
 }
 
 /* The relative volume of a sample whose corners are p (3 x 3); at: its position; growth (3 x 3):
- * gradient of the volume, as in fluid_local.c. */
+ * gradient of the volume. */
 static double sample_volume(const pdyn_neighbours *l, int sample, double unit, const double *p,
                             double *at, double *growth) {
-    double n[3], edge[3], share = l->sample_share[sample] / unit;
-    vec3_normal(n, p, p + 3, p + 6);
-    double area = 0.5 * vec3_length(n);
+    const double *const corner[3] = {p, p + 3, p + 6};
     at[0] = at[1] = at[2] = 0.0;
-    for (int m = 0; m < 3; m++) {
-        vec3_add(at, l->sample_weight[3 * sample + m], p + 3 * m);
-        vec3_subtract(edge, p + 3 * ((m + 2) % 3), p + 3 * ((m + 1) % 3));
-        vec3_cross(growth + 3 * m, n, edge);
-        for (int a = 0; a < 3; a++) growth[3 * m + a] *= area > 0.0 ? 0.25 * share / area : 0.0;
-    }
-    return share * area;
+    for (int m = 0; m < 3; m++) vec3_add(at, l->sample_weight[3 * sample + m], corner[m]);
+    return fluid_sample_volume(l->sample_share[sample] / unit, corner, growth);
 }
 
 /* Returns C of element e at the positions p (rows x 3, particle e first); g: its gradient, rows x

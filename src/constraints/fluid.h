@@ -5,6 +5,7 @@
 
 #include "projdyn/kernel.h"
 #include "projdyn/module.h"
+#include "projdyn/vec3.h"
 
 #include <math.h>
 
@@ -42,6 +43,23 @@ static inline struct surface_kernel fluid_surface_kernel(const struct kernel_mod
     struct surface_kernel kernel = surface_kernel_make(model, spacing);
     kernel.value *= spacing * spacing * spacing;
     return kernel;
+}
+
+/* The volume share * A of a sample, A the area of the triangle of its corners, and its gradient
+ * with respect to them (3 x 3): dA/dx_m = n x (x_(m+2) - x_(m+1)) / 2, n: unit normal. With the
+ * volume of the beginning of the step instead, water would gain energy from a sheet that it
+ * stretches (docs/theory/interface.md#samples). */
+static inline double fluid_sample_volume(double share, const double *const corner[3],
+                                         double *gradient) {
+    double n[3], edge[3];
+    vec3_normal(n, corner[0], corner[1], corner[2]);
+    double area = 0.5 * vec3_length(n);
+    for (int m = 0; m < 3; m++) {
+        vec3_subtract(edge, corner[(m + 2) % 3], corner[(m + 1) % 3]);
+        vec3_cross(gradient + 3 * m, n, edge);
+        for (int a = 0; a < 3; a++) gradient[3 * m + a] *= area > 0.0 ? 0.25 * share / area : 0.0;
+    }
+    return share * area;
 }
 
 /* k of the energy k/2 C^2, N m: w / |grad C|^2, so that k/2 C^2 = w/2 |u - p|^2 to first order.

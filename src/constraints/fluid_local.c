@@ -144,23 +144,13 @@ WIDE static void project_block(void *arg, int first, int last, int block) {
     f->partial[block] = energy;
 }
 
-/* The relative volume of a sample, V = share A, and its gradient with respect to the corners of the
- * triangle: dA/dx_m = n x (x_(m+2) - x_(m+1)) / 2, n: unit normal. With the volume of the beginning
- * of the step instead, water would gain energy from a sheet that it stretches
- * (docs/theory/interface.md#samples). */
+/* The relative volume of a sample at x, and its gradient. */
 static void set_volume(struct fluid *f, int sample, const double *x) {
     const pdyn_neighbours *l = f->lists;
-    const double *corner[3], share = l->sample_share[sample] / f->particle_volume;
-    double n[3], edge[3], *growth = f->growth + 9 * (size_t)sample;
+    const double *corner[3];
     for (int m = 0; m < 3; m++) corner[m] = x + 3 * (size_t)l->sample_vertex[3 * sample + m];
-    vec3_normal(n, corner[0], corner[1], corner[2]);
-    double area = 0.5 * vec3_length(n);
-    f->x[4 * (size_t)(f->particles - f->samples + sample) + 3] = share * area;
-    for (int m = 0; m < 3; m++) {
-        for (int a = 0; a < 3; a++) edge[a] = corner[(m + 2) % 3][a] - corner[(m + 1) % 3][a];
-        vec3_cross(growth + 3 * m, n, edge);
-        for (int a = 0; a < 3; a++) growth[3 * m + a] *= area > 0.0 ? 0.25 * share / area : 0.0;
-    }
+    f->x[4 * (size_t)(f->particles - f->samples + sample) + 3] = fluid_sample_volume(
+        l->sample_share[sample] / f->particle_volume, corner, f->growth + 9 * (size_t)sample);
 }
 
 /* Samples in no list keep the volume of the beginning of the step. */

@@ -175,8 +175,8 @@ class Renderer {
     this.backdrop.drawGround(values);
     for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
   }
-  /* Draws the passes before water.compose, of meshes where all fluids have them. Returns what did it, with its .cover and
-   * .thickness. */
+  /* Draws the passes before water.compose, from meshes where all fluids have them. Returns this.meshedWater or
+   * this.water, whose .cover and .thickness are the result. */
   prepareWater(fluids, values, level) {
     this.water.tiles.update(fluids, this.uploaded, values);
     if (drawsMeshes() && fluids.every((shape) => shape.mesh)) {

@@ -90,8 +90,7 @@ class MeshedWater {
 /* Whether the view shows fluids in a way that has a use for meshes. */
 const drawsMeshes = () => settings.look === "surface" && settings.fluid === "plain" && !settings.cut;
 
-/* For `projdyn render`: whether it shall hand over meshes, and one of a body with numbers in base64. */
-const drawsSurfaces = () => drawsMeshes() ? "yes" : "";
+/* For `projdyn render`: takes the mesh of a body, arrays in base64. */
 function setSurface(body, ...texts) {
   const buffers = texts.map((text) => Uint8Array.from(atob(text), (digit) => digit.charCodeAt(0)).buffer);
   const shape = renderer.parts[body];

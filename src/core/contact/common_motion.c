@@ -1,7 +1,7 @@
-/* Common motion of bodies. A path stops a vertex at a part of its displacement. Bodies that fly
- * together would leave such a vertex behind by what is left of their way, which can be many times
- * the thickness. Therefore paths of bodies in flight begin where the bodies are after their common
- * displacement F, the mean over their points:
+/* Common motion of bodies. A path stops a vertex at a part of its displacement. Where bodies fly
+ * together, the others would move on by the rest of the common displacement, which can be many
+ * times the thickness. Therefore paths of bodies in flight begin where the bodies are after their
+ * common displacement F, the mean over their points:
  *
  *     x_i -> x_i + F -> x_i + F + t_i (d_i - F),     0 <= t_i <= 1
  *

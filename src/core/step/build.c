@@ -27,7 +27,6 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = contact_create(sim);
     if (status == PDYN_OK) status = residual_create(&sim->objective);
     if (status == PDYN_OK) status = solid_load_create(sim);
-    sim->control.anchored = sim->anchored;
     if (status == PDYN_OK) control_find_anchored(sim);
     if (status == PDYN_OK) status = probes_create(sim);
     sim->eps = sim->scene.settings.newton ? 0.0 : 1.0;

@@ -169,7 +169,6 @@ static void show(struct pdyn_sim *sim) {
 static pdyn_status add_batches(struct pdyn_sim *sim) {
     struct contact *c = sim->objective.contact;
     sim->objective.dynamic_rows = true;
-    sim->anchored |= c->points > c->free;
     pdyn_status status = add_batch(sim, &pdyn_constraint_contact, &c->barrier);
     if (status == PDYN_OK) status = bearings_create(c, sim->objective.rigid);
     if (status == PDYN_OK && c->bearings)

@@ -51,8 +51,10 @@ static void find_held(struct pdyn_sim *sim, const struct batch *b) {
 
 void control_find_anchored(struct pdyn_sim *sim) {
     const struct objective *objective = &sim->objective;
-    sim->anchored = sim->control.anchored || (sim->live && sim->live->pushed > 0);
-    for (int b = 0; objective->contact && b < sim->bodies; b++) objective->contact->held[b] = false;
+    struct contact *contact = objective->contact;
+    bool solids = contact && contact->points > contact->free;
+    sim->anchored = solids || (sim->live && sim->live->pushed > 0);
+    for (int b = 0; contact && b < sim->bodies; b++) contact->held[b] = false;
     for (int b = 0; b < sim->constraints; b++) find_held(sim, objective->batch[b]);
     for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */
         find_held(sim, objective->batch[objective->batches - k]);

@@ -9,7 +9,6 @@
 struct control {
     bool driven;   /* something was changed: nothing bounds the energy of the scene */
     bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
-    bool anchored; /* by contact with solids */
     double *force; /* particles x 3, N; NULL: none was ever set */
     struct hold *hold; /* holds */
     size_t holds, room;

@@ -30,11 +30,12 @@ enum { MANY_LAYERS = 10 };
 
 static void set_pusher(struct pdyn_sim *sim, int i, int pusher) {
     struct live_particles *p = sim->live;
+    bool any = p->pushed > 0;
     p->pushed += (pusher != 0) - (p->pusher[i] != 0);
     p->pusher[i] = pusher;
     p->inertia[i] = (pusher ? pushed_inertia : 1.0) * sim->objective.mass[i];
     sim->objective.weights++;
-    control_find_anchored(sim);
+    if (any != (p->pushed > 0)) control_find_anchored(sim);
 }
 
 /* The pusher of particles in a layer: an inlet pushes at most two at once. */

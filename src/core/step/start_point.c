@@ -42,7 +42,7 @@ static void go_to_begin(const struct pdyn_sim *sim, double *x) {
     memcpy(x, carried_x(sim), objective_bytes(objective));
     for (int b = 0; b < objective->bodies && objective->contact; b++) {
         const struct objective_body *body = &objective->body[b];
-        const double *common = contact_common(objective->contact, (int)(body->of - sim->body));
+        const double *common = contact_common(objective->contact, b);
         for (int i = body->first; i < body->first + body->count; i++)
             vec3_add(x + 3 * i, 1.0, common);
     }
@@ -58,8 +58,7 @@ static pdyn_status start_between(struct pdyn_sim *sim, double part, double *ener
     return start_at(sim, x, &least, energy, sim->gradient);
 }
 
-/* The inertial energy where paths begin: a lower bound of E there, J. Changes
- * sim->trial. */
+/* The inertial energy where paths begin: a lower bound of E there, J. Changes sim->trial. */
 static double inertial_energy_at_begin(struct pdyn_sim *sim) {
     double sum = 0.0;
     go_to_begin(sim, sim->trial);

@@ -29,11 +29,11 @@ static bool is_too_close(const struct pdyn_sim *sim, int b, int i, int j, struct
     int c = objective_body_of(&sim->objective, j);
     double distance = vec3_distance(sim->x + 3 * (size_t)i, sim->x + 3 * (size_t)j);
     double spacing = sim->body[b].radius + sim->body[c].radius;
+    if (!(distance > 0.0 && distance < too_close * spacing)) return false;
     out->other_body = c;
     out->fill = fill_of(&sim->scene.body[b], i - sim->body[b].first);
     out->other_fill = fill_of(&sim->scene.body[c], j - sim->body[c].first);
-    return out->fill >= 0 && out->other_fill >= 0 && (b != c || out->fill != out->other_fill) &&
-           distance > 0.0 && distance < too_close * spacing;
+    return out->fill >= 0 && out->other_fill >= 0 && (b != c || out->fill != out->other_fill);
 }
 
 /* Each pair is seen from the particle with the larger index. */
