@@ -22,7 +22,8 @@ static const char fluid[] =
 /* The sheet touches the sphere: the state contains contacts and friction. */
 static const char cloth[] =
     SCENE("'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'contact': "
-          "{'thickness': 0.01, 'friction': 0.5}",
+          "{'thickness': 0.01, 'friction': 0.5}, 'gravity': [{'time': 0, 'gravity': [0, -10, 0]}, "
+          "{'time': 0.1, 'gravity': [0, -9, 0]}]",
           GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "9, 9",
                      "'translate': [0.01, 0.12, 0], 'area_density': 0.5", SPRINGS("1000")),
           ", 'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0.1}, 'motion': [{'time': 0}, "
@@ -42,7 +43,8 @@ static const char hybrid[] =
 static const char tets[] =
     "{'duration': 1, 'frame_interval': 0.01, 'time_step': {'fixed': 0.01}, 'bodies': [{'volume': "
     "{'grid': {'size': [0.2, 0.2, 0.2], 'cells': [2, 2, 2]}, 'density': 500, 'translate': [0, "
-    "0.105, 0]}, 'constraints': [{'type': 'tet', 'stiffness': 2e4, 'volume_stiffness': 1e5, "
+    "0.105, 0]}, 'constraints': [{'type': 'tet', 'stiffness': [{'time': 0, 'stiffness': 2e4}, "
+    "{'time': 1, 'stiffness': 3e4}], 'volume_stiffness': 1e5, "
     "'damping': 0.01}]}], 'contact': {'thickness': 0.01, 'friction': 0.2}, 'solids': [{'plane': "
     "{'center': [0, 0, 0], 'normal': [0, 1, 0], 'size': 1}}]}";
 

@@ -40,6 +40,26 @@ static const struct bad_scene bad_constraints[] = {
     {CLOTH("{'type': 'pin', 'vertices': {'all': true},\n 'from': -1}"),
      "scene.json:4:10: bodies[0].constraints[0].from: expected a number from 0 to 1000000000 s, "
      "found -1"},
+    {CLOTH("{'type': 'spring', 'stretching_stiffness': [{'time': 1}]}"),
+     "scene.json:3:62: bodies[0].constraints[0].stretching_stiffness[0].stretching_stiffness: "
+     "missing, expected a number from 0 to 1e+12 N/m"},
+    {CLOTH("{'type': 'spring', 'stretching_stiffness': [{'time': 1, 'value': 2}]}"),
+     "scene.json:3:74: bodies[0].constraints[0].stretching_stiffness[0]: unknown key \"value\"; "
+     "known: time, stretching_stiffness"},
+    {CLOTH("{'type': 'spring', 'stretching_stiffness': [{'stretching_stiffness': 2}]}"),
+     "scene.json:3:62: bodies[0].constraints[0].stretching_stiffness[0].time: missing, expected a "
+     "number from -1000000 to 1000000 s"},
+    {CLOTH("{'type': 'spring', 'stretching_stiffness': [\n"
+           "{'time': 1, 'stretching_stiffness': 2}, {'time': 1, 'stretching_stiffness': 2}]}"),
+     "scene.json:4:50: bodies[0].constraints[0].stretching_stiffness[1].time: expected a time "
+     "after "
+     "1 s, found 1 s"},
+    {CLOTH("{'type': 'wind', 'velocity': [{'time': 1, 'velocity': 2}]}"),
+     "scene.json:3:72: bodies[0].constraints[0].velocity[0].velocity: expected an array of 3 "
+     "numbers (m/s), found 2"},
+    {FLUID("{'type': 'fluid', 'stiffness': [{'time': 0, 'stiffness': 1}]}"),
+     "scene.json:3:49: bodies[0].constraints[0].stiffness: \"stiffness\" cannot change over time, "
+     "found keys"},
     {FLUID("{'type': 'fluid',\n 'until': 1}"),
      "scene.json:4:2: bodies[0].constraints[0]: \"fluid\" is matrix-free and acts all the time"},
     {CLOTH("{'type': 'fluid'}"),

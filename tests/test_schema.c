@@ -126,7 +126,8 @@ static bool is_listed(const json_t *array, const char *word) {
     return false;
 }
 
-static void check_parameter(const json_t *object, const pdyn_param *p) {
+/* keyed: keys may stand in the place of the value. */
+static void check_parameter(const json_t *object, const pdyn_param *p, bool keyed) {
     static const char *const types[] = {
         [PDYN_REAL] = "number", [PDYN_INT] = "integer", [PDYN_BOOL] = "boolean"};
     const json_t *entry = json_object_get(json_object_get(object, "properties"), p->name);
@@ -134,11 +135,16 @@ static void check_parameter(const json_t *object, const pdyn_param *p) {
     if (is_listed(json_object_get(object, "required"), p->name) != p->required)
         fail_msg("schema: %s is required in one of schema and table only", p->name);
     if (p->kind > PDYN_BOOL) {
-        assert_non_null(json_object_get(entry, "$ref"));
+        const char *ref = json_string_value(json_object_get(entry, "$ref"));
+        assert_non_null(ref);
+        if (p->kind == PDYN_VECTOR) assert_int_equal(keyed, strstr(ref, "_or_keys") != NULL);
         return;
     }
     bool has_default = !p->required && p->def >= p->min && p->def <= p->max;
-    assert_string_equal(json_string_value(json_object_get(entry, "type")), types[p->kind]);
+    const json_t *kind = json_object_get(entry, "type");
+    if (keyed && !(is_listed(kind, "array") && is_listed(kind, types[p->kind])))
+        fail_msg("schema: %s may have keys", p->name);
+    if (!keyed) assert_string_equal(json_string_value(kind), types[p->kind]);
     assert_non_null(json_object_get(entry, "description"));
     if (p->kind == PDYN_BOOL) {
         assert_int_equal(json_is_true(json_object_get(entry, "default")), p->def != 0.0);
@@ -165,12 +171,18 @@ static void check_alternatives(const json_t *object, const char *const *names) {
     assert_int_equal(json_array_size(excluded), found);
 }
 
-/* The schema has the keys of the table and `others` more. */
-static void check_table(const json_t *object, const pdyn_param *table, size_t others) {
+/* The schema has the keys of the table and `others` more. type: that of a constraint, or NULL. */
+static void check_params(const json_t *object, const pdyn_param *table,
+                         const pdyn_constraint_type *type, size_t others) {
     size_t count = others;
-    for (const pdyn_param *p = table; p->name; p++, count++) check_parameter(object, p);
+    for (const pdyn_param *p = table; p->name; p++, count++)
+        check_parameter(object, p, type && param_is_changeable(type, p));
     assert_true(json_is_false(json_object_get(object, "additionalProperties")));
     assert_int_equal(json_object_size(json_object_get(object, "properties")), count);
+}
+
+static void check_table(const json_t *object, const pdyn_param *table, size_t others) {
+    check_params(object, table, NULL, others);
 }
 
 static void test_schema(void **state) {
@@ -183,7 +195,7 @@ static void test_schema(void **state) {
     for (const pdyn_constraint_type *const *t = registry_builtin.constraints; *t; t++) {
         char name[64];
         snprintf(name, sizeof name, "constraint_%s", (*t)->name);
-        check_table(definition(name), (*t)->params, (*t)->matrix_free ? 1 : 3);
+        check_params(definition(name), (*t)->params, *t, (*t)->matrix_free ? 1 : 3);
         check_alternatives(definition(name), (*t)->alternatives);
     }
     for (const pdyn_param *p = scene_constraint_times; p->name; p++) {

@@ -21,7 +21,8 @@ extern "C" {
  * not live have no effect. */
 PDYN_API pdyn_status pdyn_set_forces(pdyn_sim *sim, int first, int count, const double *force);
 PDYN_API pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *force);
-PDYN_API pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]); /* m/s^2 */
+/* m/s^2; in the place of keys of the scene. */
+PDYN_API pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]);
 PDYN_API void pdyn_get_gravity(const pdyn_sim *sim, double gravity[3]);
 
 /* ---- state: nothing, but the next step starts without history ------------------------------- */
@@ -34,10 +35,10 @@ PDYN_API pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, co
 
 /* ---- constraints ----------------------------------------------------------------------------- */
 
-/* Sets a parameter of a constraint: 1 number; 3 for a vector; 4 for each key of a path (time and
- * three numbers); of a table all rows, or one row for all parts of the body. PDYN_BAD_INPUT:
- * unknown, out of bounds, or not changeable (pdyn_parameter_info.changeable). Solvers; a path:
- * nothing. */
+/* Sets a parameter of a constraint, in the place of keys of the scene: 1 number; 3 for a vector; 4
+ * for each key of a path (time and three numbers); of a table all rows, or one row for all parts of
+ * the body. PDYN_BAD_INPUT: unknown, out of bounds, or not changeable
+ * (pdyn_parameter_info.changeable). Solvers; a path: nothing. */
 PDYN_API pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name,
                                         const double *value, int count);
 /* Switches a constraint off and on. PDYN_BAD_INPUT: a constraint that is matrix-free, as "fluid".

@@ -205,7 +205,7 @@ pdyn_status trial_vary_tables(pdyn_sim *sim) {
     for (int k = 0; k < sim->constraints; k++) {
         const pdyn_constraint_type *type = sim->objective.batch[k]->type;
         for (const pdyn_param *p = type->params; p->name && status == PDYN_OK; p++)
-            if (param_is_table(p) && param_rows(p, 1, 1, 1) && parameter_is_changeable(type, p))
+            if (param_is_table(p) && param_rows(p, 1, 1, 1) && param_is_changeable(type, p))
                 status = vary_table(sim, k, p);
     }
     return status;

@@ -65,6 +65,15 @@ static inline int param_rows(const pdyn_param *param, int vertices, int triangle
                                       : 0;
 }
 
+/* The numbers that a parameter of numbers has, in each row of a table; 0: another kind. */
+static inline int param_numbers(const pdyn_param *param) {
+    if (param_is_table(param)) return param_width(param);
+    return param->kind == PDYN_REAL ? 1 : param->kind == PDYN_VECTOR ? 3 : 0;
+}
+
+/* Whether a parameter of a constraint can change while a simulation runs. */
+bool param_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param);
+
 /* Whether a table may contain this number. */
 static inline bool param_allows(const pdyn_param *param, double value) {
     return isfinite(value) && value >= param->min && value <= param->max;

@@ -3,6 +3,7 @@
 #include "base/registry.h"
 #include "base/text.h"
 #include "choices.h"
+#include "keyed.h"
 #include "params.h"
 #include "table.h"
 
@@ -96,10 +97,21 @@ static void alternatives(const struct sink *to, const char *const *names) {
     line(to, "\n");
 }
 
+static void describe_keys(const struct sink *to, const pdyn_constraint_type *type) {
+    const char *before = "\nmay have keys, [{\"time\": s, \"NAME\": value}, ...]: ";
+    for (const pdyn_param *p = type->params; p->name; p++) {
+        if (!keyed_allowed(type, p)) continue;
+        line(to, "%s%s", before, p->name);
+        before = ", ";
+    }
+    if (*before == ',') line(to, "\n");
+}
+
 static void describe_constraint(const struct sink *to, const pdyn_constraint_type *type) {
     heading(to, "constraint", type->name, type->summary);
     table(to, type->params);
     alternatives(to, type->alternatives);
+    describe_keys(to, type);
     if (!type->matrix_free)
         line(to, "\n\"from\" and \"until\" (s) limit the time in which it acts\n");
     if (type->flags & PDYN_ON_SURFACE) line(to, "\nworks on a body with a surface\n");

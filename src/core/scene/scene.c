@@ -6,6 +6,7 @@
 #include "fingerprint.h"
 #include "head.h"
 #include "inlet.h"
+#include "keyed.h"
 #include "motion.h"
 #include "overlap.h"
 #include "params.h"
@@ -227,6 +228,7 @@ static void free_text(pdyn_context *context, char **text) {
 static void free_body(pdyn_context *context, struct scene_body *body) {
     for (int k = 0; k < body->constraints; k++) {
         struct scene_constraint *constraint = &body->constraint[k];
+        keyed_free(context, constraint);
         if (!constraint->params) continue;
         params_free(context, constraint->type->params, constraint->params);
         context_resize(context, constraint->params, constraint->type->params_size, 0);
@@ -259,6 +261,7 @@ void scene_free(pdyn_context *context, struct scene *scene) {
         free_text(context, &scene->probe[k].name);
     }
     FREE_ARRAY(context, scene->probe, scene->probes);
+    keyed_free_path(context, &scene->settings.gravity_keys.path);
     sources_free(context, &scene->sources);
     free_text(context, &scene->file);
     free_text(context, &scene->name);

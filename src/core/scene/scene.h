@@ -64,10 +64,18 @@ struct scene_outlet { /* an outlet: a region in which particles are removed */
     bool outside; /* removes particles outside of the box, not inside */
 };
 
+struct scene_keyed {         /* a parameter that changes over time */
+    const pdyn_param *param; /* of 1 to 3 numbers */
+    pdyn_path path;          /* no keys: it does not change */
+    bool replaced; /* a program has set the parameter, and the keys do not count any more */
+};
+
 struct scene_constraint {
     const pdyn_constraint_type *type;
     void *params;       /* type->params_size bytes, filled by the table type->params */
     double from, until; /* s: it acts in the steps that begin in this time; 0, INFINITY: always */
+    int keyed_params;
+    struct scene_keyed *keyed; /* parameters with keys; `params` has their first values */
 };
 
 extern const pdyn_param scene_constraint_times[]; /* ends with a NULL name */
@@ -166,8 +174,9 @@ extern const pdyn_param scene_contact_params[]; /* ends with a NULL name */
 struct acceleration_type;
 struct integrator;
 
-struct scene_settings {    /* "time_step", "solver" and general values of a scene */
-    double gravity[3];     /* m/s^2 */
+struct scene_settings { /* "time_step", "solver" and general values of a scene */
+    double gravity[3];  /* m/s^2; with keys the largest one, until a simulation has started */
+    struct scene_keyed gravity_keys;
     double duration;       /* s */
     double frame_interval; /* s */
     double h_fixed;        /* s; 0: adaptive by the CFL condition */

@@ -5,6 +5,7 @@
 #include "filled_mesh.h"
 #include "inlet.h"
 #include "inlet_motion.h"
+#include "keyed.h"
 #include "params.h"
 #include "reader.h"
 #include "scene_rigid.h"
@@ -296,7 +297,7 @@ static pdyn_status read_constraint(struct reader *r, const struct json_at *at, i
     if (needs_neighbour_lists(type) && !r->listed) r->listed = body;
     constraint->params = context_array(r->context, type->params_size, 1);
     if (type->params_size && !constraint->params) return PDYN_NO_MEMORY;
-    return params_read(at, type->params, body, constraint->params);
+    return keyed_read_params(at, body, constraint);
 }
 
 static pdyn_status read_constraints(struct reader *r, const struct json_at *array) {

@@ -2,15 +2,22 @@
  * means that the parameter is absent unless given. */
 #include "base/registry.h"
 #include "choices.h"
+#include "keyed.h"
 #include "params.h"
 #include "reader.h"
+
+#include "projdyn/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #define SETTING(field) offsetof(struct scene_settings, field)
 
-/* "gravity" is not in the table, because its default differs between components. */
+/* "gravity" is in no table, because its default differs between components, and it may have keys.
+ */
+static const pdyn_param gravity_param = {"gravity", PDYN_VECTOR, SETTING(gravity), false, 0,
+                                         -1e6,      1e6,         "m/s^2",          ""};
+
 const pdyn_param settings_general_params[] = {
     {"duration", PDYN_REAL, SETTING(duration), true, 0, 1e-6, 1e6, "s", "simulated time"},
     {"frame_interval", PDYN_REAL, SETTING(frame_interval), false, 1.0 / 30.0, 1e-6, 1e3, "s",
@@ -42,6 +49,24 @@ const pdyn_param settings_solver_params[] = {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
+/* A number, or keys: then the scene is made for the largest one. */
+static pdyn_status read_gravity(const struct json_at *at, struct scene_settings *settings) {
+    double *gravity = settings->gravity;
+    pdyn_path *path = &settings->gravity_keys.path;
+    settings->gravity_keys.param = &gravity_param;
+    gravity[1] = -9.81;
+    if (!at->value) return PDYN_OK;
+    if (!keyed_given(at))
+        return params_reals(at, 3, gravity_param.min, gravity_param.max, gravity_param.unit,
+                            gravity);
+    pdyn_status status = keyed_read_path(at, &gravity_param, path);
+    gravity[1] = 0.0;
+    for (int k = 0; k < path->count; k++)
+        if (vec3_length(path->key + 4 * k + 1) > vec3_length(gravity))
+            memcpy(gravity, path->key + 4 * k + 1, 3 * sizeof *gravity);
+    return status;
+}
+
 static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     struct scene_settings *settings = &r->scene->settings;
     struct json_at name = json_member(root, "name"), gravity = json_member(root, "gravity");
@@ -51,10 +76,7 @@ static pdyn_status read_general(struct reader *r, const struct json_at *root) {
     pdyn_status status = reader_copy_text(
         r->context, name.value ? json_string_value(name.value) : "", &r->scene->name);
     if (status == PDYN_OK) status = params_read(root, settings_general_params, NULL, settings);
-    settings->gravity[1] = -9.81;
-    if (status == PDYN_OK && gravity.value)
-        status = params_reals(&gravity, 3, -1e6, 1e6, "m/s^2", settings->gravity);
-    return status;
+    return status == PDYN_OK ? read_gravity(&gravity, settings) : status;
 }
 
 /* Reads the alternative named at `key` of an object; default: the first one. */

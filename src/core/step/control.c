@@ -5,6 +5,7 @@
 #include "live_particles.h"
 #include "parameters.h"
 #include "rigid_bodies.h"
+#include "schedule.h"
 #include "sim.h"
 #include "warn.h"
 
@@ -120,14 +121,19 @@ pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *f
     return force ? change_forces(sim, first, count, force, 1.0) : PDYN_BAD_CALL;
 }
 
+void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
+    memcpy(sim->scene.settings.gravity, gravity, sizeof sim->scene.settings.gravity);
+    sim->floor = warn_floor(sim);
+}
+
 pdyn_status pdyn_set_gravity(pdyn_sim *sim, const double gravity[3]) {
     if (!gravity) return PDYN_BAD_CALL;
     pdyn_status status = control_check(sim);
     if (status == PDYN_OK) status = check_numbers(sim, gravity, 3, 1e6, "an acceleration", "m/s^2");
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
-    memcpy(sim->scene.settings.gravity, gravity, sizeof sim->scene.settings.gravity);
-    sim->floor = warn_floor(sim);
+    sim->scene.settings.gravity_keys.replaced = true;
+    control_set_gravity(sim, gravity);
     return PDYN_OK;
 }
 
@@ -215,6 +221,7 @@ void control_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_numbers(a, sim->scene.settings.gravity, 3, "gravity is not finite");
     SNAPSHOT(a, sim->floor);
     persist_forces(sim, a);
+    schedule_persist(sim, a);
     parameters_persist(sim, a);
     if (a->status == PDYN_OK) holds_persist(sim, a);
     if (a->status == PDYN_OK) kinematic_persist(sim, a);

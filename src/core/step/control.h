@@ -26,6 +26,8 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
  * failure the simulation takes no further step. */
 pdyn_status control_settle(struct pdyn_sim *sim);
 
+void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]);
+
 /* Updates sim->anchored and the bodies that contact knows as held, after changes of holds, of
  * constraints that are off, and of particles that inlets move. */
 void control_find_anchored(struct pdyn_sim *sim);

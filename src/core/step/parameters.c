@@ -4,6 +4,7 @@
 #include "forces.h"
 #include "scene/params.h"
 #include "scene/table.h"
+#include "schedule.h"
 #include "sim.h"
 
 #include "projdyn/control.h"
@@ -12,15 +13,6 @@
 #include <string.h>
 
 enum { LARGEST = 3, NAMES = 64 }; /* numbers of a value other than a path; parameters of a type */
-
-bool parameter_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param) {
-    if (param->kind == PDYN_PATH) return !type->matrix_free;
-    if (param->kind != PDYN_REAL && param->kind != PDYN_VECTOR && !param_is_table(param))
-        return false;
-    for (const char *const *a = type->alternatives; a && *a; a++)
-        if (!strcmp(*a, param->name)) return false;
-    return !type->matrix_free || type->matrix_free->set_params;
-}
 
 /* ---- all batches of a constraint ------------------------------------------------------------- */
 
@@ -55,7 +47,7 @@ static pdyn_status fail_unknown(const struct batch *b, const char *name) {
     char hint[512] = "", clipped[128];
     int count = 0;
     for (const pdyn_param *p = b->type->params; p->name && count < NAMES; p++)
-        if (parameter_is_changeable(b->type, p)) names[count++] = p->name;
+        if (param_is_changeable(b->type, p)) names[count++] = p->name;
     text_hint(hint, sizeof hint, name, names, count);
     text_clip(clipped, sizeof clipped, name);
     return context_fail(b->context, PDYN_BAD_INPUT,
@@ -157,6 +149,25 @@ static pdyn_status set_table(struct pdyn_sim *sim, int constraint, const pdyn_pa
     return status;
 }
 
+static pdyn_status set_values(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
+                              const double *value, int count) {
+    void *field = (char *)sim->objective.batch[constraint]->params + p->offset;
+    if (p->kind == PDYN_PATH)
+        return set_path(sim->objective.batch[constraint], field, value, count);
+    return param_is_table(p)
+               ? set_table(sim, constraint, p, value, count)
+               : exchange(sim, constraint, field, value, (size_t)count * sizeof *value);
+}
+
+pdyn_status parameters_follow(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
+                              const double *value) {
+    const void *field = (const char *)sim->objective.batch[constraint]->params + p->offset;
+    const double *now = param_is_table(p) ? ((const pdyn_table *)field)->value : field;
+    int numbers = param_numbers(p);
+    bool same = !memcmp(now, value, (size_t)numbers * sizeof *value);
+    return same ? PDYN_OK : set_values(sim, constraint, p, value, numbers);
+}
+
 /* ---- public functions ------------------------------------------------------------------------ */
 
 pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, const double *value,
@@ -166,18 +177,15 @@ pdyn_status pdyn_set_parameter(pdyn_sim *sim, int constraint, const char *name, 
     if (status != PDYN_OK) return status;
     struct batch *b = sim->objective.batch[constraint];
     const pdyn_param *p = b->type->params;
-    while (p->name && (strcmp(p->name, name) != 0 || !parameter_is_changeable(b->type, p))) p++;
+    while (p->name && (strcmp(p->name, name) != 0 || !param_is_changeable(b->type, p))) p++;
     if (!p->name) return fail_unknown(b, name);
-    void *field = (char *)b->params + p->offset;
-    bool path = p->kind == PDYN_PATH, table = param_is_table(p);
-    status = path    ? check_path(b, p, value, count)
-             : table ? check_table(b, p, value, count)
-                     : check_value(b, p, value, count);
+    status = p->kind == PDYN_PATH ? check_path(b, p, value, count)
+             : param_is_table(p)  ? check_table(b, p, value, count)
+                                  : check_value(b, p, value, count);
     if (status != PDYN_OK) return status;
     sim->control.driven = true;
-    return path    ? set_path(b, field, value, count)
-           : table ? set_table(sim, constraint, p, value, count)
-                   : exchange(sim, constraint, field, value, (size_t)count * sizeof *value);
+    schedule_replace(sim, constraint, p);
+    return set_values(sim, constraint, p, value, count);
 }
 
 pdyn_status pdyn_enable(pdyn_sim *sim, int constraint, bool enabled) {
@@ -275,7 +283,7 @@ static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snap
     snapshot_file_require(a, !off || !b->op, "a matrix-free constraint is off");
     for (const pdyn_param *p = b->type->params; p->name && a->status == PDYN_OK; p++) {
         void *field = (char *)b->params + p->offset;
-        if (!parameter_is_changeable(b->type, p)) continue;
+        if (!param_is_changeable(b->type, p)) continue;
         if (p->kind == PDYN_PATH) persist_path(b, field, a);
         else if (param_is_table(p)) changed |= persist_table(b, p, field, a);
         else changed |= persist_value(b, p, field, a);

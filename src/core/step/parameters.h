@@ -8,8 +8,9 @@
 
 struct pdyn_sim;
 
-/* Whether pdyn_set_parameter can change this parameter. */
-bool parameter_is_changeable(const pdyn_constraint_type *type, const pdyn_param *param);
+/* Sets a parameter, all rows of a table, to a value within its bounds, if it is another one. */
+pdyn_status parameters_follow(struct pdyn_sim *sim, int constraint, const pdyn_param *param,
+                              const double *value);
 
 void parameters_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 

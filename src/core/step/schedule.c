@@ -1,6 +1,14 @@
 #include "schedule.h"
 
+#include "base/text.h"
+#include "control.h"
+#include "parameters.h"
+#include "sim.h"
+
 #include "projdyn/control.h"
+#include "projdyn/path.h"
+
+#include <string.h>
 
 /* Times are equal that differ by rounding alone: 0.3 is a step's begin that was summed to
  * 0.30000000000000004. */
@@ -11,16 +19,64 @@ static bool is_now(const struct pdyn_sim *sim, double time) {
     return is_over(time, sim->time) && (!sim->steps || !is_over(time, sim->time - sim->last_h));
 }
 
-static pdyn_status start_one(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
-    return c->from > 0.0 ? pdyn_enable(sim, k, false) : PDYN_OK;
+/* ---- keys ------------------------------------------------------------------------------------ */
+
+/* Whether there are keys that count. */
+static bool is_followed(const struct scene_keyed *keyed) {
+    return keyed->path.count && !keyed->replaced;
 }
 
-static pdyn_status switch_one(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
+static void follow_gravity(struct pdyn_sim *sim) {
+    double gravity[3], *now = sim->scene.settings.gravity;
+    if (!is_followed(&sim->scene.settings.gravity_keys)) return;
+    path_at(&sim->scene.settings.gravity_keys.path, sim->time, gravity);
+    sim->control.driven = true;
+    if (memcmp(gravity, now, sizeof gravity)) control_set_gravity(sim, gravity);
+}
+
+static pdyn_status follow_keys(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
+    pdyn_status status = PDYN_OK;
+    double value[3];
+    for (int m = 0; m < c->keyed_params && status == PDYN_OK; m++) {
+        if (!is_followed(&c->keyed[m])) continue;
+        path_at(&c->keyed[m].path, sim->time, value);
+        sim->control.driven = true;
+        status = parameters_follow(sim, k, c->keyed[m].param, value);
+    }
+    return status;
+}
+
+/* Sets the value of every key once: a constraint may refuse one, which is an error of the scene. */
+static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_keyed *keyed) {
+    const double *key = keyed->path.key, *end = key + 4 * keyed->path.count;
+    char text[CONTEXT_ERROR];
+    pdyn_status status = PDYN_OK;
+    for (; key < end && status == PDYN_OK; key += 4)
+        status = parameters_follow(sim, k, keyed->param, key + 1);
+    if (status != PDYN_BAD_INPUT) return status;
+    text_clip(text, sizeof text, context_error());
+    return context_fail(sim->context, status, "%s: key at %.10g s: %s", sim->scene.file, key[-4],
+                        text);
+}
+
+/* ---- all constraints ------------------------------------------------------------------------- */
+
+static pdyn_status start_one(struct pdyn_sim *sim, int k, struct scene_constraint *c) {
+    pdyn_status status = PDYN_OK;
+    for (int m = 0; m < c->keyed_params && status == PDYN_OK; m++)
+        status = try_keys(sim, k, &c->keyed[m]);
+    if (status == PDYN_OK) status = follow_keys(sim, k, c);
+    return status == PDYN_OK && c->from > 0.0 ? pdyn_enable(sim, k, false) : status;
+}
+
+static pdyn_status switch_one(struct pdyn_sim *sim, int k, struct scene_constraint *c) {
+    pdyn_status status = follow_keys(sim, k, c);
+    if (status != PDYN_OK) return status;
     if (is_now(sim, c->until)) return pdyn_enable(sim, k, false);
     return c->from > 0.0 && is_now(sim, c->from) ? pdyn_enable(sim, k, true) : PDYN_OK;
 }
 
-typedef pdyn_status one_fn(struct pdyn_sim *sim, int k, const struct scene_constraint *c);
+typedef pdyn_status one_fn(struct pdyn_sim *sim, int k, struct scene_constraint *c);
 
 static pdyn_status for_all(struct pdyn_sim *sim, one_fn *one) {
     pdyn_status status = PDYN_OK;
@@ -30,6 +86,37 @@ static pdyn_status for_all(struct pdyn_sim *sim, one_fn *one) {
     return status;
 }
 
-pdyn_status schedule_start(struct pdyn_sim *sim) { return for_all(sim, start_one); }
+pdyn_status schedule_start(struct pdyn_sim *sim) {
+    follow_gravity(sim);
+    return for_all(sim, start_one);
+}
 
-pdyn_status schedule_switch(struct pdyn_sim *sim) { return for_all(sim, switch_one); }
+pdyn_status schedule_switch(struct pdyn_sim *sim) {
+    follow_gravity(sim);
+    return for_all(sim, switch_one);
+}
+
+void schedule_replace(struct pdyn_sim *sim, int constraint, const pdyn_param *param) {
+    for (int b = 0, k = 0; b < sim->bodies; k += sim->scene.body[b++].constraints) {
+        const struct scene_body *body = &sim->scene.body[b];
+        if (constraint - k >= body->constraints) continue;
+        const struct scene_constraint *c = &body->constraint[constraint - k];
+        for (int m = 0; m < c->keyed_params; m++)
+            c->keyed[m].replaced |= c->keyed[m].param == param;
+        return;
+    }
+}
+
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+static const char bad_flag[] = "the flag of keys is neither 0 nor 1";
+
+void schedule_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
+    snapshot_file_flags(a, &sim->scene.settings.gravity_keys.replaced, 1, bad_flag);
+    for (int b = 0; b < sim->bodies; b++)
+        for (int m = 0; m < sim->scene.body[b].constraints; m++) {
+            const struct scene_constraint *c = &sim->scene.body[b].constraint[m];
+            for (int k = 0; k < c->keyed_params; k++)
+                snapshot_file_flags(a, &c->keyed[k].replaced, 1, bad_flag);
+        }
+}

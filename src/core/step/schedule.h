@@ -1,14 +1,26 @@
-/* Constraints that a scene gives times: "from" and "until". */
+/* What a scene changes over time: constraints with "from" and "until", and parameters and gravity
+ * with keys. */
 #ifndef PDYN_SCHEDULE_H
 #define PDYN_SCHEDULE_H
 
-#include "sim.h"
+#include "base/snapshot_file.h"
+#include "projdyn/module.h"
 
-/* When a simulation has been built: switches the constraints off that begin later. */
+struct pdyn_sim;
+
+/* When a simulation has been built: switches the constraints off that begin later, and sets what
+ * has keys. */
 pdyn_status schedule_start(struct pdyn_sim *sim);
 
 /* Before a step: switches the constraints on whose time begins with it, and those off whose time
- * has ended. What a program has switched since (pdyn_enable) stays as it is. */
+ * has ended, and sets what has keys. What a program has switched or set since (pdyn_enable,
+ * pdyn_set_parameter, pdyn_set_gravity) stays as it is. */
 pdyn_status schedule_switch(struct pdyn_sim *sim);
+
+/* Notes that a program has set a parameter: its keys do not count any more. */
+void schedule_replace(struct pdyn_sim *sim, int constraint, const pdyn_param *param);
+
+/* Writes or reads which keys do not count any more. */
+void schedule_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
 
 #endif

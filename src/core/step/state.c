@@ -93,7 +93,7 @@ static pdyn_parameter_info get_parameter(const pdyn_sim *sim, int constraint, in
                                          .value = *value,
                                          .minimum = p->min,
                                          .maximum = p->max,
-                                         .changeable = parameter_is_changeable(b->type, p),
+                                         .changeable = param_is_changeable(b->type, p),
                                          .doc = p->doc};
     }
     return (pdyn_parameter_info){0};
@@ -114,7 +114,7 @@ static pdyn_vector_info get_vector(const pdyn_sim *sim, int constraint, int vect
                              .unit = p->unit,
                              .count = 3,
                              .value = field,
-                             .changeable = parameter_is_changeable(b->type, p),
+                             .changeable = param_is_changeable(b->type, p),
                              .doc = p->doc};
     const pdyn_path *path = p->kind == PDYN_PATH ? field : NULL;
     const pdyn_table *table = param_is_table(p) ? field : NULL;

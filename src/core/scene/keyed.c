@@ -1,0 +1,114 @@
+#include "keyed.h"
+
+#include "base/registry.h"
+#include "motion.h"
+#include "params.h"
+
+#include <limits.h>
+
+/* ---- keys ------------------------------------------------------------------------------------ */
+
+bool keyed_given(const struct json_at *at) { return json_is_object(json_array_get(at->value, 0)); }
+
+/* Reads {"time": s, "NAME": value}. */
+static pdyn_status read_key(const struct json_at *at, const pdyn_param *p, double key[4]) {
+    const char *const names[] = {"time", p->name, NULL};
+    struct json_at time = json_member(at, "time"), value = json_member(at, p->name);
+    int numbers = param_numbers(p);
+    pdyn_status status = params_check_keys(at, NULL, names);
+    if (status == PDYN_OK)
+        status = params_real(&time, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "s", key);
+    if (status != PDYN_OK) return status;
+    return numbers == 1 ? params_real(&value, p->min, p->max, p->unit, key + 1)
+                        : params_reals(&value, numbers, p->min, p->max, p->unit, key + 1);
+}
+
+pdyn_status keyed_read_path(const struct json_at *at, const pdyn_param *param, pdyn_path *out) {
+    size_t count = json_array_size(at->value);
+    if (count > INT_MAX / 4) return json_fail(at, "more than %d keys", INT_MAX / 4);
+    double *key = NEW_ARRAY(at->file->context, 4 * count, double);
+    if (!key) return PDYN_NO_MEMORY;
+    *out = (pdyn_path){(int)count, key};
+    pdyn_status status = PDYN_OK;
+    for (size_t k = 0; k < count && status == PDYN_OK; k++, key += 4) {
+        struct json_at element = json_element(at, k);
+        status = read_key(&element, param, key);
+        if (status == PDYN_OK && k) status = motion_check_time(&element, key[-4], key[0]);
+    }
+    return status;
+}
+
+void keyed_free_path(pdyn_context *context, pdyn_path *path) {
+    FREE_ARRAY(context, path->key, 4 * (size_t)path->count);
+}
+
+/* ---- parameters of a constraint -------------------------------------------------------------- */
+
+/* Whether there are keys for a parameter. Others than numbers may be arrays of objects, too. */
+static bool has_keys(const struct json_at *object, const pdyn_param *p) {
+    struct json_at at = json_member(object, p->name);
+    return param_numbers(p) && keyed_given(&at);
+}
+
+static int count_keyed(const struct json_at *object, const pdyn_param *p) {
+    int count = 0;
+    for (; p->name; p++) count += has_keys(object, p);
+    return count;
+}
+
+bool keyed_allowed(const pdyn_constraint_type *type, const pdyn_param *p) {
+    int numbers = param_numbers(p);
+    return param_is_changeable(type, p) && numbers >= 1 && numbers <= 3 &&
+           (!param_is_table(p) || param_rows(p, 1, 1, 1));
+}
+
+static pdyn_status read_all_keys(const struct json_at *object, struct scene_constraint *c) {
+    pdyn_context *context = object->file->context;
+    pdyn_status status = PDYN_OK;
+    int count = count_keyed(object, c->type->params);
+    struct scene_keyed *keyed = c->keyed = NEW_ARRAY(context, count, struct scene_keyed);
+    if (!count) return PDYN_OK;
+    if (!keyed) return PDYN_NO_MEMORY;
+    c->keyed_params = count;
+    for (const pdyn_param *p = c->type->params; p->name && status == PDYN_OK; p++) {
+        struct json_at at = json_member(object, p->name);
+        if (!has_keys(object, p)) continue;
+        if (!keyed_allowed(c->type, p))
+            return json_fail(&at, "\"%s\" cannot change over time, found keys", p->name);
+        keyed->param = p;
+        status = keyed_read_path(&at, p, &keyed++->path);
+    }
+    return status;
+}
+
+/* A copy of the object in which the first value of each parameter stands for its keys; NULL: no
+ * memory. */
+static json_t *with_first_values(const struct json_at *object, const struct scene_constraint *c) {
+    json_t *copy = json_copy(object->value);
+    for (int k = 0; copy && k < c->keyed_params; k++) {
+        const char *name = c->keyed[k].param->name;
+        json_t *first = json_array_get(json_object_get(object->value, name), 0);
+        if (json_object_set(copy, name, json_object_get(first, name)) == 0) continue;
+        json_decref(copy);
+        return NULL;
+    }
+    return copy;
+}
+
+pdyn_status keyed_read_params(const struct json_at *object, const struct scene_body *body,
+                              struct scene_constraint *c) {
+    struct json_at at = *object;
+    pdyn_status status = read_all_keys(object, c);
+    if (status != PDYN_OK) return status;
+    if (!c->keyed_params) return params_read(object, c->type->params, body, c->params);
+    at.value = with_first_values(object, c);
+    if (!at.value) return context_no_memory(object->file->context);
+    status = params_read(&at, c->type->params, body, c->params);
+    json_decref(at.value);
+    return status;
+}
+
+void keyed_free(pdyn_context *context, struct scene_constraint *c) {
+    for (int k = 0; k < c->keyed_params; k++) keyed_free_path(context, &c->keyed[k].path);
+    FREE_ARRAY(context, c->keyed, c->keyed_params);
+}
