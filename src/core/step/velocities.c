@@ -10,23 +10,30 @@
 
 #include <string.h>
 
-/* v = (x_next - from) / h. Positions conserve momentum up to rounding; the remainder is subtracted
- * from the velocities, so that it does not accumulate over many steps. */
+/* Subtracts momentum, N s, that rounding has added to a system whose constraints cannot, so that it
+ * does not accumulate over many steps. */
+static void subtract_momentum(struct pdyn_sim *sim, const double excess[3]) {
+    double mass = 0.0;
+    if (sim->anchored) return;
+    for (int i = 0; i < sim->objective.particles; i++)
+        if (particle_is_live(sim, i)) mass += sim->objective.mass[i];
+    for (int k = 0; k < 3 * sim->objective.particles; k++)
+        if (particle_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
+}
+
+/* v = (x_next - from) / h. */
 static void compute_velocities(struct pdyn_sim *sim, const double *from, double h) {
     const double H = sim->objective.h;
-    double excess[3] = {0}, mass = 0.0;
+    double excess[3] = {0};
     for (int i = 0; i < sim->objective.particles; i++) {
         double m = particle_is_live(sim, i) ? sim->objective.mass[i] : 0.0;
-        mass += m;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double v = (sim->x_next[k] - from[k]) / h;
             excess[k % 3] += m * (v - sim->v_base[k] - H * applied_acceleration(sim, k));
             sim->v[k] = v;
         }
     }
-    if (sim->anchored) return;
-    for (int k = 0; k < 3 * sim->objective.particles; k++)
-        if (particle_is_live(sim, k / 3)) sim->v[k] -= excess[k % 3] / mass;
+    subtract_momentum(sim, excess);
 }
 
 /* ---- unsolved steps -------------------------------------------------------------------------- */
@@ -64,7 +71,7 @@ static double energy_gain(const struct pdyn_sim *sim, int i, double h) {
 /* Removes the energy gain from the motion relative to the mean velocity. */
 static void remove_energy_gain(struct pdyn_sim *sim, double h) {
     const struct objective *objective = &sim->objective;
-    double gained = 0.0, kinetic = 0.0, mean[3];
+    double gained = 0.0, kinetic = 0.0, mean[3], excess[3] = {0};
     mean_velocity(sim, mean);
     for (int i = 0; i < objective->particles; i++) {
         double speed = vec3_distance(sim->v + 3 * i, mean);
@@ -74,9 +81,13 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
     }
     if (!(gained > 0.0)) return;
     double part = sqrt(fmax(0.0, 1.0 - gained / kinetic));
-    for (int k = 0; k < 3 * objective->particles; k++)
-        if (particle_is_live(sim, k / 3))
-            sim->v[k] = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
+    for (int k = 0; k < 3 * objective->particles; k++) {
+        if (!particle_is_live(sim, k / 3)) continue;
+        double v = mean[k % 3] + part * (sim->v[k] - mean[k % 3]);
+        excess[k % 3] += objective->mass[k / 3] * (v - sim->v[k]);
+        sim->v[k] = v;
+    }
+    subtract_momentum(sim, excess);
 }
 
 /* After an unsolved step, computes Euler velocities v = (x_next - x) / h: the error of x_next would
