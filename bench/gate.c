@@ -49,13 +49,13 @@ static const char scene[] =
     "[{'box': {'minimum': [-1, %.17g, -1], 'maximum': [1, 1, 1]}}]}]}], 'solids': [{'box': "
     "{'minimum': [0, 0, 0], 'maximum': [0.3, 0.2, %.17g]}, 'open': ['+x', '+y']}, {'mesh': '%s'}]}";
 
-/* The sheet lies 0.6 spacings beyond the water, as the points of a wall do. */
+/* The sheet and the wall above it lie where the water ends. */
 static pdyn_sim *load_gate(pdyn_context *context, const char *directory, double d, double modulus,
                            double h, const char *integrator, int *across) {
     char sheet[4096], wall[4096];
     int up = (int)(gate / d + 0.5);
     double ds = gate / (up + 0.5), slice = 4.0 * d;
-    struct mesh m = {width + 0.6 * d, d, 0.0, gate + 0.5 * ds, up + 1, 6};
+    struct mesh m = {width, d, 0.0, gate + 0.5 * ds, up + 1, 6};
     snprintf(sheet, sizeof sheet, "%s/gate.obj", directory);
     snprintf(wall, sizeof wall, "%s/gate_wall.obj", directory);
     write_plane(sheet, &m, slice);
@@ -89,7 +89,7 @@ static double run(pdyn_context *context, const char *directory, FILE *csv, doubl
         double now = pdyn_time(sim), x = tip(sim, across) - start;
         for (; k < POINTS && now >= experiment[k][0]; k++)
             at[k] = before + (x - before) * (experiment[k][0] - time) / (now - time);
-        fprintf(csv, "%g,%g,%g,%g,%g\n", d, modulus, h, now, x);
+        fprintf(csv, "%g,%g,%g,%g,%g,%s\n", d, modulus, h, now, x, integrator);
         most = fmax(most, x), before = x, time = now;
         take_step(context, sim);
     }
@@ -99,12 +99,12 @@ static double run(pdyn_context *context, const char *directory, FILE *csv, doubl
 
 void elastic_gate(pdyn_context *context, const char *directory, int count, char **runs) {
     FILE *csv = open_csv(directory, "gate");
-    fprintf(csv, "spacing,modulus,h,time,tip\n");
-    printf("| spacing, mm | E, MPa | h, ms |");
+    fprintf(csv, "spacing,modulus,h,time,tip,integrator\n");
+    printf("| integrator | spacing, mm | E, MPa | h, ms |");
     for (int k = 0; k < POINTS; k++) printf(" %g s |", experiment[k][0]);
-    printf(" peak |\n|---|---|---|");
+    printf(" peak |\n|---|---|---|---|");
     for (int k = 0; k <= POINTS; k++) printf("---|");
-    printf("\n| experiment | | |");
+    printf("\n| | experiment | | |");
     for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * experiment[k][1]);
     printf(" 46.4 |\n");
     for (int r = 0; r < count; r++) {
@@ -114,7 +114,7 @@ void elastic_gate(pdyn_context *context, const char *directory, int count, char 
             die("expected MMxMPAxMS or MMxMPAxMS:INTEGRATOR, found %s", runs[r]);
         double most =
             run(context, directory, csv, 1e-3 * mm, 1e6 * modulus, 1e-3 * ms, integrator, at);
-        printf("| %g | %g | %g |", mm, modulus, ms);
+        printf("| %s | %g | %g | %g |", integrator, mm, modulus, ms);
         for (int k = 0; k < POINTS; k++) printf(" %.1f |", 1e3 * at[k]);
         printf(" %.1f (%+.0f %%) |\n", 1e3 * most, 100.0 * (most / 0.0464 - 1.0));
         fflush(stdout);

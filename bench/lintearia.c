@@ -2,7 +2,7 @@
  * constant and its curvature is rho g depth / T: an elastica below the water level, straight above.
  * From the lowest point, with arc length s and angle a, a' = rho g max(0, H - y) / T; H and T
  * follow from the length of the sheet and the area of the water. Simulated in a slice a few
- * particles wide. */
+ * particles wide, between walls without friction, which keep the sheet in the slice. */
 #include "coupling.h"
 
 #include <math.h>
@@ -91,10 +91,11 @@ static void arc_point(double s, double xy[2]) { /* s: from the middle, m */
     xy[0] = radius * sin(s / radius), xy[1] = radius * (cos(half) - cos(s / radius));
 }
 
+static const double gap = 0.002, thickness = 0.001; /* m, from the sheet to a wall; of contact */
+
 struct slice {
-    double spacing, width; /* m */
-    int along,
-        across; /* segments of the sheet across, which is two spacings wider than the slice */
+    double spacing, width; /* m, between the walls */
+    int along, across;     /* segments of the sheet */
 };
 
 static double row_arc(const struct slice *slice, int row) {
@@ -107,9 +108,9 @@ static void write_sheet(const struct slice *slice, const char *path) {
     int n = slice->across + 1;
     for (int i = 0; i <= slice->along; i++)
         for (int j = 0; j < n; j++) {
-            double xy[2], z = (slice->width + 2.0 * slice->spacing) * j / slice->across;
+            double xy[2], z = gap + (slice->width - 2.0 * gap) * j / slice->across;
             arc_point(row_arc(slice, i), xy);
-            fprintf(file, "v %.17g %.17g %.17g\n", xy[0], xy[1], z - slice->spacing);
+            fprintf(file, "v %.17g %.17g %.17g\n", xy[0], xy[1], z);
         }
     for (int i = 0; i < slice->along; i++)
         for (int j = 1; j < n; j++) {
@@ -162,8 +163,10 @@ static pdyn_sim *load_slice(pdyn_context *context, const char *directory, const 
         "'constraints': [{'type': 'triangle', 'stretching_stiffness': %g}, {'type': 'bending', "
         "'bending_rigidity': 1e-5}, {'type': 'pin', 'vertices': [{'box': {'minimum': [-1, -0.001, "
         "-1], 'maximum': [1, 1, 1]}}]}]}], 'solids': [{'box': {'minimum': [-0.25, -0.35, 0], "
-        "'maximum': [0.25, 0.05, %.17g]}, 'open': ['-x', '+x', '-y', '+y']}]}",
-        h, 0.5 * d, boxes, 0.45 * pressure * d / 1e-3, path, area_density, stiffness, slice->width);
+        "'maximum': [0.25, 0.05, %.17g]}, 'open': ['-x', '+x', '-y', '+y']}], 'contact': "
+        "{'thickness': %g, 'friction': 0}}",
+        h, 0.5 * d, boxes, 0.45 * pressure * d / 1e-3, path, area_density, stiffness, slice->width,
+        thickness);
 }
 
 /* Mean position of a row, m. */

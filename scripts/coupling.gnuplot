@@ -40,10 +40,10 @@ $experiment << EOD
 0.321,40.0
 0.360,37.4
 EOD
-runs = system("awk -F, 'NR > 1 && !s[$1 $2 $3]++ { print $1 \":\" $2 \":\" $3 }' ".out."/gate.csv")
+runs = system("awk -F, '$6 == \"bdf2\" && !s[$1 $2 $3]++ { print $1 \":\" $2 \":\" $3 }' ".out."/gate.csv")
 part(r, k) = system(sprintf("echo %s | cut -d: -f%d", r, k))
 plot $experiment using 1:2 with points pt 7 lc rgb "black" title "Antoci et al. 2007", \
-     for [r in runs] sprintf("< awk -F, '$1 == %s && $2 == %s && $3 == %s' %s/gate.csv", part(r, 1), part(r, 2), part(r, 3), out) \
+     for [r in runs] sprintf("< awk -F, '$6 == \"bdf2\" && $1 == %s && $2 == %s && $3 == %s' %s/gate.csv", part(r, 1), part(r, 2), part(r, 3), out) \
          using 4:(1000*$5) with lines title sprintf("%g mm, %g MPa", 1000 * real(part(r, 1)), 1e-6 * real(part(r, 2)))
 
 set title "Free water and cloth: angular momentum"

@@ -10,10 +10,11 @@ out=out/coupling
 mkdir -p "$out"
 case ${1:-} in
 quick)
-    steps=100 seconds=2 basin=20 sheet=20 gate="10x12x2 10x7.8x2" docs=$out
+    steps=100 seconds=2 basin=20 sheet=20 gate="10x12x2:bdf2 10x7.8x2:bdf2" docs=$out
     leaks="impact:12:25:10:0.03:6x30:20 bag:12:8:10:0.05:20x300:2" ;;
 "")
-    steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" gate="10x12x2 10x7.8x2 5x12x1 5x7.8x1" docs=docs/results
+    steps=1000 seconds=10 basin="20 12.5" sheet="20 12.5" docs=docs/results
+    gate="10x12x2 10x7.8x2 5x12x1 5x7.8x1 10x12x2:bdf2 10x7.8x2:bdf2 5x12x1:bdf2 5x7.8x1:bdf2"
     leaks="impact:22:50:10:0.05:6x30:20 impact:22:50:1:0.03:6x30:20 impact:46:50:10:0.05:6x30:20 impact:46:200:10:0.05:6x30:20"
     leaks="$leaks impact:46:50:10:0.05:6x30:5 bag:12:8:10:0.4:20x300:0.5 bag:12:8:10:0.4:20x300:2 bag:12:8:1:0.03:20x300:2" ;;
 *) echo "usage: scripts/coupling.sh [quick]" >&2; exit 2 ;;

@@ -35,16 +35,17 @@ void main() {
   gl_Position.xy += (gl_VertexID < 2 ? aside : -aside) * gl_Position.w;
   at = end ? b : a;
 }`,
-  edgeFragment: `
+  /* opaque: GLSL, whether something opaque is in front */
+  edgeFragment: (opaque, share) => `
 in vec3 at;
 in float across;
-uniform sampler2D cover;
-uniform float over, width;
+uniform sampler2D sceneDepth;
+uniform float width;
 uniform vec2 window;
 out vec4 result;
 void main() {
-  if (dot(cut.xyz, at) > cut.w || over > 0.0 && texture(cover, gl_FragCoord.xy / window).a < 0.5) discard;
-  float strength = 0.75 * clamp(0.5 * (width + 1.0) - abs(across), 0.0, 1.0);
+  if (dot(cut.xyz, at) > cut.w || ${opaque}) discard;
+  float strength = ${share} * clamp(0.5 * (width + 1.0) - abs(across), 0.0, 1.0);
   result = vec4(vec3(0.30, 0.40, 0.43) * strength, strength);
 }`,
 };
@@ -52,7 +53,9 @@ void main() {
 class GlassPrograms {
   constructor(gl) {
     this.face = compile(gl, lightText, surfaceVertex, glassText.face);
-    this.edge = compile(gl, commonText, glassText.edgeVertex, glassText.edgeFragment);
+    this.edge = compile(gl, commonText, glassText.edgeVertex, glassText.edgeFragment("false", "0.75"));
+    this.edgeBehind = compile(gl, commonText, glassText.edgeVertex,
+      glassText.edgeFragment("gl_FragCoord.z > texture(sceneDepth, gl_FragCoord.xy / window).r", "0.2"));
   }
 }
 
@@ -90,17 +93,28 @@ class Glass extends Surface {
     const x = metres(this.part, frame);
     this.lines.upload(this.pairs.flatMap((i) => [x[3 * i], x[3 * i + 1], x[3 * i + 2]]));
   }
-  drawGlass(programs, values) {
+  blended(draw) {
     const gl = this.gl;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(0, -4096); /* of 2^-24: in front of water and bodies that touch it */
-    this.draw(programs.face, values);
-    this.lines.draw(programs.edge, values);
+    draw();
     gl.disable(gl.POLYGON_OFFSET_FILL);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
+  }
+  drawFaces(programs, values) {
+    this.blended(() => this.draw(programs.face, values));
+  }
+  /* After the water, which does not refract them: a bent line looks like a crack. Faint ones behind water. */
+  drawEdges(programs, values, behind) {
+    const gl = this.gl;
+    this.blended(() => this.lines.draw(programs.edge, values));
+    if (!behind) return;
+    gl.depthFunc(gl.GREATER);
+    this.blended(() => this.lines.draw(programs.edgeBehind, values));
+    gl.depthFunc(gl.LEQUAL);
   }
 }

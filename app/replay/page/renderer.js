@@ -173,7 +173,8 @@ class Renderer {
     for (const shape of sorted.balls) shape.draw(this.balls.colour, { ...values, ...this.ballLook(shape) });
     this.strings.draw(this.glass, values);
     this.backdrop.drawGround(values);
-    for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, over: 0 });
+    for (const shape of sorted.glass) shape.drawFaces(this.glass, { ...values, over: 0 });
+    if (!sorted.water.length) for (const shape of sorted.glass) shape.drawEdges(this.glass, values, false);
   }
   /* Draws the passes before water.compose, from meshes where all fluids have them. Returns this.meshedWater or
    * this.water, whose .cover and .thickness are the result. */
@@ -200,7 +201,8 @@ class Renderer {
     const exact = passes === this.meshedWater ? 1 : 0;
     this.water.compose({ ...own, cover, thick: passes.thickness.colour, exact }, this.scene, this.image);
     this.drops.draw(sorted.water, { ...own, cover });
-    for (const shape of sorted.glass) shape.drawGlass(this.glass, { ...values, cover, over: 1 });
+    for (const shape of sorted.glass) shape.drawFaces(this.glass, { ...values, cover, over: 1 });
+    for (const shape of sorted.glass) shape.drawEdges(this.glass, own, true);
     this.stage("water shading");
   }
   /* Draws a frame into the canvas, whose size in pixels is set. */

@@ -26,7 +26,7 @@ class Strings {
     if (!this.lines.count) return;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    this.lines.draw(programs.edge, { ...values, over: 0, width: 1.5 * values.width });
+    this.lines.draw(programs.edge, { ...values, width: 1.5 * values.width });
     gl.disable(gl.BLEND);
   }
 }

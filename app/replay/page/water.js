@@ -142,11 +142,13 @@ vec2 refracted(vec2 slope, float z, float gap, vec2 scale) {
   float deep = z - eyeDepth(texture(sceneDepth, there).r), far = gap + 4.0 * radius;
   return mix(uv, there, smoothstep(0.0, 4.0 * radius, deep) * (1.0 - smoothstep(far, 2.0 * far, deep)));
 }
-/* Light from behind that passes the liquid, and light that it scatters. kind: its number, or one between two */
+/* Light from behind that passes the liquid, and light that it scatters. kind: its number, or one between two. Drops and
+ * the edges of a tank would be clear; from a particle's radius on, meshes have the colour of a thicker layer. */
 vec3 bodyColour(vec2 there, float thickness, float kind, vec3 light) {
   int k = int(min(kind, 1.0));
   float part = clamp(kind - float(k), 0.0, 1.0);
-  vec3 x = thickness / clear * mix(absorbed[k], absorbed[k + 1], part), behind = texture(scene, there).rgb;
+  float more = exact > 0.0 ? 0.35 * clear * (1.0 - exp(-thickness / radius)) : 0.0;
+  vec3 x = (thickness + more) / clear * mix(absorbed[k], absorbed[k + 1], part), behind = texture(scene, there).rgb;
   vec3 pass = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x / 6.0))); /* about exp(-x) */
   return behind * behind * pass + mix(scattered[k], scattered[k + 1], part) * light * (1.0 - pass);
 }
