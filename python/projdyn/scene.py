@@ -39,6 +39,8 @@ class Scene:
         duration: s, the end of Simulation.run. threads: of its simulations; 0: one per core.
         allow_plugins: load plug-ins, which are code, that the scene names.
         """
+        if name.endswith(".json"):
+            raise InputError(f"{name}: Scene.open reads a file; Scene makes an empty scene of this name")
         self._handle = _new(lib.pdyn_scene_create, name, threads, allow_plugins)
         values = {"name": name, "duration": duration, "bodies": [], **keys}
         for key, value in _given(**values).items():

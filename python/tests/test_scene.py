@@ -105,6 +105,10 @@ class Scenes(unittest.TestCase):
         sim = projdyn.load(SCENES / "hanging_cloth.json", {"time_step.fixed": 0.005}, threads=1)
         self.assertEqual(sim.step().h, 0.005)
 
+    def test_empty_scene_with_the_name_of_a_file(self):
+        with self.assertRaisesRegex(projdyn.InputError, "a.json: Scene.open reads a file"):
+            projdyn.Scene("a.json")
+
     def test_written_scene_has_the_same_bits(self):
         scene = projdyn.Scene("square", threads=1)
         vertices, triangles = square()
