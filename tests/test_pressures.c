@@ -160,6 +160,7 @@ static void test_rest_error(void **state) {
     while (pdyn_time(sim) < 0.05) test_step(context, sim);
     assert_int_equal(solver_view_linearise(&sim->model, 0.0), PDYN_OK);
     pdyn_model *rest = sim->model.model.rest;
+    assert_null(rest->matrix);
     int n = 3 * rest->particles;
     double *vectors = calloc(3 * (size_t)n, sizeof *vectors);
     assert_non_null(vectors);

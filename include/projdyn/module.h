@@ -523,7 +523,7 @@ typedef struct pdyn_model {
     /* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2, so that no body
      * hides another. scale: |M g| plus the norm of the forces that fluids put on it. */
     double (*norm)(struct pdyn_model *model, const double *r);
-    /* H assembled; valid until the next call. */
+    /* H assembled; valid until the next call. NULL in `rest`. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* The sum of weight G' G over all steady elements, without inertia, dim 1: which particles are
      * tied, and how stiffly. Valid until the next call. */

@@ -171,6 +171,7 @@ static pdyn_status create_rest(struct solver_view *view) {
     if (o->particles && !rest->in_rows) return PDYN_NO_MEMORY;
     rest->model.in_rows = rest->in_rows;
     rest->model.product = rest_product, rest->model.diagonal = rest_diagonal;
+    rest->model.matrix = NULL; /* that of the view contains the one-sided constraints */
     rest->model.one_sided_count = 0;
     view->model.rest = &rest->model;
     update_view(view);
