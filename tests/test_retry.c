@@ -53,9 +53,11 @@ static void ends(const char *set) {
     pdyn_context *context = test_context(1);
     pdyn_sim *sim = load(context, &failing, set, 0.0);
     uint64_t hash = pdyn_state_hash(sim);
+    double history = sim->history;
+    assert_true(history > 0.0);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_DIVERGED);
     assert_true(strstr(pdyn_last_error(context), "step 6 of") != NULL);
-    assert_true(pdyn_state_hash(sim) == hash);
+    assert_true(pdyn_state_hash(sim) == hash && sim->history == history);
     assert_int_equal(pdyn_step(sim, NULL), PDYN_BAD_CALL);
     pdyn_free(sim);
     pdyn_destroy(context);

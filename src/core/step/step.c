@@ -160,7 +160,7 @@ static bool moved_too_far(const struct pdyn_sim *sim, double h) {
 /* Attempts the step with shorter and shorter lengths, up to the number of retries of the scene. */
 static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *end,
                                         struct progress *progress, int *retries) {
-    double eps = sim->eps;
+    double eps = sim->eps, history = sim->history;
     pdyn_status status = attempt(sim, end, progress);
     while (*retries < sim->scene.settings.retries &&
            (status == PDYN_DIVERGED || (status == PDYN_OK && moved_too_far(sim, end->h)))) {
@@ -173,7 +173,7 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     }
     if (status == PDYN_OK) status = objective_end(&sim->objective);
     if (status == PDYN_OK) return PDYN_OK;
-    sim->eps = eps;
+    sim->eps = eps, sim->history = history;
     return fail_step(sim, end->h, status);
 }
 
