@@ -168,7 +168,6 @@ double contact_lag(const struct contact *c, int solid) {
 pdyn_status contact_begin(struct contact *c, const double *x, const double *v, double h,
                           double time) {
     double start = clock_ms();
-    c->ms = 0.0;
     c->common_known = false;
     memset(c->common, 0, 3 * (size_t)c->bodies * sizeof *c->common);
     copy_solids(c, solids_in(c, c->at), c->begin);

@@ -213,6 +213,7 @@ static pdyn_status step(struct pdyn_sim *sim, struct step_end end, pdyn_step_inf
     double start = clock_ms(), cpu = clock_cpu_ms();
     forces_forget(sim);
     sim->objective.ms_neighbours = sim->objective.ms_local = 0.0;
+    if (sim->objective.contact) sim->objective.contact->ms = 0.0;
     pdyn_status status = attempt_with_retries(sim, &end, &progress, &retries);
     if (status != PDYN_OK) return status;
     finish_step(sim, &end, &progress);
