@@ -14,7 +14,7 @@ enum { GRAIN = 512 }; /* particles per parallel block */
 
 static bool resize_arrays(struct pdyn_sim *sim, enum array_action action) {
     const struct array_entry table[] = {
-        ARRAY(sim->carried->x, 3 * (size_t)sim->objective.particles),
+        ARRAY(sim->carried->x, VECTOR_LENGTH(sim->objective.particles)),
         ARRAY(sim->carried->before, 3 * (size_t)sim->motion.points),
     };
     return context_arrays(sim->context, table, ARRAY_ROWS(table), action);
