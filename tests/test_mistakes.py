@@ -169,6 +169,8 @@ MISTAKES = [
                                                     ("bodies.0.velocity", [0, -5, 0])), "[compressed]"),
     Mistake("more water than memory", change(*WATER_ONLY, ("bodies.0.particles.radius", 0.0025)),
             "153600 particles take about 0.35 GB, and there are 0.34 GB", codes=(1, 1), memory=340_000_000),
+    Mistake("more water of a wide kernel than memory", change(*WATER_ONLY, ("kernel", "wendland"), ("bodies.0.particles.radius", 0.0025)),
+            "153600 particles take about 0.49 GB, and there are 0.4 GB", codes=(1, 1), memory=400_000_000),
     # energy from nothing
     Mistake("two blocks of water overlap",
             change(*WATER_ONLY, ("bodies.0.particles.fill.1", {"box": {

@@ -23,6 +23,7 @@ struct kernel_model {
     /* points behind the faces of a box: their distance and how far they reach past the edges, in
      * d; volume per area and d */
     double outside, beyond, layer;
+    double memory; /* of a fluid particle with its neighbour list, bytes */
 };
 
 struct kernel {

@@ -27,7 +27,8 @@ static const struct kernel_model kernel_models[] = {
      .half_volumes = 0.150,
      .outside = 1.01,
      .beyond = 0.35,
-     .layer = 12.95},
+     .layer = 12.95,
+     .memory = 2300.0},
     {.name = "wendland",
      .summary = "Wendland C2, 2.5 particle spacings, 64 neighbours: water resists shear less",
      .wendland = true,
@@ -44,7 +45,8 @@ static const struct kernel_model kernel_models[] = {
      .half_volumes = 0.200,
      .outside = 1.29,
      .beyond = 0.37,
-     .layer = 21.1},
+     .layer = 21.1,
+     .memory = 3200.0},
 };
 const struct choices kernel_choices = {kernel_models, sizeof *kernel_models,
                                        sizeof kernel_models / sizeof *kernel_models};

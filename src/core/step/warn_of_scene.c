@@ -3,6 +3,7 @@
 #include "sim.h"
 #include "warn.h"
 
+#include "projdyn/kernel.h"
 #include "projdyn/vec3.h"
 
 #include <stdio.h>
@@ -14,8 +15,6 @@ static const double min_density = 10.0, max_density = 3e4;             /* kg/m^3
 static const double min_area_density = 1e-3, max_area_density = 100.0; /* kg/m^2 */
 /* Share of the particles that may be left out where they overlap with something. */
 static const double max_left_out = 0.3;
-/* Memory of a particle of a fluid with its neighbour list (docs/results/speed.md). */
-static const double fluid_bytes = 2300.0;
 
 /* ---- properties of bodies -------------------------------------------------------------------- */
 
@@ -223,12 +222,13 @@ static double memory_of_machine(void) {
 
 void warn_of_memory(struct pdyn_sim *sim) {
     double particles = 0.0, machine = memory_of_machine();
+    double particle = sim->scene.settings.kernel->memory;
     for (int b = 0; b < sim->bodies; b++)
         if (!sim->body[b].triangles) particles += sim->body[b].count;
-    if (particles * fluid_bytes > machine)
+    if (particles * particle > machine)
         WARN(sim, MEMORY, "",
              "%.0f particles take about %.2g GB, and there are %.2g GB; expected a larger radius",
-             particles, particles * fluid_bytes * 1e-9, machine * 1e-9);
+             particles, particles * particle * 1e-9, machine * 1e-9);
 }
 
 pdyn_status warn_of_scene(struct pdyn_sim *sim) {
