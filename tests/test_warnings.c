@@ -430,7 +430,7 @@ static void test_without_elements(void **state) {
     static const pdyn_param none[] = {{0}};
     static const pdyn_constraint_type type = {.name = "large",
                                               .summary = "acts on large bodies",
-                                              .flags = PDYN_ANCHORED,
+                                              .flags = PDYN_ANCHORED | PDYN_SEVERAL,
                                               .params = none,
                                               .elements = no_elements,
                                               .rows = 1,
@@ -451,6 +451,7 @@ static void test_without_elements(void **state) {
                                  ""));
     assert_non_null(find_warning(sim, "no-effect", "small").code);
     assert_null(find_warning(sim, "no-effect", "large").code);
+    assert_non_null(find_warning(sim, "no-contact", "small").code); /* it holds no body */
     pdyn_free(sim);
     pdyn_destroy(context);
 }

@@ -26,10 +26,17 @@ double warn_mean_edge(const pdyn_body *body) {
     return sum / fmax(1.0, body->edges);
 }
 
+/* Whether the constraint acts between the body and another one. */
+static bool ties_to_other(const pdyn_constraint_type *type) {
+    for (const pdyn_param *p = type->params; p->name; p++)
+        if (p->kind == PDYN_OTHER) return true;
+    return false;
+}
+
 bool warn_is_held(const struct scene_body *body) {
     for (int k = 0; k < body->constraints; k++) {
-        const struct scene_constraint *c = &body->constraint[k];
-        if (c->type->flags & (PDYN_REACTION | PDYN_SEVERAL)) return true;
+        const pdyn_constraint_type *type = body->constraint[k].type;
+        if (type->flags & PDYN_REACTION || ties_to_other(type)) return true;
     }
     return false;
 }
@@ -73,7 +80,7 @@ static void check_effect(struct pdyn_sim *sim, int b) {
     const struct scene_body *body = &sim->scene.body[b];
     for (int k = 0; k < body->constraints && body->is_rigid; k++) {
         const pdyn_constraint_type *type = body->constraint[k].type;
-        if (!(type->flags & (PDYN_ANCHORED | PDYN_SEVERAL)))
+        if (!(type->flags & PDYN_ANCHORED) && !ties_to_other(type))
             WARN(sim, NO_EFFECT, body->name,
                  "\"%s\" has no effect on a rigid body, which keeps its shape", type->name);
     }
