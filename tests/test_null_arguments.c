@@ -24,14 +24,14 @@ static pdyn_status describe_nowhere(void) { return pdyn_describe(context, NULL, 
 /* Loads text with the overrides `set`; name: of the file in messages. */
 static pdyn_status load_text(pdyn_context *in, const char *text, const char *name,
                              const char *const *set, int count) {
-    pdyn_sim *out = NULL;
+    pdyn_sim *out = sim; /* a failure sets it to NULL */
     pdyn_status status = pdyn_load_text(in, text, name, set, count, &out);
     assert_null(out);
     return status;
 }
 
 static pdyn_status load(pdyn_context *in, const char *path, const char *const *set, int count) {
-    pdyn_sim *out = NULL;
+    pdyn_sim *out = sim; /* a failure sets it to NULL */
     pdyn_status status = pdyn_load(in, path, set, count, &out);
     assert_null(out);
     return status;

@@ -133,8 +133,8 @@ PDYN_API pdyn_status pdyn_describe(pdyn_context *context, const char *name,
 
 /* Loads a scene. set: `count` overrides "path=value" of values in the file, e.g.
  * "solver.type=cholesky" or "bodies.sheet.constraints.spring.stretching_stiffness=2000". On failure
- * (PDYN_BAD_INPUT, PDYN_IO_FAILED, PDYN_NO_MEMORY) *out is NULL, and pdyn_last_error gives file,
- * line, column and JSON path. */
+ * *out is NULL. PDYN_BAD_CALL: count < 0 or a NULL. PDYN_BAD_INPUT, PDYN_IO_FAILED, PDYN_NO_MEMORY:
+ * pdyn_last_error gives file, line, column and JSON path. */
 PDYN_API pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set,
                                int count, pdyn_sim **out);
 /* Loads a scene from a JSON text. `name` stands for the file in messages; relative names of mesh

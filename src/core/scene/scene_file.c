@@ -45,6 +45,7 @@ pdyn_status pdyn_scene_open(pdyn_context *context, const char *path, pdyn_scene 
 
 pdyn_status pdyn_scene_parse(pdyn_context *context, const char *name, const char *text,
                              pdyn_scene **out) {
+    if (out) *out = NULL;
     return text ? open_scene(context, name, false, text, out) : PDYN_BAD_CALL;
 }
 

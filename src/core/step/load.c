@@ -1,8 +1,11 @@
 /* pdyn_load and pdyn_load_text: scenes of programs that change nothing but values. */
 #include "projdyn/scene.h"
 
-static bool are_good(const char *const *set, int count, pdyn_sim *const *out) {
-    if (!out || count < 0 || (count && !set)) return false;
+/* Sets *out to NULL; false: PDYN_BAD_CALL. */
+static bool begin(const char *const *set, int count, pdyn_sim **out) {
+    if (!out) return false;
+    *out = NULL;
+    if (count < 0 || (count && !set)) return false;
     for (int k = 0; k < count; k++)
         if (!set[k]) return false;
     return true;
@@ -11,7 +14,6 @@ static bool are_good(const char *const *set, int count, pdyn_sim *const *out) {
 /* Applies the overrides to a scene that was opened with `status`, loads it and frees it. */
 static pdyn_status finish(pdyn_status status, pdyn_scene *scene, const char *const *set, int count,
                           pdyn_sim **out) {
-    *out = NULL;
     if (status == PDYN_OK) status = pdyn_scene_override(scene, set, count);
     if (status == PDYN_OK) status = pdyn_scene_load(scene, out);
     pdyn_scene_free(scene);
@@ -21,7 +23,7 @@ static pdyn_status finish(pdyn_status status, pdyn_scene *scene, const char *con
 pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const *set, int count,
                       pdyn_sim **out) {
     pdyn_scene *scene = NULL;
-    if (!are_good(set, count, out)) return PDYN_BAD_CALL;
+    if (!begin(set, count, out)) return PDYN_BAD_CALL;
     pdyn_status status = pdyn_scene_open(context, path, &scene);
     return finish(status, scene, set, count, out);
 }
@@ -29,7 +31,7 @@ pdyn_status pdyn_load(pdyn_context *context, const char *path, const char *const
 pdyn_status pdyn_load_text(pdyn_context *context, const char *text, const char *name,
                            const char *const *set, int count, pdyn_sim **out) {
     pdyn_scene *scene = NULL;
-    if (!are_good(set, count, out)) return PDYN_BAD_CALL;
+    if (!begin(set, count, out)) return PDYN_BAD_CALL;
     pdyn_status status = pdyn_scene_parse(context, name, text, &scene);
     return finish(status, scene, set, count, out);
 }
