@@ -526,7 +526,8 @@ typedef struct pdyn_model {
     /* H assembled; valid until the next call. NULL in `rest`. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* The sum of weight G' G over all steady elements, without inertia, dim 1: which particles are
-     * tied, and how stiffly. Valid until the next call. */
+     * tied, and how stiffly. Couplings with vertices of rigid bodies are 0, as if the bodies stood
+     * still: what ties a particle to them is on its diagonal alone. Valid until the next call. */
     pdyn_status (*graph)(struct pdyn_model *model, pdyn_matrix *matrix);
     /* Elements of constraint k < elements_count, as H contains them. None of a constraint that has
      * tangent_rank1 and elements of several rows, which `graph` leaves out, too: such an element

@@ -88,6 +88,16 @@ static pdyn_status matrix(pdyn_model *model, pdyn_matrix *out) {
     return PDYN_OK;
 }
 
+/* Vertices of rigid bodies are no unknowns: their couplings become 0, and what ties other particles
+ * to them stays on the diagonal of these, as if the bodies stood still. */
+static void hold_rigid_bodies(const struct rigid_map *rigid, struct matrix *m) {
+    for (int j = 0; j < m->particles; j++)
+        for (int k = m->column_start[j]; k < m->column_start[j + 1]; k++) {
+            int i = m->row[k];
+            if (i != j && (rigid->owner[i] >= 0 || rigid->owner[j] >= 0)) m->value[k] = 0.0;
+        }
+}
+
 static pdyn_status graph(pdyn_model *model, pdyn_matrix *out) {
     struct solver_view *view = (struct solver_view *)model;
     struct objective *o = view->objective;
@@ -99,6 +109,7 @@ static pdyn_status graph(pdyn_model *model, pdyn_matrix *out) {
     pdyn_status status = matrix_pattern(&view->graph, o, rows, 1);
     if (status == PDYN_OK) {
         matrix_values(&view->graph, o, rows, false);
+        if (o->rigid) hold_rigid_bodies(o->rigid, &view->graph);
         *out = matrix_view(&view->graph);
     }
     FREE_ARRAY(o->context, rows, o->batches);
