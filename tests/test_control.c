@@ -60,6 +60,26 @@ static void test_gravity(void **state) {
     pdyn_free(sim);
 }
 
+/* A hanging sheet whose gravity fades out: every step is solved in a few iterations, and a saved
+ * state continues with the same tolerance. */
+static void test_fading_gravity(void **state) {
+    (void)state;
+    static const char scene[] = SCENE(
+        "'duration': 1, 'frame_interval': 0.1, 'gravity': [0, 0, 0], 'time_step': {'fixed': 0.005}",
+        GRID_SHEET("'name': 'sheet', ", "0.4, 0.4", "9, 9", "'area_density': 0.5",
+                   SPRINGS("1000") ", " PINS("'vertices': [0, 8]")),
+        "");
+    pdyn_sim *sim = test_load(context, scene);
+    pdyn_step_info info;
+    for (int k = 0; k < 40; k++) {
+        good(pdyn_set_gravity(sim, (double[]){0.0, -300.0 * pow(0.4, k), 0.0}));
+        good(pdyn_step(sim, &info));
+        assert_true(info.step_residual <= 0.1 && info.outer_iterations <= 10);
+        if (k == 12) continues(sim, scene);
+    }
+    pdyn_free(sim);
+}
+
 /* ---- state ----------------------------------------------------------------------------------- */
 
 /* A run that is put back to an earlier state repeats itself. */
@@ -247,6 +267,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_forces),
         cmocka_unit_test(test_gravity),
+        cmocka_unit_test(test_fading_gravity),
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_place_in_contact),
         cmocka_unit_test(test_place_fluid),

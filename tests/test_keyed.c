@@ -42,6 +42,7 @@ static void test_gravity(void **state) {
     }
     pdyn_get_gravity(sim, gravity);
     assert_true(gravity[1] == 0.0 && gravity[2] == 2.0);
+    assert_true(sim->control.gravity == 10.0);
     pdyn_free(sim);
 }
 
@@ -59,6 +60,7 @@ static void test_gravity_from_zero(void **state) {
     pdyn_sim *sim = test_load(context, scene), *other = test_load(context, steady);
     double stiffness = pdyn_get_parameter(sim, 0, 0).value;
     assert_true(stiffness > 0.0 && stiffness == pdyn_get_parameter(other, 0, 0).value);
+    assert_true(sim->control.gravity == 9.81); /* the tolerance, too */
     pdyn_free(sim), pdyn_free(other);
 }
 

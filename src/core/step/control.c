@@ -10,6 +10,7 @@
 #include "warn.h"
 
 #include "projdyn/control.h"
+#include "projdyn/vec3.h"
 
 #include <math.h>
 #include <string.h>
@@ -123,6 +124,7 @@ pdyn_status pdyn_add_forces(pdyn_sim *sim, int first, int count, const double *f
 
 void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]) {
     memcpy(sim->scene.settings.gravity, gravity, sizeof sim->scene.settings.gravity);
+    sim->control.gravity = fmax(sim->control.gravity, vec3_length(gravity));
     sim->floor = warn_floor(sim);
 }
 
@@ -219,6 +221,7 @@ static void persist_forces(struct pdyn_sim *sim, struct snapshot_file *a) {
 void control_persist(struct pdyn_sim *sim, struct snapshot_file *a) {
     snapshot_file_flags(a, &sim->control.driven, 1, "the flag of changes is neither 0 nor 1");
     snapshot_file_numbers(a, sim->scene.settings.gravity, 3, "gravity is not finite");
+    snapshot_file_numbers(a, &sim->control.gravity, 1, "the largest gravity is not finite");
     SNAPSHOT(a, sim->floor);
     persist_forces(sim, a);
     schedule_persist(sim, a);

@@ -7,9 +7,10 @@
 #include "hold.h"
 
 struct control {
-    bool driven;   /* something was changed: nothing bounds the energy of the scene */
-    bool stale;    /* constraints have changed: batches of holds, and solvers, are out of date */
-    double *force; /* particles x 3, N; NULL: none was ever set */
+    bool driven;    /* something was changed: nothing bounds the energy of the scene */
+    bool stale;     /* constraints have changed: batches of holds, and solvers, are out of date */
+    double gravity; /* m/s^2: the largest |g| so far, with keys the largest of all keys */
+    double *force;  /* particles x 3, N; NULL: none was ever set */
     struct hold *hold; /* holds */
     size_t holds, room;
     int *hold_of; /* particles: 1 + index of its hold; 0: none. NULL: there never was a hold */
@@ -26,6 +27,7 @@ bool control_has_particles(const struct pdyn_sim *sim, int first, int count);
  * failure the simulation takes no further step. */
 pdyn_status control_settle(struct pdyn_sim *sim);
 
+/* Gravity from now on; control.gravity becomes at least |gravity|. */
 void control_set_gravity(struct pdyn_sim *sim, const double gravity[3]);
 
 /* Updates sim->anchored and the bodies that contact knows as held, after changes of holds, of

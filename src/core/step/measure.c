@@ -7,15 +7,18 @@
 
 #include <string.h>
 
+/* The acceleration, m/s^2, that stands for gravity where there was none. */
+static const double standard_gravity = 9.81, least_gravity = 1e-3;
+
 void measure_weights(struct pdyn_sim *sim) {
-    double g = vec3_length(sim->scene.settings.gravity);
+    double g = sim->control.gravity < least_gravity ? standard_gravity : sim->control.gravity;
     for (int b = 0; b < sim->objective.bodies; b++) {
         struct objective_body *body = &sim->objective.body[b];
         double sum = 0.0;
         for (int i = body->first; i < body->first + body->count; i++)
             if (particle_is_live(sim, i)) sum += sim->objective.mass[i] * sim->objective.mass[i];
         /* 1 while the body has no live particle */
-        body->weight = sum > 0.0 ? (g > 0.0 ? g : 9.81) * sqrt(sum) : 1.0;
+        body->weight = sum > 0.0 ? g * sqrt(sum) : 1.0;
     }
 }
 

@@ -4,8 +4,9 @@
 
 #include "sim.h"
 
-/* Computes the weights of the bodies, |M g| over their live particles, N; 9.81 m/s^2 in a scene
- * without gravity. Step residuals are relative to these. */
+/* Computes the weights of the bodies, |M g| over their live particles, N; g: the largest
+ * |g| so far, with keys the largest of all keys; 9.81 m/s^2 where that is below 1e-3 m/s^2. Step
+ * residuals are relative to these. */
 void measure_weights(struct pdyn_sim *sim);
 
 /* PDYN_DIVERGED: a step of length h, s, to x_next exceeds STEP_MAX_POSITION or STEP_MAX_SPEED. */

@@ -7,6 +7,7 @@
 
 #include "projdyn/control.h"
 #include "projdyn/path.h"
+#include "projdyn/vec3.h"
 
 #include <string.h>
 
@@ -87,6 +88,7 @@ static pdyn_status for_all(struct pdyn_sim *sim, one_fn *one) {
 }
 
 pdyn_status schedule_start(struct pdyn_sim *sim) {
+    sim->control.gravity = vec3_length(sim->scene.settings.gravity);
     follow_gravity(sim);
     return for_all(sim, start_one);
 }
