@@ -508,6 +508,35 @@ static void test_refused(void **state) {
         "contact: at the start triangle *");
 }
 
+/* Two boxes of 0.1 m, the second moved by this, m. Edges of boxes that overlap may cross diagonals
+ * of faces, or lie on edges. */
+static pdyn_status load_boxes(double x, double y, double z) {
+    pdyn_sim *sim = NULL;
+    char text[512];
+    snprintf(text, sizeof text,
+             "{'duration': 1, 'contact': {'thickness': 0.005}, 'bodies': ["
+             "{'rigid': {'box': {'minimum': [0, 0, 0], 'maximum': [0.1, 0.1, 0.1]}, 'density': 1}},"
+             "{'rigid': {'box': {'minimum': [%g, %g, %g], 'maximum': [%g, %g, %g]}, 'density': 1}}]"
+             "}",
+             x, y, z, x + 0.1, y + 0.1, z + 0.1);
+    pdyn_status status = pdyn_load_text(context, quoted(text), "test", NULL, 0, &sim);
+    pdyn_free(sim);
+    return status;
+}
+
+static void test_boxes_that_overlap(void **state) {
+    (void)state;
+    static const double half[] = {-0.05, 0.0, 0.05}, apart[] = {-0.105, 0.0, 0.105};
+    for (int k = 0; k < 27; k++) {
+        const int a = k % 3, b = k / 3 % 3, c = k / 9;
+        assert_int_equal(load_boxes(half[a], half[b], half[c]), PDYN_BAD_INPUT);
+        if (k != 13) assert_int_equal(load_boxes(apart[a], apart[b], apart[c]), PDYN_OK);
+        assert_int_equal(load_boxes(0.105, half[b], half[c]), PDYN_OK);
+    }
+    assert_int_equal(load_boxes(0.05, 0.03, 0.07), PDYN_BAD_INPUT);
+    assert_int_equal(load_boxes(0.1, 0.0, 0.0), PDYN_BAD_INPUT); /* no gap at all */
+}
+
 /* Without contact with itself, a sheet may pass itself and nothing else. */
 static void test_not_self(void **state) {
     (void)state;
@@ -616,18 +645,31 @@ static void test_default(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_intersect),     cmocka_unit_test(test_gradient),
-        cmocka_unit_test(test_hessian),       cmocka_unit_test(test_solvers),
-        cmocka_unit_test(test_steps),         cmocka_unit_test(test_sphere_long),
-        cmocka_unit_test(test_fold_long),     cmocka_unit_test(test_stack),
-        cmocka_unit_test(test_impact_long),   cmocka_unit_test(test_head_on),
-        cmocka_unit_test(test_common_motion), cmocka_unit_test(test_moving),
-        cmocka_unit_test(test_press),         cmocka_unit_test(test_parallel),
-        cmocka_unit_test(test_squeeze),       cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_threads),       cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_incline),       cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_not_self),      cmocka_unit_test(test_impact_iterations),
-        cmocka_unit_test(test_failed_step),   cmocka_unit_test(test_fast_solid),
+        cmocka_unit_test(test_intersect),
+        cmocka_unit_test(test_gradient),
+        cmocka_unit_test(test_hessian),
+        cmocka_unit_test(test_solvers),
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_sphere_long),
+        cmocka_unit_test(test_fold_long),
+        cmocka_unit_test(test_stack),
+        cmocka_unit_test(test_impact_long),
+        cmocka_unit_test(test_head_on),
+        cmocka_unit_test(test_common_motion),
+        cmocka_unit_test(test_moving),
+        cmocka_unit_test(test_press),
+        cmocka_unit_test(test_parallel),
+        cmocka_unit_test(test_squeeze),
+        cmocka_unit_test(test_momentum),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_incline),
+        cmocka_unit_test(test_boxes_that_overlap),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_not_self),
+        cmocka_unit_test(test_impact_iterations),
+        cmocka_unit_test(test_failed_step),
+        cmocka_unit_test(test_fast_solid),
         cmocka_unit_test(test_default),
     };
     return cmocka_run_group_tests_name("contact", tests, scene_set_up, scene_tear_down);

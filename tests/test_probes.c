@@ -75,6 +75,30 @@ static void test_rest_long(void **state) {
     pdyn_free(sim);
 }
 
+/* A plate of 20 mm below water, spacing 25 mm, has boundary points on its lower face, too, in air.
+ * The second one has its thickness along z in the scene and is turned by its motion. */
+#define ABOVE(plate)                                                                               \
+    SCENE(HEAD,                                                                                    \
+          FLUID_BOX("'name': 'water', ", "0.0125", "0, 0, 0", "0.2, 0.2, 0.2",                     \
+                    ", 'compression': 0.001, 'viscosity': 0.3"),                                   \
+          ", 'solids': [{'name': 'tank', 'box': {'minimum': [0, -0.5, 0], 'maximum': [0.2, 0.5, "  \
+          "0.2]}, 'open': ['+y']}, {" plate "}], 'probes': [{'wall': [0.1, 0, 0.1]}]")
+
+static void test_thin_wall(void **state) {
+    (void)state;
+    static const char *const plates[] = {
+        ABOVE("'box': {'minimum': [0, -0.02, 0], 'maximum': [0.2, 0, 0.2]}"),
+        ABOVE("'box': {'minimum': [0, 0, 0], 'maximum': [0.2, 0.2, 0.02]}, 'pivot': [0, 0, 0], "
+              "'motion': [{'time': 0, 'rotate': [90, 0, 0]}]")};
+    for (int k = 0; k < COUNT(plates); k++) {
+        pdyn_sim *sim = test_load(context, quoted(plates[k]));
+        double mean[ROW] = {0};
+        find_means(sim, 0.3, 0.6, mean);
+        assert_pressure(k ? "turned plate" : "plate", mean[0], 0.2, 0.05);
+        pdyn_free(sim);
+    }
+}
+
 /* ---- the fit --------------------------------------------------------------------------------- */
 
 #define BLOCK(probes)                                                                              \
@@ -431,12 +455,13 @@ static void test_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest_long), cmocka_unit_test(test_linear),
-        cmocka_unit_test(test_few),       cmocka_unit_test(test_visits),
-        cmocka_unit_test(test_calls),     cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_values),    cmocka_unit_test(test_single_pins),
-        cmocka_unit_test(test_threads),   cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_resume),    cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_rest_long),   cmocka_unit_test(test_thin_wall),
+        cmocka_unit_test(test_linear),      cmocka_unit_test(test_few),
+        cmocka_unit_test(test_visits),      cmocka_unit_test(test_calls),
+        cmocka_unit_test(test_columns),     cmocka_unit_test(test_values),
+        cmocka_unit_test(test_single_pins), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_memory),      cmocka_unit_test(test_resume),
+        cmocka_unit_test(test_errors),
     };
     return cmocka_run_group_tests_name("probes", tests, scene_set_up, scene_tear_down);
 }

@@ -14,13 +14,14 @@ static int side(const double *a, const double *b, const double *c, const double 
     return volume > rounding ? 1 : volume < -rounding ? -1 : 0;
 }
 
-/* Whether the edge p q passes through the face a b c: p and q lie on opposite sides of its plane,
- * and the line p q has the same orientation to all three sides of the face. */
+/* Whether the edge p q passes through the face a b c or its border: p and q lie on opposite sides
+ * of its plane, and the line p q has no opposite orientations to two sides of the face. The border
+ * belongs to the face, because an edge may cross a diagonal of a flat side, which is in no pair. */
 static bool passes(const double *p, const double *q, const double *a, const double *b,
                    const double *c) {
     if (side(a, b, c, p) * side(a, b, c, q) >= 0) return false;
     int one = side(p, q, a, b), two = side(p, q, b, c), three = side(p, q, c, a);
-    return one != 0 && one == two && one == three;
+    return (one >= 0 && two >= 0 && three >= 0) || (one <= 0 && two <= 0 && three <= 0);
 }
 
 struct crossing { /* an edge and the face that it passes through */

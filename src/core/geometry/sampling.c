@@ -79,8 +79,8 @@ static pdyn_status sample_face(pdyn_context *context, const struct box *box, int
     for (long i = 0; i <= n[b]; i++)
         for (long j = 0; j <= n[c]; j++) {
             double share = (i == 0 || i == n[b] ? 0.5 : 1.0) * (j == 0 || j == n[c] ? 0.5 : 1.0);
-            const struct boundary_point point = {.area = share * pitch[b] * pitch[c],
-                                                 .of_box = true};
+            struct boundary_point point = {.area = share * pitch[b] * pitch[c], .of_box = true};
+            point.normal[a] = upper ? -1.0 : 1.0;
             x[b] = low[b] + (double)i * pitch[b], x[c] = low[c] + (double)j * pitch[c];
             pdyn_status status = append_boundary_point(context, out, x, &point);
             if (status != PDYN_OK) return status;
@@ -103,10 +103,14 @@ pdyn_status sample_mesh_surface(pdyn_context *context, const char *name, const s
     pdyn_status status = sample_triangles(context, name, mesh->vertex, mesh->triangles,
                                           mesh->triangle, spacing, &points);
     for (int i = 0; status == PDYN_OK && i < points.count; i++) {
+        struct boundary_point point = {.area = points.point[i].area};
+        const double *corner[3];
         double x[3];
         surface_point_position(&points.point[i], mesh->vertex, mesh->triangle, x);
-        status = append_boundary_point(context, out, x,
-                                       &(struct boundary_point){.area = points.point[i].area});
+        mesh_corners(mesh, points.point[i].triangle, corner);
+        vec3_normal(point.normal, corner[0], corner[1], corner[2]);
+        vec3_normalise(point.normal);
+        status = append_boundary_point(context, out, x, &point);
     }
     surface_points_free(context, &points);
     return status;

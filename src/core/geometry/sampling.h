@@ -31,6 +31,7 @@ pdyn_status sample_mesh_volume(pdyn_context *context, const struct mesh *mesh, d
 
 struct boundary_point { /* attributes of a boundary point */
     double area;        /* m^2, area of the surface that the point represents */
+    double normal[3];   /* unit normal at rest: into a vessel, out of another solid; 0 on slivers */
     bool of_box;
     int solid; /* index of the solid in the scene; set by solid_points_sample */
 };

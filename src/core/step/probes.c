@@ -5,6 +5,7 @@
 #include "fluid_at.h"
 #include "forces.h"
 #include "live_particles.h"
+#include "scene/poses.h"
 
 #include "projdyn/vec3.h"
 
@@ -26,15 +27,46 @@ static void measure_points(const struct pdyn_sim *sim, const struct scene_probe 
         fluid_at_fit(sim, probe->at.x + 3 * (size_t)k, radius, out + FLUID_VALUES * k);
 }
 
+/* The normal of boundary point k where its solid is. */
+static void turned_normal(const struct pdyn_sim *sim, int k, double normal[3]) {
+    const struct boundary_point *point = &sim->boundary.point[k];
+    const struct scene_motion *motion = &sim->scene.solid[point->solid].motion;
+    memcpy(normal, point->normal, sizeof point->normal);
+    if (!motion->keys) return;
+    struct pose pose = pose_at(motion, sim->time);
+    transform_directions(&pose.at, normal, 1);
+}
+
+/* The normal of the wall at a place: of the boundary point within the radius whose plane is nearest
+ * to the place. Both faces of a thin wall may have points within the radius. 0: there is none. */
+static void wall_normal(const struct pdyn_sim *sim, const struct scene_probe *probe,
+                        double normal[3]) {
+    double radius = radius_of(sim, probe), nearest = INFINITY;
+    normal[0] = normal[1] = normal[2] = 0.0;
+    for (int k = 0; k < sim->boundary.at.count; k++) {
+        double d[3], n[3];
+        vec3_subtract(d, sim->boundary.at.x + 3 * (size_t)k, probe->at.x);
+        if (!(vec3_length(d) < radius)) continue;
+        turned_normal(sim, k, n);
+        if (vec3_dot(n, n) == 0.0 || fabs(vec3_dot(n, d)) >= nearest) continue;
+        nearest = fabs(vec3_dot(n, d));
+        memcpy(normal, n, sizeof n);
+    }
+}
+
 /* The area of the boundary points near a place, m^2, and the force on them, N, with weights
- * 1 - distance^2 / radius^2. */
+ * 1 - distance^2 / radius^2. Points whose normal is more than 60 degrees from that of the wall do
+ * not count: they are on its other face, or around a corner. */
 static double near_area(const struct pdyn_sim *sim, const struct scene_probe *probe,
                         double force[3]) {
-    double radius = radius_of(sim, probe), area = 0.0;
+    double radius = radius_of(sim, probe), area = 0.0, wall[3];
     force[0] = force[1] = force[2] = 0.0;
+    wall_normal(sim, probe, wall);
     for (int k = 0; k < sim->boundary.at.count; k++) {
-        double d = vec3_distance(sim->boundary.at.x + 3 * (size_t)k, probe->at.x) / radius;
+        double d = vec3_distance(sim->boundary.at.x + 3 * (size_t)k, probe->at.x) / radius, n[3];
         if (!(d < 1.0)) continue;
+        turned_normal(sim, k, n);
+        if (vec3_dot(n, wall) < 0.5) continue;
         area += (1.0 - d * d) * sim->boundary.point[k].area;
         vec3_add(force, 1.0 - d * d, sim->loads->force + 3 * (size_t)k);
     }
