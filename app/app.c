@@ -44,6 +44,13 @@ bool parse_seconds(const char *option, const char *text, double *time) {
     return false;
 }
 
+void print_shortest(char text[32], double value) {
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, 32, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) return;
+    }
+}
+
 char *default_output(const char *prefix, const char *scene) {
     const char *slash = strrchr(scene, '/'), *base = slash ? slash + 1 : scene;
     size_t length = strlen(base);

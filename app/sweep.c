@@ -46,9 +46,10 @@ struct sweep {
 /* The time of all runs is an axis of the grid with one value, so that the table has it. */
 static bool accept_time(struct sweep *s, const char *text) {
     double time;
-    char axis[64];
+    char number[32], axis[64];
     if (!parse_seconds("--time", text, &time)) return false;
-    snprintf(axis, sizeof axis, "duration=%.17g", time);
+    print_shortest(number, time);
+    snprintf(axis, sizeof axis, "duration=%s", number);
     return parameter_grid_add(&s->grid, axis);
 }
 
@@ -195,20 +196,16 @@ static const struct job *first_pending(const struct jobs *jobs) {
     return NULL;
 }
 
-/* Loads the scene, so that an error in it ends the sweep before every job fails for this reason. A
- * scene that cannot be loaded alone may be complete with the values of a job. Returns EXIT_GOOD, or
- * another exit code after the message of the loader. */
+/* Loads the scene with the values of a job, so that an error in it or in a path of the grid ends
+ * the sweep before every job fails for this reason. Returns EXIT_GOOD, or another exit code after
+ * the message of the loader. */
 static int check_scene(const struct scene_options *scene, const struct job *job) {
     struct scene_options with_values = *scene;
     pdyn_context *context = NULL;
     pdyn_sim *sim = NULL;
     with_values.silent = true;
-    int code = scene_context(&with_values, &context);
-    if (code == EXIT_GOOD && pdyn_load(context, scene->scene, NULL, 0, &sim) != PDYN_OK) {
-        pdyn_destroy(context);
-        with_values.set = (const char **)job->set, with_values.sets = job->sets;
-        code = scene_load(&with_values, &context, &sim);
-    }
+    with_values.set = (const char **)job->set, with_values.sets = job->sets;
+    int code = scene_load(&with_values, &context, &sim);
     pdyn_free(sim);
     pdyn_destroy(context);
     return code;

@@ -20,7 +20,7 @@ static const char usage[] =
     "DIR`\n"
     "has made them for all frames; with velocities, and colours of the scene.\n"
     "\n"
-    "  -o, --output FILE  output file (default DIR/run.usda)\n"
+    "  -o, --output FILE  output file, .usda or .usd (default DIR/run.usda)\n"
     "  -h, --help         prints this text\n";
 
 struct stage {
@@ -223,9 +223,20 @@ static int put_stage(struct stage *stage) {
     return code;
 }
 
+/* Programs choose the reader by the ending; .usd may be text. */
+static int check_ending(const char *path) {
+    const char *ending = strrchr(path, '.');
+    if (ending && (!strcmp(ending, ".usda") || !strcmp(ending, ".usd"))) return EXIT_GOOD;
+    return run_error(
+        "--output: found \"%s\", expected a file ending with .usda or .usd, which holds "
+        "text; `usdcat FILE.usda -o FILE.usdc` converts it",
+        path);
+}
+
 static int write_stage(struct run *run, const char *path) {
     char *temporary;
-    int code = run_open(run);
+    int code = check_ending(path);
+    if (code == EXIT_GOOD) code = run_open(run);
     if (code != EXIT_GOOD) return code;
     struct stage stage = {.file = new_file_open(path, &temporary), .run = run};
     if (!stage.file) return report_write_error(path);

@@ -86,8 +86,8 @@ check "the others are good" test "$(grep -c ',good,' bad/sweep.csv)" = 2
 
 # --time is the duration of all runs.
 brief() { "$program" sweep "$scene" --time "$1" --set solver.tolerance=0.1,0.2 -o brief; }
-check "a time" brief 0.01
-check "is that of all runs" test "$(grep -c '^0.01,.*,good,' brief/sweep.csv)" = 2
+check "a time" brief 0.015
+check "is that of all runs" test "$(grep -c '^0.015,.*,good,' brief/sweep.csv)" = 2
 check "a wrong time" ends 2 '--time: found "0.01,1", expected seconds above 0' brief 0.01,1
 
 # Probes: mean, maximum and impulse, also where the runs have different probes.
@@ -117,6 +117,8 @@ sed 's/"spring"/"sprung"/' probes.json >wrong.json
 check "a wrong scene" ends 2 'wrong.json' "$program" sweep wrong.json --set duration=0.01,0.02 -o none
 check "is not run" test ! -e none
 sed 's/"duration": 0.02/"duration": null/' probes.json >template.json
+check "a wrong path" ends 2 'did you mean "tolerance"?' "$program" sweep probes.json --set solver.tolerence=0.1,0.2 -o none
+check "is not run, either" test ! -e none
 check "a scene that needs the values" "$program" sweep template.json --set duration=0.01,0.02 -o template
 
 check "no values" ends 2 "PATH=VALUE" "$program" sweep "$scene" --set duration

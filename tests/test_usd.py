@@ -120,6 +120,14 @@ class Usd(unittest.TestCase):
             self.assertIn(word, done.stderr)
         self.assertFalse((self.directory / "refused.usda").exists())
 
+    def test_refused_endings(self):
+        for name in ("run.usdc", "run.abc", "usda"):
+            done = subprocess.run([PROJDYN, "usd", "run", "-o", name], cwd=self.directory, text=True,
+                                  stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("expected a file ending with .usda or .usd", done.stderr)
+            self.assertFalse((self.directory / name).exists())
+
     def test_surface_without_some_frames(self):
         series = self.directory / "run/mesh/2-water.vtk.series"
         whole = series.read_text()
