@@ -1,4 +1,4 @@
-/* Triangle meshes; the build says which: ENDING is ".obj" or ".ply". */
+/* Triangle meshes; the build says which: ENDING is ".obj", ".ply" or ".stl". */
 #include "geometry/mesh.h"
 #include "fuzz.h"
 

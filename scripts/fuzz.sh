@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")/.."
 seconds=${1:-10}
 [ $# -gt 0 ] && shift
-[ $# -gt 0 ] || set -- scene obj ply points tetgen gmsh table
+[ $# -gt 0 ] || set -- scene obj ply stl points tetgen gmsh table
 scripts/install.sh clang libclang-rt-14-dev
 [ -f build-fuzz/build.ninja ] || CC=clang meson setup build-fuzz -Dfuzz=true -Dbuildtype=debugoptimized \
     -Doptimization=1 -Db_sanitize=address,undefined -Db_lundef=false \

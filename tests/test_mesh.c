@@ -59,7 +59,31 @@ struct sample {
     "\0\0\0\0\x40\0\0\0\x3f\0\0\0"
 #define BIG_FACE "\x04\0\0\0\0\0\0\0\x01\0\0\0\x02\0\0\0\x03"
 
+/* STL: the two triangles of the square. */
+#define FACET(a, b, c)                                                                             \
+    "facet normal 0 0 1\n outer loop\n  vertex " a "\n  vertex " b "\n  vertex " c                 \
+    "\n endloop\nendfacet\n"
+#define STL_0      "\0\0\0\0"
+#define STL_1      "\0\0\x80\x3f"
+#define STL_2      "\0\0\0\x40"
+#define STL_HALF   "\0\0\0\x3f"
+#define STL_MINUS  "\0\0\0\x80" /* -0 */
+#define STL_HEAD   "solid, in spite of its first word a binary file: this head has 80 bytes, it has:"
+#define STL_NORMAL "\0\0\xc0\x7f\0\0\0\0\0\0\0\0"
+#define STL_O      STL_0 STL_0 STL_0
+#define STL_X      STL_1 STL_0 STL_MINUS
+#define STL_XY     STL_1 STL_2 STL_0
+#define STL_FIRST  STL_NORMAL STL_O STL_X STL_XY "\0\0"
+#define STL_SECOND STL_NORMAL STL_MINUS STL_0 STL_0 STL_XY STL_0 STL_2 STL_HALF "ab"
+
 static const struct sample good[] = {
+    TEXT("text.stl", "solid of two\n" FACET("0 0 0", "1 0 0", "1 2 0")
+                         FACET("-0 0 0", "1 2 0", "0 2 0.5") "endsolid of two\n"),
+    TEXT("solids.STL",
+         "\r\nSOLID a\r\n FACET NORMAL 0 0 1\r\n OUTER LOOP\r\nVERTEX 0 0 0\r\nVERTEX 1.0 0 0\r\n"
+         "VERTEX 1 2e0 0\r\nENDLOOP\r\nENDFACET\r\nENDSOLID\r\n\r\nsolid\n" FACET(
+             "1 0 0", "1 0 0", "1 2 0") FACET("0 0 0", "1 2 0", "0 2 .5") "endsolid"),
+    TEXT("binary.stl", STL_HEAD "\x02\0\0\0" STL_FIRST STL_SECOND),
     TEXT("plain.obj", "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0.5\nf 1 2 3\nf 1 3 4\n"),
     TEXT("polygon.obj", "# a comment\n\nv 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 5e-1\nf 1 2 3 4"),
     TEXT("windows.OBJ", "v 0 0 0\r\nv 1 0 0\r\nv 1 2 0\r\n\r\nv 0 2 .5\r\nf 1 2 3 4\r\n"),
@@ -171,8 +195,30 @@ static const struct bad {
 } bad[] = {
     {TEXT("a.obj", ""), ": the file is empty"},
     {TEXT("a.ply", ""), ": the file is empty"},
-    {TEXT("a.stl", "solid"), ": expected a mesh file ending with .obj or .ply"},
-    {TEXT("obj", "v 0 0 0"), ": expected a mesh file ending with .obj or .ply"},
+    {TEXT("a.stl", "solid"), ":1: expected facet or endsolid, found the end of the file"},
+    {TEXT("obj", "v 0 0 0"), ": expected a mesh file ending with .obj, .ply or .stl"},
+    {TEXT("a.stl", "solid a\nendsolid a\n"), ": the mesh has no triangles"},
+    {TEXT("a.stl", "solid a\n" FACET("0 0 0", "0 0 0", "1 0 0") "endsolid"),
+     ": the mesh has no triangles"},
+    {TEXT("a.stl", "solid a\n" FACET("0 0 0", "1 0 0", "nan 1 0") "endsolid"),
+     ":6: vertex 2: expected a finite x of at most 1e+12 m, found nan"},
+    {TEXT("a.stl", "solid a\n" FACET("0 0 0", "1 0 0", "1 2") "endsolid"),
+     ":6: expected 3 coordinates after 'vertex', found the end of the line"},
+    {TEXT("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\n"),
+     ":5: expected vertex, found 'endloop'"},
+    {TEXT("a.stl", "solid a\n" FACET("0 0 0", "1 0 0", "1 2 0")),
+     ":9: expected facet or endsolid, found the end of the file"},
+    {TEXT("a.stl", "v 0 0 0\n"),
+     ": byte 0: expected 'solid', or a binary STL of at least 84 bytes"},
+    {TEXT("a.stl", STL_HEAD "\x02\0\0\0" STL_FIRST),
+     ": byte 80: 2 triangles: expected a file of 184 bytes, found 134"},
+    {TEXT("a.stl", STL_HEAD "\x01\0\0\0" STL_FIRST STL_SECOND),
+     ": byte 80: 1 triangles: expected a file of 134 bytes, found 184"},
+    {TEXT("a.stl", STL_HEAD "\xff\xff\xff\xff" STL_FIRST),
+     ": byte 80: 4294967295 triangles: expected a file of 214748364834 bytes, found 134"},
+    {TEXT("a.stl", STL_HEAD "\0\0\0\0"), ": the mesh has no triangles"},
+    {TEXT("a.stl", STL_HEAD "\x01\0\0\0" STL_NORMAL STL_O STL_X "\0\0\xc0\x7f" STL_2 STL_0 "\0\0"),
+     ": byte 96: vertex 2: expected a finite x of at most 1e+12 m, found nan"},
     {TEXT("a.obj", "# nothing\n"), ": the mesh has no triangles"},
     {TEXT("a.obj", CORNERS), ": the mesh has no triangles"},
     {TEXT("a.obj", "v 0 0 0\nv nan 0 0\n"),

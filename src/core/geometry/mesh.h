@@ -31,7 +31,7 @@ static inline void mesh_cut_edge(const double *p, const double *q, double z, dou
     for (int a = 0; a < 2; a++) at[a] = low[a] + t * (high[a] - low[a]);
 }
 
-/* Reads a triangle mesh; the ending of the name, .obj or .ply (ASCII, binary little or big endian),
+/* Reads a triangle mesh; the ending of the name, .obj, .ply or .stl (ASCII, binary),
  * chooses the format. Polygons become triangle fans. Ensures: coordinates are finite and at most
  * 1e12 m, indices are in range, no face uses a vertex twice, there is at least one triangle.
  * PDYN_BAD_INPUT: the error text has file, line (or byte) and what was expected. PDYN_IO_FAILED:

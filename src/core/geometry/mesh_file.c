@@ -216,19 +216,19 @@ struct format {
     pdyn_status (*parse)(struct mesh_file *file);
 };
 
-/* Reads a file in one of two formats, chosen by its ending. The caller calls mesh_file_release,
- * after a failure, too. */
-static pdyn_status read_file(struct mesh_file *file, const struct format formats[2],
+/* Reads a file in one of several formats, chosen by its ending. what: the kind of file and the
+ * endings. The caller calls mesh_file_release, after a failure, too. */
+static pdyn_status read_file(struct mesh_file *file, const struct format *format,
                              const char *what) {
-    size_t length = strlen(file->path), k = 0;
+    size_t length = strlen(file->path);
+    const char *ending = length < 4 ? file->path : file->path + length - 4;
     file->line = 1;
-    while (k < 2 && (length < 4 || strcasecmp(file->path + length - 4, formats[k].ending))) k++;
-    if (k == 2)
-        return context_fail(file->context, PDYN_BAD_INPUT,
-                            "%.1024s: expected a %s ending with %s or %s", file->path, what,
-                            formats[0].ending, formats[1].ending);
+    while (format->ending && strcasecmp(ending, format->ending)) format++;
+    if (!format->ending)
+        return context_fail(file->context, PDYN_BAD_INPUT, "%.1024s: expected a %s", file->path,
+                            what);
     pdyn_status status = mesh_file_load(file);
-    return status == PDYN_OK ? parse(file, formats[k].parse) : status;
+    return status == PDYN_OK ? parse(file, format->parse) : status;
 }
 
 void mesh_file_release(struct mesh_file *file) {
@@ -253,10 +253,11 @@ static pdyn_status detach_mesh(struct mesh_file *file, struct mesh *out) {
 }
 
 pdyn_status mesh_read(pdyn_context *context, const char *path, struct mesh *out) {
-    static const struct format formats[2] = {{".obj", mesh_obj_parse}, {".ply", mesh_ply_parse}};
+    static const struct format formats[] = {
+        {".obj", mesh_obj_parse}, {".ply", mesh_ply_parse}, {".stl", mesh_stl_parse}, {0}};
     struct mesh_file file = {.context = context, .path = path};
     *out = (struct mesh){0};
-    pdyn_status status = read_file(&file, formats, "mesh file");
+    pdyn_status status = read_file(&file, formats, "mesh file ending with .obj, .ply or .stl");
     if (status == PDYN_OK) status = detach_mesh(&file, out);
     mesh_file_release(&file);
     return status;
@@ -277,10 +278,11 @@ static pdyn_status detach_particles(struct mesh_file *file, struct particles *ou
 }
 
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out) {
-    static const struct format formats[2] = {{".ply", mesh_ply_parse}, {".vtk", mesh_vtk_parse}};
+    static const struct format formats[] = {
+        {".ply", mesh_ply_parse}, {".vtk", mesh_vtk_parse}, {0}};
     struct mesh_file file = {.context = context, .path = path, .only_points = true};
     *out = (struct particles){0};
-    pdyn_status status = read_file(&file, formats, "file of particles");
+    pdyn_status status = read_file(&file, formats, "file of particles ending with .ply or .vtk");
     if (status == PDYN_OK) status = detach_particles(&file, out);
     mesh_file_release(&file);
     return status;

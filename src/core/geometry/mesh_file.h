@@ -33,6 +33,7 @@ struct mesh_file {
 /* Parsers of the formats; each reads the whole file. */
 pdyn_status mesh_obj_parse(struct mesh_file *file);
 pdyn_status mesh_ply_parse(struct mesh_file *file);
+pdyn_status mesh_stl_parse(struct mesh_file *file);
 pdyn_status mesh_vtk_parse(struct mesh_file *file); /* for particles only */
 
 /* Reads the file at `path` into memory. The caller sets `line`. */

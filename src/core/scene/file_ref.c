@@ -40,7 +40,8 @@ pdyn_status file_ref_mesh(const struct json_at *at, struct mesh *mesh, char **ob
     if (arrays) return json_wrap(at, array_file_mesh(at->file->context, arrays, mesh));
     char *path = NULL;
     size_t size = 0;
-    pdyn_status status = file_ref_path(at, "the name of a mesh file, .obj or .ply", &path, &size);
+    pdyn_status status =
+        file_ref_path(at, "the name of a mesh file, .obj, .ply or .stl", &path, &size);
     if (status == PDYN_OK) status = json_wrap(at, mesh_read(at->file->context, path, mesh));
     if (status == PDYN_OK && obj && is_obj(path)) *obj = path;
     else free_path(at, path, size);

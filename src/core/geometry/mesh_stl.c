@@ -1,0 +1,180 @@
+/* STL, text or binary: triangles as three positions each. Corners with equal coordinates become one
+ * vertex. Triangles of which two corners are equal are left out: a closed mesh stays closed. Names,
+ * normals and attributes are ignored.
+ *
+ *     text:   solid NAME { facet normal x y z  outer loop  3 x vertex x y z  endloop  endfacet }
+ *             endsolid NAME
+ *     binary: 80 bytes, number of triangles (uint32), for each: normal, 3 corners (12 float),
+ * uint16
+ */
+#include "mesh_file.h"
+
+#include "base/snapshot_file.h"
+
+#include <string.h>
+#include <strings.h>
+
+enum { HEAD = 84, RECORD = 50 }; /* bytes */
+
+/* ---- vertices -------------------------------------------------------------------------------- */
+
+struct stl {
+    struct mesh_file *file;
+    struct mesh_array slots; /* hash table of vertices: their index + 1; 0: free */
+};
+
+static size_t slots_of(const struct stl *stl) { return stl->slots.bytes / sizeof(int); }
+
+/* The slot of the vertex at x, or the free one where it belongs. */
+static int *find_slot(const struct stl *stl, const double x[3]) {
+    const double *vertex = stl->file->vertex.data;
+    int *slot = stl->slots.data;
+    size_t last = slots_of(stl) - 1, k = hash_bytes(HASH_BEGIN, x, 3 * sizeof *x) & last;
+    while (slot[k] && memcmp(vertex + 3 * (size_t)(slot[k] - 1), x, 3 * sizeof *x))
+        k = (k + 1) & last;
+    return slot + k;
+}
+
+/* Makes the table twice as large if it is half full. The number of slots is a power of two. */
+static bool reserve_slots(struct stl *stl) {
+    size_t count = slots_of(stl) ? slots_of(stl) : 512;
+    while (count < 2 * ((size_t)stl->file->vertices + 1)) count *= 2;
+    if (count == slots_of(stl)) return true;
+    if (!mesh_file_reserve(stl->file, &stl->slots, count * sizeof(int))) return false;
+    memset(stl->slots.data, 0, stl->slots.bytes);
+    const double *vertex = stl->file->vertex.data;
+    for (int i = 0; i < stl->file->vertices; i++) *find_slot(stl, vertex + 3 * (size_t)i) = i + 1;
+    return true;
+}
+
+/* Finds or adds the vertex at x. */
+static pdyn_status add_vertex(struct stl *stl, double x[3], int *index) {
+    for (int a = 0; a < 3; a++) x[a] += 0.0; /* -0 becomes 0 */
+    if (!reserve_slots(stl)) return PDYN_NO_MEMORY;
+    int *slot = find_slot(stl, x);
+    pdyn_status status = PDYN_OK;
+    if (!*slot) {
+        status = mesh_file_vertex(stl->file, x);
+        if (status == PDYN_OK) *slot = stl->file->vertices;
+    }
+    *index = *slot - 1;
+    return status;
+}
+
+static pdyn_status add_triangle(struct stl *stl, double x[9]) {
+    int corner[3];
+    pdyn_status status = PDYN_OK;
+    for (int c = 0; c < 3 && status == PDYN_OK; c++)
+        status = add_vertex(stl, x + 3 * c, corner + c);
+    if (status != PDYN_OK) return status;
+    if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return PDYN_OK;
+    mesh_file_begin_face(stl->file);
+    for (int c = 0; c < 3 && status == PDYN_OK; c++)
+        status = mesh_file_corner(stl->file, corner[c]);
+    return status;
+}
+
+/* ---- text ------------------------------------------------------------------------------------ */
+
+static bool is_keyword(struct mesh_word word, const char *keyword) {
+    return word.length == strlen(keyword) && !strncasecmp(word.text, keyword, word.length);
+}
+
+static struct mesh_word first_word(struct mesh_file *file) {
+    mesh_file_skip_blank(file);
+    return mesh_file_word(file);
+}
+
+/* Reads a line that begins with the keyword. */
+static pdyn_status read_keyword(struct mesh_file *file, const char *keyword) {
+    struct mesh_word word = first_word(file);
+    if (!is_keyword(word, keyword)) return mesh_file_expected(file, keyword, word);
+    mesh_file_next_line(file);
+    return PDYN_OK;
+}
+
+static pdyn_status read_corner(struct mesh_file *file, double x[3]) {
+    struct mesh_word word = first_word(file);
+    if (!is_keyword(word, "vertex")) return mesh_file_expected(file, "vertex", word);
+    for (int a = 0; a < 3; a++) {
+        word = mesh_file_word(file);
+        if (!mesh_word_number(word, x + a))
+            return mesh_file_expected(file, "3 coordinates after 'vertex'", word);
+    }
+    return PDYN_OK;
+}
+
+/* The lines after "facet normal". */
+static pdyn_status read_facet(struct stl *stl) {
+    double x[9];
+    mesh_file_next_line(stl->file);
+    pdyn_status status = read_keyword(stl->file, "outer");
+    for (int c = 0; c < 3 && status == PDYN_OK; c++) status = read_corner(stl->file, x + 3 * c);
+    if (status == PDYN_OK) status = add_triangle(stl, x);
+    if (status == PDYN_OK) mesh_file_next_line(stl->file);
+    if (status == PDYN_OK) status = read_keyword(stl->file, "endloop");
+    return status == PDYN_OK ? read_keyword(stl->file, "endfacet") : status;
+}
+
+static pdyn_status read_solid(struct stl *stl) {
+    pdyn_status status = read_keyword(stl->file, "solid");
+    while (status == PDYN_OK) {
+        struct mesh_word word = first_word(stl->file);
+        if (is_keyword(word, "endsolid")) return mesh_file_next_line(stl->file), PDYN_OK;
+        status = is_keyword(word, "facet")
+                     ? read_facet(stl)
+                     : mesh_file_expected(stl->file, "facet or endsolid", word);
+    }
+    return status;
+}
+
+static pdyn_status read_text(struct stl *stl) {
+    pdyn_status status = PDYN_OK;
+    do {
+        status = read_solid(stl);
+        if (status == PDYN_OK) mesh_file_skip_blank(stl->file);
+    } while (status == PDYN_OK && !mesh_file_at_end(stl->file));
+    return status;
+}
+
+/* ---- bytes ----------------------------------------------------------------------------------- */
+
+static uint32_t read_uint32(const char *at) {
+    uint32_t bits = 0;
+    for (int k = 4; k--;) bits = bits << 8 | (unsigned char)at[k];
+    return bits;
+}
+
+static pdyn_status read_binary(struct stl *stl) {
+    struct mesh_file *file = stl->file;
+    file->binary = true, file->last = file->data;
+    if (file->size < HEAD)
+        return mesh_file_fail(file, "expected 'solid', or a binary STL of at least %d bytes", HEAD);
+    size_t count = read_uint32(file->data + HEAD - 4);
+    file->last = file->data + HEAD - 4;
+    if (file->size != HEAD + RECORD * count)
+        return mesh_file_fail(file, "%zu triangles: expected a file of %zu bytes, found %zu", count,
+                              HEAD + RECORD * count, file->size);
+    pdyn_status status = PDYN_OK;
+    for (size_t t = 0; t < count && status == PDYN_OK; t++) {
+        double x[9];
+        file->last = file->data + HEAD + RECORD * t + 12;
+        for (int k = 0; k < 9; k++) x[k] = mesh_from_float(read_uint32(file->last + 4 * k));
+        status = add_triangle(stl, x);
+    }
+    return status;
+}
+
+/* Binary files may begin with "solid", too, but only they have bytes 0. */
+static bool is_text(const struct mesh_file *file) {
+    const char *at = file->data;
+    while (*at && strchr(" \t\r\n", *at)) at++;
+    return !strncasecmp(at, "solid", 5) && !memchr(file->data, 0, file->size);
+}
+
+pdyn_status mesh_stl_parse(struct mesh_file *file) {
+    struct stl stl = {.file = file};
+    pdyn_status status = is_text(file) ? read_text(&stl) : read_binary(&stl);
+    context_resize(file->context, stl.slots.data, stl.slots.bytes, 0);
+    return status;
+}
