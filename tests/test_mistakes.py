@@ -111,6 +111,8 @@ MISTAKES = [
             "times as long as all solids; lengths are in metres"),
     Mistake("water in millimetres", change(("bodies.1", None), ("contact", None), ("bodies.0.particles", {"radius": 20, "fill": [
         {"box": {"minimum": [-200, 0, -200], "maximum": [200, 120, 200]}}]})), "times the length of all solids; lengths are in metres [scale]"),
+    Mistake("particles that do not fit the edges of their box", change(("bodies.0.particles.radius", 0.0167), *WATER_ONLY),
+            "fill 70.4 % of a box of 0.4 x 0.12 x 0.4 m; particles of radius 0.02 m fill 100 %"),
     Mistake("a solid mesh in millimetres", change(("solids.0", HUGE), ("bodies.0", None)), "scan: it is 1e+03 m long"),
     Mistake("a rigid ball in very thick contact", change(("bodies.0", MARBLE), ("bodies.1", None), ("contact.thickness", 0.04)),
             "times its mean edge length: contact of so fine a mesh takes long [contact-thickness]"),

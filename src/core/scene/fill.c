@@ -8,6 +8,7 @@
 #include "transform.h"
 
 #include <math.h>
+#include <stdio.h>
 
 pdyn_status fill_count(const struct json_at *at, double count, double *so_far) {
     *so_far += count;
@@ -26,6 +27,48 @@ struct fill {
 
 /* ---- shapes: each appends particles to the body ---------------------------------------------- */
 
+/* The part of a box that a lattice of whole cells fills. */
+static double filled_part(const struct box *box, double spacing) {
+    double part = 1.0;
+    for (int a = 0; a < 3; a++) {
+        double edge = box->max[a] - box->min[a];
+        part *= spacing * sample_cells(edge, spacing) / edge;
+    }
+    return part;
+}
+
+/* The radius nearest to the given one, within a factor of two, whose cells divide the shortest edge
+ * and fill 99 % of the box; 0: there is none. Rounded down to 5 digits, so that it fits as printed.
+ */
+static double fitting_radius(const struct box *box, double radius) {
+    double shortest = INFINITY, best = 0.0;
+    for (int a = 0; a < 3; a++) shortest = fmin(shortest, box->max[a] - box->min[a]);
+    for (double cells = ceil(0.25 * shortest / radius); cells <= shortest / radius; cells++) {
+        double fitting = 0.5 * shortest / cells, unit = pow(10.0, floor(log10(fitting)) - 4.0);
+        fitting = unit * floor(fitting / unit * (1.0 + 1e-12));
+        if (filled_part(box, 2.0 * fitting) < 0.99) continue;
+        if (fabs(log(fitting / radius)) < fabs(log(best / radius))) best = fitting;
+    }
+    return best;
+}
+
+/* Says how much of a box particles fill where it is less than 95 %. */
+static void note_filled_part(const struct json_at *at, const struct fill *fill,
+                             const struct box *box) {
+    double radius = fill->body->radius, part = filled_part(box, 2.0 * radius);
+    double fitting = part < 0.95 ? fitting_radius(box, radius) : 0.0;
+    char advice[64] = "";
+    if (fitting > 0.0)
+        snprintf(advice, sizeof advice, "; particles of radius %.5g m fill %.3g %%", fitting,
+                 100.0 * filled_part(box, 2.0 * fitting));
+    if (part < 0.95)
+        context_log(
+            at->file->context, PDYN_LOG_INFO,
+            "body \"%s\": particles of radius %g m fill %.3g %% of a box of %g x %g x %g m%s",
+            fill->body->name, radius, 100.0 * part, box->max[0] - box->min[0],
+            box->max[1] - box->min[1], box->max[2] - box->min[2], advice);
+}
+
 /* Computes the number of particles as sample_box_volume does, before allocating them. */
 static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     double count = 1.0, radius = fill->body->radius;
@@ -42,6 +85,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
     }
     if (status == PDYN_OK) status = fill_count(at, count, fill->so_far);
     if (status != PDYN_OK) return status;
+    note_filled_part(at, fill, &box);
     return json_wrap(at, sample_box_volume(at->file->context, &box, radius, &fill->body->start));
 }
 
