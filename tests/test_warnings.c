@@ -249,6 +249,30 @@ static void test_rounding(void **state) {
     pdyn_destroy(context);
 }
 
+/* Steps with this kinetic energy, J, as the energy budget sees them. */
+static void give_energy(pdyn_sim *sim, int steps, double kinetic) {
+    pdyn_step_info info = {.kinetic_energy = kinetic};
+    for (int k = 0; k < steps; k++) energy_budget_step(sim, &info);
+}
+
+/* The total energy falls for some steps and comes back: no warning. It rises after it has been
+ * lower for a window of steps: a warning, although it does not reach its start. */
+static void test_gain_after_loss(void **state) {
+    (void)state;
+    pdyn_context *context = test_context(1);
+    pdyn_sim *sim = test_load(context, SCENE(WEIGHTLESS, SHEET_AT("sheet", "0"), ""));
+    test_step(context, sim);
+    sim->energy.total = 10.0;
+    give_energy(sim, 25, 10.0), give_energy(sim, 15, 6.0), give_energy(sim, 25, 10.0);
+    assert_null(find_warning(sim, "energy", "").code);
+    give_energy(sim, 40, 6.0);
+    assert_null(find_warning(sim, "energy", "").code);
+    give_energy(sim, 1, 7.0);
+    assert_int_equal(find_warning(sim, "energy", "").count, 1);
+    pdyn_free(sim);
+    pdyn_destroy(context);
+}
+
 /* ---- the list -------------------------------------------------------------------------------- */
 
 /* A restored simulation goes on counting; every step of this scene is unsolved. */
@@ -458,25 +482,16 @@ static void test_without_elements(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),
-        cmocka_unit_test(test_border),
-        cmocka_unit_test(test_return),
-        cmocka_unit_test(test_two_sheets),
-        cmocka_unit_test(test_long_name),
-        cmocka_unit_test(test_solids),
-        cmocka_unit_test(test_cloth),
-        cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_stretched),
-        cmocka_unit_test(test_touching),
-        cmocka_unit_test(test_bat),
-        cmocka_unit_test(test_fast),
-        cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_saved),
-        cmocka_unit_test(test_fallen),
-        cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_press),
-        cmocka_unit_test(test_pressed),
-        cmocka_unit_test(test_without_elements),
+        cmocka_unit_test(test_sheet),     cmocka_unit_test(test_border),
+        cmocka_unit_test(test_return),    cmocka_unit_test(test_two_sheets),
+        cmocka_unit_test(test_long_name), cmocka_unit_test(test_solids),
+        cmocka_unit_test(test_cloth),     cmocka_unit_test(test_overlap),
+        cmocka_unit_test(test_stretched), cmocka_unit_test(test_touching),
+        cmocka_unit_test(test_bat),       cmocka_unit_test(test_fast),
+        cmocka_unit_test(test_rounding),  cmocka_unit_test(test_gain_after_loss),
+        cmocka_unit_test(test_saved),     cmocka_unit_test(test_fallen),
+        cmocka_unit_test(test_ball),      cmocka_unit_test(test_press),
+        cmocka_unit_test(test_pressed),   cmocka_unit_test(test_without_elements),
     };
     return cmocka_run_group_tests_name("warnings", tests, test_enter_directory,
                                        test_leave_directory);

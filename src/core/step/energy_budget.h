@@ -28,7 +28,10 @@ struct energy_budget {
     double constraints;   /* J: energy of all constraints at the start */
     double density_error; /* mean, at the start */
     double highest;       /* m, largest height so far, against gravity */
-    double total;         /* J: smallest total energy so far */
+    double total;         /* J: what the total energy is compared with: that of the first step, or
+                             the smallest maximum of a window of steps so far, if that is less */
+    double window;        /* J: largest total energy of the present window */
+    double window_steps;  /* of the present window so far */
     double scale;         /* J: largest kinetic or stored energy, or change of potential energy */
     double top, lowest;   /* m, heights at the end of the current attempt */
     double elastic;       /* J: energy of linear constraints and contact at that end */
@@ -46,8 +49,8 @@ pdyn_status energy_budget_open(struct pdyn_sim *sim);
  * kinetic energy exceeds the budget. */
 pdyn_status energy_budget_check(struct pdyn_sim *sim, double h);
 
-/* Follows the energies of an accepted step; raises a warning if the total energy rises by more than
- * 5 % in a closed scene. */
+/* Follows the energies of an accepted step; raises a warning if the total energy of a closed scene
+ * rises by more than 5 % above the largest one of some earlier window of 20 steps. */
 void energy_budget_step(struct pdyn_sim *sim, const pdyn_step_info *info);
 
 void energy_budget_persist(struct pdyn_sim *sim, struct snapshot_file *snapshot);
