@@ -12,10 +12,20 @@
 
 /* ---- option arguments ------------------------------------------------------------------------ */
 
+/* getopt_long, whose messages begin with argv[0], under the name of the program. */
+static int next_option(int argc, char **argv, const char *letters, const struct option *options) {
+    static char program[] = "projdyn";
+    char *command = argv[0];
+    argv[0] = program;
+    int option = getopt_long(argc, argv, letters, options, NULL);
+    argv[0] = command;
+    return option;
+}
+
 int parse_options(int argc, char **argv, const char *letters, const struct option *options,
                   const char *usage, bool (*accept)(void *self, int option), void *self) {
     int option;
-    while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
+    while ((option = next_option(argc, argv, letters, options)) != -1) {
         if (option == 'h') {
             fputs(usage, stdout);
             return EXIT_GOOD;

@@ -34,7 +34,7 @@ static void print_usage(FILE *out) {
                  "Projective Dynamics for fluids, cloth and solids in one solve.\n\n");
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
-    fprintf(out, "\n'projdyn COMMAND --help' prints the options of a command; "
+    fprintf(out, "\n'projdyn help COMMAND' prints the options of a command; "
                  "'projdyn --version' prints version and solvers.\n");
 }
 
@@ -69,6 +69,11 @@ static int dispatch(int argc, char **argv) {
     if (!strcmp(argv[1], "version") || !strcmp(argv[1], "--version")) {
         printf("projdyn %s\nsolvers: %s\n", pdyn_version(), pdyn_solvers());
         return EXIT_GOOD;
+    }
+    if (argc > 2 && !strcmp(argv[1], "help")) { /* help COMMAND: COMMAND --help */
+        static char option[] = "--help";
+        char *help[] = {argv[0], argv[2], option, NULL};
+        return dispatch(3, help);
     }
     if (!strcmp(argv[1], "help") || !strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
         print_usage(stdout);

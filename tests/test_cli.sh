@@ -95,6 +95,7 @@ expect "unknown command lists all" 2 "  replay " "$program" chekc
 expect "command like no other" 1 "" sh -c "'$program' frobnicate 2>&1 | grep 'did you mean'"
 for command in run sweep compare trade check list mesh usd replay render; do
     expect "$command --help" 0 "Usage: projdyn $command" "$program" $command --help
+    expect "help $command" 0 "Usage: projdyn $command" "$program" help $command
 done
 if "$program" view --help 2>&1 | grep -q "no live view"; then
     expect "view without libwebsockets" 2 "no live view" "$program" view "$scene"
@@ -107,7 +108,8 @@ expect "run without a scene" 2 "expected one scene" "$program" run
 expect "missing scene" 2 "nowhere.json" "$program" run "$dir/nowhere.json" -o "$dir/out"
 expect "run without a fluid" 0 "s of wall time, residual " "$program" run "$root/scenes/hanging_cloth.json" \
     --time 0.04 -o "$dir/cloth"
-expect "unknown option" 2 "frobnicate" "$program" run "$scene" --frobnicate
+expect "help of an unknown command" 2 'did you mean "check"' "$program" help chekc
+expect "unknown option" 2 "projdyn: unrecognized option '--frobnicate'" "$program" run "$scene" --frobnicate
 expect "threads that are no number" 2 "from 1 to 1024" "$program" run "$scene" --threads two
 expect "negative time" 2 "seconds above 0" "$program" run "$scene" --time -1
 for time in 0 nan inf 1s ''; do

@@ -151,5 +151,12 @@ if command -v ffmpeg >/dev/null; then
     "$projdyn" render "$run" -o "$folder/film.mp4" --size 64x48 >/dev/null
     grep -aq ftypisom "$folder/film.mp4" || fail "no film"
     [ ! -e "$folder/film.mp4.tmp" ] || fail "a temporary film is left"
+    mkdir "$folder/temporary"
+    TMPDIR="$folder/temporary" "$projdyn" render "$run" -o "$folder/killed.mp4" --size 640x480 >"$folder/out" 2>&1 &
+    for _ in $(seq 100); do ls "$folder" | grep -q '^killed' && break; sleep 0.1; done
+    kill -TERM $!
+    wait $! && fail "a killed film ended with 0"
+    [ -z "$(ls "$folder/temporary"; ls "$folder" | grep '^killed')" ] ||
+        fail "a killed render leaves files: $(ls "$folder/temporary" "$folder")"
 fi
 echo "all checks passed"

@@ -139,6 +139,15 @@ class Trade(unittest.TestCase):
         self.assertEqual(scene["bodies"][0]["particles"]["radius"], 0.05)
         subprocess.run([PROJDYN, "check", str(OUT / "cheap.json")], check=True, capture_output=True)
 
+    def test_resolution(self):
+        """An error that the reference does not resolve is said beside the recommendation."""
+        said = re.search(r"Estimated error of the reference .*, in %:(.*);", self.said).group(1)
+        reference = max(float(number) for number in re.findall(r" (\d\S*?),? ", said + ", "))
+        least = 100 * min(float(row["error"]) for row in self.rows)
+        said = trade("--error", f"{1.001 * least}%")
+        self.assertEqual("does not resolve an error" in said, 1.001 * least < 2 * reference, (least, reference))
+        self.assertNotIn("does not resolve", self.said)
+
     def test_kept(self):
         self.assertNotIn(" good,", trade("--budget", "100s"))
         said = trade("--budget", "100s", "--by", "cloth")

@@ -41,6 +41,7 @@ static void run_browser(const char *path, const char *folder, int in, int out) {
         dup2(out, ANSWERS_OUT) < 0)
         _exit(127);
     signal(SIGPIPE, SIG_DFL);
+    setenv("TMPDIR", folder, 1); /* what it leaves behind is removed with the folder */
     execl(path, path, "--headless", "--remote-debugging-pipe", profile, "--use-gl=angle",
           "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
           "--no-first-run", "--disable-background-networking", "--disable-component-update",

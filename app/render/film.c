@@ -135,6 +135,7 @@ int film_add(struct film *film, long frame, const char *picture) {
 /* Ends ffmpeg; the film appears at its path if all is good. */
 static int finish_film(struct film *film, bool good) {
     int status = -1;
+    if (film->process > 0 && !good) kill(film->process, SIGKILL);
     if (film->file && fclose(film->file)) good = false;
     if (film->process > 0) waitpid(film->process, &status, 0);
     if (good && status) fprintf(stderr, "projdyn: render: %s: ffmpeg failed\n", film->path);

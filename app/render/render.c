@@ -124,6 +124,29 @@ static int check_view(struct browser *browser, const char *view) {
     return code;
 }
 
+/* ---- progress and signals -------------------------------------------------------------------- */
+
+/* Redraws the progress line of a terminal. */
+static void show_progress(long done, long frames, double start) {
+    if (frames == 1 || !isatty(STDERR_FILENO)) return;
+    clear_progress();
+    fprintf(stderr, "frame %ld of %ld, %.2g s each", done, frames,
+            (wall_seconds() - start) / (double)done);
+}
+
+static volatile sig_atomic_t stopped;
+
+static void on_signal(int number) { stopped = number; }
+
+/* Ctrl-C and SIGTERM end the command after the current frame, so that it removes its temporary
+ * files. */
+static void catch_signals(void) {
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (int k = 0; k < 3; k++) sigaction(numbers[k], &action, NULL);
+    signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
+}
+
 /* Draws the frames of the page in `folder`. */
 static int draw_frames(const struct run *run, const struct options *options, const char *folder) {
     struct browser browser = {.to = -1, .from = -1};
@@ -138,8 +161,12 @@ static int draw_frames(const struct run *run, const struct options *options, con
     if (code == EXIT_GOOD) code = browser_open(&browser, folder, url);
     if (code == EXIT_GOOD) code = check_view(&browser, options->view);
     long first = still ? options->frame : 0, last = still ? first : run->frames - 1;
-    for (long f = first; f <= last && code == EXIT_GOOD; f++)
-        code = draw_frame(run, &browser, &film, options, f);
+    double start = wall_seconds();
+    for (long f = first; f <= last && code == EXIT_GOOD; f++) {
+        code = stopped ? EXIT_INTERRUPTED : draw_frame(run, &browser, &film, options, f);
+        show_progress(f - first + 1, last - first + 1, start);
+    }
+    clear_progress();
     browser_close(&browser);
     free(url);
     int closed = film_close(&film, code == EXIT_GOOD);
@@ -182,9 +209,10 @@ int render_main(int argc, char **argv) {
     if (format == FILM_PNG && !film_check_number(options.output))
         return run_error("render: %s: expected at most one '%%', as in NAME_%%04d.png",
                          options.output);
-    signal(SIGPIPE, SIG_IGN); /* a program that ends early shows as an error of write() */
+    catch_signals();
     struct run run = {.directory = argv[optind]};
     code = render(&run, &options);
+    if (stopped) code = EXIT_INTERRUPTED;
     run_close(&run);
     return code;
 }

@@ -138,6 +138,18 @@ static int write_scene(const struct study *s, const struct setting *setting, con
     return code;
 }
 
+/* Says so where the reference does not resolve the error of a trial, or the error that is asked
+ * for: its own error is half as large, or larger. */
+static void print_resolution(const struct study *s, const struct target *target,
+                             const struct trial *best) {
+    double reference = s->table.reference_error[s->table.metric];
+    double wanted = isfinite(target->max_error) ? target->max_error : best->error[s->table.metric];
+    if (wanted >= 2.0 * reference) return;
+    printf("  (the reference does not resolve an error of %.4g %%: its own is about %.4g %%; take "
+           "more --minutes or --error %.2g%%)\n",
+           100.0 * wanted, 100.0 * reference, 200.0 * reference);
+}
+
 static void print_recommendation(const struct study *s, const struct trial *best,
                                  const struct scene_time *time) {
     double ms = time->simulated > 0.0 ? time->ms : best->ms;
@@ -172,6 +184,7 @@ int recommend(const struct study *s, const struct target *target) {
     if (code == EXIT_GOOD && !best) code = report_unreached(s, ratio);
     else if (code == EXIT_GOOD) {
         print_recommendation(s, best, &time[best - s->table.trial]);
+        print_resolution(s, target, best);
         if (target->write) code = write_scene(s, best->setting, target->write);
     }
     free(time);
