@@ -51,6 +51,7 @@ FUNCTIONS = {
     "pdyn_writer_step_sized": (Status, Writer, POINTER(StepInfo), c_size_t),
     "pdyn_writer_report": (Status, Writer, c_char_p, c_bool, c_char_p),
     "pdyn_writer_save": (Status, Writer),
+    "pdyn_writer_resume": (Status, Sim, c_char_p, Out),
     "pdyn_writer_close": (None, Writer),
     # scene.h
     "pdyn_scene_create": (Status, Context, c_char_p, Out),

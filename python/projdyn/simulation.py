@@ -192,9 +192,10 @@ class Simulation(Fixed):
                           address(velocity))
         return pressure, velocity
 
-    def write(self, directory: Path, *, ply: bool = False) -> Writer:
-        """A writer of frames, metrics.csv and report.json into a directory; see Writer."""
-        return Writer(self._handle, directory, ply)
+    def write(self, directory: Path, *, ply: bool = False, resume: bool = False) -> Writer:
+        """A writer of frames, metrics.csv and report.json into a directory; see Writer. resume: goes
+        on with the run in the directory, of the same scene, from the state that was saved there."""
+        return Writer(self._handle, directory, ply, resume)
 
 
 def _arrays(state: State, handle: Handle) -> dict[str, np.ndarray]:

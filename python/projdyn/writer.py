@@ -18,15 +18,18 @@ class Writer:
             for info in sim.run():
                 writer.step(info)
 
-    The first frame is written at the start, the report at the end.
+    The first frame is written at the start; the report and the state, from which the run can go on,
+    at the end of the block, after an exception and Ctrl-C, too.
     """
 
-    def __init__(self, handle: Handle, directory: Path,
-                 ply: bool) -> None:
+    def __init__(self, handle: Handle, directory: Path, ply: bool, resume: bool) -> None:
         self.directory = os.fspath(directory)
-        writer = handle.make(lib.pdyn_writer_open, os.fsencode(directory), ply)
+        path = os.fsencode(directory)
+        writer = (handle.make(lib.pdyn_writer_resume, path) if resume
+                  else handle.make(lib.pdyn_writer_open, path, ply))
         self._handle = Handle(writer, lib.pdyn_writer_close, handle)
-        self.frame()
+        if not resume:
+            self.frame()
 
     def step(self, info: StepInfo) -> None:
         """Writes the row of a step in metrics.csv, and a frame if the step reached one."""
@@ -38,10 +41,18 @@ class Writer:
         """Writes a frame."""
         self._handle.call(lib.pdyn_writer_frame)
 
+    def save(self) -> None:
+        """Saves the state, DIRECTORY/state.pdyn, from which write(..., resume=True) goes on."""
+        self._handle.call(lib.pdyn_writer_save)
+
     def close(self, failed: str = "") -> None:
-        """Writes the report and closes the files. failed: why the run stopped early."""
-        self._handle.call(lib.pdyn_writer_report, None, False, failed.encode() or None)
-        self._handle.finalize()
+        """Writes the report, saves the state and closes the files. failed: why the run stopped
+        early."""
+        try:
+            self._handle.call(lib.pdyn_writer_report, None, False, failed.encode() or None)
+            self.save()
+        finally:
+            self._handle.finalize()
 
     def __enter__(self) -> Writer:
         return self

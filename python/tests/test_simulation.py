@@ -203,6 +203,31 @@ class Files(unittest.TestCase):
             self.assertIn("<iframe srcdoc=", page)
             self.assertNotIn('<script', page)  # escaped
 
+    def test_written_run_goes_on_after_an_interrupt(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene = hanging_sheet(duration=0.1)
+            whole = scene.load()
+            steps = len(list(whole.run()))
+            sim = scene.load()
+            with self.assertRaises(KeyboardInterrupt), sim.write(folder) as writer:
+                for count, info in enumerate(sim.run()):
+                    writer.step(info)
+                    if count == steps // 2:
+                        raise KeyboardInterrupt
+            report = json.loads(pathlib.Path(folder, "report.json").read_text())
+            self.assertEqual(report["failed"], "KeyboardInterrupt()")
+            sim = scene.load()
+            with sim.write(folder, resume=True) as writer:
+                for info in sim.run():
+                    writer.step(info)
+            self.assertEqual(sim.hash, whole.hash)
+            self.assertEqual(len(pathlib.Path(folder, "metrics.csv").read_text().splitlines()), steps + 1)
+            report = json.loads(pathlib.Path(folder, "report.json").read_text())
+            self.assertEqual(report["steps"], steps)
+            self.assertIsNone(report["failed"])
+            with self.assertRaisesRegex(projdyn.Error, "nowhere"):
+                sim.write(f"{folder}/nowhere", resume=True)
+
     def test_replay_of_nothing(self):
         with self.assertRaisesRegex(projdyn.Error, "no_such"):
             replay("no_such")
