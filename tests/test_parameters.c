@@ -64,9 +64,10 @@ static void test_wrong_parameters(void **state) {
         pdyn_set_parameter(sim, SPRING, "stretching_stiffness", (double[]){1.0, 2.0}, 2),
         "constraint \"spring\" on body \"sheet\": stretching_stiffness: expected 1 number from 0 "
         "to 1e+12 N/m");
-    refused(
-        pdyn_set_parameter(sim, SPRING, "damping", (double[]){1.0}, 1),
-        "constraint \"spring\" on body \"sheet\": damping must stay 0 while the simulation runs");
+    refused(pdyn_set_parameter(sim, SPRING, "damping", (double[]){1.0}, 1),
+            "constraint \"spring\" on body \"sheet\": damping must stay 0 while the simulation "
+            "runs: to "
+            "change it, give it a value above 0 in the scene");
     refused(
         pdyn_set_parameter(sim, PIN, "path", (double[]){1, 0, 0, 0, 1, 0, 0, 0}, 8),
         "constraint \"pin\" on body \"sheet\": path: expected 4 finite numbers for each key: an "

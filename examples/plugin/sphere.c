@@ -5,6 +5,7 @@
  *
  * Elements come and go: `update` looks in every local step which points are inside. */
 #include <projdyn/module.h>
+#include <projdyn/path.h>
 #include <projdyn/vec3.h>
 
 struct params {
@@ -20,15 +21,6 @@ static const pdyn_param params[] = {{"centre", PDYN_PATH, offsetof(struct params
                                      false, 1e4, 0, 1e12, "N/m", "of each point that is inside"},
                                     {0}};
 
-/* The centre at a time. */
-static void centre_at(const pdyn_path *path, double time, double centre[3]) {
-    int k = 0, last = path->count - 1;
-    while (k < last && path->key[4 * (k + 1)] <= time) k++;
-    const double *from = path->key + 4 * k, *to = path->key + 4 * (k < last ? k + 1 : k);
-    double t = time > from[0] && to[0] > from[0] ? (time - from[0]) / (to[0] - from[0]) : 0.0;
-    for (int a = 1; a < 4; a++) centre[a - 1] = from[a] + t * (to[a] - from[a]);
-}
-
 /* The data of an element is the number of its point in the system. */
 static int update(const void *par, const pdyn_batch *b, const double *x, const double *v,
                   int room) {
@@ -36,7 +28,7 @@ static int update(const void *par, const pdyn_batch *b, const double *x, const d
     double centre[3];
     int count = 0;
     (void)v;
-    centre_at(&q->centre, b->time, centre);
+    path_at(&q->centre, b->time, centre);
     for (int i = b->body->first; i < b->body->first + b->body->count; i++) {
         if (vec3_distance(x + 3 * i, centre) >= q->radius) continue;
         if (count < room) ((int *)b->data)[count] = i;
@@ -64,7 +56,7 @@ static void direction(const double *u, const double centre[3], double n[3]) {
 static void project(const void *par, const pdyn_batch *b, int first, int last) {
     const struct params *q = (const struct params *)par;
     double centre[3], n[3];
-    centre_at(&q->centre, b->time, centre);
+    path_at(&q->centre, b->time, centre);
     for (int e = first; e < last; e++) {
         direction(b->u + 3 * e, centre, n);
         for (int a = 0; a < 3; a++) b->p[3 * e + a] = centre[a] + q->radius * n[a];
@@ -73,7 +65,7 @@ static void project(const void *par, const pdyn_batch *b, int first, int last) {
 
 static void tangent(const void *par, const pdyn_batch *b, int first, int last, double *axis) {
     double centre[3];
-    centre_at(&((const struct params *)par)->centre, b->time, centre);
+    path_at(&((const struct params *)par)->centre, b->time, centre);
     for (int e = first; e < last; e++, axis += 4)
         direction(b->u + 3 * e, centre, axis), axis[3] = 1.0;
 }

@@ -104,9 +104,11 @@ static pdyn_status exchange(struct pdyn_sim *sim, int constraint, void *field, c
     memcpy(before, field, size), memcpy(field, next, size);
     if (is_damped(b) != damped)
         status = context_fail(b->context, PDYN_BAD_INPUT,
-                              "constraint \"%s\" on body \"%s\": damping must stay %s while the "
-                              "simulation runs",
-                              b->type->name, b->view.body->name, damped ? "above 0" : "0");
+                              "constraint \"%s\" on body \"%s\": damping must stay %s",
+                              b->type->name, b->view.body->name,
+                              damped ? "above 0 while the simulation runs"
+                                     : "0 while the simulation runs: to change it, give it a value "
+                                       "above 0 in the scene");
     else status = refresh(sim, constraint);
     if (status == PDYN_OK) return PDYN_OK;
     memcpy(field, before, size);
