@@ -46,6 +46,15 @@ bool parse_integer(const char *option, const char *text, long min, long max, lon
     return false;
 }
 
+bool parse_frames(const char *text, long *first, long *last) {
+    int end = 0;
+    if (sscanf(text, "%9ld:%9ld%n", first, last, &end) == 2 && !text[end] && *first >= 0 &&
+        *last >= *first)
+        return true;
+    fprintf(stderr, "projdyn: --frames: found \"%s\", expected A:B with 0 <= A <= B\n", text);
+    return false;
+}
+
 bool parse_seconds(const char *option, const char *text, double *time) {
     char *end;
     *time = strtod(text, &end);

@@ -38,6 +38,8 @@ bool parse_integer(const char *option, const char *text, long min, long max, lon
 
 /* Parses the argument of an option, a time above 0 in s; false with a message otherwise. */
 bool parse_seconds(const char *option, const char *text, double *time);
+/* Parses the argument A:B of --frames; false with a message otherwise. */
+bool parse_frames(const char *text, long *first, long *last);
 /* Writes the shortest text that gives the same number. */
 void print_shortest(char text[32], double value);
 

@@ -65,6 +65,7 @@ for name in a_%s.png a_%.3d.png a_%d_%d.png a_%123d.png %.png; do
 done
 expect_error 2 "--size 99x100: expected WIDTHxHEIGHT" render "$run" -o "$folder/a.png" --size 99x100
 expect_error 2 "--frame 11: expected at most 10" render "$run" -o "$folder/a.png" --frame 11
+expect_error 2 "--frames: expected at most 10, the last frame of the run, found 11" render "$run" -o "$folder/a.gif" --frames 3:11
 PATH=$folder "$projdyn" render "$run" -o "$folder/a.png" 2>"$folder/out" && fail "a picture without a browser"
 grep -q "apt-get install chromium" "$folder/out" || fail "no word about the missing browser: $(cat "$folder/out")"
 [ ! -e "$folder/a.png" ] || fail "a picture without a browser"
@@ -144,6 +145,8 @@ done
 # Numbered pictures and films.
 "$projdyn" render "$run" -o "$folder/n_%03d.png" --size 64x48 >/dev/null
 [ "$(ls "$folder" | grep -c '^n_0')" -eq 11 ] || fail "expected 11 numbered pictures: $(ls "$folder")"
+"$projdyn" render "$run" -o "$folder/some_%03d.png" --size 64x48 --frames 4:6 >/dev/null
+[ "$(cd "$folder" && ls | grep '^some_' | tr '\n' ' ')" = "some_004.png some_005.png some_006.png " ] || fail "--frames 4:6"
 "$projdyn" render "$run" -o "$folder/one.png" --size 64x48 --frame 10 >/dev/null
 cmp "$folder/one.png" "$folder/n_010.png" || fail "numbered picture 10 is not frame 10"
 cmp -s "$folder/n_000.png" "$folder/n_010.png" && fail "numbered pictures 0 and 10 are the same"

@@ -47,19 +47,10 @@ static bool accept_format(struct mesh_options *options, const char *name) {
     return false;
 }
 
-static bool accept_frames(struct mesh_options *options, const char *text) {
-    int end = 0;
-    if (sscanf(text, "%9ld:%9ld%n", &options->first, &options->last, &end) == 2 && !text[end] &&
-        options->first >= 0 && options->last >= options->first)
-        return true;
-    fprintf(stderr, "projdyn: --frames: found \"%s\", expected A:B with 0 <= A <= B\n", text);
-    return false;
-}
-
 static bool accept_option(void *self, int option) {
     struct mesh_options *options = self;
     if (option == 'f') return accept_format(options, optarg);
-    if (option == 'r') return accept_frames(options, optarg);
+    if (option == 'r') return parse_frames(optarg, &options->first, &options->last);
     return option == 't' && parse_integer("--threads", optarg, 1, 1024, &options->threads);
 }
 

@@ -24,6 +24,7 @@ static const char usage[] =
     "      --size WxH     size in pixels, both even (default 1280x720)\n"
     "      --frame N      frame of a picture (default: the last one)\n"
     "      --time S       frame of a picture: the one nearest to this time, s\n"
+    "      --frames A:B   of a film: only the frames A to B, counted from 0\n"
     "      --fps N        pictures a second of a film (default: as fast as simulated)\n"
     "      --view TEXT    view: what the page's button \"Link\" puts behind '#'\n"
     "  -h, --help         prints this text\n";
@@ -33,10 +34,11 @@ enum { SAMPLES = 2 /* a side of a pixel of the picture is drawn as so many */ };
 struct options {
     const char *output, *view;
     long width, height, frame; /* frame -1: the last one */
+    long first, last;          /* frames of a film; last -1: the last one */
     double time, fps;          /* NAN: not given */
 };
 
-enum { OPTION_SIZE = 256, OPTION_FRAME, OPTION_TIME, OPTION_FPS, OPTION_VIEW };
+enum { OPTION_SIZE = 256, OPTION_FRAME, OPTION_TIME, OPTION_FPS, OPTION_VIEW, OPTION_FRAMES };
 
 /* ---- options --------------------------------------------------------------------------------- */
 
@@ -64,6 +66,7 @@ static bool accept_option(void *self, int option) {
     if (option == 'o') options->output = optarg;
     if (option == OPTION_VIEW) options->view = optarg;
     if (option == OPTION_SIZE) return parse_size(optarg, options);
+    if (option == OPTION_FRAMES) return parse_frames(optarg, &options->first, &options->last);
     if (option == OPTION_FRAME)
         return parse_integer("--frame", optarg, 0, 1 << 30, &options->frame);
     if (option == OPTION_TIME) return parse_number("--time", optarg, 0.0, &options->time);
@@ -84,6 +87,11 @@ static int choose_frame(const struct run *run, struct options *options) {
     if (options->frame >= run->frames)
         return run_error("render: --frame %ld: expected at most %d, the last frame of the run",
                          options->frame, run->frames - 1);
+    if (options->last >= run->frames)
+        return run_error(
+            "render: --frames: expected at most %d, the last frame of the run, found %ld",
+            run->frames - 1, options->last);
+    if (options->last < 0) options->last = run->frames - 1;
     if (options->frame < 0) options->frame = run->frames - 1;
     double nearest = INFINITY;
     for (int f = 0; f < run->frames && !isnan(options->time); f++) {
@@ -160,7 +168,7 @@ static int draw_frames(const struct run *run, const struct options *options, con
         film_open(&film, options->output, isnan(options->fps) ? simulated_rate(run) : options->fps);
     if (code == EXIT_GOOD) code = browser_open(&browser, folder, url);
     if (code == EXIT_GOOD) code = check_view(&browser, options->view);
-    long first = still ? options->frame : 0, last = still ? first : run->frames - 1;
+    long first = still ? options->frame : options->first, last = still ? first : options->last;
     double start = wall_seconds();
     for (long f = first; f <= last && code == EXIT_GOOD; f++) {
         code = stopped ? EXIT_INTERRUPTED : draw_frame(run, &browser, &film, options, f);
@@ -193,11 +201,12 @@ int render_main(int argc, char **argv) {
                                                  {"frame", required_argument, NULL, OPTION_FRAME},
                                                  {"time", required_argument, NULL, OPTION_TIME},
                                                  {"fps", required_argument, NULL, OPTION_FPS},
+                                                 {"frames", required_argument, NULL, OPTION_FRAMES},
                                                  {"view", required_argument, NULL, OPTION_VIEW},
                                                  {"help", no_argument, NULL, 'h'},
                                                  {0}};
     struct options options = {
-        .view = "", .width = 1280, .height = 720, .frame = -1, .time = NAN, .fps = NAN};
+        .view = "", .width = 1280, .height = 720, .frame = -1, .last = -1, .time = NAN, .fps = NAN};
     enum film_format format;
     int code = parse_options(argc, argv, "o:h", long_options, usage, accept_option, &options);
     if (code >= 0) return code;
