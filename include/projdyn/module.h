@@ -521,7 +521,8 @@ typedef struct pdyn_model {
     /* a . b, the same bits for any number of threads. */
     double (*dot)(struct pdyn_model *model, const double *a, const double *b);
     /* The length of a residual: the root of the sum over bodies of |r|^2 / scale^2, so that no body
-     * hides another. scale: |M g| plus the norm of the forces that fluids put on it. */
+     * hides another. scale: |M g|, or for a surface in a scene with contact |M (x - s) / h^2| where
+     * that is larger, plus the norm of the forces that fluids put on the body. */
     double (*norm)(struct pdyn_model *model, const double *r);
     /* H assembled; valid until the next call. NULL in `rest`. */
     pdyn_status (*matrix)(struct pdyn_model *model, pdyn_matrix *matrix);

@@ -10,9 +10,9 @@
 struct multipliers {
     const pdyn_services *services;
     int count;
-    double *lambda;    /* count, N: kept from step to step */
+    double *lambda;    /* count, N m for a fluid, whose C has no unit: kept from step to step */
     double *value;     /* count: C at the last local step */
-    double *stiffness; /* count: K of the damped model, N/m */
+    double *stiffness; /* count: K of the damped model, N m for a fluid */
     double *squares;   /* count: |grad C|^2 */
     double *g;         /* count: C + G d - lambda / K: the residual */
     double *p, *q;     /* count: direction; S times it */

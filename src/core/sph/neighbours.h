@@ -57,7 +57,8 @@ void neighbours_move_boundary(struct neighbours *neighbours, const double *x);
 bool neighbours_are_valid(struct neighbours *neighbours, const double *x);
 
 /* Builds the lists at x (particles x 3, m) and increments their revision. PDYN_DIVERGED: a position
- * is not finite or more than 1e6 supports away. */
+ * is not finite or more than GRID_RANGE cells from the origin (geometry/grid.h), or there are more
+ * than 2^31 neighbours. */
 pdyn_status neighbours_build(struct neighbours *neighbours, const double *x);
 
 /* Saves the positions of the last build, or reads them and builds the lists there. Before reading,

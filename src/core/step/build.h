@@ -1,5 +1,6 @@
-/* The parts of a simulation that build.c makes from a scene, in this order. A part may refer to
- * those before it. After a failure all are to be freed, too. */
+/* The parts of a simulation that build.c makes from a scene; its function `build` gives the order
+ * of these and of the parts of other headers. A part may refer to those before it. After a failure
+ * all are to be freed, too. */
 #ifndef PDYN_BUILD_H
 #define PDYN_BUILD_H
 
