@@ -45,8 +45,7 @@ static void copy_vectors(void *arg, int first, int last, int block) {
             f->vector[4 * i + 3] = -volume_rate(f, i - first_sample, c->in);
 }
 
-/* ---- rate: rate_i = grad C_i . u, an SPH divergence
- * ----------------------------------------------------------------- */
+/* ---- rate: the SPH divergence rate_i = grad C_i . u ------------------------------------------ */
 
 INLINE void add_product(const struct fluid *f, int pair, const double *vector, v4 *sum) {
     v4 g, v;
@@ -78,8 +77,7 @@ void fluid_rate(void *self, const bool *which, const double *u, double *rate) {
     f->services->parallel_for(f->services->core, f->count, FLUID_GRAIN, divergence, &call);
 }
 
-/* ---- force: y += sum_i multiplier_i grad C_i, a pressure gradient
- * -------------------------------------------------------------- */
+/* ---- force: the pressure gradient y += sum_i multiplier_i grad C_i --------------------------- */
 
 INLINE void add_flux(const struct fluid *f, int pair, const double *flux, v4 *sum) {
     v4 g;

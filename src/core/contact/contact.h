@@ -22,7 +22,8 @@ struct pair {         /* two primitives that may come into contact */
     int point[4];     /* of the first primitive, then of the second */
     double thickness; /* m: of the scene, or less where the two are closer in the rest shape */
     double distance;  /* m: at `seen`, or less */
-    double share;     /* of the stiffness, see pdyn_contact; of when the pair was listed */
+    double share;     /* part of the stiffness (pdyn_contact), from the directions at the time when
+                         the pair was listed */
 };
 
 struct hit { /* a pair that is closer than its thickness */

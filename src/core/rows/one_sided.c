@@ -266,9 +266,10 @@ static double risen_part(const struct impacts *c, int i, double force) {
 
 /* Two estimates of the rate change that the force causes in a step: `reached`, by all forces of the
  * batch, which may cancel each other; and by this constraint alone, with the mass of a particle for
- * everything that it moves, also for light surfaces. The larger one is used. What presses from
- * behind on particles that touch in an impact has no approach of its own; its force rises. For that
- * the second estimate alone is used, which is the same for one liquid and its parts. */
+ * everything that it moves, also for light surfaces. The larger one is used.
+ * Particles behind those that touch have no approach speed, but the force on them rises. For them
+ * only the second estimate is used, because it does not depend on how the liquid is divided into
+ * bodies. */
 static double impact_of(const struct impacts *c, int i) {
     const struct one_sided *s = c->s;
     double value = s->at.value[i], force = force_of(s, i);

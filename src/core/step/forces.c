@@ -3,8 +3,9 @@
  *     rows tier       -G' w (u - p)                       u, p of the last local step
  *     operator tier   - sum of k_i max(0, C_i) grad C_i   multipliers stored by batch_accept
  *
- * Of an impact, less the part of the impulse that the integrator left out: what remains is the mean
- * force of the step, which changes momentum (docs/theory/time-integration.md). */
+ * The force of an impact is reduced by the part that the integrator does not apply to velocities.
+ * The rest is the mean force of the step: times h it is the change of momentum
+ * (docs/theory/time-integration.md). */
 #include "forces.h"
 
 #include "base/registry.h"

@@ -24,8 +24,8 @@ static const double min_progress = 0.3;
  */
 enum { MIN_ITERATIONS = 5 };
 
-/* The first linear solve of a step reduces its residual to this at least: a start within the
- * tolerance has the forces of the step before (minimise.c). */
+/* The first linear solve of a step reduces its residual to this at least: a start point
+ * that is already within the tolerance still has the forces of the previous step (minimise.c). */
 static const double first_reduction = 0.1;
 
 static pdyn_stop stop_of(struct pdyn_sim *sim, bool first_of_step) {

@@ -85,9 +85,9 @@ static void give_back(struct pdyn_sim *sim, const double *between, double lost[2
     }
 }
 
-/* Takes what velocities did not get off the impacts of solids (kept: the parts that particles got):
- * loads on solids change momentum by what bodies get. The vertices of a rigid body have the mean of
- * its points. */
+/* Reduces the impacts between particles and solids to the part that the velocities of the particles
+ * received (`kept`), so that the load on a solid equals the change of momentum of the bodies. The
+ * vertices of a rigid body have the mean of its points. */
 static void keep_impacts(struct pdyn_sim *sim, double *kept) {
     const struct rigid_map *map = sim->objective.rigid;
     for (int b = 0; map && b < map->bodies; b++) {

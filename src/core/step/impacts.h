@@ -9,7 +9,8 @@
 #include "sim.h"
 
 /* Call after a step of length h, s, with its velocities known. Corrects velocities and those of the
- * step before, takes what the limit leaves out off the impacts of solids, and sets sim->passed_on.
+ * step before, reduces the impacts on solids to the part that velocities received, and sets
+ * sim->passed_on.
  * Returns the number of constraints with an impact; 0 with Euler. */
 int impacts_correct(struct pdyn_sim *sim, double h);
 

@@ -10,8 +10,7 @@
 #include <string.h>
 
 /* x = s + h^2 a, a: the constraints' acceleration of the last step, which is likely to be needed
- * again. (Tried: s without gravity. It gives the same density, but unsolved steps lose momentum.)
- */
+ * again. */
 static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
     double h = sim->objective.h;
     memcpy(x, sim->objective.s, objective_bytes(&sim->objective));

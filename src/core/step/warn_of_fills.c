@@ -12,9 +12,9 @@ static const double too_close = 0.9;
 /* What is too close to a volume of `fill`. */
 struct close {
     int count;      /* particles of the body that are too close to those of another volume */
-    int fill;       /* the first of them: its volume; */
-    int other_body; /* the other one is in this body, */
-    int other_fill; /* in this volume */
+    int fill;       /* volume of the first such particle */
+    int other_body; /* body of the particle that it is too close to */
+    int other_fill; /* volume of that particle */
 };
 
 /* Index of the volume of `fill` that a particle comes from; -1: from an inlet. */
