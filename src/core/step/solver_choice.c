@@ -22,6 +22,9 @@ static const double patience = 1.5;
 
 /* An unsolved step counts as so many times its work. */
 static const double unsolved_penalty = 4.0;
+/* The other solver is tried when the work of a step exceeds this many times that of the last trial
+ * (docs/theory/solvers.md). */
+static const double grown = 3.0;
 
 /* ---- which solvers --------------------------------------------------------------------------- */
 
@@ -169,7 +172,7 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     c->dual_steps += c->active;
     if (c->trial) {
         end_trial(sim);
-    } else if (iterations > CHEAP && (sim->steps >= c->next || now->cost > 3.0 * c->reference)) {
+    } else if (iterations > CHEAP && (sim->steps >= c->next || now->cost > grown * c->reference)) {
         c->trial = true;
         change_solver(sim);
     }

@@ -2,7 +2,6 @@
 #include "contact/contact.h"
 #include "crossings.h"
 #include "energy_budget.h"
-#include "geometry/bvh.h"
 #include "live_particles.h"
 #include "sim.h"
 #include "warn.h"
