@@ -167,11 +167,12 @@ static const struct {
 /* ---- entries --------------------------------------------------------------------------------- */
 
 pdyn_status fill_check_range(const struct json_at *at, const struct point_list *points, int first) {
+    const double *x = points->x;
     for (size_t i = 3 * (size_t)first; i < 3 * (size_t)points->count; i++)
-        if (!(fabs(points->x[i]) <= SCENE_MAX_POSITION))
+        if (!(fabs(x[i]) <= SCENE_MAX_POSITION))
             return json_fail(at,
                              "expected particles at most %g m from the origin, found %c = %.10g m",
-                             SCENE_MAX_POSITION, "xyz"[i % 3], points -> x[i]);
+                             SCENE_MAX_POSITION, "xyz"[i % 3], x[i]);
     return PDYN_OK;
 }
 
