@@ -49,7 +49,7 @@ const pdyn_param settings_solver_params[] = {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-/* A number, or keys: then the scene is made for the largest one. */
+/* A vector, or keys: then the scene is made for the largest of them. */
 static pdyn_status read_gravity(const struct json_at *at, struct scene_settings *settings) {
     double *gravity = settings->gravity;
     pdyn_path *path = &settings->gravity_keys.path;
