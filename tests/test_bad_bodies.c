@@ -73,8 +73,8 @@ static const struct bad_scene bad_bodies[] = {
      "scene.json:2:108: bodies[0].particles.fill[0].velocity: expected an array of 3 numbers "
      "(m/s), found 2"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'mesh': 3}]}}"),
-     "scene.json:2:51: bodies[0].particles.fill[0].mesh: expected the name of a mesh file, .obj "
-     "or .ply, found 3"},
+     "scene.json:2:51: bodies[0].particles.fill[0].mesh: expected the name of a mesh file, .obj, "
+     ".ply or .stl, found 3"},
     {BODY("{'particles': {'radius': 0.1, 'fill': [{'file': 3}]}}"),
      "scene.json:2:51: bodies[0].particles.fill[0].file: expected the name of a file of "
      "particles, .ply or .vtk, found 3"},
@@ -142,9 +142,9 @@ static const struct bad_scene bad_bodies[] = {
     {BODY("{'surface': {'grid': {}, 'mesh': 'a.obj'}}"),
      "scene.json:2:15: bodies[0].surface: expected exactly one of \"grid\" and \"mesh\", "
      "found both"},
-    {BODY("{'surface': {'mesh': 'a.stl', 'area_density': 1}}"),
-     "scene.json:2:24: bodies[0].surface.mesh: a.stl: expected a mesh file ending with "
-     ".obj or .ply"},
+    {BODY("{'surface': {'mesh': 'a.off', 'area_density': 1}}"),
+     "scene.json:2:24: bodies[0].surface.mesh: a.off: expected a mesh file ending with "
+     ".obj, .ply or .stl"},
     {BODY("{'surface': {'grid': {}}}"),
      "scene.json:2:15: bodies[0].surface.area_density: missing, expected a number from "
      "1e-06 to 1000000 kg/m^2"},
@@ -263,7 +263,7 @@ static const struct bad_scene bad_solids[] = {
      "scene.json:2:40: solids[0].scale: expected a scale that is not 0, found an array of "
      "3"},
     {TOP("'solids': [{'mesh': 7}]"),
-     "scene.json:2:22: solids[0].mesh: expected the name of a mesh file, .obj or .ply, "
+     "scene.json:2:22: solids[0].mesh: expected the name of a mesh file, .obj, .ply or .stl, "
      "found 7"},
     {TOP("'solids': [{'sphere': {'center': [0, 0, 0], 'radius': 0}}]"),
      "scene.json:2:56: solids[0].sphere.radius: expected a number from 1e-06 to 1000000 m, found "
