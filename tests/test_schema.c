@@ -3,6 +3,7 @@
 #include "base/registry.h"
 #include "base/text.h"
 #include "scene/inlet.h"
+#include "scene/keyed.h"
 #include "scene_support.h"
 
 #include <jansson.h>
@@ -209,7 +210,8 @@ static void test_schema(void **state) {
         assert_true(is_listed(others, (*t)->name));
     check_table(definition("inlet_rectangle"), inlet_params, 5);
     check_table(definition("inlet_disc"), inlet_params, 5);
-    check_table(definition("speed_key"), scene_speed_params, 0);
+    const pdyn_param speed_key[] = {keyed_time_param, inlet_speed_param, {0}};
+    check_table(definition("speed_key"), speed_key, 0);
     check_table(definition("outlet"), outlet_params, 1);
     check_table(definition("probe"), scene_probe_params, 11);
     static const char *const fills[] = {"fill_box", "fill_sphere", "fill_mesh", "fill_file"};

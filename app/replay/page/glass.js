@@ -35,7 +35,7 @@ void main() {
   gl_Position.xy += (gl_VertexID < 2 ? aside : -aside) * gl_Position.w;
   at = end ? b : a;
 }`,
-  /* opaque: GLSL, whether something opaque is in front */
+  /* opaque: GLSL, whether something opaque is in front; share: how opaque the line is */
   edgeFragment: (opaque, share) => `
 in vec3 at;
 in float across;

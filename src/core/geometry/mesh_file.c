@@ -48,6 +48,12 @@ bool mesh_word_number(struct mesh_word word, double *value) {
     return end == word.text + word.length;
 }
 
+uint64_t mesh_bits(const char *at, size_t size, bool big) {
+    uint64_t bits = 0;
+    for (size_t k = 0; k < size; k++) bits = bits << 8 | (unsigned char)at[big ? k : size - 1 - k];
+    return bits;
+}
+
 double mesh_from_float(uint64_t bits) {
     uint32_t low = (uint32_t)bits;
     float value;

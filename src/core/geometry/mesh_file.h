@@ -55,6 +55,9 @@ bool mesh_file_at_end(const struct mesh_file *file);
 bool mesh_word_is(struct mesh_word word, const char *text);
 bool mesh_word_number(struct mesh_word word, double *value);
 
+/* The number, of at most 8 bytes, at a place of the file; big: the most significant byte is first.
+ */
+uint64_t mesh_bits(const char *at, size_t size, bool big);
 /* Converts a bit pattern to the number it represents. */
 double mesh_from_float(uint64_t bits);
 double mesh_from_double(uint64_t bits);

@@ -50,11 +50,8 @@ static bool read_text(struct mesh_file *file, const struct type *type, double *v
 static bool read_bytes(struct mesh_file *file, const struct type *type, bool big, double *value) {
     file->last = file->at;
     if ((size_t)(file->data + file->size - file->at) < type->size) return false;
-    uint64_t bits = 0;
-    for (size_t k = 0; k < type->size; k++)
-        bits = bits << 8 | (unsigned char)file->at[big ? k : type->size - 1 - k];
+    *value = type->decode(mesh_bits(file->at, type->size, big));
     file->at += type->size;
-    *value = type->decode(bits);
     return true;
 }
 

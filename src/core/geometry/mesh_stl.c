@@ -4,8 +4,7 @@
  *
  *     text:   solid NAME { facet normal x y z  outer loop  3 x vertex x y z  endloop  endfacet }
  *             endsolid NAME
- *     binary: 80 bytes, number of triangles (uint32), for each: normal, 3 corners (12 float),
- * uint16
+ *     binary: 80 bytes, number of triangles (uint32); of each: normal, 3 corners (float), uint16
  */
 #include "mesh_file.h"
 
@@ -139,18 +138,12 @@ static pdyn_status read_text(struct stl *stl) {
 
 /* ---- bytes ----------------------------------------------------------------------------------- */
 
-static uint32_t read_uint32(const char *at) {
-    uint32_t bits = 0;
-    for (int k = 4; k--;) bits = bits << 8 | (unsigned char)at[k];
-    return bits;
-}
-
 static pdyn_status read_binary(struct stl *stl) {
     struct mesh_file *file = stl->file;
     file->binary = true, file->last = file->data;
     if (file->size < HEAD)
         return mesh_file_fail(file, "expected 'solid', or a binary STL of at least %d bytes", HEAD);
-    size_t count = read_uint32(file->data + HEAD - 4);
+    size_t count = mesh_bits(file->data + HEAD - 4, 4, false);
     file->last = file->data + HEAD - 4;
     if (file->size != HEAD + RECORD * count)
         return mesh_file_fail(file, "%zu triangles: expected a file of %zu bytes, found %zu", count,
@@ -159,7 +152,7 @@ static pdyn_status read_binary(struct stl *stl) {
     for (size_t t = 0; t < count && status == PDYN_OK; t++) {
         double x[9];
         file->last = file->data + HEAD + RECORD * t + 12;
-        for (int k = 0; k < 9; k++) x[k] = mesh_from_float(read_uint32(file->last + 4 * k));
+        for (int k = 0; k < 9; k++) x[k] = mesh_from_float(mesh_bits(file->last + 4 * k, 4, false));
         status = add_triangle(stl, x);
     }
     return status;

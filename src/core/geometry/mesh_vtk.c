@@ -37,9 +37,8 @@ static pdyn_status read_bytes(struct mesh_file *file, const struct type *type, d
     file->last = file->at;
     if ((size_t)(file->data + file->size - file->at) < type->size)
         return mesh_file_expected(file, type->name, (struct mesh_word){0});
-    uint64_t bits = 0;
-    for (size_t k = 0; k < type->size; k++) bits = bits << 8 | (unsigned char)*file->at++;
-    *value = type->decode ? type->decode(bits) : 0.0;
+    *value = type->decode ? type->decode(mesh_bits(file->at, type->size, true)) : 0.0;
+    file->at += type->size;
     return PDYN_OK;
 }
 

@@ -4,6 +4,7 @@
 #include "fill.h"
 #include "geometry/sampling.h"
 #include "inlet_motion.h"
+#include "keyed.h"
 #include "motion.h"
 #include "params.h"
 #include "reader.h"
@@ -20,11 +21,9 @@ const pdyn_param inlet_params[] = {
     {"duration", PDYN_REAL, offsetof(struct scene_inlet, duration), false, 0, 1e-9, 1e6, "s", ""},
     {0}};
 
-const pdyn_param scene_speed_params[] = {
-    {"time", PDYN_REAL, offsetof(struct scene_speed, time), true, 0, -1e6, 1e6, "s", ""},
-    {"speed", PDYN_REAL, offsetof(struct scene_speed, speed), true, 0, 0, INLET_MAX_SPEED, "m/s",
-     ""},
-    {0}};
+const pdyn_param inlet_speed_param = {
+    "speed", PDYN_REAL, offsetof(struct scene_inlet, speed), true, 0, 0, INLET_MAX_SPEED,
+    "m/s",   ""};
 
 const pdyn_param outlet_params[] = {{"outside", PDYN_BOOL, offsetof(struct scene_outlet, outside),
                                      false, 0, -INFINITY, INFINITY, "", ""},
@@ -139,23 +138,14 @@ static pdyn_status read_opening(const struct json_at *at, struct opening *o) {
 
 /* Without keys the speed is constant. */
 static pdyn_status read_speeds(const struct json_at *at, struct scene_inlet *out) {
-    bool constant = !json_is_array(at->value);
-    pdyn_status status = PDYN_OK;
-    if (!at->value || (constant && !json_is_number(at->value)))
+    double key[4] = {0};
+    if (!json_is_number(at->value) && !json_is_array(at->value))
         return json_expected(at, "a number, or an array of keys");
-    if (!constant && !json_array_size(at->value)) return json_expected(at, "at least one key");
-    int count = constant ? 1 : (int)json_array_size(at->value);
-    out->speed = NEW_ARRAY(at->file->context, count, struct scene_speed);
-    if (!out->speed) return PDYN_NO_MEMORY;
-    out->speeds = count;
-    if (constant) return params_real(at, 1e-6, INLET_MAX_SPEED, "m/s", &out->speed->speed);
-    for (int k = 0; k < count && status == PDYN_OK; k++) {
-        struct json_at key = json_element(at, (size_t)k);
-        struct scene_speed *speed = &out->speed[k];
-        status = params_read_object(&key, scene_speed_params, speed);
-        if (status == PDYN_OK && k) status = motion_check_time(&key, speed[-1].time, speed->time);
-    }
-    return status;
+    if (json_is_array(at->value))
+        return json_array_size(at->value) ? keyed_read_path(at, &inlet_speed_param, &out->speed)
+                                          : json_expected(at, "at least one key");
+    pdyn_status status = params_real(at, 1e-6, INLET_MAX_SPEED, "m/s", key + 1);
+    return status == PDYN_OK ? keyed_set_path(at->file->context, &out->speed, key, 1) : status;
 }
 
 pdyn_status inlet_read(const struct json_at *at, double radius, struct scene_inlet *out) {
@@ -177,7 +167,7 @@ pdyn_status inlet_read(const struct json_at *at, double radius, struct scene_inl
 }
 
 void inlet_free(pdyn_context *context, struct scene_inlet *inlet) {
-    FREE_ARRAY(context, inlet->speed, inlet->speeds);
+    keyed_free_path(context, &inlet->speed);
     motion_free(context, &inlet->motion);
     point_list_free(context, &inlet->layer);
 }

@@ -7,6 +7,7 @@
 
 /* Keys of inlets and outlets that are one value each. */
 extern const pdyn_param inlet_params[], outlet_params[];
+extern const pdyn_param inlet_speed_param; /* of a key of "speed" */
 
 /* Reads an inlet for particles of this radius, m. The caller calls inlet_free, after a failure,
  * too. */

@@ -2,6 +2,7 @@
 
 #include "poses.h"
 
+#include "projdyn/path.h"
 #include "projdyn/vec3.h"
 
 #include <math.h>
@@ -10,22 +11,19 @@
 /* ---- the flow -------------------------------------------------------------------------------- */
 
 double inlet_speed(const struct scene_inlet *inlet, double time) {
-    const struct scene_speed *before = NULL, *after = inlet->speed;
-    const struct scene_speed *past = inlet->speed + inlet->speeds;
-    while (after < past && after->time <= time) before = after++;
-    if (!before) return after->speed;
-    if (after == past) return before->speed;
-    double part = (time - before->time) / (after->time - before->time);
-    return before->speed + part * (after->speed - before->speed);
+    double speed[3];
+    path_at(&inlet->speed, time, speed);
+    return speed[0];
 }
 
 /* The integral of the speed between two times, m. */
 static double way(const struct scene_inlet *inlet, double from, double to) {
     double sum = 0.0;
+    const double *key = inlet->speed.key;
     if (to < from) return -way(inlet, to, from);
-    for (int k = -1; k < inlet->speeds; k++) {
-        double begin = k < 0 ? from : fmax(from, inlet->speed[k].time);
-        double end = k + 1 < inlet->speeds ? fmin(to, inlet->speed[k + 1].time) : to;
+    for (int k = -1; k < inlet->speed.count; k++) {
+        double begin = k < 0 ? from : fmax(from, key[4 * k]);
+        double end = k + 1 < inlet->speed.count ? fmin(to, key[4 * k + 4]) : to;
         if (end > begin)
             sum += 0.5 * (inlet_speed(inlet, begin) + inlet_speed(inlet, end)) * (end - begin);
     }
@@ -34,8 +32,10 @@ static double way(const struct scene_inlet *inlet, double from, double to) {
 
 static double top_flow(const struct scene_inlet *inlet, double from, double to) {
     double top = fmax(inlet_speed(inlet, from), inlet_speed(inlet, to));
-    for (const struct scene_speed *key = inlet->speed; key < inlet->speed + inlet->speeds; key++)
-        if (key->time > from && key->time < to) top = fmax(top, key->speed);
+    for (int k = 0; k < inlet->speed.count; k++) {
+        const double *key = inlet->speed.key + 4 * k;
+        if (key[0] > from && key[0] < to) top = fmax(top, key[1]);
+    }
     return top;
 }
 

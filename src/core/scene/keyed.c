@@ -5,22 +5,28 @@
 #include "params.h"
 
 #include <limits.h>
+#include <string.h>
 
 /* ---- keys ------------------------------------------------------------------------------------ */
 
 bool keyed_given(const struct json_at *at) { return json_is_object(json_array_get(at->value, 0)); }
 
+const pdyn_param keyed_time_param = {
+    "time", PDYN_REAL, 0, true, 0, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "s", ""};
+
+static pdyn_status read_numbers(const struct json_at *owner, const pdyn_param *p, double *out) {
+    struct json_at at = json_member(owner, p->name);
+    int numbers = param_numbers(p);
+    return numbers == 1 ? params_real(&at, p->min, p->max, p->unit, out)
+                        : params_reals(&at, numbers, p->min, p->max, p->unit, out);
+}
+
 /* Reads {"time": s, "NAME": value}. */
 static pdyn_status read_key(const struct json_at *at, const pdyn_param *p, double key[4]) {
-    const char *const names[] = {"time", p->name, NULL};
-    struct json_at time = json_member(at, "time"), value = json_member(at, p->name);
-    int numbers = param_numbers(p);
+    const char *const names[] = {keyed_time_param.name, p->name, NULL};
     pdyn_status status = params_check_keys(at, NULL, names);
-    if (status == PDYN_OK)
-        status = params_real(&time, -SCENE_MAX_POSITION, SCENE_MAX_POSITION, "s", key);
-    if (status != PDYN_OK) return status;
-    return numbers == 1 ? params_real(&value, p->min, p->max, p->unit, key + 1)
-                        : params_reals(&value, numbers, p->min, p->max, p->unit, key + 1);
+    if (status == PDYN_OK) status = read_numbers(at, &keyed_time_param, key);
+    return status == PDYN_OK ? read_numbers(at, p, key + 1) : status;
 }
 
 pdyn_status keyed_read_path(const struct json_at *at, const pdyn_param *param, pdyn_path *out) {
@@ -36,6 +42,32 @@ pdyn_status keyed_read_path(const struct json_at *at, const pdyn_param *param, p
         if (status == PDYN_OK && k) status = motion_check_time(&element, key[-4], key[0]);
     }
     return status;
+}
+
+pdyn_status keyed_set_path(pdyn_context *context, pdyn_path *path, const double *key, int count) {
+    double *copy = NEW_ARRAY(context, 4 * (size_t)count, double);
+    if (!copy) return PDYN_NO_MEMORY;
+    memcpy(copy, key, 4 * (size_t)count * sizeof *copy);
+    keyed_free_path(context, path);
+    *path = (pdyn_path){count, copy};
+    return PDYN_OK;
+}
+
+void keyed_persist_path(pdyn_context *context, pdyn_path *path, struct snapshot_file *a) {
+    int count = path->count;
+    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of keys is out of range");
+    if (a->status != PDYN_OK) return;
+    if (a->view.reading) {
+        keyed_free_path(context, path);
+        *path = (pdyn_path){0};
+        double *key = NEW_ARRAY(context, 4 * (size_t)count, double);
+        if (count && !key) a->status = PDYN_NO_MEMORY;
+        else *path = (pdyn_path){count, key};
+    }
+    snapshot_file_range(a, (double *)path->key, 4 * (size_t)path->count, SCENE_MAX_POSITION,
+                        "a key of a path is out of range");
+    for (int k = 4; k < 4 * path->count; k += 4)
+        snapshot_file_require(a, path->key[k] > path->key[k - 4], "keys are not in order");
 }
 
 void keyed_free_path(pdyn_context *context, pdyn_path *path) {

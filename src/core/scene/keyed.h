@@ -3,8 +3,11 @@
 #ifndef PDYN_KEYED_H
 #define PDYN_KEYED_H
 
+#include "base/snapshot_file.h"
 #include "json_file.h"
 #include "scene.h"
+
+extern const pdyn_param keyed_time_param; /* of a key: "time", s */
 
 /* Whether a parameter of a constraint may have keys: numbers and vectors that can change, and
  * tables with up to three numbers for each part of the body. */
@@ -15,6 +18,10 @@ bool keyed_given(const struct json_at *at);
 /* Reads keys of the parameter, of 1 to 3 numbers each. The caller frees the path, after a failure,
  * too. */
 pdyn_status keyed_read_path(const struct json_at *at, const pdyn_param *param, pdyn_path *out);
+/* Replaces the keys of a path by others: count x 4. */
+pdyn_status keyed_set_path(pdyn_context *context, pdyn_path *path, const double *key, int count);
+/* Writes a path into a state, or reads it and checks order and size of its numbers. */
+void keyed_persist_path(pdyn_context *context, pdyn_path *path, struct snapshot_file *snapshot);
 void keyed_free_path(pdyn_context *context, pdyn_path *path);
 
 /* Reads the parameters of a constraint, with keys or without. keyed_free frees the keys, after a

@@ -2,6 +2,7 @@
 #include "params.h"
 
 #include "base/text.h"
+#include "keyed.h"
 #include "table.h"
 #include "vertex_selection.h"
 
@@ -301,7 +302,7 @@ void params_free(pdyn_context *context, const pdyn_param *table, void *params) {
         pdyn_other *other = p->kind == PDYN_OTHER ? field : NULL;
         pdyn_table *rows = param_is_table(p) ? field : NULL;
         if (vertices) FREE_ARRAY(context, vertices->index, vertices->count);
-        if (path) FREE_ARRAY(context, path->key, 4 * (size_t)path->count);
+        if (path) keyed_free_path(context, path);
         if (rows) table_free(context, p, rows);
         if (other && other->name) FREE_ARRAY(context, other->name, strlen(other->name) + 1);
     }

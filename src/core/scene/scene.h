@@ -41,20 +41,12 @@ struct scene_motion {      /* the pose over time: linear between keys, constant 
     double pivot[3];       /* m, world space */
 };
 
-struct scene_speed { /* a key of the speed of an inlet */
-    double time;     /* s */
-    double speed;    /* m/s */
-};
-
-extern const pdyn_param scene_speed_params[]; /* ends with a NULL name */
-
-struct scene_inlet {           /* an inlet of particles: it emits layers one spacing apart */
-    double direction[3];       /* unit vector of the flow */
-    int speeds;                /* at least 1 */
-    struct scene_speed *speed; /* times ascending; linear between keys, constant outside */
-    double start, duration;    /* s; duration 0: until the end of the scene */
-    double end;                /* s; INFINITY: that of the scene */
-    double travelled;          /* m, by the first layer until `start` */
+struct scene_inlet {        /* an inlet of particles: it emits layers one spacing apart */
+    double direction[3];    /* unit vector of the flow */
+    pdyn_path speed;        /* at least one key, of one number, m/s */
+    double start, duration; /* s; duration 0: until the end of the scene */
+    double end;             /* s; INFINITY: that of the scene */
+    double travelled;       /* m, by the first layer until `start` */
     struct scene_motion motion;
     struct point_list layer; /* positions of the particles of one layer at rest, m */
 };
@@ -65,7 +57,7 @@ struct scene_outlet { /* an outlet: a region in which particles are removed */
 };
 
 struct scene_keyed {         /* a parameter that changes over time */
-    const pdyn_param *param; /* of 1 to 3 numbers */
+    const pdyn_param *param; /* of 1 to 3 numbers; NULL: gravity */
     pdyn_path path;          /* no keys: it does not change */
     bool replaced; /* a program has set the parameter, and the keys do not count any more */
 };

@@ -53,7 +53,6 @@ const pdyn_param settings_solver_params[] = {
 static pdyn_status read_gravity(const struct json_at *at, struct scene_settings *settings) {
     double *gravity = settings->gravity;
     pdyn_path *path = &settings->gravity_keys.path;
-    settings->gravity_keys.param = &gravity_param;
     gravity[1] = -9.81;
     if (!at->value) return PDYN_OK;
     if (!keyed_given(at))

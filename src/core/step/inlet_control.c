@@ -3,6 +3,7 @@
 #include "given_motion.h"
 #include "live_particles.h"
 #include "scene/inlet_motion.h"
+#include "scene/keyed.h"
 
 #include "projdyn/control.h"
 
@@ -50,25 +51,15 @@ static pdyn_status check_speed(struct pdyn_sim *sim, const struct scene_inlet *i
     return PDYN_OK;
 }
 
-static pdyn_status resize_speeds(struct pdyn_sim *sim, struct scene_inlet *inlet, int count) {
-    if (count == inlet->speeds) return PDYN_OK;
-    struct scene_speed *speed = NEW_ARRAY(sim->context, count, struct scene_speed);
-    if (!speed) return PDYN_NO_MEMORY;
-    FREE_ARRAY(sim->context, inlet->speed, inlet->speeds);
-    inlet->speed = speed, inlet->speeds = count;
-    return PDYN_OK;
-}
-
 pdyn_status pdyn_set_inlet_speed(pdyn_sim *sim, int body, int inlet, double time, double speed) {
     if (inlet < 0 || inlet >= pdyn_inlets(sim, body)) return PDYN_BAD_CALL;
     struct scene_inlet *set = &sim->scene.body[body].inlet[inlet];
     pdyn_status status = check_speed(sim, set, name_of(sim, body, inlet).text, time, speed);
     bool later = time > sim->time;
     double now = inlet_speed(set, sim->time), travelled = inlet_travelled(set, sim->time);
-    if (status == PDYN_OK) status = resize_speeds(sim, set, later ? 2 : 1);
+    const double key[8] = {sim->time, later ? now : speed, 0.0, 0.0, time, speed};
+    if (status == PDYN_OK) status = keyed_set_path(sim->context, &set->speed, key, later ? 2 : 1);
     if (status != PDYN_OK) return status;
-    set->speed[0] = (struct scene_speed){sim->time, later ? now : speed};
-    if (later) set->speed[1] = (struct scene_speed){time, speed};
     if (travelled >= 0.0) set->travelled = travelled, set->start = sim->time;
     sim->control.driven = true;
     return PDYN_OK;
@@ -76,25 +67,17 @@ pdyn_status pdyn_set_inlet_speed(pdyn_sim *sim, int body, int inlet, double time
 
 /* ---- saved states ---------------------------------------------------------------------------- */
 
-static void persist_speeds(struct pdyn_sim *sim, struct scene_inlet *inlet,
-                           struct snapshot_file *a) {
-    int count = inlet->speeds;
-    snapshot_file_count(a, &count, sizeof *inlet->speed, "the number of keys is out of range");
-    snapshot_file_require(a, count > 0, "an inlet has no speed");
-    if (a->status == PDYN_OK) a->status = resize_speeds(sim, inlet, count);
-    for (int k = 0; k < count && a->status == PDYN_OK; k++) {
-        struct scene_speed *speed = &inlet->speed[k];
-        snapshot_file_range(a, &speed->time, 1, SCENE_MAX_POSITION, "a time of a key");
-        snapshot_file_range(a, &speed->speed, 1, INLET_MAX_SPEED, "a speed of a key");
-        snapshot_file_require(a, speed->speed >= 0.0, "a speed of a key");
-        snapshot_file_require(a, !k || speed->time > speed[-1].time, "keys are not in order");
-    }
+static void persist_speed(struct pdyn_sim *sim, pdyn_path *speed, struct snapshot_file *a) {
+    keyed_persist_path(sim->context, speed, a);
+    snapshot_file_require(a, speed->count > 0, "an inlet has no speed");
+    for (int k = 0; k < speed->count; k++)
+        snapshot_file_require(a, speed->key[4 * k + 1] >= 0.0, "a speed of a key");
 }
 
 void inlet_control_persist(struct pdyn_sim *sim, int inlet, struct snapshot_file *a) {
     struct scene_inlet *from = sim->live->inlet[inlet].from;
     given_motion_persist(sim, &from->motion, a);
-    persist_speeds(sim, from, a);
+    persist_speed(sim, &from->speed, a);
     snapshot_file_range(a, &from->start, 1, SCENE_MAX_POSITION, "the start of an inlet");
     snapshot_file_range(a, &from->travelled, 1, STEP_MAX_POSITION, "the way of an inlet");
 }

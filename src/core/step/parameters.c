@@ -2,6 +2,7 @@
 
 #include "base/text.h"
 #include "forces.h"
+#include "scene/keyed.h"
 #include "scene/params.h"
 #include "scene/table.h"
 #include "schedule.h"
@@ -83,16 +84,6 @@ static pdyn_status check_path(const struct batch *b, const pdyn_param *p, const 
                 : fail_value(b, p, "4 finite numbers for each key: an ascending time and a vector");
 }
 
-static pdyn_status set_path(const struct batch *b, pdyn_path *path, const double *value,
-                            int count) {
-    double *key = NEW_ARRAY(b->context, count, double);
-    if (!key) return PDYN_NO_MEMORY;
-    memcpy(key, value, (size_t)count * sizeof *key);
-    FREE_ARRAY(b->context, path->key, 4 * (size_t)path->count);
-    *path = (pdyn_path){count / 4, key};
-    return PDYN_OK;
-}
-
 /* Writes `size` bytes into a parameter; writes the old ones back where the constraint does not
  * accept them. */
 static pdyn_status exchange(struct pdyn_sim *sim, int constraint, void *field, const void *next,
@@ -154,8 +145,7 @@ static pdyn_status set_table(struct pdyn_sim *sim, int constraint, const pdyn_pa
 static pdyn_status set_values(struct pdyn_sim *sim, int constraint, const pdyn_param *p,
                               const double *value, int count) {
     void *field = (char *)sim->objective.batch[constraint]->params + p->offset;
-    if (p->kind == PDYN_PATH)
-        return set_path(sim->objective.batch[constraint], field, value, count);
+    if (p->kind == PDYN_PATH) return keyed_set_path(sim->context, field, value, count / 4);
     return param_is_table(p)
                ? set_table(sim, constraint, p, value, count)
                : exchange(sim, constraint, field, value, (size_t)count * sizeof *value);
@@ -210,23 +200,6 @@ bool pdyn_is_enabled(const pdyn_sim *sim, int constraint) {
 }
 
 /* ---- saved states ---------------------------------------------------------------------------- */
-
-static void persist_path(struct batch *b, pdyn_path *path, struct snapshot_file *a) {
-    int count = path->count;
-    snapshot_file_count(a, &count, 4 * sizeof(double), "the number of keys is out of range");
-    if (a->status != PDYN_OK) return;
-    if (a->view.reading) {
-        FREE_ARRAY(b->context, path->key, 4 * (size_t)path->count);
-        *path = (pdyn_path){0};
-        double *key = NEW_ARRAY(b->context, 4 * (size_t)count, double);
-        if (count && !key) a->status = PDYN_NO_MEMORY;
-        else *path = (pdyn_path){count, key};
-    }
-    snapshot_file_range(a, (double *)path->key, 4 * (size_t)path->count, SCENE_MAX_POSITION,
-                        "a key of a path is out of range");
-    for (int k = 4; k < 4 * path->count; k += 4)
-        snapshot_file_require(a, path->key[k] > path->key[k - 4], "keys are not in order");
-}
 
 /* Saves or reads a number; returns whether it has changed. A parameter that the scene leaves out
  * has a value outside of its bounds, which may be infinite. */
@@ -286,7 +259,7 @@ static void persist_constraint(struct pdyn_sim *sim, int constraint, struct snap
     for (const pdyn_param *p = b->type->params; p->name && a->status == PDYN_OK; p++) {
         void *field = (char *)b->params + p->offset;
         if (!param_is_changeable(b->type, p)) continue;
-        if (p->kind == PDYN_PATH) persist_path(b, field, a);
+        if (p->kind == PDYN_PATH) keyed_persist_path(b->context, field, a);
         else if (param_is_table(p)) changed |= persist_table(b, p, field, a);
         else changed |= persist_value(b, p, field, a);
     }

@@ -62,7 +62,7 @@ static pdyn_status try_keys(struct pdyn_sim *sim, int k, const struct scene_keye
 
 /* ---- all constraints ------------------------------------------------------------------------- */
 
-static pdyn_status start_one(struct pdyn_sim *sim, int k, struct scene_constraint *c) {
+static pdyn_status start_one(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
     pdyn_status status = PDYN_OK;
     for (int m = 0; m < c->keyed_params && status == PDYN_OK; m++)
         status = try_keys(sim, k, &c->keyed[m]);
@@ -70,14 +70,14 @@ static pdyn_status start_one(struct pdyn_sim *sim, int k, struct scene_constrain
     return status == PDYN_OK && c->from > 0.0 ? pdyn_enable(sim, k, false) : status;
 }
 
-static pdyn_status switch_one(struct pdyn_sim *sim, int k, struct scene_constraint *c) {
+static pdyn_status switch_one(struct pdyn_sim *sim, int k, const struct scene_constraint *c) {
     pdyn_status status = follow_keys(sim, k, c);
     if (status != PDYN_OK) return status;
     if (is_now(sim, c->until)) return pdyn_enable(sim, k, false);
     return c->from > 0.0 && is_now(sim, c->from) ? pdyn_enable(sim, k, true) : PDYN_OK;
 }
 
-typedef pdyn_status one_fn(struct pdyn_sim *sim, int k, struct scene_constraint *c);
+typedef pdyn_status one_fn(struct pdyn_sim *sim, int k, const struct scene_constraint *c);
 
 static pdyn_status for_all(struct pdyn_sim *sim, one_fn *one) {
     pdyn_status status = PDYN_OK;

@@ -12,9 +12,10 @@ struct pdyn_sim;
  * has keys. */
 pdyn_status schedule_start(struct pdyn_sim *sim);
 
-/* Before a step: switches the constraints on whose time begins with it, and those off whose time
- * has ended, and sets what has keys. What a program has switched or set since (pdyn_enable,
- * pdyn_set_parameter, pdyn_set_gravity) stays as it is. */
+/* Before a step: switches constraints on or off whose "from" or "until" has come, and sets what has
+ * keys to the value of this time. A constraint that a program has switched since then (pdyn_enable)
+ * stays so, and a value that it has set (pdyn_set_parameter, pdyn_set_gravity) no longer follows
+ * its keys. */
 pdyn_status schedule_switch(struct pdyn_sim *sim);
 
 /* Notes that a program has set a parameter: its keys do not count any more. */
