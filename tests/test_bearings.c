@@ -122,7 +122,7 @@ static void test_slot(void **state) {
         "{'thickness': 0.004, 'friction': 0}, 'solids': [{'box': {'minimum': [-0.053, 0, -1], "
         "'maximum': [0.053, 2, 1]}}], 'bodies': [" BOX_AT("1.5") "}]}");
     step_to(context, sim, 0.3);
-    assert_int_equal(sim->objective.contact->damping->view.elements, 4);
+    assert_int_equal(sim->objective.dashpots->view.elements, 4);
     print_message("slot: %.4f m/s after 0.3 s\n", mean_of(sim, sim->v, 1));
     assert_true(fabs(mean_of(sim, sim->v, 1) + 0.3 * 9.81) < 0.01);
     pdyn_free(sim);
@@ -143,7 +143,7 @@ static void displace(const pdyn_sim *sim, double up, double *x) {
 /* E of the dashpots at a displacement, and its slope along the normal. */
 static double energy_at(pdyn_sim *sim, double up, double *slope) {
     double x[64] = {0}, gradient[64] = {0};
-    struct batch *damping = sim->objective.contact->damping;
+    struct batch *damping = sim->objective.dashpots;
     assert_true(3 * sim->objective.particles < 64);
     displace(sim, up, x);
     assert_int_equal(batch_local(damping, x, 1.0, gradient), PDYN_OK);
@@ -159,7 +159,7 @@ static void test_energy(void **state) {
     pdyn_sim *sim = load(context, BOX, ", 'solver': {'tolerance': 1e-6}", 0.0, 0.005);
     step_to(context, sim, 1.0);
     test_step(context, sim);
-    assert_int_equal(sim->objective.contact->damping->view.elements, 4);
+    assert_int_equal(sim->objective.dashpots->view.elements, 4);
     static const double up[] = {-1e-3, 1e-5, 1e-4, 3e-3};
     for (int k = 0; k < 4; k++) {
         double d = 1e-8, slope, unused;

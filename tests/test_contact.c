@@ -126,8 +126,7 @@ static double norm(const double *a, int n) { return sqrt(dot(a, a, n)); }
 static void test_gradient(void **state) {
     (void)state;
     struct trial t = start("solver.type=cg");
-    struct contact *c = t.sim->objective.contact;
-    struct batch *batch[] = {c->barrier, c->friction};
+    struct batch *batch[] = {t.sim->objective.barrier, t.sim->objective.friction};
     double h = 1e-9, slope[2] = {0}, expected[2], energy;
     for (int k = 0; k < 2; k++) {
         memset(t.y, 0, (size_t)t.n * sizeof *t.y);

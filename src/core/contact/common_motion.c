@@ -83,3 +83,5 @@ pdyn_status common_motion_find(struct contact *c) {
         if (c->held_cluster[root_of(c, b)]) memset(c->common + 3 * b, 0, 3 * sizeof *c->common);
     return status;
 }
+
+void contact_hold(struct contact *c, int body, bool held) { c->held[body] = held; }

@@ -1,4 +1,4 @@
-/* The steps of contact within a time step (contact.h), memory and saved states. */
+/* The steps of contact within a time step (contact.h), and saved states. */
 #include "contact.h"
 #include "bearings.h"
 
@@ -46,6 +46,13 @@ static void set_goals(struct contact *c, double time) {
     }
 }
 
+/* The poses at time 0: solids that do not move are at rest. */
+static void place_solids(struct contact *c) {
+    copy_solids(c, solids_in(c, c->rest), c->goal);
+    set_goals(c, 0.0);
+    copy_solids(c, c->goal, solids_in(c, c->at));
+}
+
 /* ---- positions ------------------------------------------------------------------------------- */
 
 /* Collects the positions of all points, with free particles at x and solids where they are. */
@@ -62,6 +69,12 @@ pdyn_status contact_local(struct contact *c, const double *x) {
     if (c->moving) contact_follow_solids(c);
     c->ms += clock_ms() - start;
     return status;
+}
+
+pdyn_status contact_place(struct contact *c, const double *x) {
+    place_solids(c);
+    pdyn_status status = contact_local(c, x);
+    return status == PDYN_OK ? contact_check(c) : status;
 }
 
 /* ---- paths ----------------------------------------------------------------------------------- */
@@ -220,72 +233,4 @@ void contact_persist(struct contact *c, struct snapshot_file *a) {
     if (a->status == PDYN_OK) a->status = contact_list(c);
     contact_measure_moved(c, c->at);
     if (a->status == PDYN_OK) a->status = contact_find(c);
-}
-
-/* ---- memory ---------------------------------------------------------------------------------- */
-
-bool contact_resize(struct contact *c, enum array_action action) {
-    size_t n = (size_t)c->points, solids = n - (size_t)c->free, edges = (size_t)c->edges_room;
-    const struct array_entry table[] = {
-        ARRAY(c->name, c->groups),
-        ARRAY(c->thickness, c->groups),
-        ARRAY(c->permeable, c->groups),
-        ARRAY(c->held, c->bodies),
-        ARRAY(c->common, 3 * (size_t)c->bodies),
-        ARRAY(c->cluster, c->bodies),
-        ARRAY(c->members, c->bodies),
-        ARRAY(c->held_cluster, c->bodies),
-        ARRAY(c->rigid, c->rigids),
-        ARRAY(c->solid, c->groups - c->bodies),
-        ARRAY(c->group, n),
-        ARRAY(c->column, c->free),
-        ARRAY(c->face, 3 * (size_t)c->faces),
-        ARRAY(c->edge, 2 * edges),
-        ARRAY(c->across, 3 * (size_t)c->faces),
-        ARRAY(c->flat_part, c->faces),
-        ARRAY(c->flat_edge, edges),
-        ARRAY(c->flat_point, n),
-        ARRAY(c->rest, 3 * n),
-        ARRAY(c->at, 3 * n),
-        ARRAY(c->path.x, 3 * n),
-        ARRAY(c->broad.built, 3 * n),
-        ARRAY(c->pairs.seen, 3 * n),
-        ARRAY(c->path.step, 3 * n),
-        ARRAY(c->pairs.moved, n),
-        ARRAY(c->broad.reach, n),
-        ARRAY(c->path.length, n),
-        ARRAY(c->path.taken, n),
-        ARRAY(c->path.cut, n),
-        ARRAY(c->begin, 3 * solids),
-        ARRAY(c->goal, 3 * solids),
-        ARRAY(c->broad.region, n),
-        ARRAY(c->broad.face_box, c->faces),
-        ARRAY(c->broad.edge_box, edges),
-        ARRAY(c->broad.face_body, c->free_faces),
-        ARRAY(c->broad.edge_body, c->free_edges),
-        ARRAY(c->broad.changed, n),
-        ARRAY(c->broad.face_changed, c->faces),
-        ARRAY(c->broad.edge_changed, edges),
-    };
-    return context_arrays(c->context, table, ARRAY_ROWS(table), action);
-}
-
-void contact_free(struct contact *c) {
-    if (!c) return;
-    pdyn_context *x = c->context;
-    contact_free_pairs(c);
-    FREE_ARRAY(x, c->found.pair, c->found.room);
-    FREE_ARRAY(x, c->found.start, c->found.blocks + 1);
-    FREE_ARRAY(x, c->found.count, c->found.blocks);
-    contact_list_free(x, &c->current);
-    contact_list_free(x, &c->start);
-    bearings_free(c);
-    for (int k = 0; k < 2; k++) {
-        bvh_free(x, &c->broad.face_tree[k]);
-        bvh_free(x, &c->broad.edge_tree[k]);
-        bvh_free(x, &c->broad.changed_faces[k]);
-        bvh_free(x, &c->broad.changed_edges[k]);
-    }
-    contact_resize(c, ARRAYS_FREE);
-    FREE_ARRAY(x, c, 1);
 }

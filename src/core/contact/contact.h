@@ -159,27 +159,21 @@ struct contact {
     struct contact_list current; /* of the last local step */
     struct contact_list start;   /* of the beginning of the step */
     struct bearings *bearings;   /* of the latter; NULL: without rigid bodies or damping */
-
-    /* Element e acts on contact e of `current`, on dashpot e, and on contact e of `start`. NULL:
-     * without bearings; without friction */
-    struct batch *barrier, *damping, *friction;
 };
 
-/* Finds the flat sides of solids and rigid bodies. */
-pdyn_status contact_find_flat_sides(struct contact *contact);
-/* The key of a pair, which stays the same while a vertex moves over a flat part: so does what
- * friction remembers. */
-uint64_t contact_key(const struct contact *contact, const struct pair *pair);
-/* A side of the second primitive of a pair, or of its flat part, m. */
-void contact_side(const struct contact *contact, const struct pair *pair, double side[3]);
-/* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
- * near and has a lower number. */
-bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,
-                                 const struct hit *hit);
+struct contact_def { /* what contact is made of; all but x must outlive it */
+    const struct scene *scene;
+    const pdyn_body *body;         /* bodies of the scene, as modules see them */
+    int particles;                 /* of the system */
+    const bool *live;              /* particles that exist; NULL: all */
+    const struct rigid_map *rigid; /* NULL in a scene without rigid bodies */
+    const double *x;               /* particles x 3, m: positions at the start */
+};
 
-/* Allocates or frees the arrays whose sizes are known from the scene: they have the counts of
- * points, faces and so on in their comments. step/build_contact.c fills them. */
-bool contact_resize(struct contact *contact, enum array_action action);
+/* Makes the contact of a scene, and finds the contacts at the start. *out stays NULL in a scene
+ * without contact. Fails where surfaces intersect, and leaves *out to be freed. */
+pdyn_status contact_create(pdyn_context *context, const struct contact_def *def,
+                           struct contact **out);
 /* Frees the contact with all that it has found. NULL: does nothing. */
 void contact_free(struct contact *contact);
 
@@ -207,6 +201,10 @@ pdyn_status contact_start(struct contact *contact, const double *x, double *targ
 /* The displacement, m, of a body before the paths of this step begin; 0 where all are free. */
 const double *contact_common(const struct contact *contact, int body);
 
+/* Says whether something holds parts of a body, which then has no common motion (common_motion.c).
+ */
+void contact_hold(struct contact *contact, int body, bool held);
+
 /* The smallest part that the last call left of a point's displacement. */
 double contact_least(const struct contact *contact);
 
@@ -228,6 +226,21 @@ pdyn_status contact_local(struct contact *contact, const double *x);
 /* ---- within contact -------------------------------------------------------------------------- */
 
 enum { CONTACT_GRAIN = 1024 }; /* pairs of a parallel block */
+
+/* Places solids as at time 0, then finds the contacts at x, and checks them. */
+pdyn_status contact_place(struct contact *contact, const double *x);
+
+/* Finds the flat sides of solids and rigid bodies. */
+pdyn_status contact_find_flat_sides(struct contact *contact);
+/* The key of a pair, which stays the same while a vertex moves over a flat part: so does what
+ * friction remembers. */
+uint64_t contact_key(const struct contact *contact, const struct pair *pair);
+/* A side of the second primitive of a pair, or of its flat part, m. */
+void contact_side(const struct contact *contact, const struct pair *pair, double side[3]);
+/* Whether another face, beyond a flat side of this one, is nearer to the vertex of a pair, or as
+ * near and has a lower number. */
+bool contact_is_beyond_flat_side(const struct contact *contact, const struct pair *pair,
+                                 const struct hit *hit);
 
 /* No path brings the points of a pair closer than this part of its thickness. */
 #define CONTACT_LEAST 0.0625

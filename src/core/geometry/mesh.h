@@ -122,6 +122,10 @@ struct particles {
 pdyn_status particles_read(pdyn_context *context, const char *path, struct particles *out);
 void particles_free(pdyn_context *context, struct particles *particles);
 
+/* Writes the edges of a mesh, each once, as pairs of vertices that count from `first`. edge: room
+ * for 3 x triangles pairs. Returns the number of edges. */
+int mesh_edges(const struct mesh *mesh, int first, int *edge);
+
 /* Sum of the areas of all triangles, m^2. */
 double mesh_area(const struct mesh *mesh);
 

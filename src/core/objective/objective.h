@@ -44,6 +44,9 @@ struct objective {
     int batches, capacity;
     struct batch **batch;            /* capacity */
     struct contact *contact;         /* NULL in a scene without contact */
+    struct batch *barrier;           /* of contact: element e acts on contact e of `current` */
+    struct batch *dashpots;          /* on dashpot e; NULL without bearings */
+    struct batch *friction;          /* on contact e of `start`; NULL without friction */
     struct wet_sides *wet_sides;     /* NULL where no surface has friction with a fluid */
     struct neighbours *neighbours;   /* NULL where no constraint needs them */
     struct surface_samples *samples; /* on surfaces, for SPH sums; NULL: none */

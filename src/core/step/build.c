@@ -13,6 +13,16 @@
 #include "sim.h"
 #include "warn.h"
 
+static pdyn_status create_contact(struct pdyn_sim *sim) {
+    const struct contact_def def = {.scene = &sim->scene,
+                                    .body = sim->body,
+                                    .particles = sim->objective.particles,
+                                    .live = sim->live ? sim->live->live : NULL,
+                                    .rigid = sim->objective.rigid,
+                                    .x = sim->x};
+    return contact_create(sim->context, &def, &sim->objective.contact);
+}
+
 static pdyn_status build(struct pdyn_sim *sim) {
     sim->services = context_services(sim->context);
     sim->objective.context = sim->context;
@@ -24,7 +34,8 @@ static pdyn_status build(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = lists_create(sim);
     if (status == PDYN_OK) status = carried_create(sim);
     if (status == PDYN_OK) status = batches_create(sim);
-    if (status == PDYN_OK) status = contact_create(sim);
+    if (status == PDYN_OK) status = create_contact(sim);
+    if (status == PDYN_OK) status = batches_add_contact(sim);
     if (status == PDYN_OK) status = residual_create(&sim->objective);
     if (status == PDYN_OK) status = solid_load_create(sim);
     if (status == PDYN_OK) control_find_anchored(sim);

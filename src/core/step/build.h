@@ -23,10 +23,8 @@ void lists_free(struct pdyn_sim *sim);
 /* build_batches.c: batches of the constraints of the scene, of their damping, and of friction and
  * seepage between surfaces and fluids; room for those of contact, which batches_free frees, too. */
 pdyn_status batches_create(struct pdyn_sim *sim);
+/* The batches of contact, its damping and friction, where the objective has contact. */
+pdyn_status batches_add_contact(struct pdyn_sim *sim);
 void batches_free(struct pdyn_sim *sim);
-
-/* build_contact.c: points and batches of contact. Fails where surfaces intersect at the start.
- * sim->objective.contact stays NULL in a scene without contact; contact_free frees it. */
-pdyn_status contact_create(struct pdyn_sim *sim);
 
 #endif

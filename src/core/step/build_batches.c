@@ -1,5 +1,5 @@
-/* Batches of a simulation, but for those of contact: the constraints of the scene, their dampers,
- * and what surfaces and a fluid do to each other beside pressure. */
+/* Batches of a simulation: the constraints of the scene, their dampers, what surfaces and a fluid
+ * do to each other beside pressure, and contact. */
 #include "base/registry.h"
 #include "build.h"
 #include "sim.h"
@@ -79,6 +79,39 @@ pdyn_status batches_create(struct pdyn_sim *sim) {
     pdyn_status status = add_each(sim, add_constraint);
     if (status == PDYN_OK) status = add_each(sim, add_damper);
     return status == PDYN_OK ? add_slip_and_seepage(sim) : status;
+}
+
+/* ---- contact --------------------------------------------------------------------------------- */
+
+static pdyn_status add_on_contacts(struct objective *objective, const pdyn_constraint_type *type,
+                                   struct batch **out) {
+    pdyn_status status = objective_add_batch(
+        objective, &(struct batch_def){.type = type, .body = &objective->contact->body});
+    if (status == PDYN_OK) *out = objective->batch[objective->batches - 1];
+    return status;
+}
+
+/* Gives all constraints the contacts: those of the local step, or of the beginning of the step. */
+static void share_contacts(struct objective *objective) {
+    const struct contact *c = objective->contact;
+    for (int k = 0; k < objective->batches; k++) {
+        struct batch *b = objective->batch[k];
+        bool always = b->type->flags & PDYN_EVERY_ITERATION;
+        b->view.contacts = always ? &c->current.view : &c->start.view;
+    }
+}
+
+pdyn_status batches_add_contact(struct pdyn_sim *sim) {
+    struct objective *o = &sim->objective;
+    if (!o->contact) return PDYN_OK;
+    o->dynamic_rows = true;
+    pdyn_status status = add_on_contacts(o, &pdyn_constraint_contact, &o->barrier);
+    if (status == PDYN_OK && o->contact->bearings)
+        status = add_on_contacts(o, &pdyn_constraint_contact_damping, &o->dashpots);
+    if (status == PDYN_OK && o->contact->settings->friction > 0.0)
+        status = add_on_contacts(o, &pdyn_constraint_friction, &o->friction);
+    share_contacts(o);
+    return status;
 }
 
 void batches_free(struct pdyn_sim *sim) {

@@ -48,7 +48,7 @@ static void find_held(struct pdyn_sim *sim, const struct batch *b) {
     struct contact *contact = sim->objective.contact;
     if (b->off || !anchors(sim, b->type)) return;
     sim->anchored = true;
-    if (contact) contact->held[b->view.body - sim->body] = true;
+    if (contact) contact_hold(contact, (int)(b->view.body - sim->body), true);
 }
 
 void control_find_anchored(struct pdyn_sim *sim) {
@@ -56,7 +56,7 @@ void control_find_anchored(struct pdyn_sim *sim) {
     struct contact *contact = objective->contact;
     bool solids = contact && contact->points > contact->free;
     sim->anchored = solids || (sim->live && sim->live->pushed > 0);
-    for (int b = 0; contact && b < sim->bodies; b++) contact->held[b] = false;
+    for (int b = 0; contact && b < sim->bodies; b++) contact_hold(contact, b, false);
     for (int b = 0; b < sim->constraints; b++) find_held(sim, objective->batch[b]);
     for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */
         find_held(sim, objective->batch[objective->batches - k]);

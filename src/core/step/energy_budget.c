@@ -93,8 +93,8 @@ void energy_budget_free(struct pdyn_sim *sim) {
 
 /* Energy of linear constraints and of contact, which the scene may have on purpose. */
 static double elastic_energy(const struct pdyn_sim *sim) {
-    const struct contact *contact = sim->objective.contact;
-    double sum = contact ? contact->barrier->energy : 0.0;
+    const struct batch *barrier = sim->objective.barrier;
+    double sum = barrier ? barrier->energy : 0.0;
     for (int b = 0; b < sim->constraints; b++)
         if (!sim->objective.batch[b]->op) sum += sim->objective.batch[b]->energy;
     return sum;

@@ -75,7 +75,7 @@ static void add_energies(const struct pdyn_sim *sim, pdyn_step_info *info) {
             info->constraint_energy += objective->batch[b]->energy;
     for (int k = 1; k <= sim->control.batches; k++) /* holds: the last ones */
         info->constraint_energy += objective->batch[objective->batches - k]->energy;
-    if (objective->contact) info->constraint_energy += objective->contact->barrier->energy;
+    if (objective->barrier) info->constraint_energy += objective->barrier->energy;
 }
 
 /* Adds the reactions of pins. The force in a pin is the gradient of all other terms at its point:

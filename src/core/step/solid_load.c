@@ -65,26 +65,25 @@ static void add_element(const struct pdyn_sim *sim, const struct contact_list *l
 
 /* The dashpots' forces w (u - p) act on solids with the opposite sign. */
 static void add_damping(const struct pdyn_sim *sim) {
-    const struct contact *c = sim->objective.contact;
-    for (int e = 0; c->damping && e < c->damping->view.elements; e++) {
-        const double *u = c->damping->view.u + 3 * (size_t)e;
-        const double *p = c->damping->view.p + 3 * (size_t)e;
+    const struct batch *b = sim->objective.dashpots;
+    for (int e = 0; b && e < b->view.elements; e++) {
+        const double *u = b->view.u + 3 * (size_t)e, *p = b->view.p + 3 * (size_t)e;
         double force[3] = {0};
-        int solid = bearings_solid(c, e);
+        int solid = bearings_solid(sim->objective.contact, e);
         if (solid < 0) continue;
-        vec3_add(force, c->damping->view.weight[e], u);
-        vec3_add(force, -c->damping->view.weight[e], p);
+        vec3_add(force, b->view.weight[e], u);
+        vec3_add(force, -b->view.weight[e], p);
         solid_load_add(&sim->loads->solid[solid], u, force);
     }
 }
 
 static void add_contact(const struct pdyn_sim *sim) {
-    const struct contact *c = sim->objective.contact;
-    if (!c) return;
-    for (int e = 0; e < c->barrier->view.elements; e++)
-        add_element(sim, &c->current, c->barrier, e);
-    for (int e = 0; c->friction && e < c->friction->view.elements; e++)
-        add_element(sim, &c->start, c->friction, e);
+    const struct objective *o = &sim->objective;
+    if (!o->contact) return;
+    for (int e = 0; e < o->barrier->view.elements; e++)
+        add_element(sim, &o->contact->current, o->barrier, e);
+    for (int e = 0; o->friction && e < o->friction->view.elements; e++)
+        add_element(sim, &o->contact->start, o->friction, e);
     add_damping(sim);
 }
 
