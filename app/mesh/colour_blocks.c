@@ -82,7 +82,7 @@ static int list_reached(const struct colour_field *field, struct key_list *list)
 
 /* Adds a particle to the samples of a block. p: its position relative to the block, in cells. */
 static void add_particle(const double p[3], double weight, double value[BLOCK_SAMPLES]) {
-    const double inverse = 1.0 / (BLOCK * BLOCK); /* 1 / H^2, in cells */
+    const double inverse = 1.0 / (BLOCK * BLOCK); /* 1 / support^2, in cells */
     for (int k = 0; k < BLOCK; k++)
         for (int j = 0; j < BLOCK; j++) {
             double y = j - p[1], z = k - p[2], yz = 1.0 - (y * y + z * z) * inverse;

@@ -118,7 +118,8 @@ static double distance2(const float *a, const float *b, double d[3]) {
 }
 
 /* A particle is deep if its density sum is that of the inside of the fluid, within 10 %, and the
- * centre of its neighbours is at most 0.06 H (0.12 spacings) away; 0.18 spacings at a surface. */
+ * centre of its neighbours is at most 0.06 times the support (0.12 spacings) away; 0.18 spacings at
+ * a surface. */
 static void measure_particle(struct colour_field *field, const struct colour_rows *rows, int i) {
     double sum = 0.0, d[3], offset[3] = {0};
     for (int r = 0; r < 9; r++)

@@ -10,9 +10,9 @@
 struct kernel_model {
     const char *name, *summary;
     bool wendland;  /* false: cubic spline (Monaghan 1992); true: Wendland C2 (Wendland 1995) */
-    double support; /* H / d */
-    double value;   /* pi H^3 W(0): 1 in a continuum, or such that a cubic lattice has density 1 */
-    double slope;   /* factor in kernel_slope, over W(0) / H^2 */
+    double support; /* radius beyond which W is 0, in d */
+    double value;   /* pi support^3 W(0), for density 1 in a continuum, or in a cubic lattice */
+    double slope;   /* factor in kernel_slope, over W(0) / support^2 */
     double squares; /* |grad C|^2 d^2 of the density ratio C in a cubic lattice */
     /* of surface_tension, measured: A, and the pull along contact lines */
     double tension, line, line_offset;
@@ -28,12 +28,12 @@ struct kernel_model {
 
 struct kernel {
     bool wendland;
-    double support, inverse; /* H, m; 1/H */
+    double support, inverse; /* m; 1/support */
     double value;            /* W(0), 1/m^3 */
     double slope;            /* factor in kernel_slope, 1/m^5 */
 };
 
-/* W of the support H, m. */
+/* W that is 0 beyond the distance `support`, m. */
 static inline struct kernel kernel_make(const struct kernel_model *model, double support) {
     double value = model->value / (3.14159265358979323846 * support * support * support);
     return (struct kernel){.wendland = model->wendland,

@@ -1,8 +1,8 @@
 /* Damping of rigid bodies on their contacts (docs/theory/contact.md#damping): a dashpot between two
  * points of bodies resists the change of u, one point minus the other, along a normal n,
  *
- *     E = c / (2 H) y^2,    y = n . (a - u) > -l,
- *     E = c / (2 H) (-2 l y - l^2),  y <= -l,    l = H F / c,
+ *     E = c / (2 h) y^2,    y = n . (a - u) > -l,
+ *     E = c / (2 h) (-2 l y - l^2),  y <= -l,    l = h F / c,
  *
  * y: the approach in the step; a: u at the base of the step. A dashpot that pulls does so with at
  * most the force F, which is its share of the contacts' force: it never holds bodies together. */

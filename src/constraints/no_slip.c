@@ -2,7 +2,7 @@
  * surface: a dashpot between every particle i and every point s of a surface that adds to the
  * density of i (docs/theory/interface.md), in all directions,
  *
- *     E = c / (2 H) |u - a|^2,    u = x_i - x_s,     a: u at the base of the step
+ *     E = c / (2 h) |u - a|^2,    u = x_i - x_s,     a: u at the base of the step
  *     c = 2 mu d lambda_is / lambda_0
  *
  * lambda_is: what s adds to the density of i; lambda_0: what a plane adds at d/2. A layer at this

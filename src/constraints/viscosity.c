@@ -1,7 +1,7 @@
 /* Viscosity of a fluid: a dashpot between every two particles closer than two spacings, along the
  * line between them (Monaghan 1992; implicit: Weiler, Koschier, Brand, Bender 2018),
  *
- *     E = c / (2 H) (|u| - l)^2,    u = x_i - x_j,    l: |u| at the base of the step
+ *     E = c / (2 h) (|u| - l)^2,    u = x_i - x_j,    l: |u| at the base of the step
  *     c = 2.161 mu d f(|u| / 2d),   f(q) = (1 - q)(7/4 - q)
  *
  * so its force at the end of a step is c d|u|/dt. A motion without strain has no force, and linear

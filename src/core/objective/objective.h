@@ -34,7 +34,7 @@ struct objective {
     double *mass;          /* particles, kg */
     const double *inertia; /* particles, kg: mass, or more where a particle moves as given */
     double *s;             /* the inertial prediction, m */
-    double h;              /* s, effective length of the current step (integrator.h) */
+    double h;              /* s, effective length h_e of the current step (step/integrator.h) */
     double length;         /* s, of the current step */
     double extrapolation;  /* its base is x^ = x_n + extrapolation (x_n - x_(n-1)) */
     unsigned weights;      /* counter of changes of weights for another reason than h */

@@ -28,10 +28,10 @@ static int end_of(const struct pdyn_sim *sim, int b) {
     return b + 1 < sim->bodies ? sim->body[b + 1].first : sim->objective.particles;
 }
 
-/* Moves impulses (particles x 3, m/s) of a body in v from the weight H to the weight H^2 / h, and
- * adds the latter to v_before, in their kept parts, which it writes to kept_parts (particles). What
- * they lose, its pins pass on; without pins it is part of lost: momentum of v and v_before, kg m/s,
- * of the impulses between particles. */
+/* Moves impulses (particles x 3, m/s) of a body in v from the weight h_e to the weight h_e^2 / h,
+ * and adds the latter to v_before, in their kept parts, which it writes to kept_parts (particles).
+ * What they lose, its pins pass on; without pins it is part of lost: momentum of v and v_before, kg
+ * m/s, of the impulses between particles. */
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
                              const double *between, double lost[2][3], double *kept_parts) {
     const struct objective *objective = &sim->objective;
@@ -138,7 +138,7 @@ static bool find_between(struct pdyn_sim *sim, const double *force, double *betw
     return any;
 }
 
-/* Replaces forces, N, with the sign of the gradient, by what they add to velocities in H, m/s. */
+/* Replaces forces, N, with the sign of the gradient, by what they add to velocities in h_e, m/s. */
 static void to_velocities(struct pdyn_sim *sim, double *force) {
     const struct objective *objective = &sim->objective;
     objective_pull(objective, force);
@@ -148,14 +148,14 @@ static void to_velocities(struct pdyn_sim *sim, double *force) {
 
 int impacts_correct(struct pdyn_sim *sim, double h) {
     struct objective *objective = &sim->objective;
-    double H = objective->h, *force = sim->trial_gradient, *slowed = sim->trial;
+    double h_e = objective->h, *force = sim->trial_gradient, *slowed = sim->trial;
     double *between = slowed; /* which is not needed any more then */
     struct velocity_change change = {.slowed = slowed,
                                      .particles = objective->particles,
                                      .mass = objective->rigid ? objective->rigid->mass
                                                               : objective->inertia,
                                      .rigid = objective->rigid,
-                                     .h = H,
+                                     .h = h_e,
                                      .solved = sim->solved,
                                      .scratch = sim->direction};
     int count = 0;

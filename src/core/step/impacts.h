@@ -1,6 +1,6 @@
 /* Impacts with bdf2. A two-step formula would continue the jump of v in an impact as an
- * acceleration, and a body that falls on a floor would bounce. Therefore the impulse H a of an
- * impact acts as a displacement H^2 a over h, as with Euler, and is added to v_before, too. Both
+ * acceleration, and a body that falls on a floor would bounce. Therefore the impulse h_e a of an
+ * impact acts as a displacement h_e^2 a over h, as with Euler, and is added to v_before, too. Both
  * are sums of constraint forces. A limit may take a part of them; that part goes to other particles
  * or to the pins of the body, so momentum is conserved. */
 #ifndef PDYN_IMPACTS_H

@@ -164,16 +164,16 @@ static void base_rotation(const struct pdyn_sim *sim, const struct rigid_body *b
 /* s of the centre, and the angular momentum by the forces that a program applies, which act at x_n.
  */
 static void add_applied(const struct pdyn_sim *sim, struct rigid_body *body, double s[3]) {
-    double H = sim->objective.h, c[3], velocity[3], force[3] = {0}, moment[3] = {0};
+    double h_e = sim->objective.h, c[3], velocity[3], force[3] = {0}, moment[3] = {0};
     rigid_body_centre(body, sim->x, c);
     if (sim->control.force)
         rigid_body_moment(body, body->first, sim->x, c, sim->control.force, force, moment);
     rigid_body_centre(body, sim->x_base, s);
     rigid_body_centre(body, sim->v_base, velocity);
-    vec3_add(s, H, velocity);
-    vec3_add(s, H * H, sim->scene.settings.gravity);
-    vec3_add(s, H * H / body->mass, force);
-    vec3_add(body->momentum, H, moment);
+    vec3_add(s, h_e, velocity);
+    vec3_add(s, h_e * h_e, sim->scene.settings.gravity);
+    vec3_add(s, h_e * h_e / body->mass, force);
+    vec3_add(body->momentum, h_e, moment);
 }
 
 static void predict_bodies(void *arg, int first, int last, int block) {
@@ -197,10 +197,10 @@ void rigid_bodies_predict(struct pdyn_sim *sim) {
     if (map) pool_for(sim->context->pool, map->bodies, RIGID_GRAIN, predict_bodies, sim);
 }
 
-/* H T, from the inertial forces m (x - s) / H^2 of the points, which balance those of constraints.
- * The part of them without moment is the same in x and s. */
+/* h_e T, from the inertial forces m (x - s) / h_e^2 of the points, which balance those of
+ * constraints. The part of them without moment is the same in x and s. */
 static void add_impulse(const struct pdyn_sim *sim, const struct rigid_body *body, double L[3]) {
-    double c[3], moment[3] = {0}, H = sim->objective.h;
+    double c[3], moment[3] = {0}, h_e = sim->objective.h;
     rigid_body_centre(body, sim->x_next, c);
     for (int i = body->first + body->vertices; i < body->first + body->vertices + RIGID_POINTS;
          i++) {
@@ -208,7 +208,7 @@ static void add_impulse(const struct pdyn_sim *sim, const struct rigid_body *bod
         vec3_subtract(r, sim->x_next + 3 * (size_t)i, c);
         vec3_subtract(moved, sim->x_next + 3 * (size_t)i, sim->objective.s + 3 * (size_t)i);
         vec3_cross(turn, r, moved);
-        vec3_add(moment, body->mass / RIGID_POINTS / H, turn);
+        vec3_add(moment, body->mass / RIGID_POINTS / h_e, turn);
     }
     vec3_add(L, 1.0, moment);
 }

@@ -3,13 +3,13 @@
  *
  *     euler   L^ = L_n                        R^ = R_n
  *     bdf2    L^ = L_n + c (L_n - L_(n-1))    R^ = exp(c (e - h_b I^-1 (L_n - L_(n-1))))
- *                                                  F(h - H; R_n, L_n)
- *     s       R = F(H; R^, L^)
- *     end     L_(n+1) = L^ + H T,             T: moment of the forces of constraints
+ *                                                  F(h - h_e; R_n, L_n)
+ *     s       R = F(h_e; R^, L^)
+ *     end     L_(n+1) = L^ + h_e T,           T: moment of the forces of constraints
  *
- * with c and H of integrator.h, the length h_b of the step before, the free rotation F(t; R, L) of
- * a body with constant L over the time t, and e, the rotation from F(h_b; R_(n-1), L_(n-1)) to R_n.
- * Without a moment L is constant and the rotation is F, whatever the step length. */
+ * with c and h_e of integrator.h, the length h_b of the step before, the free rotation F(t; R, L)
+ * of a body with constant L over the time t, and e, the rotation from F(h_b; R_(n-1), L_(n-1)) to
+ * R_n. Without a moment L is constant and the rotation is F, whatever the step length. */
 #ifndef PDYN_RIGID_BODIES_H
 #define PDYN_RIGID_BODIES_H
 

@@ -62,7 +62,7 @@ struct pdyn_sim {
     bool far_off;      /* the last step was far from solved: its end is no guess for the next one */
     double last_h;     /* s, length of the last step; 0 before the first */
     int impacts;       /* number of constraints with an impact in the last step */
-    double left_out;   /* 1 - (H / h)^2: the part of their forces that does not change velocities
+    double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change velocities
                           (impacts.h) */
     double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
     double history;    /* s, time from x_before to x; 0: the history must not be used */

@@ -1,7 +1,7 @@
 /* One time step. The way of a position through it, with the files that do each part:
  *
  *     x, v                 the state
- *       | predict          s = x^ + H v^ + H^2 g             integrator.h has the base x^, v^
+ *       | predict          s = x^ + h_e v^ + h_e^2 g         integrator.h has the base x^, v^
  *       | minimise         first iterate, from x towards s   carried.h, start_point.h, contact.h
  *       |                  iterates                          minimise.c
  *       | finish_step      x = last iterate, v from x        velocities.h
@@ -32,14 +32,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Computes the prediction s = x^ + H v^ + H^2 (g + f/m), f: applied forces, which is the first
+/* Computes the prediction s = x^ + h_e v^ + h_e^2 (g + f/m), f: applied forces, which is the first
  * iterate. */
 static pdyn_status predict(struct pdyn_sim *sim, const struct step_end *end) {
     sim->objective.length = end->h, sim->objective.time = end->time;
-    double H = sim->objective.h = sim->scene.settings.integrator->begin(sim, end->h);
+    double h_e = sim->objective.h = sim->scene.settings.integrator->begin(sim, end->h);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         sim->objective.s[k] =
-            sim->x_base[k] + H * sim->v_base[k] + H * H * applied_acceleration(sim, k);
+            sim->x_base[k] + h_e * sim->v_base[k] + h_e * h_e * applied_acceleration(sim, k);
     live_particles_predict(sim);
     rigid_bodies_predict(sim);
     memcpy(sim->x_next, sim->objective.s, objective_bytes(&sim->objective));

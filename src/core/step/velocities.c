@@ -23,13 +23,13 @@ static void subtract_momentum(struct pdyn_sim *sim, const double excess[3]) {
 
 /* v = (x_next - from) / h. */
 static void compute_velocities(struct pdyn_sim *sim, const double *from, double h) {
-    const double H = sim->objective.h;
+    const double h_e = sim->objective.h;
     double excess[3] = {0};
     for (int i = 0; i < sim->objective.particles; i++) {
         double m = particle_is_live(sim, i) ? sim->objective.mass[i] : 0.0;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
             double v = (sim->x_next[k] - from[k]) / h;
-            excess[k % 3] += m * (v - sim->v_base[k] - H * applied_acceleration(sim, k));
+            excess[k % 3] += m * (v - sim->v_base[k] - h_e * applied_acceleration(sim, k));
             sim->v[k] = v;
         }
     }
@@ -91,7 +91,7 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
 }
 
 /* After an unsolved step, computes Euler velocities v = (x_next - x) / h: the error of x_next would
- * enter (x_next - x^) / H of a two-step formula one and a half times. */
+ * enter (x_next - x^) / h_e of a two-step formula one and a half times. */
 static void update_unsolved(struct pdyn_sim *sim, double h) {
     compute_velocities(sim, sim->x, h);
     remove_energy_gain(sim, h);
@@ -118,8 +118,8 @@ void velocities_update(struct pdyn_sim *sim, double h) {
     sim->left_out = sim->v_before ? 1.0 - part * part : 0.0;
 }
 
-/* The following steps see a change of v as an acceleration change / H instead of change / h; the
- * factor H / h corrects this. */
+/* The following steps see a change of v as an acceleration change / h_e instead of change / h; the
+ * factor h_e / h corrects this. */
 void velocities_apply_operators(struct pdyn_sim *sim, double h) {
     struct objective *objective = &sim->objective;
     double part = objective->h / h, *before = sim->trial;
