@@ -49,6 +49,16 @@ void rigid_body_place(const struct rigid_body *b, const double c[3], const doubl
     }
 }
 
+void rigid_body_set_motion(const struct rigid_body *b, const double *x, const double c[3],
+                           const double velocity[3], const double w[3], double *v) {
+    for (int i = b->first; i < b->first + particles_of(b); i++) {
+        double r[3];
+        vec3_subtract(r, x + 3 * (size_t)i, c);
+        vec3_cross(v + 3 * (size_t)i, w, r);
+        vec3_add(v + 3 * (size_t)i, 1.0, velocity);
+    }
+}
+
 void rigid_body_moment(const struct rigid_body *b, int begin, const double *x, const double c[3],
                        const double *y, double force[3], double moment[3]) {
     memset(force, 0, 3 * sizeof *force), memset(moment, 0, 3 * sizeof *moment);

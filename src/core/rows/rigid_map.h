@@ -108,6 +108,9 @@ void rigid_closest_rotation(const double A[9], double R[9]);
 /* Sets x of the body to the pose with centre c and rotation R. */
 void rigid_body_place(const struct rigid_body *body, const double c[3], const double R[9],
                       double *x);
+/* v = velocity + w x (x - c) for the body's particles */
+void rigid_body_set_motion(const struct rigid_body *body, const double *x, const double c[3],
+                           const double velocity[3], const double w[3], double *v);
 /* Sum and moment about c of the forces y on the body's particles from `begin` on, at x. */
 void rigid_body_moment(const struct rigid_body *body, int begin, const double *x, const double c[3],
                        const double *y, double force[3], double moment[3]);

@@ -4,7 +4,7 @@
 #include "forces.h"
 #include "live_particles.h"
 #include "parameters.h"
-#include "rigid_bodies.h"
+#include "rigid_fit.h"
 #include "schedule.h"
 #include "sim.h"
 #include "warn.h"
@@ -168,7 +168,7 @@ static pdyn_status put_back(struct pdyn_sim *sim, const double *x) {
 static pdyn_status place(struct pdyn_sim *sim, int first, int count, const double *x) {
     struct contact *contact = sim->objective.contact;
     copy_live(sim, first, count, x, sim->x);
-    rigid_bodies_fit(sim, first, count, sim->x, NULL);
+    rigid_fit(sim, first, count, sim->x, NULL);
     pdyn_status status = contact ? contact_local(contact, sim->x) : PDYN_OK;
     return status == PDYN_OK && contact ? contact_check(contact) : status;
 }
@@ -177,7 +177,7 @@ pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double
     if (!x) return PDYN_BAD_CALL;
     pdyn_status status =
         begin_vectors(sim, first, count, x, SCENE_MAX_POSITION, "a coordinate", "m");
-    if (status == PDYN_OK) status = rigid_bodies_check(sim, first, count);
+    if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     double *before = NEW_VECTOR(sim->context, sim->objective.particles);
     if (!before) return PDYN_NO_MEMORY;
@@ -194,10 +194,10 @@ pdyn_status pdyn_set_positions(pdyn_sim *sim, int first, int count, const double
 pdyn_status pdyn_set_velocities(pdyn_sim *sim, int first, int count, const double *v) {
     if (!v) return PDYN_BAD_CALL;
     pdyn_status status = begin_vectors(sim, first, count, v, STEP_MAX_SPEED, "a velocity", "m/s");
-    if (status == PDYN_OK) status = rigid_bodies_check(sim, first, count);
+    if (status == PDYN_OK) status = rigid_fit_check(sim, first, count);
     if (status != PDYN_OK) return status;
     copy_live(sim, first, count, v, sim->v);
-    rigid_bodies_fit(sim, first, count, sim->x, sim->v);
+    rigid_fit(sim, first, count, sim->x, sim->v);
     forget_last_step(sim);
     return PDYN_OK;
 }

@@ -28,11 +28,4 @@ void rigid_bodies_set_velocities(struct pdyn_sim *sim);
 /* Makes velocities v at positions x rigid, with the same momentum and angular momentum. */
 void rigid_bodies_project(const struct pdyn_sim *sim, const double *x, double *v);
 
-/* A program sets positions or velocities of these particles: of a rigid body all vertices, or none.
- * PDYN_BAD_INPUT: some of them. */
-pdyn_status rigid_bodies_check(const struct pdyn_sim *sim, int first, int count);
-/* After it has: v NULL: the poses closest to the vertices at x; otherwise the rigid motions closest
- * to the velocities v of the vertices at x. x, v: particles x 3. */
-void rigid_bodies_fit(const struct pdyn_sim *sim, int first, int count, double *x, double *v);
-
 #endif
