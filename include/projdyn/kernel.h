@@ -72,11 +72,13 @@ static inline double kernel_slope(const struct kernel *k, double r) {
  * A = 2.2 (lambda = 0.127, slope -1.02/d). A and s of the other kernel were measured to do the same
  * with its particles. Close to the surface lambda and W(0) exceed 1, so that a single particle is
  * compressed and cannot pass. */
+#define SURFACE_KERNEL_SOFT 0.01 /* (1/10)^2: (q^2 - r^2) / s^2, so that S is finite at r = 0 */
+
 struct surface_kernel {
     double amplitude; /* A */
     double reach;     /* s, m */
     double inverse;   /* 1/s, 1/m */
-    double soft;      /* (s/10)^2, m^2 */
+    double soft;      /* q^2 - r^2, m^2 */
     double value;     /* 2 A / (pi s d), 1/m^2: for areas given as volumes, area times d */
 };
 
@@ -86,7 +88,7 @@ static inline struct surface_kernel surface_kernel_make(const struct kernel_mode
     return (struct surface_kernel){.amplitude = model->surface,
                                    .reach = reach,
                                    .inverse = 1.0 / reach,
-                                   .soft = 0.01 * reach * reach,
+                                   .soft = SURFACE_KERNEL_SOFT * reach * reach,
                                    .value = 2.0 * model->surface / 3.14159265358979323846 /
                                             (reach * spacing)};
 }
@@ -94,7 +96,7 @@ static inline struct surface_kernel surface_kernel_make(const struct kernel_mode
 /* Distance, m, of the plane that adds `sum`; at most s. */
 static inline double surface_kernel_distance(const struct surface_kernel *k, double sum) {
     double q = 1.0 - sqrt(sqrt(sum / k->amplitude));
-    return q > 0.1 ? k->reach * sqrt(q * q - 0.01) : 0.0;
+    return q > sqrt(SURFACE_KERNEL_SOFT) ? k->reach * sqrt(q * q - SURFACE_KERNEL_SOFT) : 0.0;
 }
 
 /* Lower bound, m, of the distance of a surface whose samples add `sum`. Over the widest hole
@@ -111,7 +113,8 @@ static inline double surface_kernel_least_distance(const struct surface_kernel *
  * grows, too. */
 static inline double surface_kernel_farther(const struct kernel_model *model, double by) {
     double half = 0.5 / model->reach, far = (0.5 + by) / model->reach;
-    double ratio = (1.0 - sqrt(half * half + 0.01)) / (1.0 - sqrt(far * far + 0.01));
+    double ratio = (1.0 - sqrt(half * half + SURFACE_KERNEL_SOFT)) /
+                   (1.0 - sqrt(far * far + SURFACE_KERNEL_SOFT));
     return ratio * ratio;
 }
 

@@ -26,7 +26,8 @@ const struct choices boundary_choices = {boundary_models, sizeof *boundary_model
                                          sizeof boundary_models / sizeof *boundary_models};
 
 double boundary_support(const struct boundary_model *model, const struct kernel_model *kernel) {
-    return model->volumes ? kernel->support : 0.99498743710662 * kernel->reach; /* q = s */
+    const double zero = sqrt(1.0 - SURFACE_KERNEL_SOFT); /* r / s where S becomes 0: q = s */
+    return model->volumes ? kernel->support : zero * kernel->reach;
 }
 
 pdyn_status boundary_volumes(pdyn_context *context, const struct sampling *sampling, int count,
