@@ -373,6 +373,7 @@ enum {                              /* pdyn_constraint_type.flags */
        PDYN_NUMERIC_TANGENT = 2048, /* core computes J by central differences of `project`, which
                                        take 6 projections of an element for each of its rows: for a
                                        type without tangent whose elements have at most 12 rows */
+       PDYN_CONTACT = 4096,         /* its forces are among those of pdyn_contact_forces */
 };
 
 typedef struct pdyn_constraint_type {

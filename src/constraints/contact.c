@@ -56,7 +56,7 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
 const pdyn_constraint_type pdyn_constraint_contact = {
     .name = "contact",
     .summary = "keeps surfaces and solids apart",
-    .flags = PDYN_ANCHORED | PDYN_ONE_SIDED | PDYN_EVERY_ITERATION,
+    .flags = PDYN_CONTACT | PDYN_ANCHORED | PDYN_ONE_SIDED | PDYN_EVERY_ITERATION,
     .params = (const pdyn_param[]){{0}},
     .update = update,
     .rows = 1,

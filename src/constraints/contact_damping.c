@@ -86,7 +86,7 @@ static double energy(const void *par, const pdyn_batch *b, int first, int last) 
 const pdyn_constraint_type pdyn_constraint_contact_damping = {
     .name = "contact_damping",
     .summary = "damps the oscillation of rigid bodies on their contacts",
-    .flags = PDYN_ANCHORED | PDYN_LOSSY,
+    .flags = PDYN_CONTACT | PDYN_ANCHORED | PDYN_LOSSY,
     .params = (const pdyn_param[]){{0}},
     .data_size = sizeof(struct base),
     .update = update,

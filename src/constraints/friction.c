@@ -124,7 +124,7 @@ static void end(const void *par, const pdyn_batch *b, int first, int last) {
 const pdyn_constraint_type pdyn_constraint_friction = {
     .name = "friction",
     .summary = "keeps surfaces that touch from sliding, up to Coulomb's limit",
-    .flags = PDYN_ANCHORED,
+    .flags = PDYN_CONTACT | PDYN_ANCHORED,
     .params = (const pdyn_param[]){{0}},
     .data_size = sizeof(struct spring),
     .update = update,

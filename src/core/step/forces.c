@@ -8,7 +8,6 @@
  * (docs/theory/time-integration.md). */
 #include "forces.h"
 
-#include "base/registry.h"
 #include "sim.h"
 
 #include "projdyn/probe.h"
@@ -62,10 +61,7 @@ typedef bool choose_fn(const struct batch *batch, const struct batch *constraint
 
 static bool is_of_contact(const struct batch *batch, const struct batch *none) {
     (void)none;
-    const pdyn_constraint_type *type = batch->type;
-    return type == &pdyn_constraint_contact || type == &pdyn_constraint_contact_damping ||
-           type == &pdyn_constraint_friction || type == &pdyn_constraint_slip ||
-           type == &pdyn_constraint_seepage;
+    return batch->type->flags & PDYN_CONTACT;
 }
 
 static bool is_any(const struct batch *batch, const struct batch *none) {
