@@ -129,8 +129,10 @@ static void test_balance(void **state) {
         assert_int_equal(pdyn_get_state(sim).constraints, 1);
         struct batch *damper = sim->objective.batch[1];
         for (int k = 0; k < 75; k++) sim->x[k] += 0.05 * test_random(&seed);
+        const struct batch_step step = {.length = 0.01, .h = 0.01};
+        assert_int_equal(batch_open(damper, sim->x, sim->v, &step), PDYN_OK);
         batch_set_damper_rest(damper, sim->x, NULL);
-        batch_begin(damper, sim->x, sim->v, 0.01);
+        batch_begin(damper, sim->x, sim->v);
         for (int k = 0; k < 75; k++) y[k] = sim->x[k] + 0.05 * test_random(&seed);
         double gradient[76] = {0};
         assert_int_equal(batch_local(damper, y, 0.0, gradient), PDYN_OK);

@@ -121,9 +121,12 @@ static void test_line(void **state) {
         objective_apply(objective, u, y), objective_set_direction(objective, u);
         double descent = -objective_dot(objective, g, u);
         double t = objective_line_minimum(objective, descent, objective_dot(objective, u, y));
-        int turns = objective_step_along(objective, t, y);
+        for (int k = 0; k < n; k++) u[k] *= t, y[k] *= t;
+        objective_set_direction(objective, u);
+        changed += objective_count_side_changes(objective);
+        objective_step_along(objective, 1.0, y);
+        descent *= t;
         assert_true(t > 0.0 && fabs(objective_dot(objective, y, u) - descent) <= 0.02 * descent);
-        changed += turns;
     }
     assert_true(changed > 0);
     free(u), free(g), free(y);

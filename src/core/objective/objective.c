@@ -146,7 +146,7 @@ pdyn_status objective_begin(struct objective *o, const struct step_start *start)
         pdyn_status status = batch_open(o->batch[b], start->x, start->v, &step);
         if (status != PDYN_OK) return status;
         batch_set_damper_rest(o->batch[b], start->x, start->x_before);
-        weights |= batch_begin(o->batch[b], start->x_base, start->v_base, o->h);
+        weights |= batch_begin(o->batch[b], start->x_base, start->v_base);
     }
     o->weights += weights;
     return PDYN_OK;
@@ -258,12 +258,10 @@ static void scale_block(void *arg, int first, int last, int block) {
     for (int k = 3 * first; k < 3 * last; k++) c->out[k] *= c->scale;
 }
 
-int objective_step_along(struct objective *o, double t, double *y) {
-    int changed = 0;
+void objective_step_along(struct objective *o, double t, double *y) {
     for_particles(o, scale_block, NULL, NULL, y, t);
-    for (int b = 0; b < o->batches; b++) changed += batch_step_along(o->batch[b], t, y);
+    for (int b = 0; b < o->batches; b++) batch_step_along(o->batch[b], t, y);
     objective_pull(o, y);
-    return changed;
 }
 
 /* Every block becomes the particle's inertia times `scale`. */

@@ -138,9 +138,8 @@ int objective_count_side_changes(struct objective *objective);
  * 0; curvature: u . H u with the sides at d. */
 double objective_line_minimum(struct objective *objective, double descent, double curvature);
 
-/* d += t u. y: H u with the sides at d; becomes the change of the model's gradient. Returns the
- * number of constraints that changed sides. */
-int objective_step_along(struct objective *objective, double t, double *y);
+/* d += t u. y: H u with the sides at d; becomes the change of the model's gradient. */
+void objective_step_along(struct objective *objective, double t, double *y);
 
 /* The 3 x 3 block diagonal of a part of H, packed xx xy xz yy yz zz: particles x 6. */
 void objective_diagonal(struct objective *objective, pdyn_part part, double *blocks);

@@ -198,7 +198,7 @@ pdyn_status solver_view_create(struct solver_view *view, struct objective *o, bo
         if (batch_is_static(o->batch[b])) batch_mark_selected(o->batch[b], view->in_rows);
     for (int k = 0; o->rigid && k < o->rigid->bodies; k++) {
         const struct rigid_body *body = &o->rigid->body[k];
-        memset(view->in_rows + body->first, true, (size_t)(body->vertices + RIGID_POINTS));
+        memset(view->in_rows + body->first, true, (size_t)rigid_body_particles(body));
     }
     view->model = (pdyn_model){.services = services,
                                .particles = o->particles,

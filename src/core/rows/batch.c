@@ -45,9 +45,8 @@ void batch_set_damper_rest(struct batch *b, const double *x, const double *befor
     if (b->damper) rows_set_damper_rest(b, x, before);
 }
 
-bool batch_begin(struct batch *b, const double *x, const double *v, double h) {
-    b->view.h = h;
-    batch_weigh(b, h);
+bool batch_begin(struct batch *b, const double *x, const double *v) {
+    batch_weigh(b, b->view.h);
     if (!b->damper && b->type->begin) rows_begin(b, x, v);
     return !b->damper && b->type->begin;
 }

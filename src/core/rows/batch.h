@@ -123,9 +123,9 @@ pdyn_status batch_open(struct batch *batch, const double *x, const double *v,
  * nothing for other batches. */
 void batch_set_damper_rest(struct batch *batch, const double *x, const double *before);
 /* Then the type's `begin` sets what changes from step to step, at the base x, v of the integrator,
- * and weights are set for the effective length h, s. Returns whether weights change even where h
- * does not. */
-bool batch_begin(struct batch *batch, const double *x, const double *v, double h);
+ * and weights are set for the effective length of batch_open. Returns whether weights change even
+ * where that does not. */
+bool batch_begin(struct batch *batch, const double *x, const double *v);
 /* Sets the weights of a damper for steps of length h, s; does nothing for other batches. */
 void batch_weigh(struct batch *batch, double h);
 
@@ -145,7 +145,7 @@ void batch_apply(struct batch *batch, const double *u, double *y);
 struct velocity_change {  /* by a step of effective length h, s */
     const double *slowed; /* particles x 3: velocities before the step minus those after, m/s */
     int particles;
-    const double *mass;            /* particles, kg */
+    const double *mass; /* particles, kg; of vertices of rigid bodies the effective mass */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
     bool solved;        /* to the tolerance of the scene */

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-static int particles_of(const struct rigid_body *b) { return b->vertices + RIGID_POINTS; }
 static int first_point(const struct rigid_body *b) { return b->first + b->vertices; }
 
 /* Of a symmetric matrix. */
@@ -41,7 +40,7 @@ void rigid_body_weights(const struct rigid_body *b, const double *x, const doubl
 }
 
 void rigid_body_place(const struct rigid_body *b, const double c[3], const double R[9], double *x) {
-    for (int i = 0; i < particles_of(b); i++) {
+    for (int i = 0; i < rigid_body_particles(b); i++) {
         double r[3], *to = x + 3 * (size_t)(b->first + i);
         vec3_subtract(r, b->rest + 3 * (size_t)i, b->centre);
         vec3_multiply(to, R, r);
@@ -51,7 +50,7 @@ void rigid_body_place(const struct rigid_body *b, const double c[3], const doubl
 
 void rigid_body_set_motion(const struct rigid_body *b, const double *x, const double c[3],
                            const double velocity[3], const double w[3], double *v) {
-    for (int i = b->first; i < b->first + particles_of(b); i++) {
+    for (int i = b->first; i < rigid_body_end(b); i++) {
         double r[3];
         vec3_subtract(r, x + 3 * (size_t)i, c);
         vec3_cross(v + 3 * (size_t)i, w, r);
@@ -62,7 +61,7 @@ void rigid_body_set_motion(const struct rigid_body *b, const double *x, const do
 void rigid_body_moment(const struct rigid_body *b, int begin, const double *x, const double c[3],
                        const double *y, double force[3], double moment[3]) {
     memset(force, 0, 3 * sizeof *force), memset(moment, 0, 3 * sizeof *moment);
-    for (int i = begin; i < b->first + particles_of(b); i++) {
+    for (int i = begin; i < rigid_body_end(b); i++) {
         double r[3], turn[3];
         vec3_subtract(r, x + 3 * (size_t)i, c);
         vec3_cross(turn, r, y + 3 * (size_t)i);
@@ -141,7 +140,7 @@ static void update(void *arg, int first, int last, int block) {
         struct rigid_body *b = &c->map->body[k];
         double centre[3], I[9];
         rigid_body_centre(b, c->in, centre);
-        for (int i = 0; i < particles_of(b); i++)
+        for (int i = 0; i < rigid_body_particles(b); i++)
             vec3_subtract(b->arm + 3 * (size_t)i, c->in + 3 * (size_t)(b->first + i), centre);
         rigid_body_inertia(b, c->in, centre, I);
         invert(I, b->inverse);
@@ -158,7 +157,7 @@ void rigid_map_update(struct rigid_map *map, const double *x) {
 void rigid_body_sum(const struct rigid_body *b, int begin, const double *f,
                     double sum[RIGID_SIZE]) {
     memset(sum, 0, 6 * sizeof *sum);
-    for (int i = begin; i < particles_of(b); i++) {
+    for (int i = begin; i < rigid_body_particles(b); i++) {
         double turn[3];
         const double *own = f + 3 * (size_t)(b->first + i);
         vec3_cross(turn, b->arm + 3 * (size_t)i, own);
@@ -169,7 +168,7 @@ void rigid_body_sum(const struct rigid_body *b, int begin, const double *f,
 void rigid_body_move(const struct rigid_body *b, int begin, const double motion[RIGID_SIZE],
                      double *u) {
     const double *t = motion, *w = motion + 3;
-    for (int i = begin; i < particles_of(b); i++) {
+    for (int i = begin; i < rigid_body_particles(b); i++) {
         double *own = u + 3 * (size_t)(b->first + i);
         vec3_cross(own, w, b->arm + 3 * (size_t)i);
         vec3_add(own, 1.0, t);
@@ -228,7 +227,7 @@ void rigid_map_close_blocks(const struct rigid_map *map, double inertia, double 
         for (int i = b->first; i < first_point(b); i++) {
             double *own = blocks + 6 * (size_t)i;
             memset(own, 0, 6 * sizeof *own);
-            own[0] = own[3] = own[5] = inertia * map->mass[i];
+            own[0] = own[3] = own[5] = inertia * map->effective_mass[i];
         }
     }
 }
@@ -264,7 +263,7 @@ static bool resize(struct rigid_map *map, enum array_action action) {
     size_t n = RIGID_SIZE * (size_t)map->bodies;
     const struct array_entry table[] = {
         ARRAY(map->input, 3 * (size_t)map->particles + 1),
-        ARRAY(map->mass, map->particles),
+        ARRAY(map->effective_mass, map->particles),
         ARRAY(map->owner, map->particles),
         ARRAY(map->solve.x, n),
         ARRAY(map->solve.r, n),
@@ -275,7 +274,7 @@ static bool resize(struct rigid_map *map, enum array_action action) {
     bool good = context_arrays(map->context, table, ARRAY_ROWS(table), action);
     for (int k = 0; k < map->bodies; k++) {
         struct rigid_body *b = &map->body[k];
-        const struct array_entry own[] = {ARRAY(b->arm, 3 * (size_t)particles_of(b))};
+        const struct array_entry own[] = {ARRAY(b->arm, 3 * (size_t)rigid_body_particles(b))};
         good &= context_arrays(map->context, own, ARRAY_ROWS(own), action);
     }
     return good;
@@ -293,12 +292,12 @@ pdyn_status rigid_map_create(struct rigid_map *map, const double *rest, const do
     rigid_map_update(map, rest);
     for (int i = 0; i < map->particles; i++) map->owner[i] = -1;
     for (int k = 0; k < map->bodies; k++)
-        for (int i = 0; i < particles_of(&map->body[k]); i++)
+        for (int i = 0; i < rigid_body_particles(&map->body[k]); i++)
             map->owner[map->body[k].first + i] = k;
-    memcpy(map->mass, mass, (size_t)map->particles * sizeof *mass);
+    memcpy(map->effective_mass, mass, (size_t)map->particles * sizeof *mass);
     for (int k = 0; k < map->bodies; k++)
         for (int i = 0; i < map->body[k].vertices; i++)
-            map->mass[map->body[k].first + i] =
+            map->effective_mass[map->body[k].first + i] =
                 mass_at(&map->body[k], map->body[k].arm + 3 * (size_t)i);
     return PDYN_OK;
 }

@@ -31,6 +31,15 @@ struct rigid_body {
     int last_pair; /* of the pairs with this body first; -1: there is none */
 };
 
+/* Particles of the system that the body has: its vertices, then its points. */
+static inline int rigid_body_particles(const struct rigid_body *body) {
+    return body->vertices + RIGID_POINTS;
+}
+/* The index behind the last of these. */
+static inline int rigid_body_end(const struct rigid_body *body) {
+    return body->first + rigid_body_particles(body);
+}
+
 struct rigid_pair { /* bodies that a row ties, a < b */
     int a, b;
     int before; /* the pair before with the same a; -1: there is none */
@@ -43,8 +52,8 @@ struct rigid_map {
     int bodies;
     struct rigid_body *body; /* bodies */
     double *input;           /* particles x 3: an extended vector */
-    double *mass;            /* particles, kg: those of the system; of a vertex, the mass that a
-                                force there accelerates, in the mean over its directions */
+    double *effective_mass;  /* particles, kg: of a vertex, the mass that a force there accelerates,
+                                in  the mean over its directions; the mass of other particles */
     int *owner;              /* particles: the body; -1: none */
     struct rigid_pair *pair; /* rigid_matrix.h: pairs, in the order of the rows */
     size_t pair_room;

@@ -114,7 +114,7 @@ static void factor_bodies(void *arg, int first, int last, int block) {
     for (int k = first; k < last; k++) {
         struct rigid_body *b = &c->map->body[k];
         memcpy(b->block, b->coupled, sizeof b->block);
-        for (int i = b->first; i < b->first + b->vertices + RIGID_POINTS; i++) {
+        for (int i = b->first; i < rigid_body_end(b); i++) {
             const double *p = c->in + 6 * (size_t)i, *r = arm_of(b, i);
             const double D[9] = {p[0], p[1], p[2], p[1], p[3], p[4], p[2], p[4], p[5]};
             add_block(b->block, 1.0, r, D, r);

@@ -152,7 +152,7 @@ int impacts_correct(struct pdyn_sim *sim, double h) {
     double *between = slowed; /* which is not needed any more then */
     struct velocity_change change = {.slowed = slowed,
                                      .particles = objective->particles,
-                                     .mass = objective->rigid ? objective->rigid->mass
+                                     .mass = objective->rigid ? objective->rigid->effective_mass
                                                               : objective->inertia,
                                      .rigid = objective->rigid,
                                      .h = h_e,

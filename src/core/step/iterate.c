@@ -11,7 +11,7 @@ static double limit_bodies(const struct pdyn_sim *sim, double *moves) {
     double all = 1.0;
     for (int k = 0; map && k < map->bodies; k++) {
         const struct rigid_body *body = &map->body[k];
-        int end = body->first + body->vertices + RIGID_POINTS;
+        int end = rigid_body_end(body);
         double least = 1.0;
         for (int i = body->first; i < end; i++) {
             double length = vec3_length(moves + 3 * (size_t)i);

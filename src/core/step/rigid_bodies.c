@@ -111,8 +111,7 @@ void rigid_bodies_predict(struct pdyn_sim *sim) {
 static void add_impulse(const struct pdyn_sim *sim, const struct rigid_body *body, double L[3]) {
     double c[3], moment[3] = {0}, h_e = sim->objective.h;
     rigid_body_centre(body, sim->x_next, c);
-    for (int i = body->first + body->vertices; i < body->first + body->vertices + RIGID_POINTS;
-         i++) {
+    for (int i = body->first + body->vertices; i < rigid_body_end(body); i++) {
         double r[3], moved[3], turn[3];
         vec3_subtract(r, sim->x_next + 3 * (size_t)i, c);
         vec3_subtract(moved, sim->x_next + 3 * (size_t)i, sim->objective.s + 3 * (size_t)i);
@@ -143,7 +142,7 @@ static void start_body(struct pdyn_sim *sim, int b, struct rigid_body *body) {
     double *mass = sim->objective.mass + sim->body[b].first;
     *body = (struct rigid_body){
         .first = sim->body[b].first, .vertices = sim->body[b].count, .mass = from->mass};
-    for (int i = 0; i < body->vertices + RIGID_POINTS; i++)
+    for (int i = 0; i < rigid_body_particles(body); i++)
         mass[i] = i < body->vertices ? vertex_share * from->mass / body->vertices
                                      : from->mass / RIGID_POINTS;
     rigid_body_set_motion(body, sim->x, from->centre, from->velocity, from->angular_velocity,

@@ -48,7 +48,7 @@ static void fit_velocities(const struct rigid_body *body, const double *x, doubl
 }
 
 static bool is_touched(const struct rigid_body *body, int first, int count) {
-    return first < body->first + body->vertices + RIGID_POINTS && first + count > body->first;
+    return first < rigid_body_end(body) && first + count > body->first;
 }
 
 pdyn_status rigid_fit_check(const struct pdyn_sim *sim, int first, int count) {
