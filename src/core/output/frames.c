@@ -25,7 +25,7 @@ static struct part part_of_frame(const pdyn_writer *writer, int part) {
     const pdyn_sim *sim = writer->sim;
     int solid = part - sim->bodies - 1;
     if (part < sim->bodies) return (struct part){"", pdyn_get_body(sim, part).name, part, -1};
-    if (solid < 0) return (struct part){"", sim->motion.points ? "boundary" : NULL, -1, -1};
+    if (solid < 0) return (struct part){"", sim->motion.points ? BOUNDARY : NULL, -1, -1};
     const struct scene_solid *s = &sim->scene.solid[solid];
     return (struct part){SOLIDS_FOLDER, s->motion.keys ? s->name : NULL, -1, solid};
 }
@@ -41,13 +41,14 @@ struct entry {
 /* The entry of frame f in a series, followed by `end`. Call in the C locale. */
 static struct entry entry_of(const pdyn_writer *writer, struct part part, int f, const char *end) {
     struct entry entry;
-    snprintf(entry.text, sizeof entry.text, "%s\n{\"name\": \"%s_%06d.vtk\", \"time\": %.17g}%s",
-             f ? "," : "", part.name, f, writer->time[f], end);
+    snprintf(entry.text, sizeof entry.text,
+             "%s\n{\"name\": \"%s_%06d" SHAPE_ENDING "\", \"time\": %.17g}%s", f ? "," : "",
+             part.name, f, writer->time[f], end);
     return entry;
 }
 
 static const char *series_path(pdyn_writer *writer, struct part part) {
-    return writer_path(writer, "%s%s.vtk.series", part.folder, part.name);
+    return writer_path(writer, "%s%s" SERIES_ENDING, part.folder, part.name);
 }
 
 static pdyn_status write_series(pdyn_writer *writer, struct part part, int frames) {
@@ -130,13 +131,14 @@ static pdyn_status list_frame(pdyn_writer *writer, int f) {
 
 static pdyn_status write_part(pdyn_writer *writer, struct part part) {
     if (!part.name) return PDYN_OK;
-    const char *path = writer_path(writer, "%s%s_%06d.vtk", part.folder, part.name, writer->frames);
+    const char *path =
+        writer_path(writer, "%s%s_%06d" SHAPE_ENDING, part.folder, part.name, writer->frames);
     if (part.solid >= 0) return vtk_write_solid(writer->sim, part.solid, path);
     if (part.body < 0) return vtk_write_boundary(writer->sim, true, path);
     pdyn_status status = vtk_write_body(writer->sim, part.body, path);
     if (status != PDYN_OK || !writer->ply) return status;
     return ply_write_body(writer->sim, part.body,
-                          writer_path(writer, "%s_%06d.ply", part.name, writer->frames));
+                          writer_path(writer, "%s_%06d" PLY_ENDING, part.name, writer->frames));
 }
 
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames) {
@@ -178,12 +180,10 @@ pdyn_status pdyn_writer_frame(pdyn_writer *writer) {
 
 /* ---- frames of a previous run ---------------------------------------------------------------- */
 
-/* NAME_dddddd.vtk with at least six digits: only such files are frames of this program. */
-static bool is_frame(const char *file, const char *name) {
+static bool is_frame_of(const char *name, const char *file) {
     size_t length = strlen(name);
-    if (strncmp(file, name, length) || file[length] != '_') return false;
-    size_t digits = strspn(file + length + 1, "0123456789");
-    return digits >= 6 && digits <= 10 && !strcmp(file + length + 1 + digits, ".vtk");
+    const char *ending = strncmp(file, name, length) ? NULL : frame_ending(file + length);
+    return ending && !strcmp(ending, SHAPE_ENDING);
 }
 
 pdyn_status frames_remove_file(pdyn_writer *writer, const char *path) {
@@ -194,8 +194,9 @@ pdyn_status frames_remove_file(pdyn_writer *writer, const char *path) {
 }
 
 static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const char *file) {
-    static const char *const endings[] = {"vtk", "ply", "obj"};
-    int stem = (int)(strlen(file) - strlen("vtk")), kinds = strcmp(folder, MESH_FOLDER) ? 2 : 3;
+    static const char *const endings[] = {SHAPE_ENDING, PLY_ENDING, OBJ_ENDING};
+    int stem = (int)(strlen(file) - strlen(SHAPE_ENDING)),
+        kinds = strcmp(folder, MESH_FOLDER) ? 2 : 3;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < kinds && status == PDYN_OK; k++)
         status = frames_remove_file(
@@ -216,11 +217,11 @@ pdyn_status frames_remove_listed(pdyn_writer *writer, const char *list, const ch
                                  const char *folder) {
     json_t *series, *files;
     pdyn_status status =
-        frames_load_json(writer, writer_path(writer, "%s%s.vtk.series", list, name), &series);
+        frames_load_json(writer, writer_path(writer, "%s%s" SERIES_ENDING, list, name), &series);
     files = json_object_get(series, "files");
     for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
         const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
-        if (file && is_frame(file, name)) status = remove_frame(writer, folder, file);
+        if (file && is_frame_of(name, file)) status = remove_frame(writer, folder, file);
     }
     json_decref(series);
     return status;

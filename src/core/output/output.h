@@ -2,13 +2,10 @@
 #ifndef PDYN_OUTPUT_H
 #define PDYN_OUTPUT_H
 
+#include "run_files.h"
 #include "step/sim.h"
 
 #include <jansson.h>
-
-#define SOLIDS_FOLDER "solids/" /* of the files of solids, in the directory of a run */
-#define MESH_FOLDER   "mesh/"   /* of the surfaces of fluids by `projdyn mesh` */
-#define SKIN_ENDING   ".skin.vtk"
 
 /* Writes the current state of a body to a file, numbers as 32-bit floats: positions, velocities,
  * and the triangles of a surface or density and pressure of particles. PDYN_IO_FAILED: no file is

@@ -26,11 +26,10 @@ static pdyn_status refuse(const pdyn_sim *sim, const char *path) {
                         path);
 }
 
-/* NAME_dddddd.ENDING: a frame of this run, or of one before that this run removes. */
-static bool is_frame(const char *name) {
-    const char *dot = strrchr(name, '.'), *bar = strrchr(name, '_');
-    size_t digits = bar ? strspn(bar + 1, "0123456789") : 0;
-    return digits >= 6 && bar + 1 + digits == dot;
+/* Whether a file may be a frame of this run, or of one before that this run removes. */
+static bool is_frame(const char *file) {
+    const char *number = strrchr(file, '_'), *ending = number ? frame_ending(number) : NULL;
+    return ending && ending == strrchr(file, '.');
 }
 
 /* A frame in `folder` of the directory that the scene has read. */
@@ -47,15 +46,15 @@ static pdyn_status refuse_frames(pdyn_writer *writer, const char *folder) {
 
 pdyn_status own_sources_check(pdyn_writer *writer) {
     static const char *const folders[] = {"", SOLIDS_FOLDER, MESH_FOLDER};
-    static const char *const files[] = {"metrics.csv", "probes.csv",  "boundary.vtk",
-                                        "run.json",    "report.json", "files.json"};
+    static const char *const files[] = {METRICS_FILE, PROBES_FILE, BOUNDARY SHAPE_ENDING,
+                                        RECORD_FILE,  REPORT_FILE, LIST_FILE};
     const pdyn_sim *sim = writer->sim;
     pdyn_status status = PDYN_OK;
     for (int k = 0; k < 3 && status == PDYN_OK; k++) status = refuse_frames(writer, folders[k]);
     for (int k = 0; k < 6 && status == PDYN_OK; k++)
         status = refuse(sim, writer_path(writer, "%s", files[k]));
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++)
-        status = refuse(sim, writer_path(writer, "%s.obj", sim->body[b].name));
+        status = refuse(sim, writer_path(writer, "%s" OBJ_ENDING, sim->body[b].name));
     for (int b = 0; b < sim->bodies && status == PDYN_OK; b++)
         status = refuse(sim, writer_path(writer, "%s" SKIN_ENDING, sim->body[b].name));
     return status;

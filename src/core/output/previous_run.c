@@ -18,9 +18,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define LIST   "files.json"
-#define REPORT "report.json"
-
 /* ---- the list of this run -------------------------------------------------------------------- */
 
 /* The next element of the array that `count` counts. */
@@ -33,15 +30,15 @@ static void print_list(struct file_out *file, const pdyn_sim *sim, const char *s
     const struct scene *scene = &sim->scene;
     int files = 0, series = 0;
     file_out_print(file, "{\"files\": [");
-    print_element(file, &files, "", REPORT, "");
+    print_element(file, &files, "", REPORT_FILE, "");
     for (int b = 0; b < sim->bodies; b++)
-        if (sim->body[b].triangles) print_element(file, &files, "", sim->body[b].name, ".obj");
+        if (sim->body[b].triangles) print_element(file, &files, "", sim->body[b].name, OBJ_ENDING);
     for (int b = 0; b < sim->bodies; b++)
         if (scene->body[b].skin.vertices)
             print_element(file, &files, "", sim->body[b].name, SKIN_ENDING);
     for (int s = 0; s < scene->solids; s++)
         if (!scene->solid[s].motion.keys)
-            print_element(file, &files, SOLIDS_FOLDER, scene->solid[s].name, ".vtk");
+            print_element(file, &files, SOLIDS_FOLDER, scene->solid[s].name, SHAPE_ENDING);
     file_out_print(file, "],\n \"series\": [");
     for (int b = 0; b < sim->bodies; b++) print_element(file, &series, "", sim->body[b].name, "");
     for (int s = 0; s < scene->solids; s++)
@@ -62,7 +59,7 @@ pdyn_status previous_run_list(pdyn_writer *writer) {
     struct file_out file;
     char *text = scene_text(writer);
     if (!text) return context_no_memory(writer->context);
-    pdyn_status status = file_out_open(writer->context, writer_path(writer, "%s", LIST), &file);
+    pdyn_status status = file_out_open(writer->context, writer_path(writer, LIST_FILE), &file);
     if (status == PDYN_OK) {
         print_list(&file, writer->sim, text);
         status = file_out_close(&file);
@@ -86,8 +83,9 @@ static const char *own_name(const char *path, const char *ending, const char **f
 
 static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
     const char *folder;
-    bool own = path && (!strcmp(path, REPORT) || own_name(path, ".obj", &folder) ||
-                        own_name(path, SKIN_ENDING, &folder) || own_name(path, ".vtk", &folder));
+    bool own =
+        path && (!strcmp(path, REPORT_FILE) || own_name(path, OBJ_ENDING, &folder) ||
+                 own_name(path, SKIN_ENDING, &folder) || own_name(path, SHAPE_ENDING, &folder));
     if (!own) return PDYN_OK;
     path = writer_path(writer, "%s", path);
     return own_source(writer->sim, path) ? PDYN_OK : frames_remove_file(writer, path);
@@ -99,7 +97,7 @@ static pdyn_status remove_surfaces(pdyn_writer *writer, const char *name) {
     if (lstat(writer_path(writer, "mesh"), &info) || !S_ISDIR(info.st_mode)) return PDYN_OK;
     pdyn_status status = frames_remove_listed(writer, "", name, MESH_FOLDER);
     if (status != PDYN_OK) return status;
-    return frames_remove_file(writer, writer_path(writer, MESH_FOLDER "%s.vtk.series", name));
+    return frames_remove_file(writer, writer_path(writer, MESH_FOLDER "%s" SERIES_ENDING, name));
 }
 
 static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
@@ -108,7 +106,7 @@ static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
     pdyn_status status = *folder ? PDYN_OK : remove_surfaces(writer, name);
     if (status == PDYN_OK) status = frames_remove_listed(writer, folder, name, folder);
     if (status != PDYN_OK) return status;
-    return frames_remove_file(writer, writer_path(writer, "%s%s.vtk.series", folder, name));
+    return frames_remove_file(writer, writer_path(writer, "%s%s" SERIES_ENDING, folder, name));
 }
 
 static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,
@@ -122,7 +120,7 @@ static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,
 pdyn_status previous_run_remove(pdyn_writer *writer) {
     static const char *const folders[] = {"solids", "mesh"};
     json_t *list;
-    pdyn_status status = frames_load_json(writer, writer_path(writer, "%s", LIST), &list);
+    pdyn_status status = frames_load_json(writer, writer_path(writer, LIST_FILE), &list);
     if (status == PDYN_OK)
         status = remove_each(writer, json_object_get(list, "files"), remove_file);
     if (status == PDYN_OK)

@@ -252,7 +252,7 @@ static json_t *solid(const struct scene_solid *s, const struct solid_load *load)
     if (!load) load = &unknown;
     return json_pack("{s:s, s:s, s:b, s:s++, s:s*, s:o, s:o}", "name", s->name, "kind",
                      scene_solid_kinds[s->kind], "moving", s->motion.keys > 0, "file",
-                     SOLIDS_FOLDER, s->name, s->motion.keys ? ".vtk.series" : ".vtk", "color",
+                     SOLIDS_FOLDER, s->name, s->motion.keys ? SERIES_ENDING : SHAPE_ENDING, "color",
                      color_of(s->color), "force_N", vector(load->force), "moment_Nm",
                      vector(load->moment));
 }

@@ -38,7 +38,7 @@ static pdyn_status fail_lock(pdyn_writer *writer, const char *path) {
 static bool has_no_locks(void) { return errno == ENOSYS || errno == EOPNOTSUPP || errno == ENOLCK; }
 
 pdyn_status run_lock(pdyn_writer *writer) {
-    const char *path = writer_path(writer, "lock");
+    const char *path = writer_path(writer, LOCK_FILE);
     pdyn_status status = file_open_in_place(writer->context, path, O_CREAT, &writer->lock);
     if (status != PDYN_OK) return status;
     if (flock(writer->lock, LOCK_EX | LOCK_NB)) {

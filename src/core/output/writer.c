@@ -24,7 +24,7 @@ const char *writer_path(pdyn_writer *writer, const char *format, ...) {
 static pdyn_status store_directory(pdyn_writer *writer, const char *directory) {
     writer->directory = strlen(directory) + 1;
     writer->path_size =
-        writer->directory + sizeof SOLIDS_FOLDER + NAME_LENGTH + sizeof "_0123456789.vtk.series";
+        writer->directory + sizeof SOLIDS_FOLDER + NAME_LENGTH + sizeof "_0123456789" SERIES_ENDING;
     writer->path = NEW_ARRAY(writer->context, writer->path_size, char);
     if (!writer->path) return PDYN_NO_MEMORY;
     snprintf(writer->path, writer->path_size, "%s/", directory);
@@ -99,8 +99,7 @@ pdyn_status pdyn_writer_save(pdyn_writer *writer) {
     struct snapshot_file a;
     if (!writer) return PDYN_BAD_CALL;
     double start = clock_ms();
-    pdyn_status status =
-        snapshot_file_create(writer->context, writer_path(writer, "state.pdyn"), &a);
+    pdyn_status status = snapshot_file_create(writer->context, writer_path(writer, STATE_FILE), &a);
     if (status != PDYN_OK) return status;
     if (snapshot_write(writer->sim, &a) == PDYN_OK) persist_output(writer, &a);
     status = snapshot_file_close(&a);
@@ -111,7 +110,7 @@ pdyn_status pdyn_writer_save(pdyn_writer *writer) {
 /* Reads the states of simulation and writer; that of the simulation before goes to `before`. */
 static pdyn_status load_state(pdyn_writer *writer, struct snapshot_file *before) {
     struct snapshot_file a;
-    pdyn_status status = snapshot_file_open(writer->context, writer_path(writer, "state.pdyn"), &a);
+    pdyn_status status = snapshot_file_open(writer->context, writer_path(writer, STATE_FILE), &a);
     if (status != PDYN_OK) return status;
     if (snapshot_read(writer->sim, &a, before) == PDYN_OK) persist_output(writer, &a);
     return snapshot_file_close(&a);
@@ -134,13 +133,13 @@ static pdyn_status resume(pdyn_writer *writer, const char *directory) {
  * together with the new ones. */
 static pdyn_status begin_boundary(pdyn_writer *writer) {
     pdyn_state state = pdyn_get_state(writer->sim);
-    const char *path = writer_path(writer, "boundary.vtk");
+    const char *path = writer_path(writer, BOUNDARY SHAPE_ENDING);
     pdyn_status status = state.boundary > state.moving
                              ? vtk_write_boundary(writer->sim, false, path)
                              : frames_remove_file(writer, path);
-    if (status == PDYN_OK) status = frames_remove_listed(writer, "", "boundary", "");
+    if (status == PDYN_OK) status = frames_remove_listed(writer, "", BOUNDARY, "");
     if (status != PDYN_OK || state.moving) return status;
-    return frames_remove_file(writer, writer_path(writer, "boundary.vtk.series"));
+    return frames_remove_file(writer, writer_path(writer, BOUNDARY SERIES_ENDING));
 }
 
 /* Writes a solid at rest, once. Removes the files of a solid of this name in a previous run. */
@@ -149,12 +148,13 @@ static pdyn_status begin_solid(pdyn_writer *writer, int s) {
     pdyn_status status = frames_remove_listed(writer, SOLIDS_FOLDER, solid->name, SOLIDS_FOLDER);
     if (status != PDYN_OK) return status;
     if (solid->motion.keys)
-        return frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk", solid->name));
-    status =
-        frames_remove_file(writer, writer_path(writer, SOLIDS_FOLDER "%s.vtk.series", solid->name));
+        return frames_remove_file(
+            writer, writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
+    status = frames_remove_file(writer,
+                                writer_path(writer, SOLIDS_FOLDER "%s" SERIES_ENDING, solid->name));
     if (status != PDYN_OK) return status;
     return vtk_write_solid(writer->sim, s,
-                           writer_path(writer, SOLIDS_FOLDER "%s.vtk", solid->name));
+                           writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
 }
 
 static pdyn_status begin_solids(pdyn_writer *writer) {
@@ -179,7 +179,7 @@ static pdyn_status begin_body(pdyn_writer *writer, int b) {
     pdyn_status status = frames_remove_listed(writer, "", info.name, "");
     if (status == PDYN_OK) status = begin_skin(writer, b);
     if (status != PDYN_OK || !info.triangles) return status;
-    return obj_write_body(writer->sim, b, writer_path(writer, "%s.obj", info.name));
+    return obj_write_body(writer->sim, b, writer_path(writer, "%s" OBJ_ENDING, info.name));
 }
 
 static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
@@ -187,7 +187,7 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = make_directory(writer);
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = own_sources_check(writer);
-    if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, "state.pdyn"));
+    if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, STATE_FILE));
     if (status == PDYN_OK) status = previous_run_remove(writer);
     if (status == PDYN_OK) status = previous_run_list(writer);
     if (status == PDYN_OK) status = begin_boundary(writer);
@@ -211,7 +211,7 @@ static pdyn_status open_writer(pdyn_sim *sim, const char *directory, bool ply,
     writer->context = sim->context;
     writer->ply = ply;
     writer->lock = -1;
-    writer->metrics.name = "metrics.csv", writer->probes.name = "probes.csv";
+    writer->metrics.name = METRICS_FILE, writer->probes.name = PROBES_FILE;
     writer->row_size = METRICS_ROW + METRICS_ROW_BODY * (size_t)sim->bodies +
                        (sim->probes ? (size_t)PROBE_COLUMN * (size_t)sim->probes->values : 0);
     writer->row = NEW_ARRAY(sim->context, writer->row_size, char);
@@ -234,7 +234,7 @@ pdyn_status pdyn_writer_report(pdyn_writer *writer, const char *path, bool inter
                                const char *failed) {
     if (!writer) return PDYN_BAD_CALL;
     return report_write(&writer->report, writer->sim,
-                        path ? path : writer_path(writer, "report.json"), interrupted, failed);
+                        path ? path : writer_path(writer, REPORT_FILE), interrupted, failed);
 }
 
 void pdyn_writer_close(pdyn_writer *writer) {
