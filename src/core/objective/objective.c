@@ -235,15 +235,22 @@ static double sides_slope(struct objective *o, double t, double *curvature) {
     return sum;
 }
 
+/* The search along a line ends where this part of the slope is left, less than the linear solve
+ * that gave the direction leaves of its residual (round_tolerance of step/global_step.c). */
+static const double line_slope_left = 0.01;
+
+/* It ends after so many steps in any case: halvings leave a millionth of an interval by then. */
+enum { MAX_LINE_STEPS = 20 };
+
 /* The slope is linear in pieces and rises along the line: Newton's iteration on it, safeguarded by
  * an interval [low, high] that contains the minimum. */
 double objective_line_minimum(struct objective *o, double descent, double curvature) {
     double bend, start = sides_slope(o, 0.0, &bend);
     double low = 0.0, high = INFINITY, t = descent / curvature;
     curvature -= bend;
-    for (int k = 0; k < 20; k++) {
+    for (int k = 0; k < MAX_LINE_STEPS; k++) {
         double slope = sides_slope(o, t, &bend) - start + t * curvature - descent;
-        if (fabs(slope) <= 0.01 * descent) break;
+        if (fabs(slope) <= line_slope_left * descent) break;
         if (slope < 0.0) low = t;
         else high = t;
         t -= slope / (curvature + bend);

@@ -42,14 +42,21 @@ static pdyn_status set_trial(struct pdyn_sim *sim, double part, double *least, d
     return status;
 }
 
+/* E must fall by this part of the slope (Armijo), and the slope after a step may be positive up to
+ * this part of the slope before (Wolfe; docs/theory/step.md). */
+static const double armijo_part = 1e-4, wolfe_part = 0.7;
+
+/* E, a sum over all particles, is known up to this part. */
+static const double energy_rounding = 1e-13;
+
 /* Close to the minimum, differences of E are rounding. A step is then accepted by its slopes
  * (approximate Wolfe conditions, Hager and Zhang 2005), if E rises by no more than this part. */
 static const double energy_uncertainty = 1e-6;
 
 static bool is_accepted(const struct rule *rule, const struct line_step *step, double energy,
                         double slope, bool free, bool last) {
-    bool falls =
-        energy <= rule->bound + rule->armijo * fmin(slope, 0.0) + 1e-13 * fabs(rule->bound);
+    bool falls = energy <= rule->bound + rule->armijo * fmin(slope, 0.0) +
+                               energy_rounding * fabs(rule->bound);
     bool flatter = rule->uphill > 0.0 && free && step->slope < 0.0 &&
                    fabs(step->slope_after) <= -rule->uphill * step->slope;
     if (!falls) return flatter && energy <= rule->bound + energy_uncertainty * fabs(rule->bound);
@@ -59,13 +66,17 @@ static bool is_accepted(const struct rule *rule, const struct line_step *step, d
 /* Length to which a step is lengthened at most, in directions; 3 and 6 differ by 5 %. */
 static const double longest = 4.0;
 
-/* The other side of the curvature condition: where more than half of the slope is left at the end
- * of a whole step, goes on to where the slope would vanish, if E is lower there. H, made positive,
+/* A whole step is lengthened where more than this part of the slope is left; 0.4 to 0.7 differ by 7
+ * %. */
+static const double slope_to_lengthen = 0.5;
+
+/* The other side of the curvature condition: where much of the slope is left at the end of a whole
+ * step, goes on to where the slope would vanish, if E is lower there. H, made positive,
  * is too stiff along the motions of a sheet that buckles. */
 static pdyn_status lengthen(struct pdyn_sim *sim, double *energy, struct line_step *step) {
     struct objective *objective = &sim->objective;
     double left = step->slope_after / step->slope; /* above 1 where E is concave */
-    if (step->length < 1.0 || !(step->slope < 0.0 && left > 0.5)) return PDYN_OK;
+    if (step->length < 1.0 || !(step->slope < 0.0 && left > slope_to_lengthen)) return PDYN_OK;
     double more = left < 1.0 ? fmin(longest, 1.0 / (1.0 - left)) - 1.0 : longest - 1.0;
     double least = objective->contact || sim->max_step ? 0.0 : more;
     double slope = step->slope_after, trial;
@@ -111,7 +122,8 @@ static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, do
 /* A line search along the direction. */
 static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
                            struct line_step *step) {
-    struct rule rule = {.bound = *energy, .armijo = 1e-4, .uphill = 0.7, .tries = BACKTRACKS};
+    struct rule rule = {
+        .bound = *energy, .armijo = armijo_part, .uphill = wolfe_part, .tries = BACKTRACKS};
     if (sim->solver->dual) rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
     pdyn_status status = search_line(sim, &rule, energy, step);
     if (status != PDYN_OK) return status;

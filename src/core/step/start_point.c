@@ -9,12 +9,12 @@
 #include <math.h>
 #include <string.h>
 
-/* x = s + h^2 a, a: the constraints' acceleration of the last step, which is likely to be needed
+/* x = s + h_e^2 a, a: the constraints' acceleration of the last step, which is likely to be needed
  * again. */
 static void predict_with_acceleration(struct pdyn_sim *sim, double *x) {
-    double h = sim->objective.h;
+    double h_e = sim->objective.h;
     memcpy(x, sim->objective.s, objective_bytes(&sim->objective));
-    objective_axpy(&sim->objective, h * h, sim->constraint_acceleration, x);
+    objective_axpy(&sim->objective, h_e * h_e, sim->constraint_acceleration, x);
 }
 
 /* The local step at x, where every point is stopped on its path from the state sim->x by surfaces.
@@ -103,7 +103,7 @@ static pdyn_status start_positions(struct pdyn_sim *sim, double *energy) {
 }
 
 /* A dual solver keeps its multipliers, so a step starts at s. A fluid at rest, which moves less
- * than its constraints move it in a step, starts at s + h^2 a: there it is solved. */
+ * than its constraints move it in a step, starts at s + h_e^2 a: there it is solved. */
 static pdyn_status start_multipliers(struct pdyn_sim *sim, double *energy) {
     struct objective *objective = &sim->objective;
     double moved = objective_dot(objective, sim->v, sim->v), least;
