@@ -10,13 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 
-pdyn_status fill_count(const struct json_at *at, double count, double *so_far) {
-    *so_far += count;
-    if (*so_far <= MAX_PARTICLES) return PDYN_OK;
-    return json_fail(at, "expected at most %d particles in the scene, found %.10g so far",
-                     MAX_PARTICLES, *so_far);
-}
-
 /* an entry of "fill" while it is read */
 struct fill {
     const struct json_at *entry;
@@ -83,7 +76,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
                 at, "expected edges of at least %.10g m (twice the radius), found %.10g m along %c",
                 2.0 * radius, edge, "xyz"[a]);
     }
-    if (status == PDYN_OK) status = fill_count(at, count, fill->so_far);
+    if (status == PDYN_OK) status = reader_add_particles(at, count, fill->so_far);
     if (status != PDYN_OK) return status;
     note_filled_part(at, fill, &box);
     return json_wrap(at, sample_box_volume(at->file->context, &box, radius, &fill->body->start));
@@ -92,7 +85,7 @@ static pdyn_status fill_box(const struct json_at *at, struct fill *fill) {
 /* Adds the particles of a shape to the count; the body had `before` particles. */
 static pdyn_status count_added(const struct json_at *at, struct fill *fill, int before) {
     int added = fill->body->start.count - before;
-    if (added) return fill_count(at, added, fill->so_far);
+    if (added) return reader_add_particles(at, added, fill->so_far);
     return json_fail(at, "no particle of radius %.10g m fits into the shape", fill->body->radius);
 }
 
@@ -135,7 +128,7 @@ static pdyn_status fill_placed_file(const struct json_at *at, struct fill *fill,
                                     const struct particles *particles) {
     pdyn_context *context = at->file->context;
     struct scene_body *body = fill->body;
-    pdyn_status status = fill_count(at, particles->count, fill->so_far);
+    pdyn_status status = reader_add_particles(at, particles->count, fill->so_far);
     if (status == PDYN_OK)
         status = point_list_append(context, &body->start, particles->x, particles->count);
     body->keep_overlap = true; /* a fluid in motion comes closer to walls than a lattice */

@@ -5,9 +5,6 @@
 #include "json_file.h"
 #include "scene.h"
 
-/* Adds `count` to the number of particles in the scene. PDYN_BAD_INPUT: more than MAX_PARTICLES. */
-pdyn_status fill_count(const struct json_at *at, double count, double *so_far);
-
 /* Checks that the points from index `first` on are finite and within SCENE_MAX_POSITION. */
 pdyn_status fill_check_range(const struct json_at *at, const struct point_list *points, int first);
 

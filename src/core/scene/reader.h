@@ -1,5 +1,5 @@
 /* Shared by the readers of a scene: scene.c (whole scene), settings.c ("solver", "time_step"),
- * scene_body.c (bodies with constraints), scene_solid.c (solids) and scene_probe.c (probes). */
+ * scene_body.c (bodies), scene_solid.c (solids) and scene_probe.c (probes). */
 #ifndef PDYN_READER_H
 #define PDYN_READER_H
 
@@ -28,6 +28,9 @@ read_fn scene_read_body, scene_read_solid, scene_read_probe;
 /* Turns the pieces of the current body's closed mesh that face another way than the rest
  * (mesh_orient_pieces), with a message. */
 pdyn_status reader_orient_pieces(struct reader *r);
+
+/* Adds to the number of particles in the scene so far. PDYN_BAD_INPUT: more than MAX_PARTICLES. */
+pdyn_status reader_add_particles(const struct json_at *at, double count, double *so_far);
 
 /* How far the vertices of a round shape may be outside of its triangles, m: what contact does not
  * feel. 0: there is no contact. */

@@ -1,10 +1,9 @@
-#include "scene_rigid.h"
-
+/* Reading a rigid body: its shape, mass properties and rotation. */
 #include "file_ref.h"
-#include "fill.h"
 #include "filled_mesh.h"
 #include "params.h"
 #include "primitive_mesh.h"
+#include "scene_body.h"
 #include "transform.h"
 
 #include "projdyn/box.h"
@@ -84,8 +83,8 @@ static pdyn_status read_shape(struct reader *r, const struct json_at *at,
     if (cell.value) status = filled_mesh_read_surface(&shape_at, &cell, transform, r->body);
     else status = place_shape(r, &shape_at, shape, transform);
     if (status == PDYN_OK)
-        status =
-            fill_count(&shape_at, r->body->mesh.vertices + (double)RIGID_POINTS, &r->particles);
+        status = reader_add_particles(&shape_at, r->body->mesh.vertices + (double)RIGID_POINTS,
+                                      &r->particles);
     return status == PDYN_OK ? json_wrap(&shape_at, check_mesh(r, &r->body->mesh)) : status;
 }
 

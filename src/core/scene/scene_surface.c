@@ -1,0 +1,60 @@
+/* Reading a surface: a grid or the triangles of a file. */
+#include "file_ref.h"
+#include "params.h"
+#include "scene_body.h"
+#include "transform.h"
+
+static pdyn_status read_grid(struct reader *r, const struct json_at *at, struct mesh *mesh) {
+    static const char *const keys[] = {"size", "vertices", "sag", NULL};
+    struct json_at size_at = json_member(at, "size"), vertices_at = json_member(at, "vertices");
+    struct json_at sag_at = json_member(at, "sag");
+    double size[2], sag = 0.0;
+    int *vertices = r->body->grid;
+    pdyn_status status = params_check_keys(at, NULL, keys);
+    if (status == PDYN_OK) status = params_reals(&size_at, 2, 1e-6, 1e6, "m", size);
+    if (status == PDYN_OK && json_array_size(vertices_at.value) != 2)
+        status = json_expected(&vertices_at, "an array of 2 whole numbers");
+    for (size_t k = 0; k < 2 && status == PDYN_OK; k++) {
+        struct json_at element = json_element(&vertices_at, k);
+        status = params_int(&element, 2, MAX_PARTICLES, &vertices[k]);
+    }
+    if (status == PDYN_OK)
+        status =
+            reader_add_particles(&vertices_at, (double)vertices[0] * vertices[1], &r->particles);
+    if (status == PDYN_OK && sag_at.value) status = params_real(&sag_at, -1e6, 1e6, "m", &sag);
+    if (status != PDYN_OK) return status;
+    return json_wrap(at, mesh_grid(r->context, size, vertices, sag, mesh));
+}
+
+static const pdyn_param surface_params[] = {
+    {"area_density", PDYN_REAL, offsetof(struct scene_body, area_density), true, 0, 1e-6, 1e6,
+     "kg/m^2", ""},
+    {"fluid_friction", PDYN_REAL, offsetof(struct scene_body, fluid_friction), false, 0, 0, 1e9,
+     "Pa s/m", ""},
+    {"permeability", PDYN_REAL, offsetof(struct scene_body, permeability), false, 0, 0, 1e6,
+     "m/(Pa s)", ""},
+    {0}};
+
+pdyn_status scene_read_surface(struct reader *r, const struct json_at *at) {
+    static const char *const others[] = {"grid", "mesh", "scale", "rotate", "translate", NULL};
+    struct scene_body *body = r->body;
+    struct json_at grid = json_member(at, "grid"), mesh = json_member(at, "mesh");
+    static const char *const shapes[] = {"grid", "mesh"};
+    struct transform transform;
+    int shape;
+    body->has_mesh = true;
+    pdyn_status status = params_check_keys(at, surface_params, others);
+    if (status == PDYN_OK) status = reader_one_of(at, shapes, 2, &shape);
+    if (status == PDYN_OK) status = params_read(at, surface_params, NULL, body);
+    if (status == PDYN_OK) status = transform_read(at, 1e-6, &transform);
+    if (status != PDYN_OK) return status;
+    if (grid.value) status = read_grid(r, &grid, &body->mesh);
+    else status = file_ref_mesh(&mesh, &body->mesh, &body->obj);
+    if (status == PDYN_OK && mesh.value)
+        status = reader_add_particles(&mesh, body->mesh.vertices, &r->particles);
+    if (status != PDYN_OK) return status;
+    transform_points(&transform, body->mesh.vertex, body->mesh.vertices);
+    status = mesh_check(r->context, &body->mesh, "as placed");
+    if (status == PDYN_OK) status = mesh_check_cloth(r->context, &body->mesh, "as placed");
+    return json_wrap(grid.value ? &grid : &mesh, status);
+}
