@@ -77,7 +77,7 @@ pdyn_status metrics_open(pdyn_writer *writer) {
     if (status == PDYN_OK) status = begin_metrics(writer);
     if (status != PDYN_OK) return status;
     path = writer_path(writer, "%s", writer->probes.name);
-    if (!writer->sim->probes) return frames_remove_file(writer, path);
+    if (!writer->sim->probes) return previous_run_remove_file(writer, path);
     status = csv_create(writer->context, path, &writer->probes);
     return status == PDYN_OK ? begin_probes(writer) : status;
 }

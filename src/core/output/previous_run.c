@@ -12,6 +12,7 @@
 #include "scene/json_file.h"
 #include "writer.h"
 
+#include <errno.h>
 #include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +69,58 @@ pdyn_status previous_run_list(pdyn_writer *writer) {
     return status;
 }
 
-/* ---- files of the previous run --------------------------------------------------------------- */
+/* ---- files and frames --------------------------------------------------------------------------
+ */
+
+static bool is_frame_of(const char *name, const char *file) {
+    size_t length = strlen(name);
+    const char *ending = strncmp(file, name, length) ? NULL : frame_ending(file + length);
+    return ending && !strcmp(ending, SHAPE_ENDING);
+}
+
+pdyn_status previous_run_remove_file(pdyn_writer *writer, const char *path) {
+    if (!unlink(path) || errno == ENOENT) return PDYN_OK;
+    return context_fail(writer->context, PDYN_IO_FAILED,
+                        "%.1024s: cannot remove the file of a previous run: %s", path,
+                        strerror(errno));
+}
+
+static pdyn_status remove_frame(pdyn_writer *writer, const char *folder, const char *file) {
+    static const char *const endings[] = {SHAPE_ENDING, PLY_ENDING, OBJ_ENDING};
+    int stem = (int)(strlen(file) - strlen(SHAPE_ENDING)),
+        kinds = strcmp(folder, MESH_FOLDER) ? 2 : 3;
+    pdyn_status status = PDYN_OK;
+    for (int k = 0; k < kinds && status == PDYN_OK; k++)
+        status = previous_run_remove_file(
+            writer, writer_path(writer, "%s%.*s%s", folder, stem, file, endings[k]));
+    return status;
+}
+
+/* Reads a JSON file; *out, which the caller frees, is NULL if it is missing or damaged. */
+static pdyn_status load_json(pdyn_writer *writer, const char *path, json_t **out) {
+    struct stat info;
+    *out = NULL;
+    if (stat(path, &info) || !S_ISREG(info.st_mode)) return PDYN_OK;
+    errno = 0;
+    *out = json_load_file(path, 0, NULL);
+    return errno == ENOMEM ? context_no_memory(writer->context) : PDYN_OK;
+}
+
+pdyn_status previous_run_remove_frames(pdyn_writer *writer, const char *list, const char *name,
+                                       const char *folder) {
+    json_t *series, *files;
+    pdyn_status status =
+        load_json(writer, writer_path(writer, "%s%s" SERIES_ENDING, list, name), &series);
+    files = json_object_get(series, "files");
+    for (size_t i = 0; i < json_array_size(files) && status == PDYN_OK; i++) {
+        const char *file = json_string_value(json_object_get(json_array_get(files, i), "name"));
+        if (file && is_frame_of(name, file)) status = remove_frame(writer, folder, file);
+    }
+    json_decref(series);
+    return status;
+}
+
+/* ---- all that the list of the previous run names --------------------------------------------- */
 
 /* A name of a body or a solid, then `ending`, in the directory or its folder for solids; *folder:
  * which one. NULL: another path, which no run writes. */
@@ -88,25 +140,27 @@ static pdyn_status remove_file(pdyn_writer *writer, const char *path) {
                  own_name(path, SKIN_ENDING, &folder) || own_name(path, SHAPE_ENDING, &folder));
     if (!own) return PDYN_OK;
     path = writer_path(writer, "%s", path);
-    return own_source(writer->sim, path) ? PDYN_OK : frames_remove_file(writer, path);
+    return own_source(writer->sim, path) ? PDYN_OK : previous_run_remove_file(writer, path);
 }
 
 /* Surfaces of a fluid by `projdyn mesh`, one for each frame, or fewer; a link is not followed. */
 static pdyn_status remove_surfaces(pdyn_writer *writer, const char *name) {
     struct stat info;
     if (lstat(writer_path(writer, "mesh"), &info) || !S_ISDIR(info.st_mode)) return PDYN_OK;
-    pdyn_status status = frames_remove_listed(writer, "", name, MESH_FOLDER);
+    pdyn_status status = previous_run_remove_frames(writer, "", name, MESH_FOLDER);
     if (status != PDYN_OK) return status;
-    return frames_remove_file(writer, writer_path(writer, MESH_FOLDER "%s" SERIES_ENDING, name));
+    return previous_run_remove_file(writer,
+                                    writer_path(writer, MESH_FOLDER "%s" SERIES_ENDING, name));
 }
 
 static pdyn_status remove_series(pdyn_writer *writer, const char *path) {
     const char *folder, *name = own_name(path, "", &folder);
     if (!name) return PDYN_OK;
     pdyn_status status = *folder ? PDYN_OK : remove_surfaces(writer, name);
-    if (status == PDYN_OK) status = frames_remove_listed(writer, folder, name, folder);
+    if (status == PDYN_OK) status = previous_run_remove_frames(writer, folder, name, folder);
     if (status != PDYN_OK) return status;
-    return frames_remove_file(writer, writer_path(writer, "%s%s" SERIES_ENDING, folder, name));
+    return previous_run_remove_file(writer,
+                                    writer_path(writer, "%s%s" SERIES_ENDING, folder, name));
 }
 
 static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,
@@ -120,7 +174,7 @@ static pdyn_status remove_each(pdyn_writer *writer, const json_t *paths,
 pdyn_status previous_run_remove(pdyn_writer *writer) {
     static const char *const folders[] = {"solids", "mesh"};
     json_t *list;
-    pdyn_status status = frames_load_json(writer, writer_path(writer, LIST_FILE), &list);
+    pdyn_status status = load_json(writer, writer_path(writer, LIST_FILE), &list);
     if (status == PDYN_OK)
         status = remove_each(writer, json_object_get(list, "files"), remove_file);
     if (status == PDYN_OK)

@@ -136,22 +136,23 @@ static pdyn_status begin_boundary(pdyn_writer *writer) {
     const char *path = writer_path(writer, BOUNDARY SHAPE_ENDING);
     pdyn_status status = state.boundary > state.moving
                              ? vtk_write_boundary(writer->sim, false, path)
-                             : frames_remove_file(writer, path);
-    if (status == PDYN_OK) status = frames_remove_listed(writer, "", BOUNDARY, "");
+                             : previous_run_remove_file(writer, path);
+    if (status == PDYN_OK) status = previous_run_remove_frames(writer, "", BOUNDARY, "");
     if (status != PDYN_OK || state.moving) return status;
-    return frames_remove_file(writer, writer_path(writer, BOUNDARY SERIES_ENDING));
+    return previous_run_remove_file(writer, writer_path(writer, BOUNDARY SERIES_ENDING));
 }
 
 /* Writes a solid at rest, once. Removes the files of a solid of this name in a previous run. */
 static pdyn_status begin_solid(pdyn_writer *writer, int s) {
     const struct scene_solid *solid = &writer->sim->scene.solid[s];
-    pdyn_status status = frames_remove_listed(writer, SOLIDS_FOLDER, solid->name, SOLIDS_FOLDER);
+    pdyn_status status =
+        previous_run_remove_frames(writer, SOLIDS_FOLDER, solid->name, SOLIDS_FOLDER);
     if (status != PDYN_OK) return status;
     if (solid->motion.keys)
-        return frames_remove_file(
+        return previous_run_remove_file(
             writer, writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
-    status = frames_remove_file(writer,
-                                writer_path(writer, SOLIDS_FOLDER "%s" SERIES_ENDING, solid->name));
+    status = previous_run_remove_file(
+        writer, writer_path(writer, SOLIDS_FOLDER "%s" SERIES_ENDING, solid->name));
     if (status != PDYN_OK) return status;
     return vtk_write_solid(writer->sim, s,
                            writer_path(writer, SOLIDS_FOLDER "%s" SHAPE_ENDING, solid->name));
@@ -170,13 +171,13 @@ static pdyn_status begin_solids(pdyn_writer *writer) {
 static pdyn_status begin_skin(pdyn_writer *writer, int b) {
     const char *path = writer_path(writer, "%s" SKIN_ENDING, writer->sim->body[b].name);
     return writer->sim->scene.body[b].skin.vertices ? vtk_write_skin(writer->sim, b, path)
-                                                    : frames_remove_file(writer, path);
+                                                    : previous_run_remove_file(writer, path);
 }
 
 /* Removes the frames of a body in a previous run; writes the OBJ file of a surface, once. */
 static pdyn_status begin_body(pdyn_writer *writer, int b) {
     pdyn_body_info info = pdyn_get_body(writer->sim, b);
-    pdyn_status status = frames_remove_listed(writer, "", info.name, "");
+    pdyn_status status = previous_run_remove_frames(writer, "", info.name, "");
     if (status == PDYN_OK) status = begin_skin(writer, b);
     if (status != PDYN_OK || !info.triangles) return status;
     return obj_write_body(writer->sim, b, writer_path(writer, "%s" OBJ_ENDING, info.name));
@@ -187,7 +188,8 @@ static pdyn_status prepare(pdyn_writer *writer, const char *directory) {
     if (status == PDYN_OK) status = make_directory(writer);
     if (status == PDYN_OK) status = run_lock(writer);
     if (status == PDYN_OK) status = own_sources_check(writer);
-    if (status == PDYN_OK) status = frames_remove_file(writer, writer_path(writer, STATE_FILE));
+    if (status == PDYN_OK)
+        status = previous_run_remove_file(writer, writer_path(writer, STATE_FILE));
     if (status == PDYN_OK) status = previous_run_remove(writer);
     if (status == PDYN_OK) status = previous_run_list(writer);
     if (status == PDYN_OK) status = begin_boundary(writer);

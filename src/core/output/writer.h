@@ -1,14 +1,12 @@
 /* The output directory of a run, private: writer.c opens, saves and resumes it, frames.c writes
- * frames and their series, metrics.c writes metrics.csv and probes.csv, run_lock.c keeps other runs
- * out, own_sources.c protects what the scene has read, previous_run.c removes the files of the
- * previous run. */
+ * frames, series.c the series of a part of them, metrics.c writes metrics.csv and probes.csv,
+ * run_lock.c keeps other runs out, own_sources.c protects what the scene has read, previous_run.c
+ * removes the files of the previous run. */
 #ifndef PDYN_WRITER_H
 #define PDYN_WRITER_H
 
 #include "csv_file.h"
 #include "output.h"
-
-#include <jansson.h>
 
 struct pdyn_writer {
     pdyn_sim *sim;
@@ -39,15 +37,6 @@ pdyn_status frames_write_series(pdyn_writer *writer, int frames);
 /* Makes room for the times of so many frames. */
 pdyn_status frames_reserve_times(pdyn_writer *writer, int frames);
 
-/* Removes the frames of a previous run in `folder` that the series LIST/NAME.vtk.series lists; "":
- * in the directory. A series that cannot be read lists nothing. */
-pdyn_status frames_remove_listed(pdyn_writer *writer, const char *list, const char *name,
-                                 const char *folder);
-/* Removes a file, if it exists. */
-pdyn_status frames_remove_file(pdyn_writer *writer, const char *path);
-/* Reads a JSON file; *out, which the caller frees, is NULL if it is missing or damaged. */
-pdyn_status frames_load_json(pdyn_writer *writer, const char *path, json_t **out);
-
 /* PDYN_BAD_INPUT: the scene has read a file of the directory that a run replaces or removes. */
 pdyn_status own_sources_check(pdyn_writer *writer);
 /* Whether the scene has read the file at `path`. */
@@ -55,6 +44,12 @@ bool own_source(const pdyn_sim *sim, const char *path);
 
 /* Removes the files of the previous run in the directory that its list names. */
 pdyn_status previous_run_remove(pdyn_writer *writer);
+/* Removes its frames in `folder` that the series LIST/NAME.vtk.series lists; "": in the directory.
+ * A series that cannot be read lists nothing. */
+pdyn_status previous_run_remove_frames(pdyn_writer *writer, const char *list, const char *name,
+                                       const char *folder);
+/* Removes one of its files, if it exists. */
+pdyn_status previous_run_remove_file(pdyn_writer *writer, const char *path);
 /* Lists the files of this run, for the next one. */
 pdyn_status previous_run_list(pdyn_writer *writer);
 
