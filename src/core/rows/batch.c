@@ -190,8 +190,8 @@ static int operator_impacts(struct batch *b, const struct velocity_change *chang
 int batch_impacts(struct batch *b, const struct velocity_change *change, double *force) {
     if (!batch_has_impacts(b)) return 0;
     batch_find_acceleration(b, change);
-    for (int k = 0; change->kept && k < 3 * change->particles; k++)
-        change->scratch[k] *= change->kept[k / 3];
+    for (int k = 0; change->yield && k < 3 * change->particles; k++)
+        change->scratch[k] *= change->yield[k / 3];
     return b->op ? operator_impacts(b, change, force)
                  : rows_impacts(b, change, change->scratch, force);
 }

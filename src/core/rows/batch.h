@@ -148,10 +148,11 @@ struct velocity_change {  /* by a step of effective length h, s */
     const double *mass; /* particles, kg; of vertices of rigid bodies the effective mass */
     const struct rigid_map *rigid; /* NULL: there are no rigid bodies */
     double h;
-    bool solved;        /* to the tolerance of the scene */
-    const double *kept; /* particles: the part of the acceleration by one-sided forces that other
-                           forces, as of pins, leave; NULL: all of it */
-    double *scratch;    /* particles x 3 */
+    bool solved; /* to the tolerance of the scene */
+    const double
+        *yield;      /* particles: the part of the acceleration by one-sided forces that a particle
+                        makes, because other forces, as of pins, hold it; NULL: all of it */
+    double *scratch; /* particles x 3 */
 };
 
 /* Whether the forces of a batch can be impacts. */
@@ -160,7 +161,7 @@ bool batch_has_impacts(const struct batch *batch);
 bool batch_pins(const struct batch *batch, const pdyn_body *body);
 
 /* change->scratch = minus the acceleration by all forces of the batch at the last local step: the
- * gradient of its energy over the masses. Ignores change->kept. */
+ * gradient of its energy over the masses. Ignores change->yield. */
 void batch_find_acceleration(struct batch *batch, const struct velocity_change *change);
 
 /* One-sided constraints: force += the impact part (one_sided.h) of their forces at the last local

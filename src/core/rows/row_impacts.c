@@ -11,14 +11,14 @@ struct impacts { /* the arguments of a parallel loop */
     const double *acceleration;
 };
 
-static double kept_of(const struct velocity_change *change, int particle) {
-    return change->kept ? change->kept[particle] : 1.0;
+static double yield_of(const struct velocity_change *change, int particle) {
+    return change->yield ? change->yield[particle] : 1.0;
 }
 
 /* Replaces the flux of each row by its impact part. As in one_sided.c, the change of velocity is
  * the larger of two: by this row alone, and by all rows, because the contacts of a point share the
  * force that stops it. */
-static void keep_impacts(void *arg, int first, int last, int block) {
+static void take_impacts(void *arg, int first, int last, int block) {
     const struct impacts *c = arg;
     struct batch *b = c->batch;
     const pdyn_batch *v = &b->view;
@@ -30,7 +30,7 @@ static void keep_impacts(void *arg, int first, int last, int block) {
         gather_row(b, r, c->change->slowed, &slowed);
         gather_row(b, r, c->acceleration, &acceleration);
         for (int k = v->row_entry[r]; k < v->row_entry[r + 1]; k++)
-            softness += kept_of(c->change, v->column[k]) * v->coefficient[k] * v->coefficient[k] /
+            softness += yield_of(c->change, v->column[k]) * v->coefficient[k] * v->coefficient[k] /
                         c->change->mass[v->column[k]];
         double force = sqrt(v4_dot(&flux, &flux));
         if (force > 0.0) {
@@ -79,7 +79,7 @@ int rows_impacts(struct batch *b, const struct velocity_change *change, const do
                  double *force) {
     struct impacts impacts = {b, change, acceleration};
     double count = 0.0;
-    pool_for(b->context->pool, b->view.elements, b->grain, keep_impacts, &impacts);
+    pool_for(b->context->pool, b->view.elements, b->grain, take_impacts, &impacts);
     for (int k = 0; k < pool_blocks(b->view.elements, b->grain); k++) count += b->partial[k];
     batch_scatter(b, force);
     return (int)count;

@@ -29,22 +29,23 @@ static int end_of(const struct pdyn_sim *sim, int b) {
 }
 
 /* Moves impulses (particles x 3, m/s) of a body in v from the weight h_e to the weight h_e^2 / h,
- * and adds the latter to v_before, in their kept parts, which it writes to kept_parts (particles).
- * What they lose, its pins pass on; without pins it is part of lost: momentum of v and v_before, kg
- * m/s, of the impulses between particles. */
+ * and adds the latter to v_before. Of every impulse, a particle gets the kept part, which is
+ * written to `kept` (particles). The rest goes to the pins of the body (sim->passed_on). Without
+ * pins, the rest of the impulses between particles is added to lost: momentum of v and of v_before,
+ * kg m/s. */
 static void shift_velocities(struct pdyn_sim *sim, int b, double h, const double *impulse,
-                             const double *between, double lost[2][3], double *kept_parts) {
+                             const double *between, double lost[2][3], double *kept) {
     const struct objective *objective = &sim->objective;
     double part = objective->h / h, *passed_on = sim->passed_on + 3 * (size_t)b;
     bool pinned = sim_pins_body(sim, b);
     memset(passed_on, 0, 3 * sizeof *passed_on);
     for (int i = sim->body[b].first; i < end_of(sim, b); i++) {
-        double kept = kept_part(sim, i, h, impulse + 3 * i);
-        double left = objective->mass[i] * (1.0 - kept);
-        kept_parts[i] = pinned ? 1.0 : kept;
+        double own = kept_part(sim, i, h, impulse + 3 * i);
+        double left = objective->mass[i] * (1.0 - own);
+        kept[i] = pinned ? 1.0 : own;
         for (int k = 3 * i; k < 3 * i + 3; k++) {
-            sim->v[k] -= kept * (1.0 - part) * impulse[k];
-            sim->v_before[k] += kept * part * impulse[k];
+            sim->v[k] -= own * (1.0 - part) * impulse[k];
+            sim->v_before[k] += own * part * impulse[k];
             lost[0][k % 3] -= pinned ? 0.0 : left * (1.0 - part) * between[k];
             lost[1][k % 3] += pinned ? 0.0 : left * part * between[k];
             passed_on[k % 3] += pinned ? left / objective->h * impulse[k] : 0.0;
@@ -108,22 +109,22 @@ static bool has_other_forces(const struct pdyn_sim *sim) {
     return others;
 }
 
-/* kept[i]: acceleration of particle i by all constraints over that by one-sided ones, at most 1: a
- * pinned vertex does not yield to water, however light it is. kept has 3 numbers per particle as
- * scratch; entry i is written after row i was read. */
-static void find_kept(struct pdyn_sim *sim, const struct velocity_change *change, double *kept) {
+/* yield[i]: acceleration of particle i by all constraints over that by one-sided ones, at most 1: a
+ * pinned vertex does not yield to water, however light it is. At first, yield holds the
+ * acceleration by one-sided constraints, particles x 3: entry i is written after row i was read. */
+static void find_yield(struct pdyn_sim *sim, const struct velocity_change *change, double *yield) {
     struct objective *objective = &sim->objective;
-    memset(kept, 0, objective_bytes(objective));
+    memset(yield, 0, objective_bytes(objective));
     for (int b = 0; b < objective->batches; b++) {
         if (!batch_has_impacts(objective->batch[b])) continue;
         batch_find_acceleration(objective->batch[b], change);
-        objective_axpy(objective, 1.0, change->scratch, kept);
+        objective_axpy(objective, 1.0, change->scratch, yield);
     }
     for (int i = 0; i < objective->particles; i++) {
-        double one_sided = vec3_length(kept + 3 * (size_t)i);
+        double one_sided = vec3_length(yield + 3 * (size_t)i);
         double all = vec3_distance(sim->x_next + 3 * (size_t)i, objective->s + 3 * (size_t)i) /
                      (objective->h * objective->h);
-        kept[i] = all < one_sided ? all / one_sided : 1.0;
+        yield[i] = all < one_sided ? all / one_sided : 1.0;
     }
 }
 
@@ -146,36 +147,42 @@ static void to_velocities(struct pdyn_sim *sim, double *force) {
         force[k] = -objective->h * force[k] / objective->inertia[k / 3];
 }
 
-int impacts_correct(struct pdyn_sim *sim, double h) {
+/* Computes the forces of impacts on particles, N, with the sign of the gradient; returns the number
+ * of constraints with an impact. Overwrites sim->trial, direction and rhs. */
+static int find_impacts(struct pdyn_sim *sim, double *force) {
     struct objective *objective = &sim->objective;
-    double h_e = objective->h, *force = sim->trial_gradient, *slowed = sim->trial;
-    double *between = slowed; /* which is not needed any more then */
+    double *slowed = sim->trial;
     struct velocity_change change = {.slowed = slowed,
                                      .particles = objective->particles,
                                      .mass = objective->rigid ? objective->rigid->effective_mass
                                                               : objective->inertia,
                                      .rigid = objective->rigid,
-                                     .h = h_e,
+                                     .h = objective->h,
                                      .solved = sim->solved,
                                      .scratch = sim->direction};
     int count = 0;
-    if (!sim->v_before) return 0;
     memset(force, 0, objective_bytes(objective));
     memcpy(slowed, sim->v_before, objective_bytes(objective));
     objective_axpy(objective, -1.0, sim->v, slowed);
     if (has_other_forces(sim)) {
-        find_kept(sim, &change, sim->rhs);
-        change.kept = sim->rhs;
+        find_yield(sim, &change, sim->rhs);
+        change.yield = sim->rhs;
     }
     for (int b = 0; b < objective->batches; b++)
         count += batch_impacts(objective->batch[b], &change, force);
-    bool any = find_between(sim, force, between);
-    to_velocities(sim, force);
-    if (any) to_velocities(sim, between);
+    return count;
+}
+
+int impacts_correct(struct pdyn_sim *sim, double h) {
+    double *impulse = sim->trial_gradient, *between = sim->trial, *kept = sim->rhs;
     double lost[2][3] = {{0}, {0}};
-    for (int b = 0; b < sim->bodies; b++)
-        shift_velocities(sim, b, h, force, between, lost, sim->rhs);
-    keep_impacts(sim, sim->rhs);
+    if (!sim->v_before) return 0;
+    int count = find_impacts(sim, impulse);
+    bool any = find_between(sim, impulse, between);
+    to_velocities(sim, impulse);
+    if (any) to_velocities(sim, between);
+    for (int b = 0; b < sim->bodies; b++) shift_velocities(sim, b, h, impulse, between, lost, kept);
+    keep_impacts(sim, kept);
     if (any) give_back(sim, between, lost, sim->direction);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     rigid_bodies_project(sim, sim->x, sim->v_before);
