@@ -28,72 +28,76 @@ struct pdyn_sim {
     struct scene scene;
     bool failed; /* diverged: pdyn_step fails */
 
-    int bodies;
-    pdyn_body *body;                 /* bodies as modules see them */
-    struct topology *topology;       /* bodies; empty for bodies of particles */
-    double *rest;                    /* particles x 3, m: rest positions */
-    struct boundary_points boundary; /* boundary points on solids */
-    struct kinematic_solids motion;  /* motion of the last boundary points */
-    struct solid_loads *loads;       /* forces on solids; NULL in a scene without solids */
-    struct probes *probes;           /* NULL in a scene without probes */
-    bool forces_known;      /* the last local step belongs to the state: forces can be computed */
-    pdyn_services services; /* functions that operators may call */
+    /* The state, and what is known of the steps that led to it. */
+    double *x, *v; /* particles x 3, m and m/s */
+    double time;   /* s */
+    long frame;    /* index of the last frame reached */
+    long steps;
+    double *density;             /* particles, kg/m^3 */
+    double *pressure;            /* particles, Pa */
+    double *pressure_before;     /* particles, Pa: one step earlier */
+    double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
+                                    integrator needs none */
+    double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
+                                        last step */
+    double history; /* s, time from x_before to x; 0: the history must not be used */
+    double last_h;  /* s, length of the last step; 0 before the first */
+    double eps;     /* damping of the next global step, continued from step to step */
+    bool solved;    /* the last step was solved to the tolerance */
+    bool far_off;   /* the last step was far from solved: its end is no guess for the next one */
 
+    /* What is minimised in a step. */
+    struct objective objective; /* masses, prediction s, batches */
     int constraints; /* number of batches that are constraints of the scene; their dampers follow */
-    struct objective objective; /* what is minimised: masses, prediction, batches */
-    double *x, *v;              /* particles x 3: the state, m and m/s */
-    double *density;            /* particles, kg/m^3 */
-    double *pressure;           /* particles, Pa */
-    double *pressure_before;    /* particles, Pa: one step earlier */
-    double *x_next;             /* particles x 3: the iterate, m */
-    double
-        *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL: none */
-    double *gradient; /* particles x 3: gradient of E at the iterate, N */
+    bool anchored;   /* a constraint can change the momentum of the system */
+
+    /* A step: from the base to the prediction, and from there to the last iterate. */
+    double *x_base, *v_base; /* particles x 3: base of the step (integrator.h), m and m/s */
+    double *x_next;          /* particles x 3: the iterate, m */
+    double *gradient;        /* particles x 3: gradient of E at the iterate, N */
+    double *max_step; /* particles, then samples, m: largest displacement of an iterate; NULL:
+                         none */
     /* particles x 3: scratch of the minimisation; rhs: minus the gradient of the model. Between two
      * minimisations they are free: impacts.c, velocities.c, forces.c and solid_load.c overwrite
      * them. */
     double *trial, *trial_gradient, *direction, *rhs;
-    double *x_before, *v_before; /* particles x 3: the state one step earlier, m and m/s; NULL: the
-                                    integrator needs none */
-    double *x_base, *v_base;     /* particles x 3: base of the step (integrator.h), m and m/s */
-    double *constraint_acceleration; /* particles x 3, m/s^2: acceleration by constraints in the
-                                        last step */
-    bool solved;                     /* the last step was solved to the tolerance */
-    bool far_off;      /* the last step was far from solved: its end is no guess for the next one */
-    double last_h;     /* s, length of the last step; 0 before the first */
-    int impacts;       /* number of constraints with an impact in the last step */
-    double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change velocities
-                          (impacts.h) */
-    double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
-    double history;    /* s, time from x_before to x; 0: the history must not be used */
-    double eps;        /* damping of the next global step, continued from step to step */
-    bool anchored;     /* a constraint can change the momentum of the system */
-
-    struct live_particles *live; /* NULL: all particles are live */
-
-    struct carried *carried;         /* beside moving solids; NULL: nothing is carried */
-    struct neighbours *neighbours;   /* NULL: no constraint needs them */
-    struct surface_samples *samples; /* samples on surfaces that act on a fluid; NULL: none */
-    struct occlusion *occlusion; /* the same surfaces, which hide fluid particles from each other */
-
     struct solver_view model; /* the solver's view of the objective */
     struct solver_choice choice;
     const pdyn_global_solver *solver; /* the one in use */
     void *solver_state;
     struct acceleration acceleration;
 
-    double time; /* s */
-    long frame;  /* index of the last frame reached */
-    long steps;
+    /* Forces of the last step. */
+    bool forces_known; /* its last local step belongs to the state: forces can be computed */
+    int impacts;       /* number of constraints with an impact */
+    double left_out;   /* 1 - (h_e / h)^2: the part of their forces that does not change velocities
+                          (impacts.h) */
+    double *passed_on; /* bodies x 3, N: force of impacts that the body's pins take up */
+    struct solid_loads *loads; /* forces on solids; NULL in a scene without solids */
 
-    struct control control; /* what the program changes between steps */
+    /* Bodies and solids. */
+    int bodies;
+    pdyn_body *body;                 /* bodies as modules see them */
+    struct topology *topology;       /* bodies; empty for bodies of particles */
+    double *rest;                    /* particles x 3, m: rest positions */
+    struct live_particles *live;     /* NULL: all particles are live */
+    struct boundary_points boundary; /* boundary points on solids */
+    struct kinematic_solids motion;  /* motion of the last boundary points */
+    struct carried *carried;         /* beside moving solids; NULL: nothing is carried */
+    struct surface_samples *samples; /* samples on surfaces that act on a fluid; NULL: none */
+    struct occlusion *occlusion; /* the same surfaces, which hide fluid particles from each other */
+    struct neighbours *neighbours; /* NULL: no constraint needs them */
+    pdyn_services services;        /* functions that operators may call */
+
+    /* The program, and what it is told. */
+    struct control control; /* what it changes between steps */
+    struct probes *probes;  /* NULL in a scene without probes */
+    void (*observer)(void *user, const pdyn_iteration *iteration);
+    void *observer_user;
     struct warning_list warnings;
     struct energy_budget energy;
     struct crossings *crossings; /* NULL: nothing can pass a surface */
     double floor;                /* m: a particle below this height fell out of the scene */
-
-    void (*observer)(void *user, const pdyn_iteration *iteration);
-    void *observer_user;
 };
 
 /* Whether the solver in use solves for the pressures of a fluid without other constraints. */
