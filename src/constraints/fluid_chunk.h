@@ -11,7 +11,7 @@ struct chunk { /* the neighbours of one chunk that lie within the support */
     int index[CHUNK + 4];
     double squared[CHUNK + 4];           /* squared distance, m^2 */
     double x[CHUNK], y[CHUNK], z[CHUNK]; /* x_i - x_j, m; round_gradients: V grad W, 1/m */
-    double volume[CHUNK];                /* minus the relative volume V, see project_other */
+    double volume[CHUNK];                /* minus the relative volume V of the pair */
     double value[CHUNK], slope[CHUNK];   /* W times the volume of a particle; (dW/dr) / r */
 };
 

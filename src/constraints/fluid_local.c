@@ -113,9 +113,10 @@ INLINE int select_own(const struct fluid *f, int *s, int last, int own[CHUNK]) {
     return count;
 }
 
-/* Stores the pairs of a point i without a constraint of this operator: a sample, or a particle of
- * another fluid. A pair has the volume V of i, not that of the fluid particle j, 1: at[3] - 1 = -V
- * for at[3] = 1 - V. */
+/* Stores the pairs of a point i that has no constraint of this operator: a sample, or a particle of
+ * another fluid. These pairs count with the relative volume V of i. `differences` subtracts the
+ * relative volume of the neighbour, which is 1 because it is a particle of the fluid, from at[3]:
+ * with at[3] = 1 - V it gives -V, as chunk.volume is. */
 INLINE void project_other(struct fluid *f, int i, struct chunk *near, int *front) {
     const pdyn_neighbours *l = f->lists;
     bool sample = i >= l->particles - l->samples;

@@ -34,14 +34,14 @@ pdyn_status objective_add_batch(struct objective *o, const struct batch_def *def
     return status;
 }
 
-/* Counts a pass over all rows, and so many over all one-sided constraints. */
+/* Counts as work: one pass over all rows, and `one_sided` passes over all one-sided constraints. */
 static void count_work(struct objective *o, int one_sided) {
     for (int b = 0; b < o->batches; b++)
         objective_count(o, o->batch[b], o->batch[b]->op ? one_sided : 1);
 }
 
-/* Counts the vector operations of an iteration of a linear solver on so many particles, and the
- * motion of rigid bodies in its product. */
+/* Counts as work: the vector operations of an iteration of a linear solver on so many particles,
+ * and the extension of vectors to the vertices of rigid bodies. */
 static void count_vectors(struct objective *o, int particles) {
     int rigid = 0;
     for (int k = 0; o->rigid && k < o->rigid->bodies; k++) rigid += o->rigid->body[k].vertices;

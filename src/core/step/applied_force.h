@@ -4,7 +4,7 @@
 
 #include "sim.h"
 
-/* The acceleration g + f/m of number k of a vector over the particles, m/s^2. */
+/* Component k, of 3 for each particle, of the acceleration g + f/m, m/s^2. */
 static inline double applied_acceleration(const struct pdyn_sim *sim, int k) {
     const double *force = sim->control.force, g = sim->scene.settings.gravity[k % 3];
     return force ? g + force[k] / sim->objective.mass[k / 3] : g;

@@ -122,25 +122,41 @@ static pdyn_status list_bodies(struct pdyn_sim *sim) {
     return PDYN_OK;
 }
 
-static pdyn_status fill_bodies(struct pdyn_sim *sim) {
+/* A vertex has a third of its triangles and a fourth of its tetrahedra, a particle a cube as wide
+ * as the spacing. */
+static void set_masses(struct pdyn_sim *sim, int b) {
+    const struct scene_body *from = &sim->scene.body[b];
+    const pdyn_body *body = &sim->body[b];
+    double *mass = sim->objective.mass + body->first, spacing = 2.0 * body->radius;
+    for (int k = 0; k < 4 * body->tets; k++)
+        mass[body->tet[k]] += 0.25 * from->density * body->tet_volume[k / 4];
+    for (int i = 0; i < body->count; i++)
+        mass[i] += from->has_mesh ? body->area_density * body->vertex_area[i]
+                                  : body->rest_density * spacing * spacing * spacing;
+}
+
+/* All vertices have the velocity of the body, particles of "fill" one each, and those of inlets 0.
+ */
+static void set_velocities(struct pdyn_sim *sim, int b) {
+    const struct scene_body *from = &sim->scene.body[b];
+    double *v = sim->v + 3 * (size_t)sim->body[b].first;
+    if (!from->has_mesh && from->start_v.count)
+        memcpy(v, from->start_v.x, 3 * (size_t)from->start_v.count * sizeof *v);
+    for (int i = 0; from->has_mesh && i < sim->body[b].count; i++)
+        memcpy(v + 3 * (size_t)i, from->velocity, sizeof from->velocity);
+}
+
+static pdyn_status set_bodies(struct pdyn_sim *sim) {
     for (int b = 0; b < sim->bodies; b++) {
-        const struct scene_body *from = &sim->scene.body[b];
         pdyn_body *body = &sim->body[b];
-        double *mass = sim->objective.mass + body->first, spacing = 2.0 * body->radius;
-        pdyn_status status = from->has_mesh ? describe_surface(sim, b) : PDYN_OK;
+        pdyn_status status = sim->scene.body[b].has_mesh ? describe_surface(sim, b) : PDYN_OK;
         if (status != PDYN_OK) return status;
-        body->rest = sim->rest + 3 * (size_t)body->first, body->mass = mass;
-        for (int k = 0; k < 4 * body->tets; k++)
-            mass[body->tet[k]] += 0.25 * from->density * body->tet_volume[k / 4];
-        for (int i = 0; i < body->count; i++) {
-            mass[i] += from->has_mesh ? body->area_density * body->vertex_area[i]
-                                      : body->rest_density * spacing * spacing * spacing;
-            if (from->has_mesh || i < from->start_v.count)
-                memcpy(sim->v + 3 * (size_t)(body->first + i),
-                       from->has_mesh ? from->velocity : from->start_v.x + 3 * (size_t)i,
-                       sizeof from->velocity);
-            sim->density[body->first + i] = body->rest_density;
-        }
+        body->rest = sim->rest + 3 * (size_t)body->first;
+        body->mass = sim->objective.mass + body->first;
+        set_masses(sim, b);
+        set_velocities(sim, b);
+        for (int i = body->first; i < body->first + body->count; i++)
+            sim->density[i] = body->rest_density;
     }
     return PDYN_OK;
 }
@@ -169,7 +185,7 @@ pdyn_status bodies_create(struct pdyn_sim *sim) {
     if (status == PDYN_OK) status = start_state(sim, &all);
     point_list_free(sim->context, &all);
     if (status == PDYN_OK) status = list_bodies(sim);
-    if (status == PDYN_OK) status = fill_bodies(sim);
+    if (status == PDYN_OK) status = set_bodies(sim);
     if (status == PDYN_OK) find_others(sim);
     return status;
 }

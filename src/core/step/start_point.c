@@ -35,8 +35,10 @@ static pdyn_status start_at(struct pdyn_sim *sim, double *x, double *least, doub
     return status == PDYN_OK ? objective_local(&sim->objective, x, energy, gradient) : status;
 }
 
-/* x = where paths begin: the state, bodies moved by their common displacement. */
-static void go_to_begin(const struct pdyn_sim *sim, double *x) {
+/* x = where the paths of particles to their first iterate begin: the state, with particles carried
+ * along by moving solids (carried.h), and bodies moved by their common displacement
+ * (contact/common_motion.c). */
+static void set_path_starts(const struct pdyn_sim *sim, double *x) {
     const struct objective *objective = &sim->objective;
     memcpy(x, carried_x(sim), objective_bytes(objective));
     for (int b = 0; b < objective->bodies && objective->contact; b++) {
@@ -51,7 +53,7 @@ static void go_to_begin(const struct pdyn_sim *sim, double *x) {
  * way. */
 static pdyn_status start_between(struct pdyn_sim *sim, double part, double *energy) {
     double least, *x = sim->x_next;
-    go_to_begin(sim, x);
+    set_path_starts(sim, x);
     for (int k = 0; k < 3 * sim->objective.particles; k++)
         x[k] += (particle_is_pushed(sim, k / 3) ? 1.0 : part) * (sim->objective.s[k] - x[k]);
     return start_at(sim, x, &least, energy, sim->gradient);
@@ -60,7 +62,7 @@ static pdyn_status start_between(struct pdyn_sim *sim, double part, double *ener
 /* The inertial energy where paths begin: a lower bound of E there, J. Changes sim->trial. */
 static double inertial_energy_at_begin(struct pdyn_sim *sim) {
     double sum = 0.0;
-    go_to_begin(sim, sim->trial);
+    set_path_starts(sim, sim->trial);
     for (int k = 0; k < 3 * sim->objective.particles; k++) {
         double moved = sim->objective.s[k] - sim->trial[k];
         if (!particle_is_pushed(sim, k / 3))

@@ -114,7 +114,7 @@ static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
     if (status == PDYN_OK) status = prepare_lists(sim);
     if (status == PDYN_OK) status = predict(sim, end);
     if (status == PDYN_OK)
-        status = measure_check_range(sim, end->h); /* or contact takes for ever */
+        status = measure_check_range(sim, end->h); /* contact would take for ever on longer paths */
     if (status != PDYN_OK) return status;
     status = carried_move(sim);
     if (status == PDYN_OK) status = energy_budget_open(sim);

@@ -90,8 +90,8 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
     subtract_momentum(sim, excess);
 }
 
-/* After an unsolved step, computes Euler velocities v = (x_next - x) / h: the error of x_next would
- * enter (x_next - x^) / h_e of a two-step formula one and a half times. */
+/* After an unsolved step, computes the velocities of Euler's method, v = (x_next - x) / h. With the
+ * formula (x_next - x^) / h_e of bdf2 they would have 1.5 times the error, because h_e = 2/3 h. */
 static void update_unsolved(struct pdyn_sim *sim, double h) {
     compute_velocities(sim, sim->x, h);
     remove_energy_gain(sim, h);
@@ -103,9 +103,10 @@ static void update_unsolved(struct pdyn_sim *sim, double h) {
 
 /* ---- all steps ------------------------------------------------------------------------------- */
 
-/* A Newton step that was not solved gets Euler velocities. Solvers with multipliers and the classic
- * projective step do not need this if they end early: the former meet inertia exactly, the latter
- * is stiffer than E. */
+/* Only a Newton step needs Euler velocities where it is far from solved. When a solver for the
+ * multipliers of a fluid ends early, positions still follow exactly from its forces and inertia.
+ * When the classic projective step ends early, it has moved too little, because its matrix is
+ * stiffer than E. */
 void velocities_update(struct pdyn_sim *sim, double h) {
     if (sim->far_off && sim->scene.settings.newton && !solves_fluid_alone(sim)) {
         update_unsolved(sim, h);
@@ -118,8 +119,8 @@ void velocities_update(struct pdyn_sim *sim, double h) {
     sim->left_out = sim->v_before ? 1.0 - part * part : 0.0;
 }
 
-/* The following steps see a change of v as an acceleration change / h_e instead of change / h; the
- * factor h_e / h corrects this. */
+/* Operators change velocities as for a step of length h (viscosity). The steps that follow take a
+ * change of v for an acceleration over h_e, not over h; the factor h_e / h corrects this. */
 void velocities_apply_operators(struct pdyn_sim *sim, double h) {
     struct objective *objective = &sim->objective;
     double part = objective->h / h, *before = sim->trial;
