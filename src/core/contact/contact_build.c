@@ -95,25 +95,17 @@ static void add_solids(struct contact *c, const struct scene *scene) {
     }
 }
 
-/* The trees of faces or edges of surfaces and of solids; owner: of the former. */
-static pdyn_status create_pair_of_trees(struct contact *c, struct bvh tree[2], int surfaces,
-                                        int solids, const int *owner) {
-    pdyn_status status = bvh_create(c->context, surfaces, &tree[0]);
-    if (status == PDYN_OK) status = bvh_create(c->context, solids, &tree[1]);
-    tree[0].owner = owner;
-    return status;
-}
-
+/* Each tree twice: of surfaces, whose faces and edges may have owners, and of solids. */
 static pdyn_status create_trees(struct contact *c) {
-    struct bvh *faces[] = {c->broad.face_tree, c->broad.changed_faces},
-               *edges[] = {c->broad.edge_tree, c->broad.changed_edges};
+    struct broad_phase *b = &c->broad;
+    struct bvh *const trees[] = {b->face_tree, b->changed_faces, b->edge_tree, b->changed_edges};
     pdyn_status status = PDYN_OK;
-    for (int k = 0; k < 2 && status == PDYN_OK; k++) {
-        status = create_pair_of_trees(c, faces[k], c->free_faces, c->faces - c->free_faces,
-                                      c->broad.face_body);
-        if (status == PDYN_OK)
-            status = create_pair_of_trees(c, edges[k], c->free_edges, c->edges - c->free_edges,
-                                          c->broad.edge_body);
+    for (int k = 0; k < 8 && status == PDYN_OK; k++) {
+        bool edges = k >= 4, solids = k % 2;
+        int free = edges ? c->free_edges : c->free_faces, all = edges ? c->edges : c->faces;
+        struct bvh *tree = trees[k / 2] + solids;
+        status = bvh_create(c->context, solids ? all - free : free, tree);
+        if (!solids) tree->owner = edges ? b->edge_body : b->face_body;
     }
     return status;
 }

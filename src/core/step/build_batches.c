@@ -42,10 +42,15 @@ static pdyn_status add_each(struct pdyn_sim *sim, add_fn *add) {
     return status;
 }
 
-static pdyn_status add_wet(struct objective *objective, const pdyn_constraint_type *type) {
+/* Adds a batch for another key of the scene than a constraint; its rows come and go. out: may be
+ * NULL. */
+static pdyn_status add_own(struct objective *objective, const pdyn_constraint_type *type,
+                           const pdyn_body *body, struct batch **out) {
     objective->dynamic_rows = true;
-    return objective_add_batch(
-        objective, &(struct batch_def){.type = type, .body = &objective->wet_sides->all});
+    pdyn_status status =
+        objective_add_batch(objective, &(struct batch_def){.type = type, .body = body});
+    if (status == PDYN_OK && out) *out = objective->batch[objective->batches - 1];
+    return status;
 }
 
 /* Friction of a fluid along surfaces, and the resistance of those that it passes. */
@@ -60,8 +65,11 @@ static pdyn_status add_slip_and_seepage(struct pdyn_sim *sim) {
     pdyn_status status =
         wet_sides_create(sim->context, &sim->scene, sim->body, objective->particles, sim->samples,
                          neighbours_view(sim->neighbours), &objective->wet_sides);
-    if (status == PDYN_OK && slip) status = add_wet(objective, &pdyn_constraint_slip);
-    if (status == PDYN_OK && seepage) status = add_wet(objective, &pdyn_constraint_seepage);
+    const pdyn_body *surfaces = status == PDYN_OK ? &objective->wet_sides->all : NULL;
+    if (status == PDYN_OK && slip)
+        status = add_own(objective, &pdyn_constraint_slip, surfaces, NULL);
+    if (status == PDYN_OK && seepage)
+        status = add_own(objective, &pdyn_constraint_seepage, surfaces, NULL);
     for (int b = 0; status == PDYN_OK && b < objective->batches; b++)
         objective->batch[b]->view.wet_sides = &objective->wet_sides->view;
     return status;
@@ -83,14 +91,6 @@ pdyn_status batches_create(struct pdyn_sim *sim) {
 
 /* ---- contact --------------------------------------------------------------------------------- */
 
-static pdyn_status add_on_contacts(struct objective *objective, const pdyn_constraint_type *type,
-                                   struct batch **out) {
-    pdyn_status status = objective_add_batch(
-        objective, &(struct batch_def){.type = type, .body = &objective->contact->body});
-    if (status == PDYN_OK) *out = objective->batch[objective->batches - 1];
-    return status;
-}
-
 /* Gives all constraints the contacts: those of the local step, or of the beginning of the step. */
 static void share_contacts(struct objective *objective) {
     const struct contact *c = objective->contact;
@@ -104,12 +104,12 @@ static void share_contacts(struct objective *objective) {
 pdyn_status batches_add_contact(struct pdyn_sim *sim) {
     struct objective *o = &sim->objective;
     if (!o->contact) return PDYN_OK;
-    o->dynamic_rows = true;
-    pdyn_status status = add_on_contacts(o, &pdyn_constraint_contact, &o->barrier);
+    const pdyn_body *all = &o->contact->body;
+    pdyn_status status = add_own(o, &pdyn_constraint_contact, all, &o->barrier);
     if (status == PDYN_OK && o->contact->bearings)
-        status = add_on_contacts(o, &pdyn_constraint_contact_damping, &o->dashpots);
+        status = add_own(o, &pdyn_constraint_contact_damping, all, &o->dashpots);
     if (status == PDYN_OK && o->contact->settings->friction > 0.0)
-        status = add_on_contacts(o, &pdyn_constraint_friction, &o->friction);
+        status = add_own(o, &pdyn_constraint_friction, all, &o->friction);
     share_contacts(o);
     return status;
 }
