@@ -8,6 +8,7 @@ struct progress {
     double energy;     /* at the iterate */
     double residual;   /* the largest of all bodies there */
     double before;     /* the energy an iteration earlier */
+    double rise;       /* J: velocities_measure_rise */
     int outer, linear; /* iterations */
 };
 

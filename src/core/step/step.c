@@ -86,10 +86,10 @@ static void store_previous_state(struct pdyn_sim *sim, double h) {
 }
 
 /* Accepts the iterate as the new state. */
-static void accept(struct pdyn_sim *sim, double h) {
+static void accept(struct pdyn_sim *sim, double h, double rise) {
     struct objective *objective = &sim->objective;
     store_previous_state(sim, h);
-    velocities_update(sim, h);
+    velocities_update(sim, h, rise);
     for (int k = 0; k < 3 * objective->particles; k++)
         sim->constraint_acceleration[k] =
             (sim->x_next[k] - objective->s[k]) / (objective->h * objective->h);
@@ -100,6 +100,14 @@ static void accept(struct pdyn_sim *sim, double h) {
     forces_pass_on(sim);
     sim->last_h = h;
     sim->steps++;
+}
+
+/* Step residual up to which an unsolved step may serve as history: half of the weight of every
+ * particle. */
+static const double history_residual = 0.5;
+
+static bool is_far_off(const struct pdyn_sim *sim, const struct progress *progress) {
+    return progress->residual > fmax(sim->scene.settings.tolerance, history_residual);
 }
 
 /* Attempts a step; the result is in x_next, the state is unchanged. What take_back needs is set
@@ -120,6 +128,8 @@ static pdyn_status attempt(struct pdyn_sim *sim, const struct step_end *end,
     if (status == PDYN_OK) status = energy_budget_open(sim);
     if (status == PDYN_OK) status = minimise(sim, progress);
     if (status == PDYN_OK) status = restore_momentum(sim);
+    if (status == PDYN_OK)
+        status = velocities_measure_rise(sim, is_far_off(sim, progress), &progress->rise);
     if (status == PDYN_OK) status = measure_check_range(sim, end->h);
     return status == PDYN_OK ? energy_budget_check(sim, end->h) : status;
 }
@@ -177,19 +187,14 @@ static pdyn_status attempt_with_retries(struct pdyn_sim *sim, struct step_end *e
     return fail_step(sim, end->h, status);
 }
 
-/* Step residual up to which an unsolved step may serve as history: half of the weight of every
- * particle. */
-static const double history_residual = 0.5;
-
 /* The step in x_next becomes the state; then time advances, and inlets and outlets act. */
 static void finish_step(struct pdyn_sim *sim, const struct step_end *end,
                         const struct progress *progress) {
-    double tolerance = sim->scene.settings.tolerance;
     measure_update_fluid(sim);
-    sim->solved = progress->residual <= tolerance;
-    sim->far_off = progress->residual > fmax(tolerance, history_residual);
+    sim->solved = progress->residual <= sim->scene.settings.tolerance;
+    sim->far_off = is_far_off(sim, progress);
     crossings_step(sim, end->h);
-    accept(sim, end->h);
+    accept(sim, end->h, progress->rise);
     if (sim->neighbours) neighbours_end_step(sim->neighbours);
     timestep_check(sim, end->h, progress->residual);
     solver_choice_step(sim, progress->linear, sim->solved);

@@ -2,6 +2,7 @@
 #include "velocities.h"
 
 #include "applied_force.h"
+#include "carried.h"
 #include "impacts.h"
 #include "live_particles.h"
 #include "rigid_bodies.h"
@@ -50,33 +51,25 @@ static void mean_velocity(const struct pdyn_sim *sim, double mean[3]) {
     for (int a = 0; a < 3 && mass > 0.0; a++) mean[a] /= mass;
 }
 
-/* Bound of the energy, J, that particle i may gain in a step of length h from v_n to
- * v = (x_next - x_n) / h. Along this path convex constraints release at most the work of their
- * forces at its end; r is the part of these forces that inertia does not balance
- * (docs/theory/step.md). */
-static double energy_gain(const struct pdyn_sim *sim, int i, double h) {
-    const struct objective *objective = &sim->objective;
-    const double *v = sim->v + 3 * i, m = objective->mass[i];
+/* Rise of the energy of motion and height, J, of particle i in a step of length h. */
+static double motion_gain(const struct pdyn_sim *sim, int i, double h) {
+    const double *v = sim->v + 3 * i;
     const double *v_n = (sim->v_before ? sim->v_before : sim->v_base) + 3 * i;
-    double change[3], r[3];
-    for (int a = 0; a < 3; a++) {
-        int k = 3 * i + a;
-        double pulled = (sim->x_next[k] - objective->s[k]) / (objective->h * objective->h);
-        change[a] = v[a] - v_n[a];
-        r[a] = h * sim->gradient[k] + m * (change[a] - h * (pulled + applied_acceleration(sim, k)));
-    }
-    return vec3_dot(r, v) - 0.5 * m * vec3_dot(change, change);
+    double gain = 0.5 * (vec3_dot(v, v) - vec3_dot(v_n, v_n));
+    for (int a = 0; a < 3; a++) gain -= h * v[a] * applied_acceleration(sim, 3 * i + a);
+    return sim->objective.mass[i] * gain;
 }
 
-/* Removes the energy gain from the motion relative to the mean velocity. */
-static void remove_energy_gain(struct pdyn_sim *sim, double h) {
+/* Removes the energy gain from the motion relative to the mean velocity; rise: that of the
+ * constraints' energies. */
+static void remove_energy_gain(struct pdyn_sim *sim, double h, double rise) {
     const struct objective *objective = &sim->objective;
-    double gained = 0.0, kinetic = 0.0, mean[3], excess[3] = {0};
+    double gained = rise, kinetic = 0.0, mean[3], excess[3] = {0};
     mean_velocity(sim, mean);
     for (int i = 0; i < objective->particles; i++) {
         double speed = vec3_distance(sim->v + 3 * i, mean);
         if (!particle_is_live(sim, i) || particle_is_pushed(sim, i)) continue;
-        gained += energy_gain(sim, i, h);
+        gained += motion_gain(sim, i, h);
         kinetic += 0.5 * objective->mass[i] * speed * speed;
     }
     if (!(gained > 0.0)) return;
@@ -92,9 +85,9 @@ static void remove_energy_gain(struct pdyn_sim *sim, double h) {
 
 /* After an unsolved step, computes the velocities of Euler's method, v = (x_next - x) / h. With the
  * formula (x_next - x^) / h_e of bdf2 they would have 1.5 times the error, because h_e = 2/3 h. */
-static void update_unsolved(struct pdyn_sim *sim, double h) {
+static void update_unsolved(struct pdyn_sim *sim, double h, double rise) {
     compute_velocities(sim, sim->x, h);
-    remove_energy_gain(sim, h);
+    remove_energy_gain(sim, h, rise);
     rigid_bodies_project(sim, sim->x_next, sim->v);
     sim->history = 0.0;
     sim->impacts = 0;
@@ -103,13 +96,37 @@ static void update_unsolved(struct pdyn_sim *sim, double h) {
 
 /* ---- all steps ------------------------------------------------------------------------------- */
 
-/* Only a Newton step needs Euler velocities where it is far from solved. When a solver for the
- * multipliers of a fluid ends early, positions still follow exactly from its forces and inertia.
- * When the classic projective step ends early, it has moved too little, because its matrix is
- * stiffer than E. */
-void velocities_update(struct pdyn_sim *sim, double h) {
-    if (sim->far_off && sim->scene.settings.newton && !solves_fluid_alone(sim)) {
-        update_unsolved(sim, h);
+/* Only a Newton step can gain energy where it ends far from solved, and needs Euler velocities.
+ * When a solver for the multipliers of a fluid ends early, positions still follow exactly from its
+ * forces and inertia. When the classic projective step ends early, it has moved too little, because
+ * its matrix is stiffer than E. */
+static bool may_gain(const struct pdyn_sim *sim, bool far_off) {
+    return far_off && sim->scene.settings.newton && !solves_fluid_alone(sim);
+}
+
+/* Energy of all constraints at the last local step, J. */
+static double constraint_energy(const struct objective *objective) {
+    double sum = 0.0;
+    for (int b = 0; b < objective->batches; b++) sum += objective->batch[b]->energy;
+    return sum;
+}
+
+/* The energies of both ends are those of the constraints of this step, so that what solids and pins
+ * do as they move does not count as a gain. */
+pdyn_status velocities_measure_rise(struct pdyn_sim *sim, bool far_off, double *rise) {
+    struct objective *objective = &sim->objective;
+    double energy, after = constraint_energy(objective);
+    *rise = 0.0;
+    if (!may_gain(sim, far_off)) return PDYN_OK;
+    pdyn_status status = objective_local(objective, carried_x(sim), &energy, sim->trial_gradient);
+    *rise = after - constraint_energy(objective);
+    return status == PDYN_OK ? objective_local(objective, sim->x_next, &energy, sim->gradient)
+                             : status;
+}
+
+void velocities_update(struct pdyn_sim *sim, double h, double rise) {
+    if (may_gain(sim, sim->far_off)) {
+        update_unsolved(sim, h, rise);
         return;
     }
     compute_velocities(sim, sim->x_base, sim->objective.h);
