@@ -120,11 +120,11 @@ static pdyn_status search_line(struct pdyn_sim *sim, const struct rule *rule, do
 }
 
 /* A line search along the direction. */
-static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
+static pdyn_status descend(struct pdyn_sim *sim, double highest, double *energy,
                            struct line_step *step) {
     struct rule rule = {
         .bound = *energy, .armijo = armijo_part, .uphill = wolfe_part, .tries = BACKTRACKS};
-    if (sim->solver->dual) rule.bound = fmax(before, *energy), rule.armijo = rule.uphill = 0.0;
+    if (sim->solver->dual) rule.bound = highest, rule.armijo = rule.uphill = 0.0;
     pdyn_status status = search_line(sim, &rule, energy, step);
     if (status != PDYN_OK) return status;
     if (step->length == 0.0)
@@ -135,15 +135,15 @@ static pdyn_status descend(struct pdyn_sim *sim, double before, double *energy,
 
 /* Takes the point that the acceleration (Anderson, Chebyshev) proposes, if E is lower there;
  * otherwise searches along the direction. */
-pdyn_status line_search(struct pdyn_sim *sim, double before, double *energy,
+pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
                         struct line_step *step) {
     struct acceleration *a = &sim->acceleration;
     pdyn_status status = PDYN_OK;
     if (!acceleration_propose(a, sim->x_next, sim->direction))
-        return descend(sim, before, energy, step);
+        return descend(sim, highest, energy, step);
     status = search_line(sim, &(struct rule){.bound = *energy, .tries = 1}, energy, step);
     if (status != PDYN_OK || step->length > 0.0) return status;
     acceleration_start(a);
     memcpy(sim->direction, a->plain, objective_bytes(&sim->objective));
-    return descend(sim, before, energy, step);
+    return descend(sim, highest, energy, step);
 }

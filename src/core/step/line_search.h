@@ -10,10 +10,9 @@ struct line_step {             /* a step along the direction */
 };
 
 /* Moves the iterate along sim->direction, which the acceleration may change, and updates *energy
- * and sim->gradient. If no step is accepted, iterate, energy and gradient do not change. before:
- * energy one iteration earlier. With a dual solver a step may raise E up to this value, because
- * multipliers are inaccurate. */
-pdyn_status line_search(struct pdyn_sim *sim, double before, double *energy,
+ * and sim->gradient. If no step is accepted, iterate, energy and gradient do not change. With a
+ * dual solver a step may raise E up to `highest`, because multipliers are inaccurate. */
+pdyn_status line_search(struct pdyn_sim *sim, double highest, double *energy,
                         struct line_step *taken);
 
 #endif

@@ -102,6 +102,13 @@ static double damping_at_start(const struct pdyn_sim *sim) {
     return sim->scene.settings.newton ? less_damping(sim->eps, dual_damping_factor) : sim->eps;
 }
 
+/* How high E may be after an iteration with a dual solver: as high as two iterations ago, but the
+ * last iterate, which becomes the state, not above the one before. */
+static double highest_energy(const struct pdyn_sim *sim, const struct progress *p) {
+    bool last = p->outer + 1 == sim->scene.settings.outer_iterations;
+    return last ? p->energy : fmax(p->before, p->energy);
+}
+
 /* A global step and a line search. *moved is false where no step lowers E any more. */
 static pdyn_status iteration(struct pdyn_sim *sim, struct progress *p, bool *moved) {
     struct line_step taken = {0};
@@ -113,7 +120,7 @@ static pdyn_status iteration(struct pdyn_sim *sim, struct progress *p, bool *mov
         status = global_step(sim, first ? 0.0 : sim->eps, first_solve, &p->linear);
     if (status == PDYN_OK && !(objective_norm(&sim->objective, sim->direction) > 0.0))
         status = check_tangents(sim);
-    if (status == PDYN_OK) status = line_search(sim, p->before, &p->energy, &taken);
+    if (status == PDYN_OK) status = line_search(sim, highest_energy(sim, p), &p->energy, &taken);
     p->before = energy;
     if (status != PDYN_OK) return status;
     *moved = first || taken.length > 0.0 || sim->eps < 1.0;

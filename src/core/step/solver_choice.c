@@ -144,9 +144,15 @@ void solver_choice_free(struct pdyn_sim *sim) {
 
 /* ---- from step to step ----------------------------------------------------------------------- */
 
+/* A step that was cut short far from its minimum has moved too little with a solver for positions.
+ * With a dual one it may be anywhere, and the scene would stop within a few steps. */
+static bool dual_has_failed(const struct pdyn_sim *sim) {
+    return sim->far_off && sim->solver->dual;
+}
+
 static void end_trial(struct pdyn_sim *sim) {
     struct solver_choice *c = &sim->choice;
-    bool won = c->slot[c->active].cost < c->slot[!c->active].cost;
+    bool won = !dual_has_failed(sim) && c->slot[c->active].cost < c->slot[!c->active].cost;
     c->trial = false;
     c->wait = won ? SHORTEST_WAIT : 2 * c->wait < LONGEST_WAIT ? 2 * c->wait : LONGEST_WAIT;
     c->next = sim->steps + c->wait;
@@ -170,7 +176,7 @@ void solver_choice_step(struct pdyn_sim *sim, int iterations, bool solved) {
     bool alone = c->trial || now->cost == 0.0;
     now->cost = alone ? cost : 0.5 * (now->cost + cost);
     c->dual_steps += c->active;
-    if (c->trial) {
+    if (c->trial || dual_has_failed(sim)) {
         end_trial(sim);
     } else if (iterations > CHEAP && (sim->steps >= c->next || now->cost > grown * c->reference)) {
         c->trial = true;

@@ -6,9 +6,10 @@
  * Where the scene asks for "auto", work is counted (objective.work): the solver in use is the one
  * whose steps take less. The other one is tried for a step when the cost has tripled since the last
  * trial, or after a number of steps, which grows with every trial that it loses. A step that takes
- * many times the work of the steps before it is continued by the other solver. A solver that comes
- * back into use has the damping that it had: to find it again would take up to three times the work
- * of a step. Counts decide, never times, so that results are the same on every machine. */
+ * many times the work of the steps before it is continued by the other solver. A step in pressures
+ * that ends far from solved is the last one for a while. A solver that comes back into use has the
+ * damping that it had: to find it again would take up to three times the work of a step. Counts
+ * decide, never times, so that results are the same on every machine. */
 #ifndef PDYN_SOLVER_CHOICE_H
 #define PDYN_SOLVER_CHOICE_H
 
